@@ -1,13 +1,13 @@
 //! File access: bounded reading of untrusted files, and atomic writing of outputs.
 //!
-//! Reading turns a path, possibly taken from a foreign file, into bytes or an error. Folders, devices and pipes are
-//! refused before they are opened, because opening a pipe waits for its writer and a device may never end. Files that
-//! report a length of 0 count as empty and are not opened either, because reading some files in `/proc` blocks. At most
-//! the limit is read, even if the file grows meanwhile.
+//! Reading: the path may come from an untrusted file, and the result is the content of the file or an error. Folders,
+//! devices and pipes are refused before they are opened, because opening a pipe waits for its writer and a device may
+//! never end. Files that report a length of 0 count as empty and are not opened either, because reading some files in
+//! `/proc` blocks. No more than the size limit is read, even if the file grows meanwhile.
 //!
-//! Writing: every output of the program goes through [`write()`] or [`write_new`]. The bytes go to a temporary file in
-//! the same folder, are flushed to the disk, and take the name of the output by a rename. At any moment the name
-//! therefore refers to the complete old file or to the complete new file, never to a part.
+//! Writing: every output of the program goes through [`write()`] or [`write_new`]. The bytes are written to a temporary
+//! file in the same folder and flushed to the disk; then the file is renamed to the output. The output name therefore
+//! always refers to the complete old file or to the complete new file, never to a part.
 
 pub(crate) mod stored_path;
 
@@ -99,8 +99,8 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_by(path, |file| file.write_all(bytes))
 }
 
-/// Writes the output of `produce` to `path` piece by piece, without holding all of it in memory. Otherwise works like
-/// [`write()`].
+/// Writes the output of `produce` to `path` piece by piece, without holding all of it in memory. In all other respects
+/// it works like [`write()`].
 ///
 /// # Errors
 /// Returns the same errors as [`write()`], and errors of `produce`. An existing file is then unchanged.
@@ -186,11 +186,11 @@ pub(crate) fn lock(path: &Path) -> io::Result<File> {
     Err(ErrorKind::WouldBlock.into())
 }
 
-/// File that the path of an output refers to, after following symbolic links.
+/// Destination of an output, after following symbolic links.
 enum Target {
-    /// Device, pipe, or open file of a process, which is written to directly.
+    /// Device, pipe, or a process's open file in `/proc`, which is written to directly.
     Direct(PathBuf),
-    /// Existing regular file, which is replaced.
+    /// Existing regular file, which is replaced atomically.
     Replaced(PathBuf),
     /// Path at which no file exists yet.
     New(PathBuf),
@@ -229,13 +229,13 @@ impl Target {
     }
 }
 
-/// Returns a temporary file in `folder` with `bytes`, flushed to the disk. The file is deleted when dropped.
+/// Creates a temporary file in `folder` that contains `bytes`, flushed to the disk. The file is deleted when dropped.
 fn written(folder: &Path, bytes: &[u8]) -> io::Result<NamedTempFile> {
     produced(folder, |file| file.write_all(bytes))
 }
 
-/// Returns a temporary file in `folder` with the output of `produce`, flushed to the disk. The file is deleted when
-/// dropped.
+/// Creates a temporary file in `folder` that contains the output of `produce`, flushed to the disk. The file is deleted
+/// when dropped.
 fn produced(folder: &Path, produce: impl FnOnce(&mut dyn io::Write) -> io::Result<()>) -> io::Result<NamedTempFile> {
     let mut builder = Builder::new();
     builder.prefix(".rasterscope-").suffix(".tmp");
@@ -253,7 +253,7 @@ fn produced(folder: &Path, produce: impl FnOnce(&mut dyn io::Write) -> io::Resul
     Ok(file)
 }
 
-/// Removes the name of the temporary file from an error, because the caller names the output.
+/// Removes the name of the temporary file from an error message, because the caller adds the name of the output.
 fn plain(error: &io::Error) -> io::Error {
     match error.get_ref().and_then(std::error::Error::source).and_then(|source| source.downcast_ref::<io::Error>()) {
         Some(source) => source.raw_os_error().map_or_else(|| source.kind().into(), io::Error::from_raw_os_error),
@@ -269,7 +269,7 @@ fn sync_folder(folder: &Path) {
     }
 }
 
-/// Returns the folder of a file, or `.` for a bare file name.
+/// Returns the folder of a file, or `.` if the path is only a file name.
 fn folder_of(file: &Path) -> &Path {
     match file.parent() {
         Some(folder) if folder != Path::new("") => folder,

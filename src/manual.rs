@@ -57,7 +57,7 @@ chapters! {
 pub(crate) struct Section {
     /// Text of the heading, without its leading `#` marks.
     pub(crate) heading: &'static str,
-    /// Heading and text in Markdown, without pictures and comments.
+    /// Heading and text in Markdown, without images and comments.
     pub(crate) markdown: String,
 }
 
@@ -80,13 +80,14 @@ impl Chapter {
         self.text().lines().find_map(|line| line.strip_prefix("# ")).unwrap_or(self.file())
     }
 
-    /// Returns the chapter that a link within the manual leads to, or `None` if it leads elsewhere.
+    /// Returns the chapter that a link within the manual points to, or `None` if it points elsewhere.
     pub(crate) fn of_link(link: &str) -> Option<Self> {
         let file = link.split('#').next()?;
         Self::ALL.iter().copied().find(|chapter| chapter.file() == file)
     }
 
-    /// Returns the sections in reading order. Pictures are omitted: they show the window that the reader is looking at.
+    /// Returns the sections in reading order. Images are omitted, because they show the window that the reader is
+    /// looking at.
     pub(crate) fn sections(self) -> Vec<Section> {
         let mut sections: Vec<Section> = Vec::new();
         let mut is_code = false;

@@ -1,8 +1,8 @@
-//! Sanitising of text from outside the program: names in models, file names, messages of decoders and of the operating
-//! system.
+//! Sanitising of text from outside the program: names in models, file names, and messages from decoders and from the
+//! operating system.
 //!
-//! A terminal obeys control characters, and bidirectional controls make a name look like another one. [`clean`] removes
-//! both; scene loaders apply it to every name, so the rest of the program can print names as they are.
+//! A terminal interprets control characters, and bidirectional controls make a name look like another one. [`clean`]
+//! replaces both; scene loaders apply it to every name, so the rest of the program can print names as they are.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -39,8 +39,8 @@ pub(crate) fn path(path: &Path) -> String {
     one_line(&path.display().to_string())
 }
 
-/// Returns whether a terminal or a title bar may obey the character instead of showing it: C0, DEL, C1, bidirectional
-/// controls, and the separators of lines and paragraphs.
+/// Returns whether a terminal or a title bar may interpret the character instead of displaying it: C0 controls, DEL, C1
+/// controls, bidirectional controls, and line and paragraph separators.
 fn is_unsafe(c: char) -> bool {
     let is_bidi = matches!(c, '\u{61C}' | '\u{200E}' | '\u{200F}' | '\u{202A}'..='\u{202E}' | '\u{2066}'..='\u{2069}');
     c.is_control() || is_bidi || matches!(c, '\u{2028}' | '\u{2029}')

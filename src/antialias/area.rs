@@ -1,13 +1,13 @@
-//! Area coverage: the fraction of each pixel that a triangle covers. It is the weight of area sampling with a box
-//! filter, accurate to the last bits of an `f64`.
+//! Area coverage: the fraction of each pixel that a triangle covers, as used by area sampling with a box filter. It is
+//! accurate to the last bits of an `f64`.
 //!
 //! The pixel, a square, is clipped by the half-plane of each edge that passes through it (Sutherland and Hodgman 1974).
-//! The shoelace formula gives the area of the clipped polygon. In plain floats, a sliver would be the small difference
-//! of two large areas. Values from the edge functions onward therefore have 106 bits of precision, in coordinates
-//! relative to the pixel. The result is rounded once.
+//! The shoelace formula gives the area of the clipped polygon. In plain floats, the area of a sliver would be the small
+//! difference of two large numbers. Values from the edge functions onward therefore have 106 bits of precision, in
+//! coordinates relative to the pixel. The result is rounded once.
 //!
-//! The cost is proportional to the pixels of the triangle's bounding box within the picture: a few float operations
-//! each, and some microseconds more for each pixel that an edge passes through.
+//! The cost is a few float operations for each pixel of the triangle's bounding box within the picture, plus some
+//! microseconds for each pixel that an edge passes through.
 
 use std::cmp::Ordering;
 use std::ops::Range;
@@ -48,18 +48,18 @@ pub(crate) fn triangle_area(corners: [DVec2; 3], width: u32, height: u32) -> Tri
 }
 
 impl TriangleArea {
-    /// Returns the next pixel of the bounding box to examine, or `None` at the end.
+    /// Returns column and row of the next pixel of the bounding box to examine, or `None` after the last pixel.
     pub(crate) fn probe(&self) -> Option<(u32, u32)> {
         (self.columns.contains(&self.probe.0) && self.rows.contains(&self.probe.1)).then_some(self.probe)
     }
 
-    /// Returns an upper bound on the number of pixels left to examine, exact at the start of a row.
+    /// Returns an upper bound on the number of pixels left to examine. The bound is exact at the start of a row.
     pub(crate) fn probes_left(&self) -> u64 {
         self.columns.len() as u64 * u64::from(self.rows.end.saturating_sub(self.probe.1))
     }
 
-    /// Examines the next pixel. Returns its column, row and covered area, `Some(None)` if the triangle does not cover
-    /// it, or `None` at the end.
+    /// Examines the next pixel of the bounding box. Returns its column, row and covered area in px², `Some(None)` if
+    /// the triangle does not cover the pixel, or `None` after the last pixel.
     pub(crate) fn step(&mut self) -> Option<Option<(u32, u32, f64)>> {
         let (x, y) = self.probe()?;
         self.probe = if x + 1 < self.columns.end { (x + 1, y) } else { (self.columns.start, y + 1) };
@@ -67,7 +67,7 @@ impl TriangleArea {
         Some((area > 0.0).then_some((x, y, area)))
     }
 
-    /// Returns the area of a pixel that the triangle covers, in px².
+    /// Returns the area, in px², of the part of a pixel that the triangle covers.
     fn area(&self, x: u32, y: u32) -> f64 {
         let sides = self.edges.each_ref().map(|edge| edge.side_of_pixel(x, y));
         if sides.contains(&Some(Ordering::Less)) {
@@ -99,7 +99,7 @@ impl Iterator for TriangleArea {
 struct HalfPlane {
     slope: PixelPoint,
     constant: DoubleDouble,
-    /// Bound on the rounding error of the edge function, evaluated in `f64` within the picture.
+    /// Upper bound on the rounding error of the edge function, if evaluated in `f64` at points within the picture.
     error: f64,
 }
 
@@ -119,8 +119,8 @@ impl HalfPlane {
         Self { slope: self.slope.map(|s| -s), constant: -self.constant, error: self.error }
     }
 
-    /// Classifies a whole pixel: `Greater` inside, `Less` outside, `None` if the edge passes through it or very close
-    /// by.
+    /// Classifies a pixel: `Greater` if all of it is inside the half-plane, `Less` if all of it is outside, `None` if
+    /// the edge passes through the pixel or very close to it.
     fn side_of_pixel(&self, x: u32, y: u32) -> Option<Ordering> {
         let [slope_x, slope_y] = self.slope.map(DoubleDouble::rounded);
         let corner = slope_x * f64::from(x) + slope_y * f64::from(y) + self.constant.rounded();
@@ -139,7 +139,8 @@ impl HalfPlane {
         self.slope[0] * x + self.slope[1] * y + self.constant
     }
 
-    /// Returns the edge function at a position relative to a pixel's top left corner, where its value is `at_corner`.
+    /// Returns the edge function at `place`, relative to a pixel's top left corner. `at_corner` is the value at that
+    /// corner.
     fn at(&self, place: PixelPoint, at_corner: DoubleDouble) -> DoubleDouble {
         self.slope[0] * place[0] + self.slope[1] * place[1] + at_corner
     }
@@ -168,8 +169,9 @@ fn cut(polygon: &[PixelPoint], edge: &HalfPlane, at_corner: DoubleDouble) -> Vec
     inside
 }
 
-/// Returns the zero of a linear function between two positions, given the magnitudes of its values there, which have
-/// opposite signs. It is computed from the nearer position, so a point close to a corner keeps all its digits.
+/// Returns the point between two positions at which a linear function is zero. Each position comes with the magnitude
+/// of the function there; the two values have opposite signs. Interpolation starts at the position with the smaller
+/// magnitude, so a zero close to a corner keeps all its digits.
 fn crossing(a: (PixelPoint, DoubleDouble), b: (PixelPoint, DoubleDouble)) -> PixelPoint {
     let ((near, small), (far, large)) = if a.1.rounded() <= b.1.rounded() { (a, b) } else { (b, a) };
     let share = small / (small + large);
@@ -197,8 +199,9 @@ mod tests {
         triangle_area(corners.map(DVec2::from), SIZE, SIZE).collect()
     }
 
-    /// Returns the signed area between a segment and the lower side of a pixel, within the pixel, as an integral over
-    /// x. A segment at height h above the lower side adds min(max(h, 0), 1) dx, negative if it runs to the left.
+    /// Returns the signed area between a segment and the bottom side of a pixel, within the pixel, as an integral over
+    /// x. A piece of width dx at height h above the bottom side adds min(max(h, 0), 1) dx. The sign is negative if the
+    /// segment runs to the left.
     fn under_segment(from: (f64, f64), to: (f64, f64), column: u32, row: u32) -> f64 {
         let (x0, bottom) = (f64::from(column), f64::from(row) + 1.0);
         let [a, b] = [from.0, to.0].map(|x| x.clamp(x0, x0 + 1.0));

@@ -3,12 +3,12 @@
 //! After T. Lottes, "FXAA" (NVIDIA, 2009) and the white paper of FXAA 3.11. Contrast is measured in 8-bit luma of sRGB
 //! codes, as FXAA 3.11 stores it in the alpha channel. Where the contrast is large enough:
 //!
-//! 1. second differences decide whether the edge is horizontal or vertical, first differences which neighbour lies
-//!    across it;
-//! 2. the line between the two pixels is followed both ways until the luma along it changes;
-//! 3. a straight line between the two ends cuts into the pixels on one side of the edge: such a pixel blends with its
-//!    neighbour across the edge, by the share that the line cuts off;
-//! 4. a pixel that stands out from its eight neighbours blends by at least a share that grows with the difference.
+//! 1. second differences of luma decide whether the edge is horizontal or vertical, and first differences decide which
+//!    neighbour lies across it;
+//! 2. the boundary between the two pixels is followed in both directions until the luma along it changes;
+//! 3. a straight line between the two endpoints cuts into the pixels on one side of the edge: each of them is blended
+//!    with its neighbour across the edge, weighted by the fraction of the pixel that the line cuts off;
+//! 4. a pixel that differs from its eight neighbours is blended at least with a weight that grows with the difference.
 
 use std::cell::RefCell;
 
@@ -18,35 +18,37 @@ use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 
-/// Minimum contrast around a pixel for an edge, in 8-bit luma codes.
+/// Minimum contrast for an edge, in 8-bit luma codes. Contrast is the difference between the brightest and the darkest
+/// luma of a pixel and its four neighbours.
 const MIN_CONTRAST: i16 = 8;
 
-/// Minimum contrast for an edge, relative to the brightest luma around the pixel, as a right shift: 2⁻³.
+/// Minimum contrast for an edge as a fraction of the brightest luma around the pixel, given as a right shift: 3 stands
+/// for 2⁻³.
 const MIN_CONTRAST_SHIFT: u32 = 3;
 
-/// Maximum share by which an isolated pixel blends with its neighbour.
+/// Maximum blend weight of the neighbour for an isolated pixel.
 const SUBPIXEL: f32 = 0.75;
 
-/// Minimum share for blending; with a smaller one, the pixel stays unchanged. That happens at 20 % of the edge pixels
-/// of the scene chess at 1920 × 1080 px, and at 46 % of those of stained-glass.
+/// Minimum blend weight. With a smaller weight, the pixel stays unchanged. This happens at 20 % of the edge pixels of
+/// the scene chess at 1920 × 1080 px, and at 46 % of the edge pixels of stained-glass.
 const MIN_SHARE: f32 = 1.0 / 256.0;
 
-/// Maximum distance, in pixels, that an edge is followed each way. An edge ends where the luma on its line changes by a
-/// quarter of its gradient.
+/// Maximum distance, in pixels, over which an edge is followed in each direction. An edge ends where the mean luma of
+/// the two pixels beside it changes by a quarter of the luma difference across it.
 pub(crate) const SEARCH_PX: u32 = 16;
 
 /// Number of pixels filtered together, one per 16-bit SIMD lane.
 const BLOCK: usize = 32;
 
-/// Number of rows and columns of luma around a band: the distance that a search reads.
+/// Number of rows and columns of luma on each side of a band: the maximum distance that the edge search reads.
 const MARGIN: usize = SEARCH_PX as usize;
 
-/// Number of bands per thread. It is small, because the luma of [`MARGIN`] rows on either side of a band is computed
-/// twice.
+/// Number of bands per thread. It is small, because the luma of the [`MARGIN`] rows above and below each band is
+/// computed twice.
 const BANDS_PER_THREAD: usize = 4;
 
 thread_local! {
-    /// Luma of a band. Reusing the buffer for the next picture avoids page faults.
+    /// Buffer for the luma of a band of rows. Reusing the buffer for the next picture avoids page faults.
     static LUMA: RefCell<Vec<i16>> = RefCell::default();
 }
 
@@ -129,7 +131,8 @@ fn luma_of_block<S: Simd>(simd: S, pixels: &[Rgba8; BLOCK]) -> i16x32<S> {
     low.narrow(high).bitcast()
 }
 
-/// Filters one row in place. `row` holds the unfiltered pixels; `start` is the index of its first pixel in the picture.
+/// Filters one row in place. On entry, `row` holds the unfiltered pixels; `start` is the index of its first pixel in
+/// the picture.
 #[inline(always)]
 fn filter_row<S: Simd>(
     simd: S,
@@ -166,32 +169,32 @@ struct Neighbourhood<'a> {
     luma: &'a [i16],
     /// Distance between rows, in elements of `luma`.
     stride: usize,
-    /// Index of the first of these pixels in `luma`.
+    /// Index in `luma` of the first of the [`BLOCK`] pixels.
     place: usize,
 }
 
-/// Edge through each of [`BLOCK`] pixels.
+/// Edges through [`BLOCK`] pixels, one edge per SIMD lane.
 struct ContrastEdges<S: Simd> {
-    /// Pixels whose neighbour across the edge is the one above or to the left.
+    /// Mask of the pixels whose neighbour across the edge lies above or to the left.
     towards_before: mask16x32<S>,
-    /// Sum of the luma of each pixel and of its neighbour across the edge.
+    /// Luma of each pixel plus the luma of its neighbour across the edge.
     line: i16x32<S>,
-    /// Minimum change of [`ContrastEdges::line`] that ends an edge.
+    /// Minimum change of [`ContrastEdges::line`] along the edge at which the edge ends.
     ends_at: i16x32<S>,
 }
 
-/// Ends of the edges through [`BLOCK`] pixels, in one of the two directions.
+/// Endpoints of the edges through [`BLOCK`] pixels, in one of the two directions along the edges.
 #[derive(Clone, Copy)]
 struct EdgeDistances<S: Simd> {
-    /// Distance from the pixel to the end of its edge, in pixels.
+    /// Distance from the pixel to the endpoint of its edge, in pixels.
     step: i16x32<S>,
-    /// Change of [`ContrastEdges::line`] at the end of the edge.
+    /// Value of [`ContrastEdges::line`] at the endpoint of the edge minus its value at the pixel.
     change: i16x32<S>,
 }
 
-/// Blend of each of [`BLOCK`] pixels with its neighbour across the edge. Bit `i` of a mask stands for pixel `i`.
+/// Blend weights and neighbours of [`BLOCK`] pixels. Bit `i` of each mask stands for pixel `i`.
 struct Blends {
-    /// Pixels whose share is at least [`MIN_SHARE`].
+    /// Mask of the pixels with a blend weight of at least [`MIN_SHARE`].
     found: u32,
     horizontal: u32,
     towards_before: u32,
@@ -204,7 +207,7 @@ impl Neighbourhood<'_> {
         i16x32::from_slice(simd, &self.luma[place..place + BLOCK])
     }
 
-    /// Returns the luma above, below, to the left, to the right, and at the pixels themselves.
+    /// Returns the luma of the neighbours above, below, to the left and to the right, and of the pixels themselves.
     #[inline(always)]
     fn cross<S: Simd>(&self, simd: S) -> [i16x32<S>; 5] {
         let Self { stride, place, .. } = *self;
@@ -219,7 +222,7 @@ impl Neighbourhood<'_> {
         contrast(cross).simd_ge(least.max(MIN_CONTRAST))
     }
 
-    /// Computes the blends of the pixels in `found`.
+    /// Computes neighbour and blend weight of each pixel in the mask `found`.
     #[inline(always)]
     fn blends<S: Simd>(&self, simd: S, found: mask16x32<S>) -> Blends {
         let cross = self.cross(simd);
@@ -266,8 +269,8 @@ impl Neighbourhood<'_> {
         }
     }
 
-    /// Follows the edges of the pixels in `found` in both directions. `along` and `across` are the distances between
-    /// neighbours along and across the edge, in elements of the luma buffer.
+    /// Follows the edges through the pixels in the mask `found` in both directions. `along` and `across` are the
+    /// distances between neighbours along and across the edge, in elements of the luma buffer.
     #[inline(always)]
     fn search<S: Simd>(
         &self,
@@ -294,7 +297,8 @@ impl Neighbourhood<'_> {
 }
 
 impl<S: Simd> EdgeDistances<S> {
-    /// Moves the ends of the edges in `going` to `step`. Returns a mask of the edges that continue.
+    /// Moves the endpoints of the edges in the mask `going` to the distance `step`, in pixels. Returns a mask of the
+    /// edges that continue beyond it.
     #[inline(always)]
     fn extend(&mut self, going: mask16x32<S>, step: usize, change: i16x32<S>, ends_at: i16x32<S>) -> mask16x32<S> {
         self.step = going.select(i16x32::splat(change.simd, step as i16), self.step);
@@ -308,15 +312,16 @@ fn brightest<S: Simd>([n, s, w, e, middle]: [i16x32<S>; 5]) -> i16x32<S> {
     n.max(s).max(w).max(e).max(middle)
 }
 
-/// Returns the difference between the brightest and the darkest luma of a cross.
+/// Returns the difference between the brightest and the darkest luma among a pixel and its four neighbours.
 #[inline(always)]
 fn contrast<S: Simd>(cross: [i16x32<S>; 5]) -> i16x32<S> {
     let [n, s, w, e, middle] = cross;
     brightest(cross) - n.min(s).min(w).min(e).min(middle)
 }
 
-/// Returns the blend share of pixels. It is half the distance from the middle of the edge divided by the edge's length,
-/// or more where a pixel stands out from its neighbours. `stands_out` is twelve times the difference from their mean.
+/// Returns the blend weights of pixels: the distance from the middle of the edge divided by the edge's length, or more
+/// if a pixel differs from its neighbours. `numbers` are the difference of the distances to both endpoints, the edge's
+/// length, twelve times the difference from the mean of the neighbours, and the contrast.
 #[inline(always)]
 fn share<S: Simd>(numbers: [i32x16<S>; 4]) -> f32x16<S> {
     let [off_centre, length, stands_out, contrast] = each!(i in [0, 1, 2, 3] => numbers[i].to_float::<f32x16<S>>());
@@ -326,13 +331,14 @@ fn share<S: Simd>(numbers: [i32x16<S>; 4]) -> f32x16<S> {
     of_line.max(smooth * smooth * SUBPIXEL)
 }
 
-/// Returns the magnitude of the second difference of luma.
+/// Returns the magnitude of the second difference of luma, over three adjacent pixels.
 #[inline(always)]
 fn bend<S: Simd>(before: i16x32<S>, own: i16x32<S>, after: i16x32<S>) -> i16x32<S> {
     (before + after - own * 2).abs()
 }
 
-/// Returns `own` blended with a share of `other`; alpha is that of `own`.
+/// Returns `own` · (1 − `share`) + `other` · `share` with the alpha of `own`, computed in linear light if `linear` is
+/// `true`, else in sRGB codes.
 #[inline(always)]
 fn mix(tables: &Tables, own: Rgba8, other: Rgba8, share: f32, linear: bool) -> Rgba8 {
     let mut result = own;
@@ -355,7 +361,7 @@ mod tests {
         (54 * i32::from(r) + 183 * i32::from(g) + 19 * i32::from(b) + 128) / 256
     }
 
-    /// Filters one pixel as published: the scalar reference for the SIMD lanes.
+    /// Filters one pixel in scalar code: the reference for the SIMD code.
     fn filtered(picture: &Image<Rgba8>, lumas: &Image<i32>, at: (i64, i64), linear: bool) -> Rgba8 {
         let own = picture.at_clamped(at.0, at.1);
         match blend(lumas, at) {
@@ -366,7 +372,8 @@ mod tests {
         }
     }
 
-    /// Returns the offset of the neighbour that a pixel blends with, and the share; `None` if there is no edge.
+    /// Returns the offset of the neighbour that a pixel is blended with, and the blend weight; `None` if there is no
+    /// edge.
     fn blend(lumas: &Image<i32>, (x, y): (i64, i64)) -> Option<([i64; 2], f32)> {
         let at = |dx: i64, dy: i64| lumas.at_clamped(x + dx, y + dy);
         let (middle, [n, s, w, e]) = (at(0, 0), [at(0, -1), at(0, 1), at(-1, 0), at(1, 0)]);
@@ -411,8 +418,8 @@ mod tests {
         Some((across, of_line.max(smooth * smooth * SUBPIXEL)))
     }
 
-    /// Returns a picture that is black above the line y = slope · x + 6 and white below. A pixel has the colour of its
-    /// centre or, if `by_area` is `true`, the mean over its area.
+    /// Returns a picture that is black above the line y = slope · x + 6, in pixels, and white below. A pixel has the
+    /// colour of its centre or, if `by_area` is `true`, the mean over its area.
     fn slanted(slope: f32, by_area: bool) -> Image<Rgba8> {
         Image::from_fn(48, 24, |x, y| {
             let inside = y as f32 + 0.5 - (slope * (x as f32 + 0.5) + 6.0);

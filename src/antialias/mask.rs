@@ -1,7 +1,7 @@
 //! Convolution masks over a finished picture: blur, sharpen, motion blur, or a custom mask. Alpha is unchanged.
 //!
 //! Blur and Gaussian blur are separable: rows are convolved first, then columns. This takes 2 · 31 instead of 31² terms
-//! for the largest mask.
+//! per pixel for the largest mask.
 
 use rayon::prelude::*;
 
@@ -10,7 +10,7 @@ use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 
-/// Number of rows per band, the unit of parallel work. Rows around a band are converted once per band.
+/// Number of rows per band, the unit of parallel work. Each band converts the rows of its margin once more.
 const BAND_ROWS: u32 = 64;
 
 /// Number of filtered channels: red, green and blue.
@@ -47,7 +47,8 @@ pub(crate) fn apply(mask: &Mask, picture: &Image<Rgba8>, linear: bool) -> Image<
     result
 }
 
-/// Buffers for filtering a band of rows: its values, with the margin that the mask reads, and one row of sums.
+/// Buffers for filtering a band of rows: the values of the band with the margin that the mask reads, and one row of
+/// sums.
 #[derive(Default)]
 struct FilterBand {
     /// Values of each channel, row by row from the top, `stride` values per row.
@@ -95,8 +96,8 @@ impl FilterBand {
         }
     }
 
-    /// Computes the convolved values of one row of the band. A separable mask is summed along columns only, after
-    /// [`FilterBand::convolve_rows`].
+    /// Computes the convolved values of one row of the band. A separable mask is summed over columns only, because
+    /// [`FilterBand::convolve_rows`] has already summed it over rows.
     #[inline(always)]
     fn sum(&mut self, mask: &Mask, row: usize) {
         let reach = i64::from(mask.reach());
@@ -150,7 +151,7 @@ mod tests {
         assert_eq!(shown.at(1, 2), [0, 0, 0, 9]);
     }
 
-    /// Returns the convolution at one pixel and channel, computed in `f64`.
+    /// Returns the convolution at one pixel and channel, computed in `f64` as the reference.
     fn exact(mask: &Mask, picture: &Image<Rgba8>, (x, y): (u32, u32), channel: usize, linear: bool) -> f64 {
         let value = |code: u8| f64::from(if linear { decode_byte(code) } else { f32::from(code) });
         let term = |((dx, dy), weight): ((i64, i64), f32)| {

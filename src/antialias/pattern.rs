@@ -1,8 +1,8 @@
 //! Sample patterns: positions of the samples in a pixel.
 //!
 //! Offsets lie in [0, 1)², x right and y down from the pixel's top left corner. The mean of the samples is the pixel's
-//! colour. Patterns differ at edges: a regular one of n² samples has only n distinct steps along a nearly vertical
-//! edge. The others have up to as many steps as samples.
+//! colour. Patterns differ at edges: a regular pattern of n² samples gives only n distinct steps along a nearly
+//! vertical edge. The other patterns give up to as many steps as they have samples.
 
 /// Sample pattern: the positions of the samples in a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,13 +13,13 @@ pub enum Pattern {
         side: u32,
     },
     /// One sample at the centre of each square after `level` subdivisions of the pixel into quarters. The positions
-    /// equal those of [`Pattern::Regular`] with a side of 2^`level`, in the order of the subdivision.
+    /// equal those of [`Pattern::Regular`] with a side of 2^`level`, but follow the order of the subdivision.
     Recursive {
         /// Number of subdivisions, at most [`Pattern::MAX_LEVELS`].
         level: u32,
     },
-    /// One sample in each of `side` × `side` squares, at one of [`Pattern::JITTER`]² random positions, different in
-    /// each pixel. Turns stair-stepping into noise.
+    /// One sample in each of `side` × `side` squares, at a random one of [`Pattern::JITTER`]² candidate positions,
+    /// chosen anew for each pixel. Turns stair-stepping into noise.
     Jittered {
         /// Number of squares along an axis, at least 1.
         side: u32,
@@ -28,8 +28,8 @@ pub enum Pattern {
     },
     /// Four samples, each in a row and a column of its own: a square rotated by about 27°.
     RotatedGrid,
-    /// First points of Sobol's (0, 2)-sequence. Halving the pixel k times, along either axis, gives 2ᵏ equal
-    /// rectangles. Each of them contains one of any 2ᵏ consecutive points that start at a multiple of 2ᵏ.
+    /// First `count` points of Sobol's (0, 2)-sequence. Halving the pixel k times, along either axis, gives 2ᵏ equal
+    /// rectangles. Of 2ᵏ consecutive points whose first index is a multiple of 2ᵏ, each rectangle contains exactly one.
     LowDiscrepancy {
         /// Number of samples per pixel.
         count: u32,
@@ -85,8 +85,8 @@ impl Pattern {
     }
 }
 
-/// Returns the index of the candidate position of a jittered sample in pixel (`x`, `y`). Candidates are numbered row by
-/// row in the sample's square.
+/// Returns the index of the candidate position that is chosen for a jittered sample in pixel (`x`, `y`). Candidates are
+/// numbered row by row within the sample's square.
 pub(crate) fn jitter(x: u32, y: u32, sample: u32, seed: u32) -> usize {
     // Odd constants without simple ratios spread the inputs before the generator mixes them, so neighbours share no
     // pattern.
@@ -97,7 +97,7 @@ pub(crate) fn jitter(x: u32, y: u32, sample: u32, seed: u32) -> usize {
     fastrand::Rng::with_seed(spread).usize(0..(Pattern::JITTER * Pattern::JITTER) as usize)
 }
 
-/// Computes [`jitter`] of one sample for several columns of row `y`, into `places`.
+/// Computes [`jitter`] of one sample for the pixels at `columns` of row `y`, and stores the results in `places`.
 pub(crate) fn jitter_row((columns, y): (&[u32], u32), sample: u32, seed: u32, places: &mut [u8]) {
     for (place, x) in places.iter_mut().zip(columns) {
         *place = jitter(*x, y, sample, seed) as u8;
@@ -110,7 +110,8 @@ fn jittered_position(place: usize) -> [f64; 2] {
     [place % steps, place / steps].map(|step| (step as f64 + 0.5) / steps as f64)
 }
 
-/// Returns the candidate positions that [`jitter`] numbers, for each of `side` × `side` squares of a pixel.
+/// Returns the candidate positions in each of `side` × `side` squares of a pixel, in pixels from the pixel's top left
+/// corner. [`jitter`] returns indices into these lists.
 pub(crate) fn jittered_positions(side: u32) -> Vec<Vec<[f64; 2]>> {
     let all =
         (0..(Pattern::JITTER * Pattern::JITTER) as usize).map(|place| grid(side, |_, _| jittered_position(place)));
@@ -118,8 +119,8 @@ pub(crate) fn jittered_positions(side: u32) -> Vec<Vec<[f64; 2]>> {
     (0..(side * side) as usize).map(|square| all.iter().map(|places| places[square]).collect()).collect()
 }
 
-/// Returns one position in each of `side` × `side` squares of a pixel, row by row. `within` returns the position in a
-/// square, in [0, 1)².
+/// Returns one position in each of `side` × `side` squares of a pixel, row by row, in pixels from the pixel's top left
+/// corner. `within` returns the position within a square, in [0, 1)².
 fn grid(side: u32, mut within: impl FnMut(u32, u32) -> [f64; 2]) -> Vec<[f64; 2]> {
     let squares = (0..side).flat_map(|row| (0..side).map(move |column| (column, row)));
     squares
@@ -130,8 +131,8 @@ fn grid(side: u32, mut within: impl FnMut(u32, u32) -> [f64; 2]) -> Vec<[f64; 2]
         .collect()
 }
 
-/// Returns the centres of the squares after `level` subdivisions of a pixel into quarters, in the order of the
-/// subdivision.
+/// Returns the centres of the squares after `level` subdivisions of a pixel into quarters, in pixels from the pixel's
+/// top left corner and in the order of the subdivision.
 fn quartered(level: u32) -> Vec<[f64; 2]> {
     let mut places = vec![[0.5; 2]];
     for depth in 1..=level {
@@ -144,7 +145,8 @@ fn quartered(level: u32) -> Vec<[f64; 2]> {
     places
 }
 
-/// Returns point `index` of Sobol's (0, 2)-sequence: the bit-reversed index, and Sobol's second dimension.
+/// Returns point `index` of Sobol's (0, 2)-sequence, in [0, 1)²: x is the bit-reversed index, y is Sobol's second
+/// dimension.
 fn sobol(index: u32) -> [f64; 2] {
     let mut second = 0_u32;
     let (mut rest, mut direction) = (index, 1_u32 << 31);

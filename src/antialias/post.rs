@@ -7,7 +7,8 @@ use crate::flat2d::convolve::Mask;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::ColorSpace;
 
-/// Returns the filtered picture, or `None` if there is no filter to apply. Reuses `memory` if the filter can.
+/// Returns the filtered picture, or `None` if there is no filter to apply. Reuses the buffer `memory` if the filter
+/// can.
 pub(crate) fn apply(filter: &PostFilter, picture: &Image<Rgba8>, memory: Option<Image<Rgba8>>) -> Option<Image<Rgba8>> {
     let linear = filter.light == ColorSpace::Linear;
     if filter.filter == PostFilterKind::Fxaa {
@@ -28,8 +29,8 @@ pub(crate) fn mask_of(filter: &PostFilter) -> Option<Mask> {
     }
 }
 
-/// Returns the distance, in pixels, up to which a filter reads around a pixel, or `None` if there is no filter to
-/// apply.
+/// Returns the maximum distance, in pixels, at which a filter reads neighbours of a pixel, or `None` if there is no
+/// filter to apply.
 pub(crate) fn reach(filter: &PostFilter) -> Option<u32> {
     match filter.filter {
         PostFilterKind::Fxaa => Some(fxaa::SEARCH_PX),

@@ -8,7 +8,8 @@ use crate::math::lanes::*;
 use crate::pipeline::settings::ColorSpace;
 use crate::pipeline::tiled::{Picks, Sums};
 
-/// Accumulator for the mean of the samples of every pixel. The order of the samples affects the last bits only.
+/// Accumulator for the mean of the samples of every pixel. The order in which samples are added affects only the last
+/// bits.
 #[derive(Clone, Debug)]
 pub(crate) struct Mean {
     sums: Image<[f32; 3]>,
@@ -54,8 +55,8 @@ pub(crate) fn mean(samples: &[Rgba8], light: ColorSpace) -> Rgba8 {
     finished(sum, samples.len() as u32, light)
 }
 
-/// Computes the mean colours of pixels on SIMD lanes, sixteen pixels at a time, equal to [`mean`]. `picks` holds
-/// indices into `colors`: for each group of sixteen pixels, one [`Picks`] per sample.
+/// Computes the mean colours of pixels with SIMD, sixteen pixels at a time. The results equal those of [`mean`].
+/// `picks` holds indices into `colors`: for each group of sixteen pixels, one [`Picks`] per sample.
 pub(crate) fn means(lanes: Lanes, colors: &[Rgba8], picks: &[Picks], light: ColorSpace, out: &mut [Rgba8]) {
     let sixteens = out.len().div_ceil(WIDE);
     if sixteens == 0 {
@@ -81,8 +82,8 @@ fn means_of_sixteen<S: Simd>(simd: S, colors: &[Rgba8], picks: &[Picks], light: 
     finished_lanes(simd, sums, picks.len() as u32, light)
 }
 
-/// Adds one sample per pixel to `sums`, each of which holds sixteen pixels, on SIMD lanes. [`means_of_sums`] then
-/// returns the same colours as [`mean`].
+/// Adds one sample per pixel with SIMD to `sums`, each of which holds the sums of sixteen pixels. [`means_of_sums`]
+/// then returns the same colours as [`mean`].
 pub(crate) fn add_samples(lanes: Lanes, colors: &[Rgba8], light: ColorSpace, sums: &mut [Sums]) {
     on_lanes!(lanes, simd => add_sixteens(simd, colors, numbers(light), sums));
 }
@@ -102,7 +103,8 @@ fn add_sixteens<S: Simd>(simd: S, colors: &[Rgba8], numbers: &[f32; 256], sums: 
     }
 }
 
-/// Computes the colours of pixels from sums of `samples` samples each, on SIMD lanes, equal to [`mean`].
+/// Computes the mean colours of pixels with SIMD, from sums of `samples` samples each. The results equal those of
+/// [`mean`].
 pub(crate) fn means_of_sums(lanes: Lanes, sums: &[Sums], samples: u32, light: ColorSpace, out: &mut [Rgba8]) {
     for (out, sums) in out.chunks_mut(WIDE).zip(sums) {
         let means = on_lanes!(lanes, simd => {
@@ -113,7 +115,7 @@ pub(crate) fn means_of_sums(lanes: Lanes, sums: &[Sums], samples: u32, light: Co
     }
 }
 
-/// Adds one sample to the sums of sixteen pixels, as [`add`] does for one.
+/// Adds one sample per pixel to the sums of sixteen pixels. [`add`] does the same for one pixel.
 #[inline(always)]
 fn added<S: Simd>(simd: S, sums: [f32x16<S>; 3], codes: [u32; WIDE], numbers: &[f32; 256]) -> [f32x16<S>; 3] {
     let codes = u32x16::load_array(simd, codes);
@@ -122,7 +124,7 @@ fn added<S: Simd>(simd: S, sums: [f32x16<S>; 3], codes: [u32; WIDE], numbers: &[
     })
 }
 
-/// Returns the mean colours of sixteen pixels, as [`finished`] does for one.
+/// Returns the mean colours of sixteen pixels from their sums. [`finished`] does the same for one pixel.
 #[inline(always)]
 fn finished_lanes<S: Simd>(simd: S, sums: [f32x16<S>; 3], samples: u32, light: ColorSpace) -> [Rgba8; WIDE] {
     let [r, g, b] = each!(sum in [sums[0], sums[1], sums[2]] => {

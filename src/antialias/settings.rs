@@ -91,8 +91,8 @@ impl Antialiasing {
         self.method == AntialiasMethod::None
     }
 
-    /// Returns whether sample positions differ from pixel to pixel, or shading does not run per sample. Samples are
-    /// then not drawn in passes.
+    /// Returns whether sample positions differ from pixel to pixel, or shading does not run per sample. In both cases,
+    /// samples cannot be drawn in passes over the whole picture.
     pub(crate) fn is_per_pixel(self) -> bool {
         matches!(self.method, AntialiasMethod::Jittered | AntialiasMethod::Multisample)
     }
@@ -102,7 +102,7 @@ impl Antialiasing {
         !self.is_off() && !self.is_per_pixel()
     }
 
-    /// Returns the sample pattern of the method.
+    /// Returns the sample pattern that the method and the number of samples select.
     pub(crate) fn pattern(self) -> Pattern {
         let (side, count) = (self.samples.side(), self.samples.count());
         match self.method {
@@ -144,8 +144,8 @@ choice! {
 }
 
 impl PostFilterKind {
-    /// Returns the maximum strength of the filter, or `None` if it has no strength. It follows from the size of the
-    /// largest mask or, for sharpening, from the range of useful values.
+    /// Returns the maximum strength of the filter, or `None` if the filter has no strength. The maximum follows from
+    /// the size of the largest mask or, for sharpening, from the range of useful values.
     pub(crate) fn max_strength(self) -> Option<f32> {
         let reach = MAX_REACH as f32;
         match self {
@@ -158,7 +158,7 @@ impl PostFilterKind {
     }
 }
 
-/// Weights of a custom convolution mask: five rows of five.
+/// Weights of a custom convolution mask: five rows of five weights, from the top.
 pub(crate) type MaskWeights = [f32; 25];
 
 /// Identity mask, which leaves the picture unchanged.
@@ -174,12 +174,14 @@ const UNIT: MaskWeights = {
 pub struct PostFilter {
     /// Filter to apply to the finished picture.
     pub filter: PostFilterKind,
-    /// Strength of the filter: px from the centre to the edge of a blur, standard deviation in px of a Gaussian blur,
-    /// amount of sharpening, or length in px of a motion blur. At most [`PostFilterKind::max_strength`].
+    /// Strength of the filter, at most [`PostFilterKind::max_strength`]. It is the distance in px from the centre to
+    /// the edge of a blur, the standard deviation in px of a Gaussian blur, the amount of sharpening, or the length in
+    /// px of a motion blur.
     pub strength: f32,
     /// Direction of a motion blur, in degrees clockwise from pointing right.
     pub(crate) angle_degrees: f32,
-    /// Weights of a custom mask, row by row; a 3 × 3 mask is centred.
+    /// Weights of a custom mask of 5 × 5 pixels, row by row from the top. A 3 × 3 mask lies in the centre, surrounded
+    /// by zeros.
     pub(crate) mask: MaskWeights,
     /// Colour space in which the filter works. FXAA always finds edges in sRGB codes.
     pub(crate) light: ColorSpace,
@@ -212,7 +214,7 @@ impl PostFilter {
         Self { filter, strength, ..self }
     }
 
-    /// Returns an error if a number is out of range or not finite.
+    /// Returns an error message if the strength is out of range, or if a number is not finite.
     pub(crate) fn check(&self) -> Result<(), String> {
         let Self { filter, strength, .. } = self;
         if let Some(most) = filter.max_strength().filter(|most| !(0.0..=*most).contains(strength)) {

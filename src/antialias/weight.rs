@@ -4,8 +4,8 @@
 //! not matter. A pyramid or a cone two pixels wide gives parts near the centre more weight, and lets a shape contribute
 //! a little to neighbouring pixels. Slow movements then change the picture smoothly.
 //!
-//! The integral is exact along rows, and a sum over [`ROWS`] rows across them. The weight of the whole kernel is
-//! exactly 1.
+//! The integral is exact along each row and approximated by a sum over [`ROWS`] rows. A shape that covers the whole
+//! kernel has a weight of exactly 1.
 
 use glam::DVec2;
 
@@ -15,11 +15,11 @@ pub(crate) const ROWS: u32 = 64;
 /// Filter kernel: weight of a point by its position relative to the pixel's centre.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Weight {
-    /// Weight that is constant over the pixel.
+    /// Box filter: a constant weight over the pixel.
     Box,
-    /// Weight that falls linearly from the centre to the sides of a square of 2 × 2 px.
+    /// Pyramid filter: a weight that falls linearly from 1 at the centre to 0 at the sides of a square of 2 × 2 px.
     Pyramid,
-    /// Weight that falls linearly from the centre to a circle of 1 px radius.
+    /// Cone filter: a weight that falls linearly from 1 at the centre to 0 at a distance of 1 px.
     Cone,
 }
 
@@ -60,8 +60,8 @@ impl Weight {
     }
 }
 
-/// Returns the fraction of a pixel's filter kernel that a convex polygon covers, in [0, 1]. Corners are in pixels, in
-/// either winding order.
+/// Returns the fraction of a pixel's filter kernel that a convex polygon covers, in [0, 1]. Corners and `center` are in
+/// pixels; corners may be in either winding order.
 pub(crate) fn weighted_coverage(polygon: &[DVec2], center: DVec2, weight: Weight) -> f64 {
     let height = 2.0 * weight.radius_px() / f64::from(ROWS);
     let (mut covered, mut whole) = (0.0, 0.0);
@@ -75,8 +75,8 @@ pub(crate) fn weighted_coverage(polygon: &[DVec2], center: DVec2, weight: Weight
     (covered / whole).clamp(0.0, 1.0)
 }
 
-/// Returns the minimum and maximum x at which a horizontal line lies inside a convex polygon, or `None` if it misses
-/// it.
+/// Returns the minimum and maximum x of the part of the horizontal line at `y` that lies inside a convex polygon, or
+/// `None` if the line misses the polygon.
 fn stretch(polygon: &[DVec2], y: f64) -> Option<(f64, f64)> {
     let sides = polygon.iter().zip(polygon.iter().cycle().skip(1));
     let crossings =

@@ -10,7 +10,7 @@ use crate::flat2d::circle::midpoint_circle;
 pub struct Circle {
     /// Column and row of the centre pixel.
     pub(crate) c: Exactly<i32, 2>,
-    /// Radius in pixels.
+    /// Radius of the circle, in pixels.
     pub(crate) r: u32,
 }
 
@@ -27,7 +27,7 @@ impl Circle {
     }
 }
 
-/// Answer to a [`Circle`] case.
+/// Answer to a [`Circle`] case: the pixels of the circle.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CircleAnswer {
     /// Column and row of each pixel of the circle, without duplicates.

@@ -48,7 +48,8 @@ impl ClipTri {
         from_clip_space(&vertices, &[[0, 1, 2]], options.arithmetic, self.viewport(), &mut ())
     }
 
-    /// Rasterizes one triangle and passes the spans of each clipped piece to `take`, in bands of rows from the top.
+    /// Rasterizes one triangle and passes the spans of each clipped piece to `take`, in bands of rows from the top of
+    /// the picture.
     pub(crate) fn rasterize(
         &self,
         triangle: usize,
@@ -102,11 +103,11 @@ fn pixels(span: Span) -> impl Iterator<Item = (u32, u32)> {
     (span.left..span.right).map(move |x| (x, span.row))
 }
 
-/// One covered sample: triangle index, column, row, perspective-correct weights p0, p1, p2 of the original triangle's
+/// Covered sample, as triangle index, column, row, perspective-correct weights p0, p1, p2 of the original triangle's
 /// corners, and depth.
 pub(crate) type ClipSample = (usize, u32, u32, f64, f64, f64, f64);
 
-/// Answer to a [`ClipTri`] case.
+/// Answer to a [`ClipTri`] case: the covered samples, with barycentric weights and depths.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClipTriAnswer {
     /// Covered samples of each triangle, in input order.

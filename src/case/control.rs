@@ -6,11 +6,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::{Refusal, Unanswered};
 
-/// Memory limit for the lists of an answer, in bytes. Including the case itself and working memory, evaluation stays
-/// well below 512 MB.
+/// Memory limit for the lists of an answer, in bytes. The limit keeps the total memory of an evaluation, including the
+/// case and working memory, well below 512 MB.
 pub(crate) const MAX_ANSWER_BYTES: u64 = 192 << 20;
 
-/// Returns the maximum number of entries of type `T` in an answer.
+/// Returns the maximum number of entries of type `T` that an answer may have, as limited by [`MAX_ANSWER_BYTES`].
 const fn max_entries<T>() -> u64 {
     MAX_ANSWER_BYTES / size_of::<T>() as u64
 }
@@ -25,7 +25,7 @@ pub(super) fn check_length<T>(entries: &str, count: u64) -> Result<(), Refusal> 
     Ok(())
 }
 
-/// Progress reporting and cancellation of a case under evaluation.
+/// Handle for progress reporting and cancellation of a case under evaluation.
 pub struct Control<'a> {
     progress: &'a dyn Fn(f32),
     stop: &'a AtomicBool,
@@ -42,8 +42,8 @@ const STEPS_PER_REPORT: u64 = 1 << 10;
 impl<'a> Control<'a> {
     /// Creates a control from a progress callback and a cancellation flag.
     ///
-    /// `progress` receives the completed share in [0, 1], which never decreases. After `stop` is set, evaluation ends
-    /// within a few milliseconds.
+    /// `progress` receives the completed fraction of the work, in [0, 1], which never decreases. After `stop` is set,
+    /// evaluation ends within a few milliseconds.
     pub(crate) fn new(progress: &'a dyn Fn(f32), stop: &'a AtomicBool) -> Self {
         Self { progress, stop, reported: Cell::new(0) }
     }
@@ -53,7 +53,7 @@ impl<'a> Control<'a> {
         if self.stop.load(Ordering::Relaxed) { Err(Unanswered::Cancelled) } else { Ok(()) }
     }
 
-    /// Reports the completed share of the work, in [0, 1]. Returns an error if the case has been cancelled.
+    /// Reports the completed fraction of the work, in [0, 1]. Returns an error if the case has been cancelled.
     pub(crate) fn step(&self, share: f64) -> Result<(), Unanswered> {
         let steps = (share * REPORTS) as u32;
         if steps > self.reported.get() {
@@ -65,8 +65,8 @@ impl<'a> Control<'a> {
 
     /// Collects the results of an algorithm that yields at most one result per step.
     ///
-    /// Before this call, `done` of `of` steps are complete; both are estimates and affect only the reported progress.
-    /// Returns an error if the case is cancelled or the results exceed [`MAX_ANSWER_BYTES`].
+    /// Progress is reported as if `done` steps out of `of` were complete before this call; both are estimates. Returns
+    /// an error if the case is cancelled or the results exceed [`MAX_ANSWER_BYTES`].
     pub(super) fn collect<T>(
         &self,
         entries: &str,

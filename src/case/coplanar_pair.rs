@@ -1,4 +1,4 @@
-//! `coplanar_pair`: evaluates weights and attributes of two coplanar triangles at the same pixels.
+//! `coplanar_pair`: evaluates barycentric weights and attributes of two coplanar triangles at the same pixels.
 
 use serde::{Deserialize, Serialize};
 
@@ -26,7 +26,7 @@ impl Check for CoplanarPair {
 }
 
 impl CoplanarPair {
-    /// Interpolates the attributes of both triangles with the code of the pipeline.
+    /// Interpolates the attributes of both triangles with the code that renders frames.
     pub(super) fn answer(
         &self,
         arithmetic: Arithmetic,

@@ -1,4 +1,4 @@
-//! `depth`: computes the stored depth values of given view depths.
+//! `depth`: computes the values that a depth buffer stores for given view depths.
 
 use serde::{Deserialize, Serialize};
 
@@ -25,15 +25,15 @@ pub struct Depth {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Mapping {
-    /// f (z − n) / (z (f − n)): 0 at the near plane, 1 at the far plane.
+    /// Depth f (z − n) / (z (f − n)) of view depth z: 0 at the near plane n, 1 at the far plane f.
     Standard,
-    /// n (f − z) / (z (f − n)): 1 at the near plane, 0 at the far plane.
+    /// Depth n (f − z) / (z (f − n)) of view depth z: 1 at the near plane n, 0 at the far plane f.
     Reversed,
-    /// n / z: 1 at the near plane, 0 at infinity.
+    /// Depth n / z of view depth z: 1 at the near plane n, 0 at infinity.
     ReversedInf,
-    /// 1 − n / z: 0 at the near plane, 1 at infinity.
+    /// Depth 1 − n / z of view depth z: 0 at the near plane n, 1 at infinity.
     StandardInf,
-    /// (z − n) / (f − n): 0 at the near plane, 1 at the far plane.
+    /// Depth (z − n) / (f − n) of view depth z: 0 at the near plane n, 1 at the far plane f.
     Linear,
 }
 
@@ -96,7 +96,7 @@ impl Depth {
     }
 }
 
-/// Answer to a [`Depth`] case.
+/// Answer to a [`Depth`] case: the stored depth values.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DepthAnswer {
     /// Values that the depth buffer stores, in [0, 1], one per view depth.

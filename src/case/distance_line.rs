@@ -12,9 +12,9 @@ pub struct DistanceLine {
     pub width: u32,
     /// Height of the picture in pixels.
     pub height: u32,
-    /// Start of the segment, in pixels.
+    /// Start point of the segment, in pixels.
     pub(crate) p0: Point,
-    /// End of the segment, in pixels.
+    /// End point of the segment, in pixels.
     pub(crate) p1: Point,
 }
 
@@ -33,7 +33,7 @@ impl DistanceLine {
     }
 }
 
-/// Answer to a [`DistanceLine`] case.
+/// Answer to a [`DistanceLine`] case: the pixels of the line.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DistanceLineAnswer {
     /// Column and row of each pixel of the line, row by row.

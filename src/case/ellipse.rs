@@ -29,7 +29,7 @@ impl Ellipse {
     }
 }
 
-/// Answer to an [`Ellipse`] case.
+/// Answer to an [`Ellipse`] case: the pixels of the ellipse.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EllipseAnswer {
     /// Column and row of each pixel of the ellipse, without duplicates.

@@ -8,7 +8,7 @@ use thiserror::Error;
 use super::{Case, Check as _, Task};
 use crate::{disk, text};
 
-/// Maximum size of a file, in bytes. Parsing needs up to thirteen times as much memory, which stays below 256 MB.
+/// Maximum size of a case file, in bytes. Parsing needs up to thirteen times as much memory, which stays below 256 MB.
 const MAX_BYTES: u64 = 16 << 20;
 
 /// Maximum length of a case ID, in bytes. With a suffix added, it is still a valid file name on every platform.
@@ -30,9 +30,9 @@ pub enum CaseError {
     Malformed {
         /// Path of the file.
         path: PathBuf,
-        /// Line number, from 1.
+        /// Line of the error, counted from 1.
         line: usize,
-        /// Column number, from 1.
+        /// Column of the error, counted from 1.
         column: usize,
         /// Description of the error at this position.
         reason: String,

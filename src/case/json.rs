@@ -34,7 +34,7 @@ fn within_range(number: f64) -> Result<f64, String> {
     }
 }
 
-/// Strings in place of the values that JSON numbers cannot express.
+/// Strings that stand for the `f32` values that JSON numbers cannot express.
 const WORDS: [(&str, f32); 3] = [("NaN", f32::NAN), ("Infinity", f32::INFINITY), ("-Infinity", f32::NEG_INFINITY)];
 
 /// Any 32-bit float: a number in the range of [`Real`], rounded to the nearest f32, or one of the strings `NaN`,
@@ -137,7 +137,7 @@ impl<'de, T: Deserialize<'de>, const N: usize> Visitor<'de> for ExactlyVisitor<T
     }
 }
 
-/// Deserializes a grid: rows of equal length, at least one row of at least one value.
+/// Deserializes an image from a list of rows. Returns an error if the rows differ in length, or if there is no value.
 pub(super) fn rows<'de, D: Deserializer<'de>, T: Copy + Deserialize<'de>>(
     deserializer: D,
 ) -> Result<Image<T>, D::Error> {

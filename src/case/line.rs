@@ -14,7 +14,8 @@ pub struct Line {
     pub(crate) p1: Exactly<i64, 2>,
     /// Whether the line includes its last pixel. If `false`, consecutive segments of a polyline share no pixel.
     pub(crate) last_pixel: bool,
-    /// Whether the line from `p1` to `p0` covers the same pixels. If `false`, ties depend on the direction.
+    /// Whether the line from `p0` to `p1` covers the same pixels as the line from `p1` to `p0`. If `false`, ties depend
+    /// on the direction.
     #[serde(default)]
     pub(crate) direction_independent: bool,
 }
@@ -33,7 +34,7 @@ impl Line {
     }
 }
 
-/// Answer to a [`Line`] case.
+/// Answer to a [`Line`] case: the pixels of the line.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LineAnswer {
     /// Column and row of each pixel of the line, starting at `p0`.

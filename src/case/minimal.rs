@@ -1,4 +1,5 @@
-//! Builds a minimal case from one pixel of a frame: the triangle that covers it, in the smallest picture that shows it.
+//! Builds a minimal case that reproduces one pixel of a frame: a `tri_coverage` case of the triangle that covers the
+//! pixel, in a small part of the picture where possible.
 
 use serde::Serialize;
 
@@ -9,10 +10,11 @@ use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 /// Maximum width and height of the picture of a minimal case, in pixels.
 const SIDE_PX: u32 = 64;
 
-/// A `tri_coverage` case of one triangle, with a note on its origin. Reading the case ignores the additional fields.
+/// A `tri_coverage` case of one triangle, with a note on its origin. Fields that the kind does not define, such as
+/// `note`, are ignored when the case is read.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct MinimalCase {
-    /// Identifier of the case, built from the triangle and the pixel.
+    /// Identifier of the case, built from triangle and pixel.
     pub(crate) id: String,
     kind: &'static str,
     class: &'static str,
@@ -21,7 +23,7 @@ pub(crate) struct MinimalCase {
     height: u32,
     #[serde(with = "rule")]
     rule: FillRule,
-    /// Corners in pixels, as the exact f64 values of the f32 coordinates.
+    /// Corners of the triangle in pixels: the f32 coordinates of the frame, converted exactly to f64.
     triangles: [[[f64; 2]; 3]; 1],
     /// Column and row of the pixel to examine.
     pixel: [u32; 2],
@@ -31,8 +33,8 @@ pub(crate) struct MinimalCase {
 impl MinimalCase {
     /// Creates a case from a triangle that covers `pixel` in a picture of size `viewport`.
     ///
-    /// The picture of the case is a window around the pixel if shifting the triangle by whole pixels causes no
-    /// rounding. Otherwise the case keeps the full picture.
+    /// The picture of the case is a window of at most [`SIDE_PX`] pixels per side around `pixel`, if shifting the
+    /// triangle into it by whole pixels causes no rounding. Otherwise it is the full picture.
     pub(crate) fn new(
         triangle: &ScreenTriangle,
         pixel: (u32, u32),

@@ -78,7 +78,7 @@ use crate::math::fixed::SUBPIXEL_BITS;
 use crate::pipeline::settings::{Arithmetic, Rasterizer};
 use crate::pipeline::viewport::Viewport;
 
-/// Case read from a file.
+/// Numerical case: a small input to one algorithm, as read from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
     /// Identifier of the case, valid as a file name.
@@ -147,7 +147,7 @@ pub enum Unanswered {
     Cancelled,
 }
 
-/// Validation of the values of a well-formed case.
+/// Validation of the values of a case whose JSON is well-formed.
 trait Check {
     /// Returns an error, in one sentence, if a value is invalid.
     fn check(&self) -> Result<(), String> {
@@ -169,7 +169,7 @@ macro_rules! tasks {
             /// Values of the field `kind` in case files, one for each variant.
             pub const KINDS: &[&str] = &[$($word),+];
 
-            /// Parses the fields of a kind; `None` for an unknown kind.
+            /// Parses the input of a case of the given kind. Returns `None` if the kind is unknown.
             fn parse(kind: &str, json: &[u8]) -> Option<serde_json::Result<Self>> {
                 match kind {
                     $($word => Some(serde_json::from_slice(json).map(Self::$kind)),)+
@@ -297,7 +297,7 @@ pub(crate) fn solve(case: &Case, options: Options, control: &Control<'_>) -> Opt
     Some(CaseResult { id: case.id.clone(), outcome })
 }
 
-/// Returns an error if this size of a picture, in pixels, is not supported.
+/// Returns an error if a picture of `width` × `height` px is not supported.
 fn check_picture(width: u32, height: u32) -> Result<(), String> {
     Viewport { width, height }.check().map_err(|flaw| format!("a picture of {width} × {height} px: {flaw}"))
 }

@@ -65,7 +65,7 @@ impl PolyFill {
         }
     }
 
-    /// Fills the polygon. Samples are always compared with edge crossings exactly; no option rounds the crossings.
+    /// Fills the polygon. Whether a sample is inside is decided exactly; no option rounds the edge crossings.
     pub(super) fn answer(&self, options: Options, control: &Control<'_>) -> Result<PolyFillAnswer, Unanswered> {
         let snap_bits = options.snap_bits();
         let corners = if snap_bits.is_some() { Corners::Snapped } else { Corners::AsGiven };
@@ -88,11 +88,11 @@ impl PolyFill {
     }
 }
 
-/// Answer to a [`PolyFill`] case.
+/// Answer to a [`PolyFill`] case: the samples inside the polygon.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PolyFillAnswer {
     /// Number of fraction bits of the grid to which corners were snapped; `None` if they were used as given.
     pub snap_bits: Option<u32>,
-    /// Runs of inside samples, each as [row, first column, one past the last column].
+    /// Runs of samples inside the polygon, each as [row, first column, one past the last column].
     pub spans: Vec<[u32; 3]>,
 }

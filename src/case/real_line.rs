@@ -8,9 +8,9 @@ use crate::flat2d::real_line::{MAX_COORDINATE_PX, real_line};
 /// Input of a `real_line` case: a line between two points with real coordinates.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct RealLine {
-    /// Start of the line, in pixels.
+    /// Start point of the line, in pixels.
     pub(crate) p0: Point,
-    /// End of the line, in pixels.
+    /// End point of the line, in pixels.
     pub(crate) p1: Point,
 }
 
@@ -29,7 +29,7 @@ impl RealLine {
     }
 }
 
-/// Answer to a [`RealLine`] case.
+/// Answer to a [`RealLine`] case: the pixels of the line.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RealLineAnswer {
     /// Column and row of each pixel of the line, starting at `p0`.

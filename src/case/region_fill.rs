@@ -9,7 +9,7 @@ use crate::image::Image;
 /// Input of a `region_fill` case: a grid of colours and a seed pixel.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct RegionFill {
-    /// Colours before the fill, row by row.
+    /// Colours before the fill, row by row from the top.
     #[serde(deserialize_with = "json::rows")]
     pub(crate) grid: Image<i64>,
     /// Column and row of the seed pixel.
@@ -20,7 +20,7 @@ pub struct RegionFill {
     pub(crate) connectivity: u32,
     /// Fill colour.
     pub(crate) new: i64,
-    /// Colour at which a boundary fill stops; required in that mode.
+    /// Colour that bounds the region of a boundary fill; required in the mode [`FillMode::Boundary`].
     pub(crate) boundary: Option<i64>,
 }
 
@@ -69,9 +69,9 @@ impl RegionFill {
     }
 }
 
-/// Answer to a [`RegionFill`] case.
+/// Answer to a [`RegionFill`] case: the grid of colours after the fill.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RegionFillAnswer {
-    /// Colours after the fill, row by row.
+    /// Colours after the fill, row by row from the top.
     pub grid: Vec<Vec<i64>>,
 }

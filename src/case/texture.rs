@@ -14,15 +14,15 @@ pub struct Texture {
     /// Texels as 8-bit codes, row by row from the top.
     #[serde(deserialize_with = "json::rows")]
     pub(crate) texels: Image<Real>,
-    /// Filter between texel centres.
+    /// Filter for coordinates between texel centres.
     pub(crate) filter: TextureFilter,
     /// Address mode for coordinates outside [0, 1].
     pub(crate) address: TextureAddress,
-    /// Texture coordinates to sample, v down.
+    /// Texture coordinates to sample, with v pointing down.
     pub(crate) uv: Vec<Point>,
 }
 
-/// Filter between texel centres.
+/// Filter for coordinates between texel centres.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum TextureFilter {
@@ -74,9 +74,9 @@ pub(super) fn codes(values: &Image<Real>) -> Result<Image<Rgba8>, Refusal> {
     }
 }
 
-/// Answer to a [`Texture`] case.
+/// Answer to a [`Texture`] case: the sampled values.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TextureAnswer {
-    /// Sampled values, one per texture coordinate, not rounded, in units of 8-bit codes from 0 to 255.
+    /// Sampled values, one per texture coordinate, in units of 8-bit codes from 0 to 255, not rounded.
     pub values: Vec<f64>,
 }

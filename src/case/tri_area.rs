@@ -1,4 +1,4 @@
-//! `tri_area`: computes how much of the area of each pixel a triangle covers.
+//! `tri_area`: computes the area of each pixel that a triangle covers.
 
 use serde::{Deserialize, Serialize};
 
@@ -47,9 +47,9 @@ impl TriArea {
     }
 }
 
-/// Answer to a [`TriArea`] case.
+/// Answer to a [`TriArea`] case: the covered area of each pixel.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TriAreaAnswer {
-    /// Column, row and covered area of each pixel, in square pixels; pixels without coverage are omitted.
+    /// Column, row and covered area in px² of each pixel that the triangle covers.
     pub area: Vec<(u32, u32, f64)>,
 }

@@ -63,9 +63,10 @@ pub(super) fn check_pixels(eval: &[Exactly<i64, 2>]) -> Result<(), String> {
 }
 
 impl TriAttr {
-    /// Interpolates the attributes as the pipeline does. Outside the triangle, depth is extrapolated linearly.
+    /// Interpolates the attributes at the pixel centres, as the pipeline does. Outside the triangle, depth is
+    /// extrapolated linearly.
     ///
-    /// The corners are used as given if snapping makes the triangle degenerate.
+    /// If snapping the corners makes the triangle degenerate, the corners are used as given.
     pub(super) fn answer(&self, arithmetic: Arithmetic, control: &Control<'_>) -> Result<TriAttrAnswer, Unanswered> {
         check_length::<SampleAttributes>("pixels", self.eval.len() as u64)?;
         let samples = TriangleSamples::new(&self.vertices, arithmetic)?;
@@ -113,8 +114,8 @@ impl TriangleSamples {
     }
 }
 
-/// Returns the depth at a sample: inside the triangle as the pipeline computes it, outside without the pipeline's
-/// clamping.
+/// Returns the depth at a sample. Inside the triangle it equals the depth of the pipeline; outside, it is extrapolated
+/// without the pipeline's clamping.
 fn depth(triangle: &ScreenTriangle, sample: &RasterSample) -> f64 {
     if sample.edges.iter().all(|edge| *edge >= 0.0) {
         return depth_at(triangle, sample).into();
@@ -131,12 +132,12 @@ impl AttributeVertex {
     }
 }
 
-/// Answer to a [`TriAttr`] case.
+/// Answer to a [`TriAttr`] case: the attributes at the requested pixels.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TriAttrAnswer {
     /// Number of fraction bits of the grid to which the corners were snapped; `None` if they were used as given.
     pub(crate) snap_bits: Option<u32>,
-    /// Attributes of the requested pixels, in any order.
+    /// Attributes at the requested pixels, in no particular order.
     pub pixels: Vec<SampleAttributes>,
 }
 

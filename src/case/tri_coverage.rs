@@ -40,8 +40,8 @@ impl TriCoverage {
         Viewport { width: self.width, height: self.height }
     }
 
-    /// Rasterizes one triangle in bands of rows from the top. `take` receives the spans of each band and the first row
-    /// below it.
+    /// Rasterizes one triangle in bands of rows from the top. `take` receives the spans of each band and the index of
+    /// the first row below the band.
     pub(crate) fn rasterize(
         &self,
         triangle: usize,
@@ -79,7 +79,7 @@ impl TriCoverage {
     }
 }
 
-/// Answer to a [`TriCoverage`] case.
+/// Answer to a [`TriCoverage`] case: the covered samples of each triangle.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TriCoverageAnswer {
     /// Number of fraction bits of the grid to which corners were snapped; `None` if they were used as given.
@@ -96,7 +96,7 @@ pub struct TriangleSpans {
 }
 
 impl TriangleSpans {
-    /// Appends spans from a rasterizer.
+    /// Appends the spans that a rasterizer found.
     pub(super) fn add(&mut self, spans: &[Span]) {
         self.spans.extend(spans.iter().map(|span| [span.row, span.left, span.right]));
     }

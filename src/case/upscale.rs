@@ -18,11 +18,12 @@ pub struct Upscale {
     pub(crate) scale: Real,
     /// Name of the filter kernel, such as `lanczos2`.
     pub(crate) kernel: String,
-    /// Alignment of the two pictures: `corner` puts output pixel scale · k at sample k; `center` aligns their centres.
+    /// Alignment of output and input: `corner` maps input sample k to output pixel `scale` · k along each axis;
+    /// `center` aligns the centres of both pictures.
     pub(crate) phase: String,
 }
 
-/// Kernel names in cases, with the upscaling method that implements each.
+/// Kernel names in case files, each with the id of the upscaling method that implements the kernel.
 const METHOD_OF_KERNEL: [(&str, &str); 8] = [
     ("nearest_floor", "nearest"),
     ("nearest", "nearest"),
@@ -34,7 +35,7 @@ const METHOD_OF_KERNEL: [(&str, &str); 8] = [
     ("lanczos3", "lanczos3"),
 ];
 
-/// Phase names in cases, with the corresponding anchor.
+/// Phase names in case files, each with the corresponding anchor.
 const ANCHOR_OF_PHASE: [(&str, Anchor); 2] = [("corner", Anchor::Corner), ("center", Anchor::Centre)];
 
 impl Check for Upscale {}
@@ -86,10 +87,11 @@ impl Upscale {
     }
 }
 
-/// Enlarges a picture by taking the sample nearest to x / scale on each axis. A tie takes the sample on the right or
-/// below.
+/// Enlarges a picture with corner alignment: output pixel x takes the sample nearest to x / scale along each axis. Of
+/// two equally near samples, it takes the right or the lower one.
 ///
-/// With this phase, the upscaler `nearest` rounds the position down, which is the kernel `nearest_floor` in cases.
+/// The upscaler `nearest` with this alignment rounds the position down instead, which case files call the kernel
+/// `nearest_floor`.
 fn nearest_at_corner(
     scale: Scale,
     drawn: &Image<Rgba8>,
@@ -109,7 +111,7 @@ fn nearest_at_corner(
     Ok(UpscaleAnswer { quantized: false, values, codes })
 }
 
-/// Returns the weighted sum of sample codes at an output pixel, neither rounded nor clamped.
+/// Returns the weighted sum of the 8-bit sample codes at an output pixel, neither rounded nor clamped.
 fn weighted(how: Upscaling, drawn: &Image<Rgba8>, size: (u32, u32), at: (u32, u32)) -> f64 {
     let grid = how.grid();
     let taps = how.upscaler().taps(how, &UpscaleInputs::from(drawn), size, at);
@@ -117,14 +119,14 @@ fn weighted(how: Upscaling, drawn: &Image<Rgba8>, size: (u32, u32), at: (u32, u3
     samples.map(|(weight, (column, row))| f64::from(weight) * f64::from(drawn.at(column, row)[0])).sum()
 }
 
-/// Answer to an [`Upscale`] case.
+/// Answer to an [`Upscale`] case: the enlarged picture.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct UpscaleAnswer {
-    /// Whether `values` are rounded to codes.
+    /// Whether `values` are rounded to whole 8-bit codes.
     pub(crate) quantized: bool,
-    /// Weighted sum of sample codes at each output pixel, row by row.
+    /// Weighted sum of 8-bit sample codes at each output pixel, row by row from the top.
     pub values: Vec<Vec<f64>>,
-    /// Code that the upscaler outputs at each pixel, row by row.
+    /// 8-bit code that the upscaler outputs at each pixel, row by row from the top.
     pub codes: Vec<Vec<u8>>,
 }
 

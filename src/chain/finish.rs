@@ -1,4 +1,4 @@
-//! Finishing: turns the drawn picture into the full picture by upscaling, post filter and wireframe.
+//! Finishing: computes the finished picture from the drawn one, by upscaling, post filter and wireframe overlay.
 
 use std::time::{Duration, Instant};
 
@@ -10,20 +10,20 @@ use crate::pipeline::viewport::Viewport;
 use crate::pipeline::wireframe;
 use crate::upscale::UpscaleInputs;
 
-/// Full picture before post filter and wireframe. It is stored only if it differs from the drawn and the finished
-/// picture.
+/// Full-resolution picture before post filter and wireframe. It is stored separately only if it differs from both the
+/// drawn and the finished picture.
 #[derive(Clone, Debug)]
 pub(super) enum Unfiltered {
-    /// Same as the finished picture, because there is neither filter nor wireframe.
+    /// Identical to the finished picture, because there is neither filter nor wireframe.
     Finished,
-    /// Same as the drawn picture.
+    /// Identical to the drawn picture, because there is no upscaling.
     Drawn,
-    /// Stored separately, because it differs from both.
+    /// Stored separately, because it differs from both the drawn and the finished picture.
     Kept(Image<Rgba8>),
 }
 
-/// Result of [`finish`]: the full picture (`None` if it is the drawn one), its state before post filter and wireframe,
-/// and the upscaler's history for the next frame.
+/// Result of [`finish`]. `picture` is the finished picture, or `None` if the drawn picture is already finished.
+/// `unfiltered` is its state before post filter and wireframe. `history` is the upscaler's history for the next frame.
 pub(super) struct Finished {
     pub(super) picture: Option<Image<Rgba8>>,
     pub(super) unfiltered: Unfiltered,
@@ -32,14 +32,15 @@ pub(super) struct Finished {
     pub(super) post: Duration,
 }
 
-/// Spare buffers for reuse: a full picture, and the history of an upscaler.
+/// Spare buffers for reuse: a full-resolution picture, and the history of an upscaler.
 #[derive(Debug, Default)]
 pub(super) struct Spare {
     pub(super) full: Option<Image<Rgba8>>,
     pub(super) history: Option<Image<[f32; 4]>>,
 }
 
-/// Computes the full picture from the drawn one, reusing spare buffers.
+/// Upscales and filters the drawn picture and overlays the wireframe, as selected by `recipe`. Reuses the spare
+/// buffers.
 pub(super) fn finish<'a>(
     recipe: &Recipe,
     drawn: &UpscaleInputs<'_>,

@@ -26,8 +26,8 @@ use crate::upscale::{GBuffer, History, Sampling, UpscaleInputs};
 pub struct FrameTimes {
     /// Time of the geometry stages, from plan to cull, summed over all passes.
     pub(crate) geometry: Duration,
-    /// Time of the pixel stages, from rasterize to shade, summed over all passes. Includes averaging if sample
-    /// positions differ from pixel to pixel.
+    /// Time of the pixel stages, from rasterize to shade, summed over all passes. Includes averaging of samples if
+    /// sample positions differ from pixel to pixel.
     pub(crate) pixels: Duration,
     /// Time to average the supersampling passes.
     pub(crate) resolve: Duration,
@@ -41,24 +41,24 @@ pub struct FrameTimes {
     pub total: Duration,
 }
 
-/// Finished frame with the data that it was made from.
+/// Finished frame with its inputs and intermediate results.
 #[derive(Clone, Debug)]
 pub struct Frame {
-    /// Full picture; `None` if it is the drawn picture itself.
+    /// Finished picture at full resolution; `None` if the drawn picture is already the finished one.
     pub(super) finished: Option<Image<Rgba8>>,
-    /// Full picture before post filter and wireframe.
+    /// Full-resolution picture before post filter and wireframe.
     pub(super) unfiltered: Unfiltered,
-    /// Accumulated picture of the upscaler, until it moves into a [`History`].
+    /// Accumulated picture of the upscaler; `None` after it has moved into a [`History`].
     pub(super) upscaler_history: Option<Image<[f32; 4]>>,
-    /// Drawn samples: colours, averaged if a pixel has several, and depths of the pixel centres.
+    /// Drawn pixels before upscaling: the colour of each, averaged over its samples, and the depth at its centre.
     pub drawn: Framebuffer,
     /// Anti-aliasing settings of the drawn pixels.
     pub antialias: Antialiasing,
-    /// Camera of the view, without any shift to sample positions.
+    /// Camera of the view, before it is shifted to the sample positions.
     pub(crate) camera: Camera,
     /// G-buffer at full resolution; `None` unless the upscaler reads it and the depth test is on.
     pub(crate) gbuffer: Option<Arc<GBuffer>>,
-    /// Preceding frame as history; `None` unless the upscaler reads it and there is one.
+    /// Preceding frame as history; `None` unless the upscaler reads history and a preceding frame exists.
     pub(crate) history: Option<Arc<History>>,
     /// Geometry of the frame: the list of rasterized triangles, computed on first access.
     pub geometry: LazyGeometry,
@@ -66,12 +66,13 @@ pub struct Frame {
     pub plans: Vec<DrawPlan>,
     /// Size of the full picture, in pixels.
     pub(crate) viewport: Viewport,
-    /// Size, in pixels, of the picture that `geometry` and `drawn` belong to: the full picture, or a smaller one of the
-    /// same view.
+    /// Size, in pixels, of the picture to which `geometry` and `drawn` belong: the full picture, or a smaller one of
+    /// the same view.
     pub raster: Viewport,
     /// Positions of the drawn samples in the full picture.
     pub(crate) sampling: Sampling,
-    /// Triangles of the full picture, if the wireframe needs them and `geometry` belongs to a smaller picture.
+    /// Triangles in full-resolution pixels; `None` unless the wireframe needs them and `geometry` belongs to a smaller
+    /// picture.
     pub(super) outlines: Option<TriangleList>,
     /// Execution, classic or tiled, that drew the frame.
     pub execution: Execution,
@@ -87,7 +88,8 @@ impl Frame {
         self.finished.as_ref().unwrap_or(&self.drawn.color)
     }
 
-    /// Returns the full picture before post filter and wireframe; the finished picture if neither was applied.
+    /// Returns the full-resolution picture before post filter and wireframe. This is the finished picture if neither
+    /// was applied.
     pub(crate) fn unfiltered(&self) -> &Image<Rgba8> {
         match &self.unfiltered {
             Unfiltered::Finished => self.image(),
@@ -101,7 +103,7 @@ impl Frame {
         UpscaleInputs { color, frame: frame_inputs(self.gbuffer.as_deref(), &self.camera, self.history.as_deref()) }
     }
 
-    /// Returns whether the next frame of the same view may be better, because the upscaler's history has not converged
+    /// Returns whether the next frame of the same view may improve, because the upscaler's history has not converged
     /// yet.
     pub(crate) fn is_converging(&self, recipe: &Recipe) -> bool {
         let before =
@@ -109,8 +111,8 @@ impl Frame {
         self.gbuffer.is_some() && before + 1 < recipe.upscaler.upscaler().converges_after(recipe.upscaler)
     }
 
-    /// Decomposes the frame into buffers for reuse: the drawn samples, the full picture if it is separate, and the
-    /// preceding frame unless it is still referenced elsewhere.
+    /// Decomposes the frame into buffers for reuse: the drawn samples, the full-resolution picture if it is stored
+    /// separately, and the history unless it is still referenced elsewhere.
     pub(super) fn into_buffers(self) -> (Framebuffer, Option<Image<Rgba8>>, Option<History>) {
         let full = match self.unfiltered {
             Unfiltered::Kept(picture) => Some(picture),
@@ -157,8 +159,8 @@ impl Frame {
         matches!(self.sampling, Sampling::Grid(grid) if grid.sample_at(x, y).is_some())
     }
 
-    /// Returns the position in the framebuffer of a pixel's sample. Returns the nearest sample if samples lie between
-    /// pixels, or `None` if the pixel was not drawn.
+    /// Returns the framebuffer position of a pixel's sample, as (column, row). Returns the nearest sample if samples
+    /// lie between pixels, or `None` if the pixel was not drawn.
     pub(crate) fn sample_at(&self, x: u32, y: u32) -> Option<(u32, u32)> {
         match self.sampling {
             Sampling::Grid(grid) => grid.sample_at(x, y),
@@ -173,8 +175,8 @@ impl Frame {
         self.sampling.pixel(sample, (self.viewport.width, self.viewport.height))
     }
 
-    /// Returns the rasterized triangles in pixels of the full picture. Empty if the frame was drawn smaller and without
-    /// wireframe.
+    /// Returns the rasterized triangles in full-resolution pixels. The list is empty if the frame was rasterized at a
+    /// lower resolution and without wireframe.
     pub(crate) fn outlines(&self) -> &[ScreenTriangle] {
         match self.sampling {
             Sampling::Grid(_) => &self.geometry.triangles,
@@ -187,20 +189,20 @@ impl Frame {
         self.tiled.as_ref().map_or_else(|| self.geometry.triangles.len(), |report| report.counts.rasterized as usize)
     }
 
-    /// Returns the camera that was drawn: the frame's own, or one shifted to the sample positions. `recipe` must be the
-    /// frame's.
+    /// Returns the camera with which the frame was rasterized: the camera of the view, shifted to the sample positions
+    /// if necessary. `recipe` must be the recipe of the frame.
     pub(crate) fn drawn_from(&self, recipe: &Recipe) -> Camera {
         let (_, place) = sampling_after(self.history.as_deref(), recipe);
         raster_camera(&self.camera, self.sampling, self.viewport, place)
     }
 
-    /// Returns the mapping between distances and depths of the frame.
+    /// Returns the mapping between view distances and stored depths of the frame.
     pub(crate) fn depth_scale(&self) -> &DepthScale {
         &self.drawn.depth_scale
     }
 
-    /// Returns the frame as it was at an earlier moment of drawing. `drawn` holds the samples drawn by then, one per
-    /// pixel, and `geometry` the triangles drawn by then.
+    /// Returns the frame as it looks when drawing is only partly complete. `drawn` holds the samples drawn up to that
+    /// point, one per pixel, and `geometry` the triangles drawn up to that point.
     pub(crate) fn at_moment(&self, recipe: &Recipe, drawn: Framebuffer, geometry: Geometry) -> Self {
         let Finished { picture, unfiltered, .. } = {
             let triangles = || self.outlines.as_ref().unwrap_or(&geometry.triangles);

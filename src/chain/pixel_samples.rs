@@ -10,8 +10,8 @@ use crate::pipeline::tiled::{JITTER_POSITIONS, Jittering, Multisampling, Picks, 
 
 const _: () = assert!((Pattern::JITTER * Pattern::JITTER) as usize == JITTER_POSITIONS);
 
-/// Calls `draw` with the samples per pixel that tiles draw in one pass. These are all samples for multisampling and
-/// jittered supersampling, and the pixel's centre otherwise.
+/// Calls `draw` with the samples that the tiled execution draws per pixel in one pass: all samples for multisampling
+/// and jittered supersampling, and only the pixel's centre for other methods.
 pub(super) fn with_pixel_samples<T>(
     antialias: Antialiasing,
     lanes: Lanes,

@@ -8,8 +8,8 @@ use crate::antialias::settings::{Antialiasing, PostFilter, PostFilterKind, centr
 use crate::pipeline::settings::{Choice as _, Execution, Settings};
 use crate::upscale::{self, Offers, Scale, Upscaler, Upscaling};
 
-/// All settings that determine how a scene is drawn, as plain data: edited by panels, parsed from the command line and
-/// swept by reports. Equal recipes and equal scenes give bit-identical frames.
+/// All settings that determine how a scene is drawn, as plain data. Panels edit them, the command line parses them, and
+/// reports vary them. Equal recipes and equal scenes give bit-identical frames.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Recipe {
@@ -70,7 +70,7 @@ pub enum SetError {
     /// The setting does not accept this value.
     #[error("{key}: {reason}")]
     BadValue {
-        /// Key of the setting that was to be changed.
+        /// Key of the setting that rejected the value.
         key: String,
         /// Reason why the value is rejected, with the accepted values.
         reason: String,
@@ -169,7 +169,8 @@ impl Recipe {
         keys
     }
 
-    /// Checks the ranges that types do not express. Returns an error message if a number is out of range.
+    /// Checks that numeric settings lie in their ranges, as far as their types do not enforce it. Returns an error
+    /// message if a number is out of range.
     pub(crate) fn check(&self) -> Result<(), String> {
         let light = &self.pipeline.light;
         if !light.direction.is_finite() || light.direction == glam::Vec3::ZERO {
@@ -190,7 +191,7 @@ impl Recipe {
     }
 }
 
-/// Returns the dotted key of an assignment `key=value`, with `_` for `-`.
+/// Returns the dotted key of an assignment `key=value`, with each `-` replaced by `_`.
 fn key_of(assignment: &str) -> String {
     assignment.split('=').next().unwrap_or_default().trim().replace('-', "_")
 }
@@ -200,7 +201,7 @@ fn json(recipe: &Recipe) -> Value {
     serde_json::to_value(recipe).unwrap_or(Value::Null)
 }
 
-/// Parses `text` as a JSON value of the same kind as `like`.
+/// Parses `text` as a JSON value of the same type as `like`, such as a number or a list of numbers.
 fn parse_like(like: &Value, text: &str) -> Result<Value, String> {
     let number = |t: &str| {
         t.trim().parse::<f32>().ok().filter(|n| n.is_finite()).ok_or_else(|| format!("`{t}` is not a number"))
@@ -239,8 +240,8 @@ fn collect_keys(tree: &Value, prefix: &str, keys: &mut Vec<(String, String)>) {
     }
 }
 
-/// Returns a description of the values that a key accepts. Ranges are those of [`Recipe::check`]. The words of a choice
-/// come from the parser's error message for an invalid value.
+/// Returns a description of the values that a key accepts. Numeric ranges equal those that [`Recipe::check`] enforces.
+/// The words of a choice are taken from the parser's error message for an invalid value.
 fn describe_values(key: &str, value: &Value) -> String {
     match value {
         _ if key.starts_with(UPSCALER_KEYS) && key != METHOD_KEY => {
@@ -267,7 +268,7 @@ fn describe_values(key: &str, value: &Value) -> String {
 }
 
 /// Returns the values that upscaling methods offer for a setting, separated by commas. If there are several methods,
-/// those without a choice are ignored.
+/// those that offer only a single value are ignored.
 fn offered(key: &str, methods: &[&dyn Upscaler]) -> String {
     let words = |offers: Offers| -> Vec<String> {
         match key.trim_start_matches(UPSCALER_KEYS) {

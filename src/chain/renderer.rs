@@ -21,8 +21,8 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 use crate::upscale::{GBuffer, History, UpscaleInputs};
 
-/// Renderer that draws frames by their recipes and reuses buffers from frame to frame. It uses all threads if the
-/// recipe allows it.
+/// Renderer that draws frames by their recipes and reuses buffers from frame to frame. With the tiled execution, it
+/// uses all threads.
 ///
 /// # Examples
 /// ```
@@ -54,14 +54,15 @@ pub struct Renderer {
     spare_full: Spare,
     /// Buffer for depths, to be reused by the next frame.
     spare_depth: Option<Image<f32>>,
-    /// Buffer for the picture of a history, to be reused by the next frame.
+    /// Buffer for the picture of an upscaler's history, to be reused by the next frame.
     spare_picture: Option<Image<Rgba8>>,
     spare_surfaces: Option<GBuffer>,
-    /// Preceding frame; `None` unless its upscaler reads history.
+    /// Preceding frame; `None` unless the upscaler of that frame reads history.
     past: Option<PreviousFrame>,
 }
 
-/// Preceding frame as history, with the inputs that the next frame must share to read it.
+/// History of the preceding frame, with the inputs of that frame. The next frame reads the history only if it has the
+/// same inputs.
 #[derive(Debug)]
 struct PreviousFrame {
     scene: Arc<Scene>,
@@ -85,17 +86,17 @@ impl Default for Renderer {
     }
 }
 
-/// Whether a frame keeps its depths for later readers.
+/// Whether the depth buffer of a frame is kept after drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KeepDepth {
-    /// Depths are kept with the frame.
+    /// The depths are kept with the frame.
     Yes,
-    /// Depths may be discarded once they have been used.
+    /// The depths may be discarded after their last use in drawing.
     No,
 }
 
 impl Renderer {
-    /// Returns a renderer that uses the given SIMD lanes.
+    /// Returns a renderer that uses the given SIMD instruction set.
     pub(crate) fn on(lanes: Lanes) -> Self {
         Self { lanes, ..Self::default() }
     }
@@ -131,7 +132,8 @@ impl Renderer {
         frame
     }
 
-    /// Draws a view until further frames would be equal: one frame, unless the upscaler reads history.
+    /// Draws a view repeatedly until the upscaler's history has converged, and returns the last frame. Draws only one
+    /// frame if the upscaler reads no history.
     pub fn render_converged(
         &mut self,
         scene: &Arc<Scene>,
@@ -237,7 +239,7 @@ impl Renderer {
         }
     }
 
-    /// Draws the samples of one pass with the tiled execution, into spare buffers.
+    /// Draws the samples of one pass with the tiled execution, and reuses spare buffers.
     fn draw_tiled(
         &mut self,
         scene: &Scene,
@@ -278,7 +280,8 @@ impl Renderer {
     }
 }
 
-/// Returns the execution that draws a scene by a recipe, and the reason if it is not the one that the recipe selects.
+/// Returns the execution that is used for a scene and a recipe. If it is not the execution that the recipe selects, the
+/// second value is the reason.
 pub(crate) fn execution(scene: &Scene, recipe: &Recipe) -> (Execution, Option<&'static str>) {
     match recipe.execution {
         Execution::Classic => (Execution::Classic, None),

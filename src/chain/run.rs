@@ -1,4 +1,4 @@
-//! Classic execution of a frame: one triangle after the other, with any observer.
+//! Classic execution of a frame: draws one triangle after the other and reports every step to an [`Observer`].
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -128,15 +128,15 @@ pub(super) fn run_after<O: Observer>(
 
 /// Result of the supersampling passes of a frame.
 pub(super) struct Passes {
-    /// Mean of the passes; `None` if the recipe has none.
+    /// Mean of the passes; `None` if the recipe has no supersampling passes.
     pub(super) mean: Option<Image<Rgba8>>,
     /// Time spent on averaging, excluding the passes themselves.
     pub(super) resolve: Duration,
 }
 
 /// Averages the supersampling passes of a recipe. `pass` draws the picture with one sample per pixel at the given
-/// position, in pixels from the pixel's top left corner. It may reuse the picture of the preceding pass, if it gets
-/// one.
+/// position, in pixels from the pixel's top left corner. Its second argument is the picture of the preceding pass, if
+/// any, as a buffer to reuse.
 pub(super) fn mean_of_passes(
     recipe: &Recipe,
     (grid, raster): (SampleGrid, Viewport),
@@ -157,8 +157,8 @@ pub(super) fn mean_of_passes(
 }
 
 /// Draws the triangles of a frame again into a new framebuffer, up to the stage `until`. `recipe` may differ from the
-/// frame's own only in settings of samples, such as depth test and shading. Transparency stays that of the frame:
-/// alpha-tested fragments stay discarded, and blended ones come last and store no depth.
+/// frame's recipe only in per-sample settings, such as depth test and shading. Transparency does not change:
+/// alpha-tested fragments stay discarded, and blended fragments are drawn last and store no depth.
 pub(crate) fn redraw<O: Observer>(
     scene: &Scene,
     recipe: &Recipe,
@@ -171,7 +171,7 @@ pub(crate) fn redraw<O: Observer>(
 }
 
 /// Runs the geometry stages of a frame again with an observer, for all triangles, even if the frame's own list was
-/// truncated. `recipe` may differ from the frame's own in anything but the upscaler.
+/// truncated. `recipe` must have the upscaler of the frame's recipe; all other settings may differ.
 pub(crate) fn prepare_again<O: Observer>(scene: &Scene, recipe: &Recipe, frame: &Frame, observer: &mut O) -> Geometry {
     prepare(scene, &frame.drawn_from(recipe), &recipe.pipeline, frame.raster, observer)
 }

@@ -1,7 +1,7 @@
 //! Anti-aliasing with several samples per pixel: supersampling in passes, and per-pixel sampling.
 //!
 //! If all pixels have their samples at the same positions, each sample is a pass of its own. A pass draws the whole
-//! picture through a window shifted by a fraction of a pixel, in the same way as a picture with one sample. If
+//! picture like a picture with one sample per pixel, but with the camera's window shifted by a fraction of a pixel. If
 //! positions differ from pixel to pixel, or if shading does not run per sample, the classic execution draws triangles
 //! one after the other into rows of samples. The tiled execution has kernels of its own for these methods.
 
@@ -26,13 +26,13 @@ use crate::pipeline::{Extent, Geometry, LastStage, draw, prepare};
 use crate::scene::{Camera, Scene};
 use crate::upscale::{CENTRE, Sampling};
 
-/// Returns the sample position of each pass in a pixel, in pixels from its top left corner. Empty if the method has no
-/// passes.
+/// Returns the sample position of each pass, in pixels from the pixel's top left corner. The list is empty if the
+/// method has no passes.
 pub(super) fn passes(antialias: Antialiasing) -> Vec<[f64; 2]> {
     if antialias.has_passes() { antialias.pattern().offsets(0, 0) } else { Vec::new() }
 }
 
-/// Number of packed rows sampled together, small enough for their samples to fit into the caches.
+/// Number of framebuffer rows that are sampled together, small enough for their samples to fit into the caches.
 const ROWS: u32 = 8;
 
 /// Draws the picture of a per-pixel method (see [`Antialiasing::is_per_pixel`]) and resolves its samples.
@@ -77,8 +77,8 @@ fn candidates(antialias: Antialiasing) -> Vec<Vec<[f32; 2]>> {
     places.into_iter().map(|places| places.into_iter().map(from_centre).collect()).collect()
 }
 
-/// Returns the candidate positions of each sample of a pixel, in grid steps of 1/256 px from the pixel's centre. Empty
-/// unless the method is per pixel.
+/// Returns the candidate positions of each sample of a pixel, in grid steps of 1/256 px from the pixel's centre. The
+/// list is empty unless the method is a per-pixel method.
 pub(crate) fn places_on_grid(antialias: Antialiasing) -> Vec<Vec<[i32; 2]>> {
     if !antialias.is_per_pixel() {
         return Vec::new();
@@ -105,8 +105,8 @@ fn sampled(
     frames
 }
 
-/// Replays the samples of pixels of a frame, in the order in which they were drawn: one per pixel unless the frame is
-/// anti-aliased. Pixels that were not drawn have no samples.
+/// Draws the given pixels of a frame again and returns the samples of each, in drawing order. There is one sample per
+/// pixel unless the frame is anti-aliased. Pixels that were not drawn have no samples.
 pub(crate) fn replay(scene: &Scene, recipe: &Recipe, frame: &Frame, pixels: &[(u32, u32)]) -> Vec<Vec<Rgba8>> {
     let Frame { antialias, sampling, viewport, camera, .. } = frame;
     if antialias.is_off() {
@@ -129,7 +129,7 @@ pub(crate) fn replay(scene: &Scene, recipe: &Recipe, frame: &Frame, pixels: &[(u
     (0..pixels.len()).map(|pixel| passes.iter().filter_map(|pass| pass[pixel]).collect()).collect()
 }
 
-/// Replays one sample per pixel, as one pass drew it; `None` for pixels that were not drawn.
+/// Draws the sample of one pass at each of the given pixels again; `None` for pixels that were not drawn.
 fn replay_pass(
     scene: &Scene,
     recipe: &Recipe,
@@ -148,7 +148,7 @@ fn replay_pass(
     pixels.iter().map(color).collect()
 }
 
-/// Replays all samples of one pixel of a per-pixel method; empty if the pixel was not drawn.
+/// Draws all samples of one pixel again, for a per-pixel method. Returns an empty list if the pixel was not drawn.
 fn replay_pixel(scene: &Scene, recipe: &Recipe, frame: &Frame, (x, y): (u32, u32)) -> Vec<Rgba8> {
     let Some(sample) = frame.drawn.grid.sample_at(x, y) else { return Vec::new() };
     let cleared = Framebuffer::one_sample(frame.drawn.grid, sample, scene.background, &recipe.pipeline);
@@ -177,8 +177,8 @@ pub(crate) struct ProgressiveRender {
 }
 
 impl ProgressiveRender {
-    /// Starts a rendering by the recipe's pipeline settings only: no upscaler, no filter, no wireframe, and textures
-    /// read without mip-mapping.
+    /// Starts rendering with only the pipeline settings of the recipe: without upscaler, filter, wireframe and
+    /// mip-mapping.
     pub(crate) fn new(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, viewport: Viewport, samples: u32) -> Self {
         let mut bare = Recipe { pipeline: recipe.pipeline, execution: recipe.execution, ..Recipe::default() };
         if bare.pipeline.filter == TextureFilter::Trilinear {
@@ -211,8 +211,8 @@ impl ProgressiveRender {
     }
 }
 
-/// Returns the camera with its window shifted so that samples lie at `place` in their pixels, or `None` if no shift is
-/// needed. `place` is in pixels from the pixel's top left corner.
+/// Returns the camera with its window shifted so that the sample of each pixel lies at `place`, or `None` if no shift
+/// is needed. `place` is in pixels from the pixel's top left corner.
 pub(super) fn jittered_camera(
     camera: &Camera,
     sampling: Sampling,
@@ -245,8 +245,8 @@ mod tests {
 
     const SIZE: Viewport = Viewport { width: 61, height: 47 };
 
-    /// Returns the root mean square error of one triangle's coverage, over the pixels that its edges cross, compared
-    /// with the exact area.
+    /// Returns the root mean square error of a triangle's anti-aliased coverage relative to its exact area, over the
+    /// pixels that its edges cross.
     fn coverage_error(antialias: Antialiasing) -> f64 {
         let scene = builtin::by_id("triangle").unwrap().build();
         let mut recipe = Recipe { antialias, ..Recipe::default() };

@@ -1,4 +1,4 @@
-//! Frame-level work besides the draws: whether each part runs, and the reason if it is skipped.
+//! Optional work of a frame that belongs to no single draw: whether each part runs, and the reason if it is skipped.
 
 use serde::Serialize;
 
@@ -92,7 +92,7 @@ mod tests {
     use crate::scene::builtin::workload::layers;
     use crate::upscale::Upscaling;
 
-    /// Picture size in pixels, with even sides, so that no sample grid ends within a pixel.
+    /// Picture size in pixels. Both sides are divisible by 3 and 4, so no sample grid ends within a pixel.
     const SIZE: Viewport = Viewport { width: 96, height: 48 };
 
     #[test]

@@ -39,27 +39,27 @@ pub(crate) struct BenchArgs {
     frames: u32,
 
     /// Angle in degrees by which the camera orbits per frame; the same 16 frames are timed repeatedly, and compared
-    /// with native; 0 measures the still view
+    /// with native rendering; 0 measures the still view
     #[arg(long, value_name = "DEGREES", default_value_t = Turn::default().degrees, allow_hyphen_values = true, value_parser = parse::degrees,
           conflicts_with_all = ["scrub", "window", "verify"])]
     turn: f32,
 
-    /// Instruction set of the SIMD lanes
+    /// SIMD instruction set to draw with
     #[arg(long, value_enum, default_value_t = LanesArg::Best)]
     lanes: LanesArg,
 
-    /// Measure the time of steps through the drawing of the frame instead; --frames sets the number of steps of each
+    /// Measure the time of stepping through the drawing of the frame instead; --frames sets the number of steps of each
     /// kind
     #[arg(long, conflicts_with_all = ["threads", "lanes"])]
     scrub: bool,
 
-    /// Measure the cost of the window itself instead, panel by panel; --frames sets the number of passes, and --size
+    /// Measure the cost of drawing the window instead, panel by panel; --frames sets the number of passes, and --size
     /// the size of the window
     #[arg(long, conflicts_with_all = ["threads", "lanes", "scrub"])]
     window: bool,
 
     /// Verify instead of timing: compare tiled execution bit for bit with classic execution, on every instruction set
-    /// and several numbers of threads; exit code 1 if they differ
+    /// and with several numbers of threads; exit code 1 if they differ
     #[arg(long, conflicts_with_all = ["lanes", "frames", "scrub", "window"])]
     verify: bool,
 
@@ -126,16 +126,16 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     interrupt::outcome(report.report.partial)
 }
 
-/// Times of the frames, and the error of the upscaler.
+/// Output of `bench`: frame times, and the error of the upscaler.
 #[derive(Serialize)]
 struct BenchOutput {
     #[serde(flatten)]
     report: BenchReport,
-    /// Error against native; `None` for the native method itself.
+    /// Error compared with native rendering; `None` if the frames are drawn with the native method.
     error: Option<MeasuredError>,
 }
 
-/// Error against the native frames of the same cameras.
+/// Error of an upscaler, compared with native frames from the same cameras.
 #[derive(Serialize)]
 struct MeasuredError {
     /// Error of the still view, after the upscaler has converged.
@@ -178,7 +178,7 @@ fn table(report: &BenchOutput) -> String {
     let turning = if turn.is_still() {
         String::new()
     } else {
-        format!(", camera orbits by {}° per frame, {} views in turn", turn.degrees, turn.frames)
+        format!(", camera orbits by {}° per frame over {} views", turn.degrees, turn.frames)
     };
     let mut text = format!(
         "{scene}, {width} × {height} px, {execution}, {threads} {}, {} frames{turning}\n{}\n\n",
@@ -187,14 +187,14 @@ fn table(report: &BenchOutput) -> String {
         machine.summary()
     );
     if report.partial {
-        text += "partial: interrupted before all frames were drawn\n\n";
+        text += "partial: interrupted before all frames were timed\n\n";
     }
     text += &format!("{:24} {:>10} {:>10} {:>10}\n", "milliseconds", "median", "p10", "p90");
     let line = |name: &str, [median, p10, p90]: [f64; 3]| format!("{name:24} {median:10.3} {p10:10.3} {p90:10.3}\n");
     let of_series = |ms: &Summary| [ms.median, ms.p10, ms.p90];
     text += &line("whole frame", of_series(frame_ms));
     text.extend(stages.iter().map(|StageSummary { stage, ms }| line(stage, [ms.median, ms.p10, ms.p90])));
-    text += &line("only writing its bytes", of_series(&writing.ms));
+    text += &line("writing as many bytes", of_series(&writing.ms));
     if let Some(noise) = noise {
         text += &format!(
             "\nnoise floor of the whole frame: {}, {:.3} ms; smaller differences of medians are {}\n",
@@ -207,7 +207,7 @@ fn table(report: &BenchOutput) -> String {
     if let Some(MeasuredError { still, motion }) = error {
         let codes = still.codes;
         text += &format!(
-            "still, against native: PSNR {:.2} dB, SSIM {:.6}, FLIP {:.4}\n",
+            "still view, against native: PSNR {:.2} dB, SSIM {:.6}, FLIP {:.4}\n",
             codes.psnr_db, codes.ssim, still.flip
         );
         if !turn.is_still() {
@@ -225,7 +225,7 @@ fn table(report: &BenchOutput) -> String {
         megabytes(bytes.scene)
     );
     text + &format!(
-        "{:24} {:10.2} ns per triangle, {:.2} ns per pixel, {:.1} times as long as writing its bytes\n",
+        "{:24} {:10.2} ns per triangle, {:.2} ns per pixel, {:.1} × the time of writing as many bytes\n",
         "cost", report.ns_per_triangle, report.ns_per_pixel, writing.frame_over_writing
     )
 }

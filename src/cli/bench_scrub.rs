@@ -11,24 +11,25 @@ use serde::Serialize;
 
 use super::scene_args::RequestedView;
 
-/// Costs of stepping through one frame.
+/// Cost of stepping through the drawing of one frame.
 #[derive(Debug, Serialize)]
 pub(crate) struct ScrubReport {
     scene: String,
     size: [u32; 2],
     triangles: usize,
-    /// Time until the first moment can be requested, in milliseconds.
+    /// Time to prepare the frame for stepping, in milliseconds.
     preparing_ms: f64,
-    /// Time of the first pass over the whole frame, which copies the framebuffer, in milliseconds.
+    /// Time of the first complete drawing of the frame, which also copies the framebuffer at checkpoints, in
+    /// milliseconds.
     first_walk_ms: f64,
-    /// Number of framebuffer copies that the first pass makes.
+    /// Number of framebuffer copies made by the first complete drawing.
     copies: usize,
     copy_bytes: usize,
-    /// Time of each kind of step until its picture is finished, in milliseconds.
+    /// Name of each kind of step, with the time until the picture after the step is finished, in milliseconds.
     steps: Vec<(&'static str, Summary)>,
 }
 
-/// Measures `count` steps of each kind, spread over the frame.
+/// Measures the time of `count` steps of each kind, spread evenly over the frame.
 pub(crate) fn measure(view: &RequestedView, viewport: Viewport, count: usize) -> ScrubReport {
     let RequestedView { scene, camera, recipe, .. } = view;
     let frame = run(scene, camera, recipe, viewport, &mut ());

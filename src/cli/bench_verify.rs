@@ -17,9 +17,10 @@ pub(crate) fn verify(view: &RequestedView, size: Viewport, threads: Option<usize
 
 /// Formats the comparison, one line for each instruction set and number of threads.
 pub(crate) fn table(scene: &str, Viewport { width, height }: Viewport, found: &Equality) -> String {
-    let mut text = format!("{scene}, {width} × {height} px: tiled execution against classic execution, bit for bit\n");
+    let mut text =
+        format!("{scene}, {width} × {height} px: tiled execution compared with classic execution, bit for bit\n");
     if let Some(obstacle) = found.obstacle {
-        return text + &format!("nothing to compare: this frame is always drawn by classic execution: {obstacle}\n");
+        return text + &format!("nothing to compare: this frame is always drawn by classic execution ({obstacle})\n");
     }
     for ExecutionVariant { lanes, threads, difference } in &found.ways {
         let unit = if *threads == 1 { "thread" } else { "threads" };

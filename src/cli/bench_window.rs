@@ -1,4 +1,4 @@
-//! `rasterscope bench --window`: cost of the window itself, without the picture.
+//! `rasterscope bench --window`: measures the cost of drawing the window, without the rendered picture.
 
 use crate::measure::window_cost::WindowCost;
 use crate::pipeline::viewport::Viewport;
@@ -7,7 +7,7 @@ use super::failure::Failure;
 use super::scene_args::RequestedView;
 use super::workbench;
 
-/// Measures `passes` passes for each part of a window of `size` pixels.
+/// Measures the cost of each part of a window, over `passes` passes. `size` is the size of the window in pixels.
 pub(crate) fn measure(view: RequestedView, size: Viewport, passes: usize) -> Result<Vec<WindowCost>, Failure> {
     workbench::window_costs(view, size, passes)
 }
@@ -16,7 +16,7 @@ pub(crate) fn measure(view: RequestedView, size: Viewport, passes: usize) -> Res
 pub(crate) fn table(costs: &[WindowCost], Viewport { width, height }: Viewport) -> String {
     let passes = costs.first().map_or(0, |cost| cost.whole_ms.n);
     let mut text = format!(
-        "The window at {width} × {height} px, {passes} passes each, without the picture and without a GPU\n\n\
+        "User interface at {width} × {height} px: time per pass, {passes} passes each, without picture and GPU\n\n\
          {:28} {:>8} {:>8} {:>8} {:>12} {:>9} {:>10}\n",
         "milliseconds, median", "total", "p90", "layout", "tessellation", "vertices", "upload kB"
     );

@@ -49,7 +49,9 @@ pub(crate) fn run(args: &CaseArgs) -> Result<(), Failure> {
     match (&args.out_dir, &args.cases[..]) {
         (Some(folder), cases) => answer_all(cases, folder, args.options()),
         (None, [case]) => answer_one(case, args.output.as_deref(), args.options()),
-        (None, cases) => Err(Failure::Usage(format!("{} cases need --out-dir for their results", cases.len()))),
+        (None, cases) => {
+            Err(Failure::Usage(format!("{} cases need --out-dir, the folder for their results", cases.len())))
+        }
     }
 }
 
@@ -66,8 +68,8 @@ fn answer_one(case: &Path, into: Option<&Path>, options: Options) -> Result<(), 
     output::print(&format!("{}: {outcome}\n", output::display(path)))
 }
 
-/// Answers all readable cases. Returns the failure of the last unreadable case; earlier ones are reported as they
-/// occur.
+/// Evaluates all readable cases and writes their results to `folder`. Returns the failure of the last unreadable case;
+/// earlier failures are printed.
 fn answer_all(cases: &[PathBuf], folder: &Path, options: Options) -> Result<(), Failure> {
     // A result must not overwrite a case that is still to be read.
     cases.iter().for_each(|path| disk::note_input(path));
@@ -86,7 +88,7 @@ fn answer_all(cases: &[PathBuf], folder: &Path, options: Options) -> Result<(), 
                     Ok(true) => answered += 1,
                     Ok(false) => refused += 1,
                     Err(Failure::Interrupted(_)) if answered + refused > 0 => {
-                        return Err(Failure::Interrupted("the results of the earlier cases are written"));
+                        return Err(Failure::Interrupted("the results of the completed cases are written"));
                     }
                     Err(failure) => return Err(failure),
                 }
@@ -102,8 +104,8 @@ fn answer_all(cases: &[PathBuf], folder: &Path, options: Options) -> Result<(), 
     failure.map_or(Ok(()), Err)
 }
 
-/// Reads a case and adds its id to `ids`. Returns an error for a known id, because its result would overwrite the
-/// earlier one.
+/// Reads a case and adds its id to `ids`. Returns an error if an earlier case has the same id, because the results
+/// would overwrite each other.
 fn read_unlike(path: &Path, ids: &mut HashSet<String>) -> Result<Case, Failure> {
     let case = Case::read(path)?;
     if ids.insert(case.id.clone()) {
@@ -127,8 +129,8 @@ fn unless_interrupted(outcome: Result<(), Failure>) -> Result<(), Failure> {
     if interrupt::flag().load(Ordering::Relaxed) { Err(interrupt::nothing()) } else { outcome }
 }
 
-/// Writes a result as one line of JSON, piece by piece, because its text may take several times the memory of the
-/// result.
+/// Writes a result as one line of JSON. It is written piece by piece, because the complete text may take several times
+/// the memory of the result.
 fn write_line(result: &CaseResult, out: &mut dyn Write) -> io::Result<()> {
     let mut out = BufWriter::new(Interruptible { out, stop: interrupt::flag() });
     serde_json::to_writer(&mut out, result)?;

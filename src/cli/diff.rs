@@ -28,7 +28,7 @@ pub(crate) struct DiffArgs {
     #[command(flatten)]
     frame: FrameArgs,
 
-    /// Setting with its value in A; may be given several times. B has the settings of --set
+    /// Setting that differs in A; may be given several times. B has the settings of --set
     #[arg(long, value_name = "KEY=VALUE", required = true)]
     against: Vec<String>,
 
@@ -50,17 +50,17 @@ pub(crate) struct DiffArgs {
     #[arg(long)]
     json: bool,
 
-    /// PNG file for B, with unchanged pixels in dark grey
+    /// PNG file for the picture of B, with unchanged pixels in dark grey
     #[arg(short, long, value_name = "FILE.png")]
     output: Option<PathBuf>,
 }
 
-/// Differences between A and B, as JSON.
+/// Differences between the pictures A and B, as JSON.
 #[derive(Serialize)]
 struct DiffReport {
     scene: String,
     size: [u32; 2],
-    /// Settings that differ, each as key, value in A and value in B.
+    /// Settings that differ between A and B, each as key, value in A and value in B.
     fields: Vec<[String; 3]>,
     buffer: Buffer,
     changed_pixels: u64,
@@ -77,7 +77,7 @@ struct DiffReport {
     partial: bool,
 }
 
-/// Runs `diff`: draws A and B, compares and times them, and prints the differences.
+/// Runs `diff`: draws the pictures A and B, compares and times them, and prints the differences.
 pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
     let view = args.frame.view()?;
     let size = args.frame.size();
@@ -114,13 +114,15 @@ pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
         output::print_json(&report)?;
     } else {
         let written = args.output.as_deref().map(output::display);
-        let written = written.map(|path| format!("{path}: picture of the changed pixels\n")).unwrap_or_default();
+        let written = written
+            .map(|path| format!("{path}: picture of B with only the changed pixels in colour\n"))
+            .unwrap_or_default();
         output::print(&(text(&report) + &written))?;
     }
     interrupt::outcome(report.partial)
 }
 
-/// Returns the pixels of a buffer that differ, and the picture of B with unchanged pixels dimmed.
+/// Returns the pixels at which a buffer differs between A and B, and the picture of B with unchanged pixels dimmed.
 fn compared(
     buffer: Buffer,
     view: &RequestedView,
@@ -190,7 +192,7 @@ fn text(report: &DiffReport) -> String {
         );
     }
     if report.partial {
-        text += "partial: interrupted before everything was measured\n";
+        text += "partial: interrupted before all measurements were complete\n";
     }
     text
 }

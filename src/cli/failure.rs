@@ -24,7 +24,7 @@ const VIOLATED: u8 = 1;
 /// Reason for the failure of a command.
 #[derive(Debug, Error)]
 pub(crate) enum Failure {
-    /// The command line itself is wrong.
+    /// The command line is invalid.
     #[error("{0}")]
     Usage(String),
     /// A model or a view cannot be loaded.
@@ -63,7 +63,7 @@ pub(crate) enum Failure {
     /// The requested threads cannot be created.
     #[error("--threads: {0}")]
     Threads(String),
-    /// Assertions of `check` are violated.
+    /// At least one assertion of `check` is violated.
     #[error("{violated} of {of} assertions are violated")]
     Violated { violated: usize, of: usize },
     /// Pictures that must be bit-identical differ.

@@ -1,4 +1,5 @@
-//! `rasterscope fates`: prints the fates of all triangles and fragments of a frame, in total and per object.
+//! `rasterscope fates`: prints the fate of every triangle and fragment of a frame, such as drawn, culled or rejected by
+//! the depth test, as counts in total and per object.
 
 use crate::inspect::Fates;
 use crate::inspect::fates::{Account, FragmentCounts, FragmentFate, ObjectFates, TriangleCounts, TriangleFate};
@@ -22,7 +23,7 @@ pub(crate) struct FatesArgs {
     json: bool,
 }
 
-/// Fates of a frame, as JSON.
+/// Fates of the triangles and fragments of a frame, as JSON.
 #[derive(Serialize)]
 struct FatesJsonOutput<'a> {
     scene: &'a str,
@@ -36,7 +37,7 @@ struct FatesJsonOutput<'a> {
     account: &'a Account,
 }
 
-/// Runs `fates`: draws the frame, and counts and prints the fates.
+/// Runs `fates`: draws the frame, and counts and prints the fates of its triangles and fragments.
 pub(crate) fn run(args: &FatesArgs) -> Result<(), Failure> {
     let DrawnFrame { scene, recipe, frame, .. } = args.frame.draw(None)?;
     let fates = Fates::of(&scene, &recipe, &frame);
@@ -76,7 +77,7 @@ fn text(fates: &Fates) -> String {
     text
 }
 
-/// Formats a line for each fate that occurs: its count, its share and a bar.
+/// Formats a line for each fate that occurs, with its count, its percentage of all triangles or fragments, and a bar.
 fn funnel<C: Choice>(what: &str, all: u64, count: impl Fn(C) -> u64) -> String {
     /// Length of the longest bar, in characters.
     const BAR: f64 = 40.0;
@@ -89,7 +90,7 @@ fn funnel<C: Choice>(what: &str, all: u64, count: impl Fn(C) -> u64) -> String {
     text
 }
 
-/// Formats a row for each object, with a column for each fate that any triangle has.
+/// Formats a row for each object, with a column for each fate that occurs in the frame.
 fn objects(objects: &[ObjectFates], all: &TriangleCounts) -> String {
     let bins: Vec<_> = TriangleFate::ALL.iter().copied().filter(|fate| all.of(*fate) > 0).collect();
     let heading = |fate: &TriangleFate| format!("  {:>12}", fate.id());

@@ -22,12 +22,12 @@ pub(crate) fn flag() -> &'static AtomicBool {
     &FLAG
 }
 
-/// Returns the failure of an interrupted measurement if its results are partial.
+/// Returns an error if a measurement was interrupted, so that its results are partial.
 pub(crate) fn outcome(is_partial: bool) -> Result<(), Failure> {
-    if is_partial { Err(Failure::Interrupted("complete results are written and marked as partial")) } else { Ok(()) }
+    if is_partial { Err(Failure::Interrupted("the results so far are written and marked as partial")) } else { Ok(()) }
 }
 
-/// Returns the failure of a measurement that was interrupted before anything was complete.
+/// Returns the error for a measurement that was interrupted before any result was complete.
 pub(crate) fn nothing() -> Failure {
     Failure::Interrupted("no result was complete, so nothing is written")
 }

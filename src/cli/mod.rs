@@ -49,8 +49,8 @@ use seen_args::WindowArgs;
 
 /// An interactive workbench for a software rendering pipeline
 ///
-/// Without a command the window opens; without scene and options it resumes scene, settings and view of the previous
-/// run. Without a display, the whole workbench is painted once into rasterscope.png instead.
+/// Without a command the window opens. If neither a scene nor options are given, it resumes scene, settings and view of
+/// the previous run. If there is no display, the workbench is rendered once to the image file rasterscope.png instead.
 #[derive(Parser, Debug)]
 #[command(version, long_version = VERSION, args_conflicts_with_subcommands = true, after_help = example("chess"))]
 struct Cli {
@@ -65,18 +65,18 @@ struct Cli {
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\n\n", include_str!("../../assets/NOTICES.txt"));
 
 const EXIT_CODES: &str = "Exit codes: 0 success; 1 violation found by `check` or `bench --verify`; 2 unusable input or \
-    unwritable output; 3 window cannot be opened; 130 interrupted, complete results are written";
+    unwritable output; 3 window cannot be opened; 130 interrupted, the results so far are written";
 
-/// Returns the last part of a command's help: an example and the exit codes.
+/// Returns the final part of a command's help text: an example and the exit codes.
 fn example(arguments: &str) -> String {
     format!("Example: rasterscope {arguments}\n\n{EXIT_CODES}")
 }
 
 #[derive(Subcommand, Debug)]
 enum CliCommand {
-    /// Open the window, and fail if that is impossible
+    /// Open the window, or fail if no window can be opened
     ///
-    /// Without scene and options it resumes scene, settings and view of the previous run.
+    /// If neither a scene nor options are given, it resumes scene, settings and view of the previous run.
     #[command(after_help = example("window chess --set shading=gouraud"))]
     Window(WindowArgs),
     /// Render one frame, or one of its buffers, to a PNG
@@ -97,25 +97,26 @@ enum CliCommand {
     /// Compare a view under two sets of settings: which pixels change, by how much, and at what cost
     #[command(after_help = example("diff chess --set filter=point --against filter=bilinear"))]
     Diff(diff::DiffArgs),
-    /// Paint the whole workbench to a PNG, without a window
+    /// Render the workbench to a PNG, without a window
     #[command(after_help = example("screenshot chess --compare four -o compared.png"))]
     Screenshot(screenshot::ScreenshotArgs),
-    /// Time frames: in total and per stage, with counters and memory
+    /// Measure frame times, in total and per stage, and print counters and memory use
     #[command(after_help = example("bench chess --frames 101"))]
     Bench(bench::BenchArgs),
-    /// Measure the cost of a frame against triangles, pixels, layers and threads, as a table or a page
+    /// Measure the cost of a frame against triangles, pixels, layers and threads, as a table or an HTML page
     #[command(after_help = example("scaling -o scaling"))]
     Scaling(scaling::ScalingArgs),
     /// Evaluate numerical cases: small inputs to one algorithm each, for comparison with exact answers
     #[command(after_help = example("case line.json -o result.json"))]
     Case(case::CaseArgs),
-    /// Measure numerical stability: run stiff and extreme cases on every rasterizer, arithmetic and depth format
+    /// Measure numerical stability: run ill-conditioned and extreme cases on every rasterizer, arithmetic and depth
+    /// format
     #[command(after_help = example("stability --class slivers --html -o slivers.html"))]
     Stability(stability::StabilityArgs),
     /// Move camera or vertices by a few units in the last place, and print which pixels and triangles change
     #[command(after_help = example("probe z-fighting --ulps 2 -o heat.png"))]
     Probe(probe::ProbeArgs),
-    /// Measure error against run time of every upscaler, and write a page, a table and JSON
+    /// Measure error against run time of every upscaler, and write an HTML page, a CSV table and JSON
     #[command(after_help = example("report chess --size 640x360 -o report"))]
     Report(report::ReportArgs),
     /// Export a scene as drawing commands: wireframe, hidden-line drawing, or polygons
@@ -168,7 +169,8 @@ fn execute(cli: &Cli) -> Result<(), Failure> {
     }
 }
 
-/// Prints help or the version if requested. Any other error becomes a failure with its first paragraph as the message.
+/// Prints the help text or the version if requested. Any other error becomes a failure whose message is the first
+/// paragraph of the error.
 fn usage(error: &clap::Error) -> Result<(), Failure> {
     let text = error.render().to_string();
     if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {

@@ -38,7 +38,7 @@ pub(crate) fn report(kind: &str, text: impl Display) {
     let _ = writeln!(stderr(), "{kind}: {}", text::one_line(&text.to_string()));
 }
 
-/// Returns a path for display in a line of text.
+/// Formats a path for display within one line of text.
 pub(crate) fn display(path: &Path) -> String {
     text::path(path)
 }
@@ -48,7 +48,7 @@ pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
     disk::write(path, text.as_bytes()).map_err(|source| Failure::ResultFile { path: path.to_owned(), source })
 }
 
-/// Writes a file atomically, piece by piece.
+/// Writes a file atomically and piece by piece, without holding all of it in memory.
 pub(crate) fn write_by(path: &Path, produce: impl FnOnce(&mut dyn io::Write) -> io::Result<()>) -> Result<(), Failure> {
     disk::write_by(path, produce).map_err(|source| Failure::ResultFile { path: path.to_owned(), source })
 }

@@ -39,7 +39,7 @@ pub(crate) fn choice<C: Choice + Send + Sync>() -> impl TypedValueParser<Value =
     PossibleValuesParser::new(possible_values::<C>()).try_map(|id| named::<C>(&id).ok_or("not a possible value"))
 }
 
-/// Axis that points up in the scene's home view.
+/// Axis that points up in the home view of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Up {
     /// Axis guessed from the model.
@@ -57,7 +57,7 @@ pub(crate) fn up() -> impl TypedValueParser<Value = Up> {
     })
 }
 
-/// Returns the parser for the meaning of `Tr` in material libraries.
+/// Returns the parser for the meaning of `Tr` in material libraries: transparency, opacity, or guessed from the file.
 pub(crate) fn tr() -> impl TypedValueParser<Value = TrMeaning> {
     PossibleValuesParser::new(["auto", "transparency", "opacity"]).map(|id| match id.as_str() {
         "transparency" => TrMeaning::Transparency,

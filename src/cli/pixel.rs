@@ -25,7 +25,7 @@ pub(crate) struct PixelArgs {
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = parse::pixel)]
     at: (u32, u32),
 
-    /// Number of rasterized triangles to draw; all if omitted
+    /// Number of rasterized triangles to draw before the pixel is explained; all if omitted
     #[arg(long, value_name = "N")]
     triangles: Option<usize>,
 
@@ -57,7 +57,7 @@ pub(crate) struct PixelArgs {
     #[arg(long)]
     trace: bool,
 
-    /// Fragment to trace instead of the visible one, counted from 1 in drawing order
+    /// Number of the fragment to trace instead of the visible one, counted from 1 in drawing order
     #[arg(long, value_name = "N", requires = "trace", value_parser = clap::value_parser!(u32).range(1..))]
     fragment: Option<u32>,
 
@@ -66,7 +66,7 @@ pub(crate) struct PixelArgs {
     times: Option<u32>,
 }
 
-/// Runs `pixel`: draws the frame, replays the pixel, and prints its history.
+/// Runs `pixel`: draws the frame, replays the pixel, and prints all its fragments.
 pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
     let (x, y) = args.at;
     let picture = args.frame.size();
@@ -95,7 +95,7 @@ pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
     args.times.map_or(Ok(()), |times| print_time(times, make))
 }
 
-/// Makes `times` traces and prints their median time.
+/// Computes the same trace `times` times and prints the median time.
 fn print_time(times: u32, make: impl Fn() -> Trace) -> Result<(), Failure> {
     let times_ms = (0..times).map(|_| {
         let start = Instant::now();

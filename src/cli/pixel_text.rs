@@ -1,4 +1,5 @@
-//! Formats a [`PixelReport`] as text: the verdict first, then the fragments in drawing order, then the sources.
+//! Formats a [`PixelReport`] as text: first the verdict, then the fragments in drawing order, then the source samples
+//! of the upscaler.
 
 use std::fmt::Debug;
 
@@ -8,7 +9,7 @@ use crate::inspect::pixel::{ShadingRecord, SourceRecord, TextureMap};
 use crate::inspect::{DepthRecord, FragmentOutcome, FragmentRecord, PixelReport};
 use crate::pipeline::settings::{Arithmetic, Choice as _};
 
-/// Formats the whole report in several lines.
+/// Formats the whole report as text of several lines.
 pub(crate) fn describe(report: &PixelReport) -> String {
     let mut lines = vec![format!("pixel {}, {}: {}", report.x, report.y, color(report.color)), report.verdict.clone()];
     lines.push(format!("Cleared to {}.", state(report.clear)));
@@ -33,7 +34,7 @@ pub(crate) fn describe(report: &PixelReport) -> String {
     }
     if !report.samples.is_empty() {
         lines.push(String::new());
-        lines.push(format!("mean of {} samples, with their positions in the pixel", report.samples.len()));
+        lines.push(format!("mean of {} samples, each with its position in the pixel", report.samples.len()));
         lines.extend(report.samples.iter().map(|sample| {
             let [x, y] = sample.place;
             format!("  ({x:.4}, {y:.4})  {}", color(sample.color))
@@ -41,7 +42,7 @@ pub(crate) fn describe(report: &PixelReport) -> String {
     }
     if report.drawn_at != [report.x, report.y] || report.sources.len() > 1 {
         lines.push(String::new());
-        lines.push("computed by the upscaler from".to_owned());
+        lines.push("computed by the upscaler from these drawn samples, with their weights".to_owned());
         lines.extend(report.sources.iter().map(|source| format!("  {}", source_line(source))));
     }
     lines.join("\n") + "\n"
@@ -60,7 +61,7 @@ fn fragment_lines(fragment: &FragmentRecord) -> impl Iterator<Item = String> {
         ("edges", edges(fragment)),
         ("λ", numbers(&fragment.affine_weights)),
         ("λ′", format!("{} for attributes, 1/w {}", numbers(&fragment.attribute_weights), numbers(&fragment.inv_w))),
-        ("depth", format!("{} of {}, {stored}", fragment.depth, numbers(&fragment.corner_depths))),
+        ("depth", format!("{} from corner depths {}, {stored}", fragment.depth, numbers(&fragment.corner_depths))),
     ];
     let alpha = fragment.alpha.map(|alpha| ("alpha", format!("{alpha:?}")));
     let change = (fragment.before != fragment.after)

@@ -1,5 +1,5 @@
-//! `rasterscope plan`: prints which parts of the pipeline each draw of a frame runs and skips, with reasons and
-//! savings, as text or as JSON.
+//! `rasterscope plan`: prints which parts of the pipeline each draw of a frame runs and skips, with the reasons and the
+//! time saved, as text or as JSON.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -28,12 +28,12 @@ pub(crate) struct PlanArgs {
     #[command(flatten)]
     frame: FrameArgs,
 
-    /// Measure the savings of skipping: draw the view as planned and with each part forced, in turn
+    /// Measure the time saved by skipping: draw the view with every skip enabled, and with each skip disabled in turn
     #[arg(long, group = "measuring")]
     measure: bool,
 
-    /// Measure the savings on every built-in scene in its home view, and on a sheet of many triangles that is in view,
-    /// close to the viewer, or behind the viewer; print a table of scenes and parts
+    /// Measure the time saved by skipping on every built-in scene in its home view, and on a mesh of many triangles
+    /// that is in view, close to the camera or behind it; print a table of scenes and parts
     #[arg(long, group = "measuring", conflicts_with_all = ["scene", "camera", "mirror_z"])]
     table: bool,
 
@@ -47,7 +47,7 @@ pub(crate) struct PlanArgs {
     json: bool,
 }
 
-/// Plans of a frame, as JSON.
+/// Plans of the draws of a frame, as JSON.
 #[derive(Serialize)]
 struct Planned<'a> {
     scene: &'a str,
@@ -58,7 +58,8 @@ struct Planned<'a> {
     savings: Option<Savings>,
 }
 
-/// Runs `plan`: prints the plans of the draws without drawing them, and measures savings on request.
+/// Runs `plan`: prints the plans of the draws without drawing them and, on request, measures the time saved by
+/// skipping.
 pub(crate) fn run(args: &PlanArgs) -> Result<(), Failure> {
     let RequestedView { scene, camera, recipe, .. } = args.frame.view()?;
     let viewport = args.frame.size();
@@ -98,7 +99,7 @@ pub(crate) fn run(args: &PlanArgs) -> Result<(), Failure> {
     )
 }
 
-/// Measures the savings of skipping on many scenes.
+/// Measures the time saved by skipping on many scenes, and prints a table.
 fn table_of_scenes(args: &PlanArgs, recipe: &Recipe, viewport: Viewport) -> Result<(), Failure> {
     let views = views();
     let count = views.len() as f32;
@@ -121,19 +122,19 @@ fn table_of_scenes(args: &PlanArgs, recipe: &Recipe, viewport: Viewport) -> Resu
 fn savings_text(savings: &Savings) -> String {
     let Savings { planned_ms, noise, planning_ms, savings, .. } = savings;
     let mut text = format!(
-        "\nA frame as planned: {:.3} ms (median of {}); noise floor {}, {:.3} ms\n",
+        "\nFrame with every skip enabled: {:.3} ms (median of {}); noise floor {}, {:.3} ms\n",
         planned_ms.median,
         planned_ms.n,
         noise.words(),
         noise.ms(planned_ms.median)
     );
-    text += &format!("Planning takes {:.2} µs of it\n", planning_ms.median * 1e3);
+    text += &format!("Planning takes {:.2} µs of this time\n", planning_ms.median * 1e3);
     if savings.is_empty() {
-        return text + "No skipped part can be forced to run.\n";
+        return text + "No skip of this frame can be disabled.\n";
     }
     text += &format!("{:21} {:>10} {:>10} {:>10}  draws\n", "saved by skipping, ms", "median", "p10", "p90");
     for Saving { part, draws, saved_ms, within_noise, same_picture } in savings {
-        let name = part.map_or("all of them", PipelinePart::name);
+        let name = part.map_or("all parts", PipelinePart::name);
         let picture = if *same_picture { "" } else { ", and A DIFFERENT PICTURE" };
         let noise = if *within_noise { format!(", {}", noise::WITHIN) } else { String::new() };
         text += &format!(

@@ -1,5 +1,5 @@
-//! `rasterscope probe`: moves camera or vertices by a few units in the last place and prints what changes in the
-//! picture.
+//! `rasterscope probe`: jitters camera or vertices by a few units in the last place and prints which pixels and
+//! triangles change.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -26,11 +26,11 @@ pub(crate) struct ProbeArgs {
     #[command(flatten)]
     frame: FrameArgs,
 
-    /// Inputs to move
+    /// Inputs of the frame to jitter
     #[arg(long, value_name = "WHAT", default_value = "camera", value_parser = parse::choice::<JitterTarget>())]
     what: JitterTarget,
 
-    /// Largest movement, in units in the last place
+    /// Largest jitter, in units in the last place
     #[arg(long, value_name = "K", default_value_t = 1)]
     ulps: u32,
 
@@ -59,7 +59,7 @@ pub(crate) struct ProbeArgs {
     save_case: Option<PathBuf>,
 }
 
-/// Runs `probe`: runs the probe, writes the requested files, and prints the findings.
+/// Runs `probe`: draws the view repeatedly with jittered inputs, writes the requested files, and prints the findings.
 pub(crate) fn run(args: &ProbeArgs) -> Result<(), Failure> {
     let RequestedView { scene, recipe, camera, .. } = args.frame.view()?;
     let subject = ProbedView { scene, camera, settings: recipe.pipeline, viewport: args.frame.size() };
@@ -77,7 +77,7 @@ pub(crate) fn run(args: &ProbeArgs) -> Result<(), Failure> {
     output::print(&if args.json { json(&found)? } else { text(&found) })
 }
 
-/// Writes the most fragile triangle as a case.
+/// Writes the most fragile triangle, which gained and lost the most pixels, to a case file.
 fn save_case(found: &ProbeResult, path: &Path) -> Result<(), Failure> {
     let worst = found.ranking.first().and_then(|worst| Some((worst, found.triangle_of(worst)?)));
     let Some((worst, triangle)) = worst else {
@@ -88,7 +88,7 @@ fn save_case(found: &ProbeResult, path: &Path) -> Result<(), Failure> {
     output::write(path, &case.to_json())
 }
 
-/// Findings of the probe, as JSON.
+/// Findings of the stability probe, as JSON.
 #[derive(Serialize)]
 struct ProbeJsonOutput<'a> {
     scene: &'a str,

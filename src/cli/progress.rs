@@ -27,7 +27,7 @@ impl ProgressLine {
         }
     }
 
-    /// Shows the completed share of `work`, from 0 to 1, in percent.
+    /// Shows the completed fraction of `work` in percent. `share` is in [0, 1].
     pub(crate) fn show_share(&self, work: &str, share: f32) {
         self.show(&format!("{work}: {:3.0} %", share * 100.0));
     }

@@ -37,7 +37,7 @@ pub(crate) struct RenderArgs {
     #[arg(long, default_value = "color", value_parser = parse::either::<Buffer, Intermediate>())]
     buffer: Either<Buffer, Intermediate>,
 
-    /// Stage after which the picture is shown, instead of a buffer
+    /// Pipeline stage after which the picture is shown, instead of a buffer
     #[arg(long, conflicts_with = "buffer", value_parser = parse::choice::<Stage>())]
     stage: Option<Stage>,
 
@@ -58,8 +58,8 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "LOOK")]
     look: Option<Display>,
 
-    /// Overlay on the picture, with its opacity, and the length of normals as a share of the scene's size; prints its
-    /// totals. May be given several times, bottom first
+    /// Overlay on the picture, with its opacity, and the length of normals as a fraction of the scene's size; prints
+    /// its totals. May be given several times, bottom first
     #[arg(long, value_name = "OVERLAY[=OPACITY[,length=SHARE]]", value_parser = parse::layer())]
     overlay: Vec<OverlayLayer>,
 
@@ -71,7 +71,7 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "FILE.pfm", conflicts_with = "stage")]
     data: Option<PathBuf>,
 
-    /// Number of frames to time; prints the median time of each stage, and their sum for the whole frame
+    /// Number of frames to time; prints the median time of each stage, and the sum of the medians for the whole frame
     #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(1..=1000))]
     times: Option<u32>,
 
@@ -147,7 +147,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     args.times.map_or(Ok(()), |frames| print_times(&scene, &camera, &recipe, &frame, frames))
 }
 
-/// Quantity shown in the picture, with the data it is computed from.
+/// Quantity shown in the picture, with the data from which it is computed.
 struct RenderedQuantity<'a> {
     buffer: Buffer,
     /// Intermediate value shown instead of the buffer.
@@ -156,13 +156,13 @@ struct RenderedQuantity<'a> {
     stage: Option<&'a Image<Rgba8>>,
     /// Captured buffers of the frame; `None` for the colour buffer.
     buffers: Option<&'a Buffers>,
-    /// Open seams of the scene; `None` if nothing reads them.
+    /// Open seams of the scene; `None` if no buffer or overlay reads them.
     seams: Option<&'a Seams>,
     display: Display,
     scene: &'a Scene,
     recipe: &'a Recipe,
     frame: &'a Frame,
-    /// Whether all triangles were drawn.
+    /// Whether all triangles of the frame were drawn, not only the first ones.
     is_whole: bool,
 }
 
@@ -175,7 +175,7 @@ impl RenderedQuantity<'_> {
         }
     }
 
-    /// Returns the range of values that the colour map shows; `None` for a quantity without a range.
+    /// Returns the range of values that the colour map shows; `None` if the quantity has no range.
     fn range(&self) -> Option<Range> {
         let (size, value) = (self.frame.image().size(), |x: u32, y: u32| self.value(x, y));
         match (self.stage, self.captured) {
@@ -195,7 +195,7 @@ impl RenderedQuantity<'_> {
         }
     }
 
-    /// Computes the overlays of `layers`.
+    /// Computes the overlays that `layers` select.
     fn sheets(&self, layers: &[OverlayLayer]) -> Vec<Sheet> {
         let watched = OnceLock::new();
         let context = OverlayContext {
@@ -217,11 +217,11 @@ impl RenderedQuantity<'_> {
     }
 }
 
-/// Formats the totals of an overlay, one per line.
+/// Formats the totals of an overlay, one total per line.
 fn totals(sheet: &Sheet) -> String {
     let id = sheet.overlay.id();
     if let Some(why) = &sheet.absence {
-        return format!("{id}: nothing to show, {why}\n");
+        return format!("{id}: nothing to show: {why}\n");
     }
     sheet
         .totals

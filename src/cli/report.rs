@@ -1,4 +1,5 @@
-//! `rasterscope report`: measures error against run time of every upscaler, and writes a page, a table and JSON.
+//! `rasterscope report`: measures error against run time of every upscaler, and writes an HTML page, a CSV table and
+//! JSON.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -19,7 +20,7 @@ use super::progress::ProgressLine;
 use super::scene_args::MemoryArgs;
 use super::{interrupt, output, parse, scene_args};
 
-/// File names of the page, the table and the JSON of the report.
+/// File names of the report's HTML page, CSV table and JSON.
 const FILES: [&str; 3] = ["index.html", "report.csv", "report.json"];
 
 /// Arguments of `report`.
@@ -33,7 +34,7 @@ pub(crate) struct ReportArgs {
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
 
-    /// Setting to change in everything that is drawn; may be given several times. The report varies the upscaler
+    /// Setting to change for all measurements; may be given several times. The upscaler is varied by the report itself
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
 
@@ -52,7 +53,7 @@ pub(crate) struct ReportArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
 
-    /// Reference that errors are measured against
+    /// Reference picture that errors are measured against
     #[arg(long, value_name = "REFERENCE", default_value = "native", value_parser = parse::choice::<Reference>())]
     reference: Reference,
 

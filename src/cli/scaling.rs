@@ -11,21 +11,21 @@ use super::failure::Failure;
 use super::progress::ProgressLine;
 use super::{interrupt, output};
 
-/// File names of the page, the table and the JSON of the report.
+/// File names of the report's HTML page, CSV table and JSON.
 const FILES: [&str; 3] = ["index.html", "scaling.csv", "scaling.json"];
 
 /// Arguments of `scaling`.
 #[derive(Args, Debug)]
 pub(crate) struct ScalingArgs {
-    /// Folder for a page, a table and JSON; created if missing. Without a folder the table is printed
+    /// Folder for an HTML page, a CSV table and JSON; created if missing. Without a folder the table is printed
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 
-    /// Setting to change in everything that is drawn; may be given several times
+    /// Setting to change for all measurements; may be given several times
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
 
-    /// Largest number of triangles: 1000, 10000 … 10000000; the last takes some 3 GB of memory
+    /// Largest number of triangles, in powers of ten from 1000; 10000000 triangles take some 3 GB of memory
     #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u32).range(1000..=10_000_000))]
     most_triangles: u32,
 

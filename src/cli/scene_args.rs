@@ -18,7 +18,7 @@ use super::parse::Up;
 use super::progress::ProgressLine;
 use super::{output, parse};
 
-/// Options for scene, camera and recipe.
+/// Options for scene, camera and settings.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct SceneArgs {
     /// Id of a built-in scene (see `rasterscope scenes`) or path of an OBJ file; the first built-in scene if omitted
@@ -89,13 +89,13 @@ impl MemoryArgs {
 /// Time after which loading progress is printed.
 const SLOW_LOAD: Duration = Duration::from_secs(1);
 
-const CAMERA_HELP: &str = "Camera, as JSON or as a path to a JSON file, for example\n\
+const CAMERA_HELP: &str = "Camera in world space, as JSON or as a path to a JSON file, for example\n\
     {\"eye\": [0, 1, 5], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_y_degrees\": 45, \
     \"near\": 0.1, \"far\": 100}\n\
-    in world space. `up` can be omitted, `fov_y_radians` can replace `fov_y_degrees`, and `height` (in world units) \
-    instead of the angle gives an orthographic view. Default: the scene's home view";
+    `up` can be omitted, `fov_y_radians` can replace `fov_y_degrees`, and `height` (in world units) instead of the \
+    angle gives an orthographic view. Default: the scene's home view";
 
-/// Returns the help of `--set`: every key with its values and its default.
+/// Returns the help text of `--set`: every key with its accepted values, and an example.
 fn set_help() -> String {
     let mut help = "Setting to change; may be given several times, in any order. Keys and their values:\n".to_owned();
     for (key, values) in Recipe::keys() {
@@ -128,7 +128,7 @@ pub(crate) struct RequestedView {
 }
 
 impl RequestedView {
-    /// Returns the recipe with the changes of `--against`.
+    /// Returns the recipe after the settings of `--against` are applied to it.
     pub(crate) fn against(&self, settings: &[String]) -> Result<Recipe, Failure> {
         let mut recipe = self.recipe;
         recipe.set_all(settings).map_err(|error| Failure::Usage(format!("--against {error}")))?;
@@ -186,8 +186,8 @@ fn camera(given: &Path) -> Result<Camera, Failure> {
     }
 }
 
-/// Returns the source for the name of a scene: a built-in scene by id, or a file; without a name, the first built-in
-/// scene.
+/// Returns the source of a scene: a built-in scene if `name` is its id, otherwise a file. Without a name, returns the
+/// first built-in scene.
 pub(crate) fn source(name: Option<&Path>) -> Result<SceneSource, Failure> {
     let Some(name) = name else { return Ok(SceneSource::default()) };
     let source = SceneSource::named(name.to_owned());
@@ -210,10 +210,11 @@ pub(crate) struct FrameArgs {
     size: Viewport,
 }
 
-/// Memory budget for checkpoints, in bytes. Zero, because a single moment needs no checkpoints.
+/// Memory budget for framebuffer checkpoints, in bytes. It is zero, because drawing up to a single point in time needs
+/// no checkpoints.
 const NO_CHECKPOINTS: usize = 0;
 
-/// Drawn frame and its inputs.
+/// Drawn frame with its scene, camera and recipe.
 #[derive(Clone, Debug)]
 pub(crate) struct DrawnFrame {
     pub(crate) scene: Arc<Scene>,
@@ -223,7 +224,7 @@ pub(crate) struct DrawnFrame {
 }
 
 impl FrameArgs {
-    /// Returns the size of the picture.
+    /// Returns the size of the picture, in pixels.
     pub(crate) fn size(&self) -> Viewport {
         self.size
     }
@@ -233,7 +234,7 @@ impl FrameArgs {
         self.scene.view()
     }
 
-    /// Draws the frame, up to `moment` if one is given.
+    /// Draws the frame, completely or only the triangles and fragments up to `moment`.
     pub(crate) fn draw(&self, moment: Option<Moment>) -> Result<DrawnFrame, Failure> {
         let RequestedView { scene, recipe, camera, .. } = self.view()?;
         let frame = match moment {

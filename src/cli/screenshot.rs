@@ -1,4 +1,4 @@
-//! `rasterscope screenshot`: the whole workbench as a PNG, painted on the CPU, with no window and no display.
+//! `rasterscope screenshot`: renders the workbench to a PNG on the CPU, without a window or a display.
 
 use std::path::{Path, PathBuf};
 
@@ -29,7 +29,7 @@ pub(crate) struct ScreenshotArgs {
     #[command(flatten)]
     seen: SeenArgs,
 
-    /// Earlier value of a setting; shows what has changed since. May be given several times
+    /// Earlier value of a setting, to show what has changed since; may be given several times
     #[arg(long, value_name = "KEY=VALUE")]
     against: Vec<String>,
 
@@ -53,7 +53,7 @@ pub(crate) struct WorkbenchArgs {
     #[arg(long, default_value = "dark")]
     pub(crate) theme: ThemeArg,
 
-    /// Column and row of the picked pixel of the scene's picture, which the inspector explains
+    /// Column and row of the pixel to pick in the scene's picture; the inspector explains it
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = parse::pixel)]
     pub(crate) at: Option<(u32, u32)>,
 
@@ -88,7 +88,7 @@ pub(crate) struct WorkbenchArgs {
     /// Fate of the triangles to select; opens the tab “Fates”
     #[arg(long, value_name = "FATE", value_parser = parse::choice::<TriangleFate>())]
     pub(crate) fate: Option<TriangleFate>,
-    /// Watch the picked pixel
+    /// Add the picked pixel to the watch list
     #[arg(long)]
     pub(crate) watch: bool,
 
@@ -99,8 +99,8 @@ pub(crate) struct WorkbenchArgs {
     #[arg(long)]
     pub(crate) probe: bool,
 
-    /// Style of the mesh view, which shows the scene from a second camera beside the picture; coloured by fate if no
-    /// style is given
+    /// Style of the mesh view, which shows the scene from a second camera beside the picture; triangles are coloured by
+    /// their fate if no style is given
     #[arg(long, value_name = "STYLE", num_args = 0..=1, default_missing_value = "fate", value_parser = parse::choice::<MeshStyle>())]
     pub(crate) mesh: Option<MeshStyle>,
 
@@ -173,7 +173,7 @@ pub(crate) enum Open {
     Manual,
     /// Command palette: a search over all commands
     Palette,
-    /// List of bookmarks, with one bookmark
+    /// List of bookmarks, which contains one bookmark
     Bookmarks,
 }
 
@@ -196,7 +196,7 @@ pub(crate) enum TabArg {
     Plan,
     /// Cost against triangles, pixels, layers and threads
     Scaling,
-    /// Stability report on hard cases
+    /// Report on numerical stability in hard cases
     Stability,
     /// Assertions on every fragment of the frame
     Assertions,
@@ -221,7 +221,7 @@ fn scale(text: &str) -> Result<f32, String> {
     scale.ok_or_else(|| "expected a number from 0.5 to 4".to_owned())
 }
 
-/// Runs `screenshot`: paints the workbench into a file.
+/// Runs `screenshot`: renders the workbench to an image file.
 pub(crate) fn run(args: &ScreenshotArgs) -> Result<(), Failure> {
     let view = args.scene.view()?;
     let against = view.against(&args.against)?;
@@ -229,7 +229,7 @@ pub(crate) fn run(args: &ScreenshotArgs) -> Result<(), Failure> {
     save(&workbench::draw(view, &args.look, args.seen.clone(), against)?, &args.output)
 }
 
-/// Writes a picture of the workbench and prints a summary line.
+/// Writes a picture of the workbench to a PNG file and prints a summary line.
 pub(crate) fn save(image: &Image<Rgba8>, path: &Path) -> Result<(), Failure> {
     write_png(path, image)?;
     let (width, height) = image.size();

@@ -1,4 +1,5 @@
-//! Options for the view of the frame, which “Copy as command” adds to scene, camera and settings.
+//! Options that select how the frame is displayed. The command “Copy view as command” adds them to the options for
+//! scene, camera and settings.
 
 use crate::inspect::display::Display;
 use crate::inspect::overlays::OverlayLayer;
@@ -11,14 +12,14 @@ use super::failure::Failure;
 use super::parse::{self, Either};
 use super::scene_args::{RequestedView, SceneArgs};
 
-/// Options for the view of the frame.
+/// Options that select how the frame is displayed.
 #[derive(Args, Clone, Debug, Default, PartialEq)]
 pub(crate) struct SeenArgs {
     /// Quantity to show instead of the colour
     #[arg(long, value_parser = parse::either::<Buffer, Intermediate>())]
     pub(crate) buffer: Option<Either<Buffer, Intermediate>>,
 
-    /// Stage after which the picture is shown, instead of a buffer
+    /// Pipeline stage after which the picture is shown, instead of a buffer
     #[arg(long, conflicts_with = "buffer", value_parser = parse::choice::<Stage>())]
     pub(crate) stage: Option<Stage>,
 
@@ -27,8 +28,8 @@ pub(crate) struct SeenArgs {
     #[arg(long, value_name = "LOOK")]
     pub(crate) look: Option<Display>,
 
-    /// Overlay on the picture, with its opacity, and the length of normals as a share of the scene's size; may be given
-    /// several times, bottom first
+    /// Overlay on the picture, with its opacity, and the length of normals as a fraction of the scene's size; may be
+    /// given several times, bottom first
     #[arg(long, value_name = "OVERLAY[=OPACITY[,length=SHARE]]", value_parser = parse::layer())]
     pub(crate) overlay: Vec<OverlayLayer>,
 
@@ -45,8 +46,8 @@ pub(crate) struct SeenArgs {
     pub(crate) picture: Option<Viewport>,
 }
 
-/// Returns the moment after `triangles` triangles, the last one with only `fragments` fragments; `None` without a
-/// limit.
+/// Returns the point in the drawing of a frame at which `triangles` triangles are drawn, the last of them with only its
+/// first `fragments` fragments. `None` means no limit.
 pub(crate) fn moment(triangles: Option<usize>, fragments: Option<usize>) -> Option<Moment> {
     triangles.map(|triangles| Moment { triangles, fragments })
 }
@@ -60,13 +61,14 @@ pub(crate) struct WindowArgs {
     #[command(flatten)]
     pub(crate) seen: SeenArgs,
 
-    /// Column and row of the picked pixel of the scene's picture
+    /// Column and row of the pixel to pick in the scene's picture
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = parse::pixel)]
     pub(crate) at: Option<(u32, u32)>,
 }
 
 impl WindowArgs {
-    /// Reads scene, camera and settings. The view counts as default only if `seen` and `at` are not given either.
+    /// Loads the scene and reads camera and settings. The view counts as default only if `seen` and `at` have their
+    /// default values, too.
     pub(crate) fn view(&self) -> Result<RequestedView, Failure> {
         let view = self.scene.view()?;
         let is_default = view.is_default && self.seen == SeenArgs::default() && self.at.is_none();

@@ -36,11 +36,11 @@ pub(crate) struct StabilityArgs {
     #[arg(long)]
     untimed: bool,
 
-    /// Write JSON, with the worst case of every table cell
+    /// Write JSON, with the worst case for every cell of the table
     #[arg(long, group = "format")]
     json: bool,
 
-    /// Write comma-separated values, one line per table cell
+    /// Write comma-separated values, one line for every cell of the table
     #[arg(long, group = "format")]
     csv: bool,
 

@@ -5,7 +5,7 @@ use crate::scene::{Projection, SceneSource};
 
 use super::*;
 
-/// Splits a line into words like a shell: text in single quotes and a character after a backslash are literal.
+/// Splits a line into words like a shell. Text in single quotes is literal, and so is a character after a backslash.
 fn words(line: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let (mut quoted, mut letters) = (false, line.chars());

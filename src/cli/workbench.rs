@@ -1,8 +1,9 @@
-//! The workbench: opens its window, explains why no window can be opened, and paints it without a window.
+//! The workbench: opens its window, explains why no window can be opened, and renders the workbench without a window.
 //!
-//! Display servers and libraries are found at run time, so each can be missing: no server named, a dead server, no
-//! Wayland despite an X server, no keyboard library (which panics), no OpenGL. This is the only file of the command
-//! line that uses the window; `workbench_absent` replaces it in builds without one.
+//! Display servers and libraries are found at run time, so each can be missing: no display server is named or the named
+//! one is dead, there is an X server but no Wayland, the keyboard library is missing (which causes a panic), or OpenGL
+//! is missing. This is the only file of the command line that uses the window; `workbench_absent` replaces it in builds
+//! without one.
 
 use std::panic::{self, AssertUnwindSafe};
 
@@ -39,7 +40,7 @@ pub(crate) fn open(view: RequestedView, args: &WindowArgs) -> Result<(), String>
     outcome.map_err(|reason| format!("no window: {}", in_plain_words(&reason)))
 }
 
-/// Paints the whole workbench as a picture.
+/// Renders the whole workbench to an image.
 pub(crate) fn draw(
     view: RequestedView,
     look: &WorkbenchArgs,
@@ -78,7 +79,7 @@ pub(crate) fn draw(
     })
 }
 
-/// Measures the cost of the window itself, part by part.
+/// Measures the cost of drawing the window, part by part.
 pub(crate) fn window_costs(view: RequestedView, size: Viewport, passes: usize) -> Result<Vec<WindowCost>, Failure> {
     Ok(ui::window_time::window_costs(&start(view, InitialView::default()), size, passes))
 }
@@ -162,7 +163,7 @@ fn start(view: RequestedView, seen: InitialView) -> WindowStart {
     }
 }
 
-/// Whether windows require a display server that is named in the environment.
+/// Returns whether this operating system requires the environment to name a display server.
 fn needs_display() -> bool {
     cfg!(all(unix, not(target_os = "macos")))
 }
@@ -171,8 +172,8 @@ fn is_set(variable: &str) -> bool {
     std::env::var_os(variable).is_some_and(|value| !value.is_empty())
 }
 
-/// Restarts this program without Wayland if connecting to Wayland failed and an X server is available, because a
-/// process can connect only once. Returns if there is nothing to retry.
+/// Restarts this program without Wayland if connecting to Wayland failed and an X server is available. The restart is
+/// necessary, because a process can connect only once. Returns if there is no X server to try.
 fn retry_on_x11() {
     #[cfg(unix)]
     if is_set("DISPLAY") && (is_set("WAYLAND_DISPLAY") || is_set("WAYLAND_SOCKET")) {
@@ -187,7 +188,7 @@ fn retry_on_x11() {
     }
 }
 
-/// Converts the panic of a missing keyboard library into an error. Other panics are resumed.
+/// Converts the panic of a missing keyboard library into an error. Other panics continue to unwind.
 fn without_library_panics(f: impl FnOnce() -> Result<(), String>) -> Result<(), String> {
     let default_hook = panic::take_hook();
     panic::set_hook(Box::new(move |info| {
@@ -206,7 +207,7 @@ fn missing_library(payload: &(dyn std::any::Any + Send)) -> Option<String> {
     text.contains("could not be loaded").then(|| text.trim_end_matches('.').to_owned())
 }
 
-/// Strips source locations and configuration dumps from the error messages of libraries.
+/// Removes source locations and configuration dumps from the error messages of libraries.
 fn in_plain_words(reason: &str) -> &str {
     if reason.contains("glutin") {
         return "OpenGL is missing or does not work";

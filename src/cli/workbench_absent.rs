@@ -1,4 +1,5 @@
-//! Replacement for the workbench in builds without it (feature `ui` off): every function returns an error that says so.
+//! Replacement for the workbench in builds without it (feature `ui` off): every function returns an error that names
+//! the missing feature.
 
 use crate::chain::Recipe;
 use crate::image::{Image, Rgba8};
@@ -23,7 +24,7 @@ pub(crate) fn window_costs(_view: RequestedView, _size: Viewport, _passes: usize
     Err(Failure::NoWindow(BUILT_WITHOUT.to_owned()))
 }
 
-/// Returns an error, because there is no window to paint.
+/// Returns an error, because there is no workbench to render.
 pub(crate) fn draw(
     _view: RequestedView,
     _look: &WorkbenchArgs,

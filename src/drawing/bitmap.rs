@@ -18,7 +18,7 @@ const WHOLE: u32 = SAMPLES * SAMPLES;
 /// Number of corners of the polygon that approximates an ellipse.
 const CORNERS: u32 = 96;
 
-/// Number of sides of the polygon that approximates the half circle at the end of a line.
+/// Number of sides of the polygon that approximates the round cap at an endpoint of a line.
 const CAP_SIDES: u32 = 8;
 
 /// Renders a drawing as a bitmap with `scale` pixels per unit, at least one pixel wide and high. Text is omitted,
@@ -61,7 +61,7 @@ fn closed(
     }
 }
 
-/// Draws a line with round caps: half circles with the width of the line as diameter.
+/// Draws a line with round caps: half circles whose diameter is the line width.
 fn line(image: &mut Image<Rgba8>, from: DVec2, to: DVec2, Stroke { color, width }: Stroke, scale: f64) {
     let along = (to - from).try_normalize().unwrap_or(DVec2::X) * width / 2.0;
     let cap = |end: DVec2, outwards: DVec2| {
@@ -71,7 +71,8 @@ fn line(image: &mut Image<Rgba8>, from: DVec2, to: DVec2, Stroke { color, width 
     cover(image, &[cap(to, along).chain(cap(from, -along)).collect()], color, scale);
 }
 
-/// Returns the spans of samples inside contours, by the even-odd rule.
+/// Returns the spans of samples inside the contours, by the even-odd rule. Spans are in units of samples, [`SAMPLES`]
+/// per pixel and axis.
 fn samples_inside(contours: &[Vec<DVec2>], (width, height): (u32, u32), scale: f64) -> impl Iterator<Item = PixelSpan> {
     let scaled = |corner: &DVec2| *corner * scale * f64::from(SAMPLES);
     let contours: Vec<Vec<_>> = contours.iter().map(|contour| contour.iter().map(scaled).collect()).collect();
@@ -86,14 +87,15 @@ fn samples_inside(contours: &[Vec<DVec2>], (width, height): (u32, u32), scale: f
     fill(&contours, filling)
 }
 
-/// Returns the pixel columns that a span of samples crosses, each with its number of samples.
+/// Returns the pixel columns that a span of samples overlaps, each with its number of samples in the span.
 fn counts_of(span: PixelSpan) -> impl Iterator<Item = (usize, u32)> {
     let pixels = span.x0 / SAMPLES..span.x1.div_ceil(SAMPLES);
     pixels.map(move |x| (x as usize, span.x1.min((x + 1) * SAMPLES) - span.x0.max(x * SAMPLES)))
 }
 
-/// Draws the regions of a partition: blends their colours by the fraction of a pixel's samples in each. Every sample
-/// lies in at most one region, so the background never shows between adjacent regions, whatever their order.
+/// Draws the regions of a partition. Each pixel becomes the mean of the regions' colours, weighted by the fraction of
+/// its samples in each region. Every sample lies in at most one region, so the background never shows between adjacent
+/// regions, whatever their order.
 fn partition(image: &mut Image<Rgba8>, regions: &[PartitionRegion], scale: f64) {
     let width = image.width() as usize;
     let mut sums = vec![([0_u32; 3], 0_u32); image.pixels().len()];
@@ -115,7 +117,7 @@ fn partition(image: &mut Image<Rgba8>, regions: &[PartitionRegion], scale: f64) 
     }
 }
 
-/// Blends a colour into the pixels by the fraction of their samples inside the contours.
+/// Blends a colour into each pixel, weighted by the fraction of its samples inside the contours.
 fn cover(image: &mut Image<Rgba8>, contours: &[Vec<DVec2>], color: Rgb, scale: f64) {
     let samples = samples_inside(contours, image.size(), scale);
     let mut counts = vec![0_u32; image.width() as usize];
@@ -132,7 +134,8 @@ fn cover(image: &mut Image<Rgba8>, contours: &[Vec<DVec2>], color: Rgb, scale: f
     }
 }
 
-/// Blends a colour into one row by its sample counts, and clears the counts.
+/// Blends a colour into each pixel of a row, weighted by its number of covered samples in `counts`. Then clears
+/// `counts`.
 fn mix(image: &mut Image<Rgba8>, row: u32, counts: &mut [u32], color: Rgb) {
     for (x, count) in counts.iter_mut().enumerate().filter(|(_, count)| **count > 0) {
         let below = image.at(x as u32, row);

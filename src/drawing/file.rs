@@ -1,4 +1,4 @@
-//! Files of drawings, in the format that the file name selects.
+//! Writes drawings to files, in the format that the file name selects.
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -85,7 +85,8 @@ pub(crate) fn format_of(path: &Path) -> Result<DrawingFormat, DrawingFileError> 
     known.map(|(_, format)| *format).ok_or_else(|| DrawingFileError::UnknownFormat { path: path.to_owned() })
 }
 
-/// Writes a drawing in the format that the file name selects, with `scale` pixels, or points in a PDF, per unit.
+/// Writes a drawing to a file, in the format that the file name selects. One unit of the drawing becomes `scale` pixels
+/// or, in a PDF, `scale` points.
 ///
 /// # Examples
 /// ```
@@ -116,7 +117,8 @@ pub(crate) fn encode(path: &Path, drawing: &Drawing, scale: f64) -> Result<Vec<u
     })
 }
 
-/// Encodes drawings as the frames of a looping GIF, each shown for the duration `each`. `path` appears only in errors.
+/// Encodes drawings as the frames of a looping GIF. Each frame is shown for the duration `each`. `path` appears only in
+/// error messages.
 pub(crate) fn encode_animation(
     path: &Path,
     drawings: impl Iterator<Item = Drawing>,

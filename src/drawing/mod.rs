@@ -1,6 +1,6 @@
 //! Vector drawings: shapes with real-valued coordinates, which can be enlarged without stair-stepping.
 //!
-//! A [`Drawing`] is written as SVG ([`svg`]) or PDF ([`pdf`]), or drawn into a [`bitmap`] of any size; [`mod@file`]
+//! A [`Drawing`] is written as SVG ([`svg`]) or PDF ([`pdf`]), or rendered to a [`bitmap`] of any size; [`mod@file`]
 //! selects the format by the file name.
 
 pub(crate) mod svg;
@@ -37,7 +37,7 @@ pub enum Shape {
         /// Outline, or `None` for no outline.
         stroke: Option<Stroke>,
     },
-    /// Straight line with round ends.
+    /// Straight line with round caps.
     Line {
         /// Start point, in units of the drawing.
         from: DVec2,
@@ -83,12 +83,12 @@ pub struct PartitionRegion {
 
 /// Line widths for drawing a partition in a vector format, one per pass over its regions, in units of the drawing.
 ///
-/// Viewers anti-alias one polygon after the other, so the background shows through where two of them meet. If two
-/// polygons cover half of a pixel each, the second covers half of what the first left, and a quarter of the background
-/// remains. A first pass with lines wider than a pixel covers all of the background with colours of nearby regions. If
-/// those regions have equal colours, this is exactly their colour. The wide lines serve views reduced to a tenth, the
-/// narrow ones all others. The last passes have no lines, so that no region reaches into another; the second of them
-/// leaves a sixteenth of the lines where two regions meet.
+/// Viewers anti-alias one polygon after the other, so the background shows through where two polygons meet. If two
+/// polygons cover half of a pixel each, the second covers half of the background that the first left visible, and a
+/// quarter of the background remains. A first pass with lines wider than a pixel covers all of the background with
+/// colours of nearby regions. If those regions have equal colours, this is exactly their colour. The wide lines are for
+/// views scaled down to a tenth, the narrow lines for all other views. The last two passes have no lines, so that no
+/// region extends into another. After them, a sixteenth of the line colour remains where two regions meet.
 pub(crate) const SEAM_WIDTHS: [f64; 4] = [30.0, 3.0, 0.0, 0.0];
 
 /// Vector drawing: shapes over a background. x points right and y down, both from 0 to `size`.

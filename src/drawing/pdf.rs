@@ -13,10 +13,11 @@ const CONTENT: Ref = Ref::new(4);
 const FONT: Ref = Ref::new(5);
 const FONT_NAME: Name<'_> = Name(b"F1");
 
-/// Object number of the first form XObject, after those of the constants above.
+/// Object number of the first form XObject. The constants above have the smaller numbers.
 const FIRST_FORM: i32 = 6;
 
-/// Distance of Bézier control points, relative to the radius, with which four cubic curves best approximate a circle.
+/// Distance of a Bézier control point from its endpoint, relative to the radius, for the best approximation of a circle
+/// by four cubic curves.
 const QUARTER: f64 = 0.552_284_749_8;
 
 /// Returns the bytes of a PDF file whose page has `scale` points (1/72 inch) per unit.
@@ -55,7 +56,7 @@ pub(crate) fn bytes(drawing: &Drawing, scale: f64) -> Vec<u8> {
     pdf.finish()
 }
 
-/// Returns the resource name of a form XObject, by which the page draws it.
+/// Returns the resource name by which the page draws a form XObject.
 fn form_name(form: usize) -> String {
     format!("X{form}")
 }
@@ -64,7 +65,7 @@ fn form_ref(form: usize) -> Ref {
     Ref::new(FIRST_FORM + form as i32)
 }
 
-/// Adds a shape to the page content, and the form XObjects that it needs to `forms`.
+/// Adds a shape to the page content, and adds the form XObjects that the shape needs to `forms`.
 fn add(content: &mut Content, forms: &mut Vec<Content>, shape: &Shape) {
     match shape {
         Shape::Polygon { corners, fill, stroke } => {
@@ -95,8 +96,8 @@ fn add(content: &mut Content, forms: &mut Vec<Content>, shape: &Shape) {
     }
 }
 
-/// Returns the drawing commands for all regions, with or without outlines. An outline of width 0 would not do, because
-/// viewers draw it one pixel wide.
+/// Returns the drawing commands for all regions, with or without outlines. Setting an outline width of 0 does not
+/// remove outlines, because viewers draw them one pixel wide.
 fn areas(regions: &[PartitionRegion], with_lines: bool) -> Content {
     let mut content = Content::new();
     for PartitionRegion { contours, fill } in regions {
@@ -170,8 +171,7 @@ fn fill_color(content: &mut Content, color: Rgb) {
     content.set_fill_rgb(red, green, blue);
 }
 
-/// Draws centred text in Helvetica, which every viewer has. It covers the characters of Western Europe; others become a
-/// question mark.
+/// Draws centred text in Helvetica, which every viewer has. Characters outside Latin-1 are replaced by a question mark.
 fn letters(content: &mut Content, at: DVec2, text: &str, color: Rgb, size: f64) {
     /// Width of a digit in Helvetica, relative to the font size.
     const WIDTH: f64 = 0.556;

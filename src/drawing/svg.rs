@@ -9,7 +9,7 @@ use super::{Drawing, PartitionRegion, Rgb, SEAM_WIDTHS, Shape, Stroke};
 /// Screen pixels per unit of the drawing at a scale of 1, before the user zooms.
 const PIXELS_PER_UNIT: f64 = 1.0;
 
-/// Id of the clip path that limits partitions to the page, because their lines extend beyond it.
+/// Id of the clip path that limits partitions to the page, because their wide lines extend beyond it.
 const PAGE: &str = "page";
 
 /// Returns the text of an SVG file that viewers first show with `scale` pixels per unit.
@@ -85,7 +85,8 @@ fn with(document: Document, (number, shape): (usize, &Shape)) -> Document {
     }
 }
 
-/// Returns the path element of a region. Its line width is inherited from the element that uses it.
+/// Returns the path element of a region. It has no line width of its own, but inherits that of the `use` element that
+/// refers to it.
 fn area(PartitionRegion { contours, fill }: &PartitionRegion) -> Path {
     let mut data = String::new();
     for contour in contours {
@@ -103,7 +104,7 @@ fn code([red, green, blue]: Rgb) -> String {
     format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
-/// Rounds a coordinate to 1/10 000 unit, finer than any screen or printer can use.
+/// Rounds a coordinate to 1/10 000 unit, which is finer than any screen or printer can reproduce.
 fn short(value: f64) -> f64 {
     const STEPS_PER_UNIT: f64 = 10_000.0;
     (value * STEPS_PER_UNIT).round() / STEPS_PER_UNIT

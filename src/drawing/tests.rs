@@ -22,7 +22,7 @@ fn example() -> Drawing {
     Drawing { size: DVec2::new(10.0, 9.0), background: [255; 3], shapes }
 }
 
-/// Returns the area that one black shape on white darkens in a bitmap, in square units.
+/// Returns the area of a black shape on white, measured from its bitmap, in square units of the drawing.
 fn area(shape: Shape) -> f64 {
     const SCALE: f64 = 20.0;
     let drawing = Drawing { size: DVec2::new(10.0, 9.0), background: [255; 3], shapes: vec![shape] };
@@ -119,7 +119,7 @@ fn unknown_extensions_are_refused() {
     }
 }
 
-/// Returns white triangles around a point that together fill the page of the example.
+/// Returns a fan of white triangles around a common point, which together fill the page of the example.
 fn fan() -> Vec<PartitionRegion> {
     const COUNT: u32 = 14;
     // The page's outline is 38 units long, a whole number of units per side.

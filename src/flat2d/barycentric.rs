@@ -1,16 +1,15 @@
-//! Interpolation inside a triangle from values at its corners, in f32, by two methods that are equal except for
-//! rounding.
+//! Interpolation of corner values inside a triangle, in f32, by two methods that are equal except for rounding.
 //!
 //! One method weights the corners by the areas of the three triangles that the point forms with the sides. The other
-//! interpolates along two sides first, and then along the row between them.
+//! interpolates along two sides first, and then between them along the row of the point.
 
 use glam::Vec2;
 
 /// Returns the barycentric weights α, β, γ of a point.
 ///
-/// Each is the area of the triangle that the point forms with the side opposite a corner, divided by the whole area.
-/// They sum to 1 except for rounding, and inside the triangle all lie in [0, 1]. They are not finite for a triangle
-/// without area.
+/// The weight of a corner is the area of the triangle that the point forms with the opposite side, divided by the area
+/// of the whole triangle. The weights sum to 1 except for rounding, and inside the triangle all lie in [0, 1]. They are
+/// not finite for a triangle without area.
 pub(crate) fn weights_by_area([a, b, c]: [Vec2; 3], point: Vec2) -> [f32; 3] {
     let doubled = |p: Vec2, q: Vec2, r: Vec2| (q - p).perp_dot(r - p);
     let whole = doubled(a, b, c);
@@ -20,18 +19,19 @@ pub(crate) fn weights_by_area([a, b, c]: [Vec2; 3], point: Vec2) -> [f32; 3] {
 /// Intermediate values and result of [`along_sides_then_row`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RowInterpolation {
-    /// Position x and value on the side from the top to the bottom corner, at the height of the row.
+    /// Point at which the row crosses the side from the top to the bottom corner, as x coordinate and interpolated
+    /// value.
     pub(crate) long: (f32, f32),
-    /// Position x and value on the shorter side that the row crosses, at the height of the row.
+    /// Point at which the row crosses one of the other two sides, as x coordinate and interpolated value.
     pub(crate) short: (f32, f32),
     /// Interpolated value at the point.
     pub(crate) value: f32,
 }
 
-/// Interpolates corner values at a point: linearly along the two sides that its row crosses, then linearly between
-/// them.
+/// Interpolates corner values at a point: linearly along the two sides that the row of the point crosses, then linearly
+/// between them.
 ///
-/// Returns `None` above and below the triangle, and for a triangle without height.
+/// Returns `None` if the point lies above or below the triangle, and for a triangle of zero height.
 pub(crate) fn along_sides_then_row(corners: [Vec2; 3], values: [f32; 3], point: Vec2) -> Option<RowInterpolation> {
     let mut order = [0, 1, 2];
     order.sort_by(|i, j| corners[*i].y.total_cmp(&corners[*j].y));

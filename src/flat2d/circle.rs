@@ -9,15 +9,15 @@
 #[derive(Clone, Debug)]
 pub struct MidpointCircle {
     center: (i32, i32),
-    /// Position in the octant, relative to the centre; x ≤ y until the end.
+    /// Position in the octant, relative to the centre. The walk ends when x > y.
     x: i64,
     y: i64,
     decision: i64,
-    /// Next of the eight reflections, as a bit set of [`SWAPPED`], [`LEFT`] and [`BELOW`].
+    /// Reflection of the next pixel, as a bit set of [`SWAPPED`], [`LEFT`] and [`BELOW`].
     reflection: u8,
 }
 
-/// Reflection bit: mirrored at the diagonal.
+/// Reflection bit: x and y swapped, which mirrors at the diagonal.
 const SWAPPED: u8 = 1;
 
 /// Reflection bit: mirrored in x.
@@ -50,12 +50,12 @@ pub fn midpoint_circle(center: (i32, i32), radius: u32) -> MidpointCircle {
 }
 
 impl MidpointCircle {
-    /// Returns the current position in the octant, relative to the centre; `None` at the end.
+    /// Returns the current position in the octant, relative to the centre, or `None` after the last position.
     pub(crate) fn octant(&self) -> Option<(i64, i64)> {
         (self.x <= self.y).then_some((self.x, self.y))
     }
 
-    /// Returns the decision variable. It is ≥ 0 if the midpoint ahead lies outside the circle, so that y will shrink.
+    /// Returns the decision variable. It is ≥ 0 if the next midpoint lies outside the circle, so that y decreases.
     pub(crate) fn decision(&self) -> i64 {
         self.decision
     }
@@ -71,7 +71,7 @@ impl MidpointCircle {
         self.reflection = 0;
     }
 
-    /// Whether the pixel of this reflection duplicates the pixel of another one.
+    /// Returns whether this reflection of the current pixel equals another reflection of it.
     fn is_repeated(&self, reflection: u8) -> bool {
         let on_mirror = |which: u8, on: bool| reflection & which != 0 && on;
         on_mirror(SWAPPED, self.x == self.y) || on_mirror(LEFT, self.x == 0) || on_mirror(BELOW, self.y == 0)
@@ -115,8 +115,8 @@ mod tests {
         midpoint_circle((0, 0), radius).collect()
     }
 
-    /// Returns the pixels nearest to the true circle: an exhaustive search over rows in the octant x ≤ y, then
-    /// mirrored.
+    /// Returns the pixels nearest to the true circle, by an exhaustive search over rows in the octant x ≤ y, which is
+    /// then mirrored.
     fn nearest_pixels(radius: i64) -> HashSet<(i64, i64)> {
         let octant = (0..=radius).filter_map(|x| {
             // (y − ½)² < r² − x² < (y + ½)², multiplied by four.

@@ -2,12 +2,13 @@
 //!
 //! The *explicit* form y = ±√(r² − x²) gives one pixel above and one below for each column, and leaves gaps where the
 //! circle is steep. The *parametric* form (r cos φ, r sin φ) has no gaps if its steps are small enough, but then visits
-//! pixels more than once. The *implicit* form F(x, y) = x² + y² − r² is the third; its sign shows on which side a point
-//! lies. See [`super::circle`].
+//! pixels more than once. The third form is *implicit*: the sign of F(x, y) = x² + y² − r² shows whether a point lies
+//! inside or outside. [`super::circle`] uses it.
 
 use std::f64::consts::TAU;
 
-/// Returns one pixel above and one below the centre for each column, from the left.
+/// Returns the pixels of a circle in explicit form: for each column, from the left, one pixel above and one below the
+/// centre.
 pub(crate) fn explicit_circle(center: (i32, i32), radius: u32) -> impl Iterator<Item = (i64, i64)> {
     let radius = i64::from(radius);
     (-radius..=radius).flat_map(move |x| {
@@ -16,7 +17,8 @@ pub(crate) fn explicit_circle(center: (i32, i32), radius: u32) -> impl Iterator<
     })
 }
 
-/// Returns one pixel for each of `angles` equal angles, starting at the right and going clockwise on a screen.
+/// Returns the pixels of a circle in parametric form: one for each of `angles` evenly spaced angles, starting at the
+/// right and going clockwise on a screen.
 pub(crate) fn parametric_circle(center: (i32, i32), radius: u32, angles: u32) -> impl Iterator<Item = (i64, i64)> {
     (0..angles).map(move |i| {
         let (sin, cos) = (f64::from(i) / f64::from(angles) * TAU).sin_cos();
@@ -25,7 +27,8 @@ pub(crate) fn parametric_circle(center: (i32, i32), radius: u32, angles: u32) ->
     })
 }
 
-/// Returns the number of angles with which the parametric form steps by at most one pixel.
+/// Returns a number of angles with which the parametric form steps by at most one pixel, so that the circle has no
+/// gaps.
 pub(crate) fn angles_without_gaps(radius: u32) -> u32 {
     (TAU * f64::from(radius)).ceil().max(1.0) as u32
 }

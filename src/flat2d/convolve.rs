@@ -1,8 +1,9 @@
 //! Convolution of an image with a mask: blur, sharpening, motion blur, or custom weights.
 //!
 //! A mask is a small square of weights around each pixel, with an odd side. The weights need not sum to one: a sum of
-//! zero finds edges. Outside the image, the border pixels repeat. This module has the masks and a plain sum over
-//! numbers that exposes its terms; [`crate::antialias::mask`] applies the same masks to 8-bit images.
+//! zero finds edges. Outside the image, the border pixels repeat. This module defines the masks, and a simple
+//! convolution of images of `f64` values that exposes the terms of each sum; [`crate::antialias::mask`] applies the
+//! same masks to 8-bit images.
 
 use thiserror::Error;
 
@@ -17,22 +18,22 @@ pub(crate) struct Mask {
     factors: Option<Vec<f32>>,
 }
 
-/// Maximum reach of a mask from its centre, px.
+/// Maximum number of pixels by which a mask extends to each side of its centre.
 pub(crate) const MAX_REACH: usize = 15;
 
-/// Maximum side of a mask, px.
+/// Maximum side length of a mask, in pixels.
 const MOST_SIDE: usize = 2 * MAX_REACH + 1;
 
-/// Cut-off of a Gaussian mask, in standard deviations from its centre.
+/// Radius at which a Gaussian mask is cut off, in standard deviations.
 pub(crate) const GAUSSIAN_CUTOFF: f32 = 3.0;
 
 /// Reason why weights do not form a mask.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub(crate) enum MaskError {
-    /// The number of weights is not the square of an odd side within the limit.
+    /// The number of weights is not the square of an odd number up to the maximum side length.
     #[error("{0} weights are not a square with an odd side up to {MOST_SIDE}, such as 9 or 25")]
     Shape(usize),
-    /// A weight is infinite or NaN.
+    /// The weight with this index is infinite or NaN.
     #[error("weight {0} is not finite")]
     NotFinite(usize),
 }
@@ -76,7 +77,8 @@ impl Mask {
         Self::separable((-reach..=reach).map(|at| bell(at) / sum).collect())
     }
 
-    /// Returns a sharpening mask: adds `amount` times the pixel's difference from the mean of its four neighbours.
+    /// Returns a sharpening mask, which adds `amount` times the difference between a pixel and the mean of its four
+    /// neighbours.
     pub(crate) fn sharpen(amount: f32) -> Self {
         let beside = -amount / 4.0;
         Self { side: 3, weights: vec![0.0, beside, 0.0, beside, 1.0 + amount, beside, 0.0, beside, 0.0], factors: None }
@@ -84,10 +86,10 @@ impl Mask {
 
     /// Returns a motion blur along a straight path through the pixel.
     ///
-    /// The path is `length` px long, limited to twice [`MAX_REACH`], and points `angle` radians from the right,
-    /// clockwise on a screen. Each pixel is weighted by the length of the path inside it.
+    /// The path is `length` px long, limited to twice [`MAX_REACH`]. Its direction is `angle` radians clockwise from
+    /// pointing right, as seen on a screen. Each pixel is weighted by the length of the path inside it.
     pub(crate) fn motion(length: f32, angle: f32) -> Self {
-        /// Samples per pixel of path length.
+        /// Number of samples per pixel of path length.
         const STEPS_PER_PX: f32 = 64.0;
         let length = length.clamp(0.0, 2.0 * MAX_REACH as f32);
         let reach = (length / 2.0).ceil().max(1.0) as usize;
@@ -108,31 +110,31 @@ impl Mask {
         self.weights.iter().sum()
     }
 
-    /// Returns the factors of a separable mask, for columns from the left as well as rows from the top. Each weight is
-    /// the product of two factors.
+    /// Returns the factors of a separable mask, or `None` for other masks. Each weight is the product of the factor of
+    /// its column and the factor of its row; both use the same list, from the left or from the top.
     pub(crate) fn factors(&self) -> Option<&[f32]> {
         self.factors.as_deref()
     }
 
-    /// Returns the reach to each side of the centre, px.
+    /// Returns the number of pixels by which the mask extends to each side of its centre.
     pub(crate) fn reach(&self) -> u32 {
         (self.side / 2) as u32
     }
 
-    /// Returns the weights row by row, each with its offset from the pixel: columns to the right and rows down.
+    /// Returns the weights row by row, each with its offset from the centre, as columns to the right and rows down.
     pub(crate) fn weights(&self) -> impl Iterator<Item = ((i64, i64), f32)> {
         let reach = i64::from(self.reach());
         let place = move |index: usize| ((index % self.side) as i64 - reach, (index / self.side) as i64 - reach);
         self.weights.iter().enumerate().map(move |(index, weight)| (place(index), *weight))
     }
 
-    /// Returns the (weight, value) terms of the sum for one pixel, row by row.
+    /// Returns the terms of the convolution sum for one pixel, row by row, each as (weight, value).
     pub(crate) fn terms_at(&self, image: &Image<f64>, (x, y): (u32, u32)) -> impl Iterator<Item = (f64, f64)> {
         let value = move |right, down| image.at_clamped(i64::from(x) + right, i64::from(y) + down);
         self.weights().map(move |((right, down), weight)| (weight.into(), value(right, down)))
     }
 
-    /// Convolves an image of numbers. Negative weights can produce values outside the range of the input.
+    /// Convolves an image of `f64` values. Negative weights can produce values outside the range of the input.
     pub(crate) fn apply_to_numbers(&self, image: &Image<f64>) -> Image<f64> {
         Image::from_fn(image.width(), image.height(), |x, y| {
             self.terms_at(image, (x, y)).map(|(weight, value)| weight * value).sum()

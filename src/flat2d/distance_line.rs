@@ -1,12 +1,12 @@
-//! Lines by distance: all pixels at most half a pixel from a line, beside the segment and not beyond its ends.
+//! Lines by distance: all pixels at most half a pixel away from a segment, except those beyond its endpoints.
 //!
-//! The scan tests every pixel of the bounding box of the segment. With d from end to end and v from the first end to
-//! the pixel, the distance is |d × v| / |d|. Comparing it with ½ needs no root: 4 (d × v)² ≤ |d|². This condition and
-//! the limits at the ends, d · v ≥ 0 and d · (v − d) ≤ 0, are closed: a point exactly on the border belongs to the
-//! line. Floats decide pixels whose distance from the border exceeds the error bound, and exact arithmetic decides the
-//! rest.
+//! The scan tests every pixel of the bounding box of the segment. Let d be the vector from the first to the second
+//! endpoint, and v the vector from the first endpoint to the pixel. The distance is |d × v| / |d|. Comparing it with ½
+//! needs no root: 4 (d × v)² ≤ |d|². This condition and the limits at the endpoints, d · v ≥ 0 and d · (v − d) ≤ 0,
+//! include equality: a point exactly on the border belongs to the line. Floats decide pixels whose distance from the
+//! border exceeds the error bound, and exact arithmetic decides the rest.
 //!
-//! Such a line is one pixel wide across, whatever its slope, so slanted lines may have gaps.
+//! Such a line is one pixel wide, measured at a right angle, whatever its slope. Slanted lines may therefore have gaps.
 
 use std::cmp::Ordering;
 use std::ops::Range;
@@ -28,7 +28,7 @@ pub(crate) struct DistanceLineScan {
 
 /// Returns the pixels of the line from `p0` to `p1` in a picture of this size, row by row from the top.
 ///
-/// Pixels lie at integer coordinates. A segment without length has no pixels.
+/// Pixels lie at integer coordinates. A segment of length zero has no pixels.
 pub(crate) fn distance_line(p0: DVec2, p1: DVec2, width: u32, height: u32) -> DistanceLineScan {
     let (least, greatest) = (p0.min(p1) - 0.5, p0.max(p1) + 0.5);
     let columns = whole_numbers_within(least.x, greatest.x, width);
@@ -38,17 +38,18 @@ pub(crate) fn distance_line(p0: DVec2, p1: DVec2, width: u32, height: u32) -> Di
 }
 
 impl DistanceLineScan {
-    /// Returns the next pixel to test; `None` at the end.
+    /// Returns column and row of the next pixel to test, or `None` after the last pixel.
     pub(crate) fn probe(&self) -> Option<(u32, u32)> {
         (self.columns.contains(&self.probe.0) && self.rows.contains(&self.probe.1)).then_some(self.probe)
     }
 
-    /// Returns the number of pixels still to test. Within a row this is an upper bound.
+    /// Returns an upper bound on the number of pixels left to test. The bound is exact at the start of a row.
     pub(crate) fn probes_left(&self) -> u64 {
         self.columns.len() as u64 * u64::from(self.rows.end.saturating_sub(self.probe.1))
     }
 
-    /// Tests one pixel and returns it if it belongs to the line; the outer `None` marks the end.
+    /// Tests the next pixel. Returns its column and row, `Some(None)` if the pixel does not belong to the line, or
+    /// `None` after the last pixel.
     pub(crate) fn step(&mut self) -> Option<Option<(u32, u32)>> {
         let (x, y) = self.probe()?;
         self.probe = if x + 1 < self.columns.end { (x + 1, y) } else { (self.columns.start, y + 1) };
@@ -68,7 +69,7 @@ impl Iterator for DistanceLineScan {
     }
 }
 
-/// Set of points at most half a pixel from a segment.
+/// Set of the points at most half a pixel away from a segment, except those beyond its endpoints.
 #[derive(Clone, Copy, Debug)]
 struct SegmentBand {
     p0: DVec2,
@@ -83,7 +84,7 @@ impl SegmentBand {
             && self.is_near(point)
     }
 
-    /// Returns the sign of d · (`point` − `end`).
+    /// Returns the sign of d · (`point` − `end`), where d is the vector from `p0` to `p1`.
     fn along(self, point: DVec2, end: DVec2) -> Ordering {
         let products = (self.p1 - self.p0) * (point - end);
         let error = 4.0 * f64::EPSILON * products.abs().element_sum();
@@ -94,7 +95,7 @@ impl SegmentBand {
         })
     }
 
-    /// Whether the point is at most half a pixel from the line through both ends.
+    /// Whether the point is at most half a pixel away from the infinite line through both endpoints.
     fn is_near(self, point: DVec2) -> bool {
         let (d, v) = (self.p1 - self.p0, point - self.p0);
         let length_squared = d.length_squared();
@@ -115,7 +116,8 @@ impl SegmentBand {
     }
 }
 
-/// Returns the sign of a value whose error is at most `error`; `None` if the error bound leaves it undecided.
+/// Returns the exact sign of a quantity from its float approximation `value`, which is off by at most `error`. Returns
+/// `None` if the error bound leaves the sign undecided.
 fn certain_sign(value: f64, error: f64) -> Option<Ordering> {
     (value.abs() > error).then(|| value.total_cmp(&0.0))
 }
@@ -134,7 +136,8 @@ mod tests {
         distance_line(p0, p1, SIZE, SIZE).collect()
     }
 
-    /// Returns the pixels by the definition, in integers, for ends in units of 1/`unit` px.
+    /// Returns the pixels of a line, computed from the definition in integers. The endpoints are in units of 1/`unit`
+    /// px.
     fn by_definition(p0: (i128, i128), p1: (i128, i128), unit: i128) -> Vec<(u32, u32)> {
         let (dx, dy) = (p1.0 - p0.0, p1.1 - p0.1);
         let square = dx * dx + dy * dy;

@@ -1,9 +1,9 @@
 //! Triangulation of a simple polygon by ear clipping (Meisters 1975).
 //!
-//! An *ear* is a corner whose neighbours can see each other: it turns the way the polygon does, and no other corner
-//! lies in its triangle. Every simple polygon has at least two ears, so cutting them off one at a time ends with a
-//! single triangle. The worst-case time grows with the cube of the number of corners, which suits only small polygons;
-//! model loading uses the crate `earcut`.
+//! An *ear* is a convex corner whose triangle with its two neighbours contains no other corner of the polygon. Every
+//! simple polygon has at least two ears, so cutting off one ear after the other leaves a single triangle in the end.
+//! The worst-case time grows with the cube of the number of corners, which suits only small polygons; model loading
+//! uses the crate `earcut`.
 
 use std::cmp::Ordering;
 
@@ -11,17 +11,17 @@ use glam::DVec2;
 
 use super::side;
 
-/// Iterator that cuts off ears; see [`clip_ears`].
+/// Iterator over the triangles that ear clipping cuts off a polygon; see [`clip_ears`].
 #[derive(Clone, Debug)]
 pub(crate) struct EarClip<'a> {
     points: &'a [DVec2],
-    /// Indices of the remaining corners, in order.
+    /// Indices of the corners not yet cut off, in the order of the polygon.
     left: Vec<usize>,
     turn: Ordering,
 }
 
-/// Returns the triangles of a simple polygon, as indices of its corners. In a self-intersecting polygon it cuts off
-/// only the ears that exist.
+/// Returns the triangles of a simple polygon, as indices of its corners. For a self-intersecting polygon, the iterator
+/// ends as soon as no ear is left.
 pub(crate) fn clip_ears(points: &[DVec2]) -> EarClip<'_> {
     let from = |i: usize| points[i] - points[0];
     let doubled_area: f64 = (2..points.len()).map(|i| from(i - 1).perp_dot(from(i))).sum();
@@ -29,7 +29,8 @@ pub(crate) fn clip_ears(points: &[DVec2]) -> EarClip<'_> {
 }
 
 impl EarClip<'_> {
-    /// Returns the indices of the remaining corners, in order. Fewer than three remain if the whole polygon was cut.
+    /// Returns the indices of the corners not yet cut off, in the order of the polygon. Fewer than three remain if the
+    /// whole polygon was triangulated.
     pub(crate) fn remaining(&self) -> &[usize] {
         &self.left
     }

@@ -1,10 +1,11 @@
 //! Axis-aligned ellipses, pixel by pixel, in integer arithmetic only (the midpoint form of Van Aken 1984).
 //!
-//! The algorithm walks one quadrant from its top. Three pixels may follow: to the right, diagonally right and down, or
-//! down. If the midpoint (x + 1, y − ½) lies inside the ellipse, the next pixel is to the right. Otherwise the midpoint
-//! (x + ½, y − 1) decides whether x grows at all. The sign of F(x, y) = b²x² + a²y² − a²b² shows on which side a midpoint
-//! lies. The textbook tests only one of the two midpoints, depending on whether the ellipse is flatter than 45°, and
-//! cuts off the tips of thin ellipses. The other three quadrants are reflections.
+//! The algorithm walks one quadrant from its top. The next pixel is one of three: the one to the right, the one
+//! diagonally below, or the one below. If the midpoint (x + 1, y − ½) lies inside the ellipse, the next pixel is to the
+//! right. Otherwise the midpoint (x + ½, y − 1) decides between the diagonal pixel and the one below. The sign of F(x,
+//! y) = b²x² + a²y² − a²b² shows on which side a midpoint lies. The textbook tests only one of the two midpoints,
+//! depending on whether the ellipse is flatter than 45°, and cuts off the tips of thin ellipses. The other three
+//! quadrants are reflections.
 
 /// Iterator over the pixels of an ellipse; see [`midpoint_ellipse`].
 #[derive(Clone, Debug)]
@@ -12,10 +13,10 @@ pub(crate) struct MidpointEllipse {
     center: (i32, i32),
     /// Semi-axes along x and y, in pixels.
     half: (i128, i128),
-    /// Position in the quadrant, relative to the centre; the walk ends when y < 0 or x exceeds the semi-axis.
+    /// Position in the quadrant, relative to the centre. The walk ends when y < 0 or x exceeds the semi-axis.
     x: i128,
     y: i128,
-    /// Next of the four reflections: bit 0 mirrors x, bit 1 mirrors y.
+    /// Reflection of the next pixel: bit 0 mirrors x, bit 1 mirrors y.
     reflection: u8,
 }
 
@@ -30,23 +31,25 @@ pub(crate) fn midpoint_ellipse(center: (i32, i32), half_width: u32, half_height:
 }
 
 impl MidpointEllipse {
-    /// Returns the current position in the quadrant, relative to the centre; `None` at the end.
+    /// Returns the current position in the quadrant, relative to the centre, or `None` after the last position.
     pub(crate) fn quadrant(&self) -> Option<(i128, i128)> {
         (self.y >= 0 && self.x <= self.half.0).then_some((self.x, self.y))
     }
 
-    /// Whether the ellipse is flatter than 45° ahead, so that x grows at every step.
+    /// Whether the ellipse is flatter than 45° at the next midpoint, so that x grows at every step.
     pub(crate) fn is_flat(&self) -> bool {
         let (a, b) = self.half;
         a * a * (2 * self.y - 1) > 2 * b * b * (self.x + 1)
     }
 
-    /// Returns four times F at the midpoint (x + 1, y − ½), between right and diagonal; negative inside.
+    /// Returns 4 · F(x + 1, y − ½) with F(x, y) = b²x² + a²y² − a²b²: it is negative if the midpoint between the pixel
+    /// to the right and the diagonal pixel lies inside the ellipse.
     pub(crate) fn right_or_diagonal(&self) -> i128 {
         self.quadruple_at(2 * self.x + 2, 2 * self.y - 1)
     }
 
-    /// Returns four times F at the midpoint (x + ½, y − 1), between diagonal and down; negative inside.
+    /// Returns 4 · F(x + ½, y − 1) with F(x, y) = b²x² + a²y² − a²b²: it is negative if the midpoint between the
+    /// diagonal pixel and the pixel below lies inside the ellipse.
     pub(crate) fn diagonal_or_down(&self) -> i128 {
         self.quadruple_at(2 * self.x + 1, 2 * self.y - 2)
     }

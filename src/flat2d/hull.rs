@@ -13,9 +13,9 @@ use super::side;
 /// Step of the hull algorithm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum HullStep {
-    /// Appended the point with this index to the chain.
+    /// The point with this index was appended to the chain.
     Added(usize),
-    /// Dropped the point with this index from the end of the chain, because it does not turn right.
+    /// The point with this index was removed from the end of the chain, because the chain does not turn right there.
     Dropped(usize),
 }
 
@@ -23,7 +23,7 @@ pub(crate) enum HullStep {
 #[derive(Clone, Debug)]
 pub(crate) struct ConvexHull<'a> {
     points: &'a [DVec2],
-    /// Indices of the points, from left to right and back again, without duplicates.
+    /// Indices of the points in the order of the visit: from left to right and back again, without duplicates.
     tour: Vec<usize>,
     /// Index into `tour` of the next point.
     next: usize,
@@ -48,8 +48,8 @@ impl ConvexHull<'_> {
         &self.chain[..self.chain.len() - usize::from(closed)]
     }
 
-    /// Returns the chain index after which corners may still be dropped. On the way back, it is that of the turning
-    /// point.
+    /// Returns the chain index after which corners may still be dropped. On the way back from the rightmost point, this
+    /// is the index of the rightmost point; before, it is 0.
     fn droppable_from(&self) -> usize {
         let turning = self.tour.len() / 2;
         if self.next <= turning {
@@ -78,8 +78,8 @@ impl Iterator for ConvexHull<'_> {
 
 /// Returns weights t of a convex polygon's corners with tᵢ ≥ 0, Σ tᵢ = 1 and Σ tᵢ Pᵢ = `point`; `None` outside.
 ///
-/// The weights are not unique. These are the barycentric weights in the triangle that contains the point, from the fan
-/// around the first corner.
+/// Such weights are not unique. The function splits the polygon into a fan of triangles around the first corner, and
+/// returns the barycentric weights in the triangle that contains the point.
 pub(crate) fn convex_weights(corners: &[DVec2], point: DVec2) -> Option<Vec<f64>> {
     (1..corners.len().saturating_sub(1)).find_map(|i| {
         let [a, b, c] = [corners[0], corners[i], corners[i + 1]];

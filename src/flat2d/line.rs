@@ -1,29 +1,31 @@
 //! Straight lines, pixel by pixel, and clipping of lines to a picture.
 //!
 //! [`midpoint_line`] connects two pixels in integer arithmetic only (Bresenham 1965, in the midpoint form of Pitteway
-//! 1967). It takes one pixel per step of the longer axis, the one nearest to the true line. The sign of the decision
+//! 1967). For each step along the longer axis, it takes the pixel nearest to the true line. The sign of the decision
 //! variable, at first D = 2·minor − major, shows on which side of the line the midpoint between the two candidates
 //! lies. If the line passes exactly through the midpoint, it stays on its row or column. Other octants differ only in
 //! the signs of the steps, so a mirrored line is the mirror image.
 //!
-//! That tie rule depends on the direction: from the other end the line stays on the other row or column.
-//! [`direction_independent_line`] decides ties as seen from one fixed end, so both directions cover the same pixels.
+//! That tie rule depends on the direction: drawn from the other endpoint, the line stays on the other row or column.
+//! [`direction_independent_line`] always decides ties as seen from the same endpoint, so both directions cover the same
+//! pixels.
 //!
-//! [`clip_to`] clips a line with real end points to the picture first (Liang and Barsky 1984). The cost of walking the
-//! line is then bounded by the size of the picture, however far away the end points are.
+//! [`clip_to`] clips a line with real endpoints to the picture first (Liang and Barsky 1984). The cost of walking the
+//! line is then bounded by the size of the picture, however far away the endpoints are.
 
 use std::cmp::Ordering;
 
 /// Iterator over the pixels of a line; see [`midpoint_line`].
 #[derive(Clone, Debug)]
 pub struct MidpointLine {
-    /// Next pixel to return; `None` at the end.
+    /// Next pixel to return, as (x, y); `None` after the last pixel.
     next: Option<(i64, i64)>,
     last: (i64, i64),
-    /// Step that stays on the row or column (`straight`), and step that leaves it (`slanted`).
+    /// Step that stays on the row or column. `slanted` is the step that leaves it.
     straight: (i64, i64),
     slanted: (i64, i64),
-    /// Extents along the longer and the shorter axis, px. Twice the difference of any two i64 fits into i128.
+    /// Extent along the longer axis, in pixels; `minor` is the extent along the shorter axis. Twice the difference of
+    /// any two i64 fits into i128.
     major: i128,
     minor: i128,
     decision: i128,
@@ -52,9 +54,9 @@ pub fn midpoint_line(p0: (i64, i64), p1: (i64, i64)) -> MidpointLine {
 
 /// Returns the pixels of [`midpoint_line`] with a tie rule that does not depend on the direction.
 ///
-/// Where the line passes exactly between two pixels, it takes the pixel that `midpoint_line` takes from the lesser end.
-/// The lesser end has the smaller x or, if these are equal, the smaller y. The line from `p1` to `p0` therefore covers
-/// the same pixels in the opposite order.
+/// Where the line passes exactly between two pixels, the tie is decided as `midpoint_line` does when drawing from the
+/// lesser endpoint: the one with the smaller x or, if these are equal, the smaller y. The line from `p1` to `p0`
+/// therefore covers the same pixels in the opposite order.
 pub(crate) fn direction_independent_line(p0: (i64, i64), p1: (i64, i64)) -> MidpointLine {
     MidpointLine { slants_on_tie: p1 < p0, ..midpoint_line(p0, p1) }
 }
@@ -101,9 +103,9 @@ fn step_towards(from: i64, to: i64) -> i64 {
 
 /// Clips the line from `p0` to `p1` to the closed rectangle [0, `width`] × [0, `height`], in pixels.
 ///
-/// The direction is kept, and an end inside the rectangle is returned unchanged. Returns `None` if the line misses the
-/// rectangle or an end is not finite. Pixels are half-open, so a caller that takes the floor must cap it at the last
-/// column and row.
+/// The direction is kept, and an endpoint inside the rectangle is returned unchanged. Returns `None` if the line misses
+/// the rectangle or an endpoint is not finite. A returned coordinate may equal `width` or `height`, so a caller that
+/// rounds down to a pixel must clamp to the last column and row.
 pub(crate) fn clip_to(p0: (f64, f64), p1: (f64, f64), width: u32, height: u32) -> Option<((f64, f64), (f64, f64))> {
     let (enter, leave) = part_inside(p0, p1, width, height)?;
     let (width, height) = (f64::from(width), f64::from(height));
@@ -116,7 +118,8 @@ pub(crate) fn clip_to(p0: (f64, f64), p1: (f64, f64), width: u32, height: u32) -
     Some((at(enter), at(leave)))
 }
 
-/// Returns the part kept by [`clip_to`], as parameters from 0 at `p0` to 1 at `p1`.
+/// Returns the part of the line that [`clip_to`] keeps, as two line parameters in [0, 1], where 0 is `p0` and 1 is
+/// `p1`. Returns `None` if it keeps nothing.
 pub(crate) fn part_inside(p0: (f64, f64), p1: (f64, f64), width: u32, height: u32) -> Option<(f64, f64)> {
     if ![p0.0, p0.1, p1.0, p1.1].into_iter().all(f64::is_finite) {
         return None;
@@ -127,8 +130,8 @@ pub(crate) fn part_inside(p0: (f64, f64), p1: (f64, f64), width: u32, height: u3
     (enter <= leave).then_some((enter, leave))
 }
 
-/// Returns the parameters t in [0, 1] at which a point moving from `from` (t = 0) to `to` (t = 1) enters and leaves [0,
-/// `length`].
+/// Returns the parameters t in [0, 1] at which a point moving from `from` (t = 0) to `to` (t = 1) enters and leaves the
+/// interval [0, `length`]. Returns `None` if the point stays outside.
 fn stretch_inside(from: f64, to: f64, length: f64) -> Option<(f64, f64)> {
     // Halving both values prevents an overflow of the difference.
     let half_way = to / 2.0 - from / 2.0;
@@ -145,7 +148,7 @@ fn stretch_inside(from: f64, to: f64, length: f64) -> Option<(f64, f64)> {
 mod tests {
     use super::*;
 
-    /// Returns the ends of lines from the origin in every direction.
+    /// Returns endpoints for lines from the origin in every direction.
     fn ends() -> impl Iterator<Item = (i64, i64)> {
         (-12..=12).flat_map(|x| (-12..=12).map(move |y| (x, y)))
     }

@@ -62,7 +62,7 @@ pub(crate) fn side(a: DVec2, b: DVec2, p: DVec2) -> Ordering {
     (orient2d(coord(a), coord(b), coord(p)) + 0.0).total_cmp(&0.0)
 }
 
-/// Returns the range of whole numbers below `length` that lie in the closed interval from `least` to `greatest`.
+/// Returns the range of whole numbers in [0, `length`) that lie in the closed interval from `least` to `greatest`.
 pub(crate) fn whole_numbers_within(least: f64, greatest: f64, length: u32) -> Range<u32> {
     // Float-to-integer casts saturate.
     let first = (least.ceil() as u32).min(length);

@@ -10,8 +10,8 @@
 //! The textbook sorts the crossings of a row and fills between pairs. Only the column of a crossing matters, so this
 //! implementation sums the windings per column, which sorts the crossings at no cost. Vertical edges and nearly all
 //! edges that reach far outside cross all their rows in a single column. Such an edge is added to its column once and
-//! removed at its end. In total, the edges are sorted twice, and each row costs its crossings by other edges plus the
-//! columns between the outermost crossings.
+//! removed at its end. In total, the edges are sorted twice, and the cost of a row is the number of its crossings by
+//! other edges plus the number of columns between its outermost crossings.
 
 mod edge;
 
@@ -27,16 +27,17 @@ use super::PixelSpan;
 use crate::math::fixed::snap_to_grid;
 use edge::{PolygonEdge, SampleRow, Slant};
 
-/// Rule that decides what is inside, from the winding number around a sample.
+/// Rule that decides from the winding number of a sample whether the sample is inside the polygon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InsideRule {
-    /// Odd winding numbers are inside: where contours overlap, inside and outside alternate.
+    /// Samples with an odd winding number are inside: where contours overlap, inside and outside alternate.
     EvenOdd,
-    /// Non-zero winding numbers are inside: an overlap is inside unless the contours have opposite orientations.
+    /// Samples with a non-zero winding number are inside: an overlap is inside unless the contours have opposite
+    /// orientations.
     NonZero,
 }
 
-/// Positions of the corners when edges are built.
+/// Treatment of the corners before edges are built: used as given or snapped to a grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Corners {
     /// Corners are used as given.
@@ -67,9 +68,9 @@ impl SamplePoint {
 /// Parameters of a polygon fill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FillParameters {
-    /// Rule that decides from the winding number what is inside.
+    /// Rule that decides from the winding number of a sample whether it is inside the polygon.
     pub rule: InsideRule,
-    /// Positions of the corners: as given or snapped.
+    /// Whether corners are used as given or snapped to the 1/256 px grid.
     pub corners: Corners,
     /// Sample position within each pixel.
     pub sample: SamplePoint,
@@ -82,20 +83,20 @@ pub struct FillParameters {
 /// Edge that crosses the current row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ActiveEdge {
-    /// Upper end of the edge, in pixels.
+    /// Upper endpoint of the edge, in pixels.
     pub(crate) top: DVec2,
-    /// Lower end of the edge, in pixels.
+    /// Lower endpoint of the edge, in pixels.
     pub(crate) bottom: DVec2,
-    /// Position x of the crossing in the row, px, up to float rounding.
+    /// x coordinate at which the edge crosses the row of samples, in pixels, up to float rounding.
     pub(crate) crossing_px: f64,
     /// First column whose sample lies at or right of the crossing, exactly; the picture's width if there is none.
     pub(crate) column: u32,
-    /// Change of the winding number when crossing from the left: 1 if the edge was given from top to bottom, otherwise
-    /// −1.
+    /// Change of the winding number at the crossing, from left to right: 1 if the edge was given from top to bottom,
+    /// otherwise −1.
     pub(crate) winding: i32,
 }
 
-/// Active edge that crosses its rows in several columns, with a copy of the data that each row needs.
+/// Active edge that crosses its rows in more than one column, with a copy of the data that is needed in each row.
 #[derive(Clone, Debug)]
 struct Slanted {
     slant: Slant,
@@ -117,15 +118,15 @@ pub struct PolygonFill {
     by_end: Vec<u32>,
     ended: usize,
     slanted: Vec<Slanted>,
-    /// Sums of windings per column of the active edges that stay in a single column, with a final entry for everything
-    /// right of the picture. `crossing` has the same layout and holds the row's crossings by slanted edges; the walk
-    /// resets it to zero as it passes.
+    /// Winding numbers of the active edges that stay in a single column, summed per column. The last entry stands for
+    /// everything right of the picture. `crossing` has the same layout and holds the current row's crossings by slanted
+    /// edges; the walk resets each entry to zero as it passes.
     column_winding: Vec<i32>,
     crossing: Vec<i32>,
-    /// Range from the first to the last column with a crossing so far.
+    /// Range from the first to the last column that any crossing has touched so far.
     touched: Range<u32>,
     row: u32,
-    /// Next column to test; `winding` is the winding number up to there.
+    /// Next column to test; `winding` is the winding number of the column before it.
     column: u32,
     winding: i32,
 }
@@ -178,7 +179,8 @@ pub fn fill(contours: &[Vec<DVec2>], filling: FillParameters) -> PolygonFill {
 }
 
 impl PolygonFill {
-    /// Returns the edge table: all edges sorted by the first row that they cross, as (row, upper end, lower end).
+    /// Returns the edge table: all edges sorted by the first row that they cross, each as (row, upper endpoint, lower
+    /// endpoint).
     pub(crate) fn edge_table(&self) -> impl Iterator<Item = (u32, DVec2, DVec2)> {
         self.edges.iter().map(|edge| (edge.rows.start, edge.top, edge.bottom))
     }
@@ -188,7 +190,7 @@ impl PolygonFill {
         self.row
     }
 
-    /// Returns the active edge list: all edges that cross the row, in the order of the table.
+    /// Returns the active edge list: all edges that cross the current row, in the order of the edge table.
     pub(crate) fn active_edges(&self) -> impl Iterator<Item = ActiveEdge> {
         let row = self.row;
         let active = self.edges[..self.started].iter().filter(move |edge| edge.rows.contains(&row));
@@ -201,8 +203,8 @@ impl PolygonFill {
         })
     }
 
-    /// Returns the next span of the row. At the end of the row, returns `Some(None)` and advances to the next row; the
-    /// outer `None` marks the end.
+    /// Returns the next span of the current row. At the end of a row, advances to the next row and returns
+    /// `Some(None)`. Returns `None` after the last row.
     pub(crate) fn step(&mut self) -> Option<Option<PixelSpan>> {
         let span = self.next_span();
         if span.is_none() {
@@ -211,15 +213,15 @@ impl PolygonFill {
         Some(span)
     }
 
-    /// Returns the next span of the current row; `None` at the end of the row.
+    /// Returns the next span of the current row, or `None` at the end of the row.
     fn next_span(&mut self) -> Option<PixelSpan> {
         let x0 = self.next_column_where(true)?;
         let x1 = self.next_column_where(false).unwrap_or(self.filling.width);
         Some(PixelSpan { y: self.row, x0, x1 })
     }
 
-    /// Advances to the next column that is inside, or outside if `inside` is false; `None` if there is none up to the
-    /// last crossing.
+    /// Advances past the next column that is inside the polygon, or outside if `inside` is `false`, and returns it.
+    /// Returns `None` if there is no such column up to the last crossing.
     fn next_column_where(&mut self, inside: bool) -> Option<u32> {
         while self.column < self.touched.end.min(self.filling.width) {
             let column = self.column;
@@ -308,7 +310,7 @@ impl PolygonFill {
     }
 }
 
-/// Returns the range extended to include one more column.
+/// Returns `range`, extended to include `column`.
 fn with(range: &Range<u32>, column: u32) -> Range<u32> {
     range.start.min(column)..range.end.max(column + 1)
 }

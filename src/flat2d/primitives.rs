@@ -1,4 +1,5 @@
-//! Drawing primitives: assembly of vertex lists into points, lines and triangles, and requirements on polygons.
+//! Drawing primitives: assembly of vertex lists into points, lines and triangles, and checks that a polygon can be
+//! drawn.
 //!
 //! The ten types are those of OpenGL 1.0. A triangle strip reverses every second triangle so that all face the same
 //! way; a quad strip reads its vertices in zigzag. Quads and polygons are drawn as fans here, which is correct only for
@@ -15,19 +16,19 @@ use super::side;
 pub(crate) enum Primitive {
     /// Each vertex is a point.
     Points,
-    /// Each pair of vertices is a line.
+    /// Every two vertices form a line.
     Lines,
     /// Each vertex is connected to the next by a line.
     LineStrip,
     /// Line strip that is closed by a line back to the first vertex.
     LineLoop,
-    /// Each three vertices are a triangle.
+    /// Every three vertices form a triangle.
     Triangles,
     /// Each vertex forms a triangle with the two before it.
     TriangleStrip,
     /// Each vertex forms a triangle with the one before it and the first.
     TriangleFan,
-    /// Each four vertices are a quadrilateral.
+    /// Every four vertices form a quadrilateral.
     Quads,
     /// Each pair of vertices forms a quadrilateral with the pair before it.
     QuadStrip,
@@ -101,7 +102,7 @@ fn is_simple(points: &[DVec2]) -> bool {
     })
 }
 
-/// Whether two neighbouring sides overlap.
+/// Whether the neighbouring sides `i` and `j` overlap.
 fn fold_back(points: &[DVec2], i: usize, j: usize) -> bool {
     let count = points.len();
     let middle = if j == i + 1 { j } else { 0 };
@@ -122,7 +123,8 @@ fn turns_one_way(points: &[DVec2]) -> bool {
     !(turns().any(|turn| turn == Ordering::Less) && turns().any(|turn| turn == Ordering::Greater))
 }
 
-/// Whether every corner is within a millionth of the outline's size from the plane of its normal.
+/// Whether every corner is close to the plane through the first corner at a right angle to the outline's normal: at
+/// most a millionth of the outline's size away.
 fn is_flat(corners: &[DVec3]) -> bool {
     const TOLERANCE: f64 = 1e-6;
     let Some(first) = corners.first() else { return true };

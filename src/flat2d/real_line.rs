@@ -1,10 +1,10 @@
 //! Lines between real points: one pixel, the nearest to the line, for each integer coordinate along the longer axis.
 //!
 //! Rounding y = y₀ + m (x − x₀) fails where the line passes close to the midpoint between two pixels, and adding m step
-//! by step also accumulates drift. Here it serves only as the first guess. The line changes its row by at most one per
-//! step, so the pixel of the next step is the same or a neighbour. An exact test decides on which side of the midpoint
-//! between them the line passes. A line through a midpoint takes the pixel of the larger coordinate, whatever its
-//! direction.
+//! by step also accumulates drift. This module uses it only as a first guess. The line changes its row by at most one
+//! per step, so the pixel of the next step is the same or a neighbour. An exact test decides on which side of the
+//! midpoint between them the line passes. A line through a midpoint takes the pixel of the larger coordinate, whatever
+//! its direction.
 
 use std::cmp::Ordering;
 
@@ -13,7 +13,7 @@ use glam::DVec2;
 use super::side;
 use crate::math::expansion::Expansion;
 
-/// Maximum magnitude of an end's coordinate, px. Much farther out, f64 cannot represent half pixels.
+/// Maximum magnitude of an endpoint's coordinate, in pixels. From 2⁵² on, f64 cannot represent half pixels.
 pub(crate) const MAX_COORDINATE_PX: f64 = (1_u64 << 50) as f64;
 
 /// Iterator over the pixels of a line; see [`real_line`].
@@ -21,7 +21,7 @@ pub(crate) const MAX_COORDINATE_PX: f64 = (1_u64 << 50) as f64;
 pub(crate) struct RealLinePixels {
     /// Whether y is the longer axis. The fields below use the longer axis as x.
     steep: bool,
-    /// End with the smaller x; `high` is the other end.
+    /// Endpoint with the smaller x; `high` is the other endpoint.
     low: DVec2,
     high: DVec2,
     /// x of the next pixel; `end` is one step past the last pixel, and `step` is ±1.
@@ -32,9 +32,10 @@ pub(crate) struct RealLinePixels {
     minor: i64,
 }
 
-/// Returns the pixels from `p0` to `p1`. There are none if the line lies between two adjacent integer coordinates.
+/// Returns the pixels of the line from `p0` to `p1`. There are none if the line lies between two adjacent integer
+/// coordinates of its longer axis.
 ///
-/// Returns `None` if an end is not finite or has a coordinate beyond [`MAX_COORDINATE_PX`].
+/// Returns `None` if an endpoint is not finite or has a coordinate beyond [`MAX_COORDINATE_PX`].
 pub(crate) fn real_line(p0: DVec2, p1: DVec2) -> Option<RealLinePixels> {
     if !(p0.abs().max_element() <= MAX_COORDINATE_PX && p1.abs().max_element() <= MAX_COORDINATE_PX) {
         return None;
@@ -67,7 +68,7 @@ impl RealLinePixels {
         self.steep
     }
 
-    /// Returns the coordinate of the next pixel along the longer axis; `None` at the end.
+    /// Returns the coordinate of the next pixel along the longer axis, or `None` after the last pixel.
     pub(crate) fn major(&self) -> Option<i64> {
         (self.major != self.end).then_some(self.major)
     }
@@ -77,7 +78,7 @@ impl RealLinePixels {
         self.minor
     }
 
-    /// Whether the line passes at or beyond `minor` − ½ at the next step.
+    /// Whether the line's coordinate along the shorter axis is at least `minor` − ½ at the next step.
     fn reaches(&self, minor: i64) -> bool {
         side(self.low, self.high, DVec2::new(self.major as f64, minor as f64 - 0.5)) != Ordering::Greater
     }
@@ -107,7 +108,8 @@ mod tests {
         real_line(p0.into(), p1.into()).unwrap().collect()
     }
 
-    /// Returns the pixels by the definition, for ends in units of 1/`unit` px.
+    /// Returns the pixels of a line, computed from the definition in integers. The endpoints are in units of 1/`unit`
+    /// px.
     fn by_definition(p0: (i64, i64), p1: (i64, i64), unit: i64) -> Vec<(i64, i64)> {
         let steep = (p1.0 - p0.0).abs() < (p1.1 - p0.1).abs();
         let swap = |(x, y): (i64, i64)| if steep { (y, x) } else { (x, y) };

@@ -5,21 +5,22 @@
 //! has a characteristic failure: an 8-connected fill leaks through a boundary that is itself only 8-connected, such as
 //! a diagonal wall. A 4-connected fill stops where a region continues over a corner.
 //!
-//! Recursion pixel by pixel is as deep as the region is large. This implementation keeps a stack of seeds, one for each
-//! run of fillable pixels found beside a filled one, and fills a whole span per popped seed. The fill terminates
-//! because filled pixels are no longer fillable; a flood fill with the region's own colour fills nothing.
+//! A recursive fill, pixel by pixel, can be as deep as the region has pixels. This implementation keeps a stack of
+//! seeds, one for each run of fillable pixels found beside a filled one, and fills a whole span per popped seed. The
+//! fill terminates because filled pixels are no longer fillable; a flood fill with the region's own colour fills
+//! nothing.
 
 use std::ops::Range;
 
 use super::PixelSpan;
 use crate::image::Image;
 
-/// Criterion that ends a fill.
+/// Criterion that bounds the filled region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FillCriterion<T> {
     /// Fills the connected region that has the colour of the seed.
     Flood,
-    /// Fills up to this colour. Pixels that already have the new colour count as filled.
+    /// Fills the region up to a boundary of this colour. Pixels that already have the new colour count as filled.
     Boundary(T),
 }
 
@@ -42,7 +43,7 @@ pub(crate) struct SeedFill<'a, T> {
     seeds: Vec<(u32, u32)>,
 }
 
-/// Set of colours that the fill replaces.
+/// Set of colours that the fill may replace.
 #[derive(Clone, Copy, Debug)]
 enum Fillable<T> {
     Only(T),
@@ -73,7 +74,7 @@ impl<T: Copy + PartialEq> SeedFill<'_, T> {
         self.image
     }
 
-    /// Returns the stack of seeds, the next one last. Some may already be filled.
+    /// Returns the stack of seeds; the last one is used next. Some of these pixels may already be filled.
     pub(crate) fn seeds(&self) -> &[(u32, u32)] {
         &self.seeds
     }
@@ -87,14 +88,14 @@ impl<T: Copy + PartialEq> SeedFill<'_, T> {
             }
     }
 
-    /// Returns the run of fillable pixels around a fillable pixel.
+    /// Returns the columns of the run of fillable pixels that contains pixel (`x`, `y`), which must be fillable.
     fn run_around(&self, x: u32, y: u32) -> Range<u32> {
         let x0 = (0..x).rev().take_while(|x| self.is_fillable(*x, y)).last().unwrap_or(x);
         let x1 = (x..self.image.width()).take_while(|x| self.is_fillable(*x, y)).last().unwrap_or(x);
         x0..x1 + 1
     }
 
-    /// Pushes one seed for each run of fillable pixels in these columns of a row.
+    /// Pushes one seed for each run of fillable pixels in the given columns of row `y`.
     fn push_runs(&mut self, columns: Range<u32>, y: u32) {
         let mut in_run = false;
         for x in columns {
@@ -106,7 +107,7 @@ impl<T: Copy + PartialEq> SeedFill<'_, T> {
         }
     }
 
-    /// Fills a run and pushes seeds for the runs in the rows above and below.
+    /// Fills a run of pixels in row `y` and pushes seeds for adjacent runs in the rows above and below.
     fn fill_run(&mut self, columns: Range<u32>, y: u32) {
         columns.clone().for_each(|x| self.image.set(x, y, self.new));
         let beside = match self.connectivity {
@@ -160,7 +161,8 @@ mod tests {
         image
     }
 
-    /// Fills by growing the region one pixel at a time until nothing changes.
+    /// Returns the filled image, computed by growing the region until nothing changes: the reference for the span-based
+    /// fill.
     fn by_spreading(
         image: &Image<u8>,
         seed: (u32, u32),

@@ -33,9 +33,10 @@ pub(crate) struct SlopeLine {
     minor: f32,
 }
 
-/// Returns the pixels from `p0` to `p1`, one per step of the longer axis, including the pixel nearest to each end.
+/// Returns the pixels of the line from `p0` to `p1`, one per step along the longer axis, including the pixel nearest to
+/// each endpoint.
 ///
-/// The ends are rounded to f32. Returns `None` if a coordinate of an end exceeds 2²⁴, beyond which f32 has no fraction.
+/// The endpoints are rounded to f32. Returns `None` if a coordinate exceeds 2²⁴, beyond which f32 has no fraction.
 pub(crate) fn slope_line(p0: DVec2, p1: DVec2, stepping: Stepping) -> Option<SlopeLine> {
     const MAX_COORDINATE_PX: f64 = (1 << 24) as f64;
     if !(p0.abs().max_element() <= MAX_COORDINATE_PX && p1.abs().max_element() <= MAX_COORDINATE_PX) {
@@ -63,12 +64,13 @@ impl SlopeLine {
         self.steep
     }
 
-    /// Returns the coordinate of the next pixel along the shorter axis, before rounding; `None` at the end.
+    /// Returns the coordinate of the next pixel along the shorter axis, before rounding, or `None` after the last
+    /// pixel.
     pub(crate) fn value(&self) -> Option<f32> {
         (self.major != self.end).then_some(self.minor)
     }
 
-    /// Returns [`value`](Self::value) computed in f64 from the unrounded ends.
+    /// Returns [`value`](Self::value) computed in f64 from the endpoints before rounding.
     pub(crate) fn exact_value(&self) -> f64 {
         if self.from.x == self.to.x {
             return self.from.y;

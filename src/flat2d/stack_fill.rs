@@ -1,8 +1,8 @@
-//! Pixel-by-pixel region filling, in the order of the textbook's recursion, with an explicit stack.
+//! Pixel-by-pixel region filling in the order of the textbook's recursion, but with an explicit stack.
 //!
-//! The recursive form calls itself for each neighbour of a pixel. Here, the pending calls are pixels on a stack. It
-//! grows to the order of the region's area, which overflows the call stack of a recursive program. [`super::seed_fill`]
-//! fills the same pixels by spans, with a stack that stays small.
+//! The recursive form calls itself for each neighbour of a pixel. Here, the pending calls are pixels on a stack. The
+//! stack can grow in proportion to the region's area, which would overflow the call stack of a recursive program.
+//! [`super::seed_fill`] fills the same pixels by spans, with a stack that stays small.
 
 use super::seed_fill::{Connectivity, FillCriterion};
 use crate::image::Image;
@@ -35,7 +35,7 @@ pub(crate) fn stack_fill<T: Copy + PartialEq>(
 }
 
 impl<T: Copy + PartialEq> StackFill<'_, T> {
-    /// Returns the stack of pending pixels, the next one last. Some may already be filled.
+    /// Returns the stack of pending pixels; the last one is used next. Some of these pixels may already be filled.
     pub(crate) fn stack(&self) -> &[(u32, u32)] {
         &self.stack
     }

@@ -14,9 +14,10 @@ pub(crate) struct Tables {
     pub(crate) linear_of_code: [f32; 256],
     /// Each 8-bit code as a float, 0 to 255.
     pub(crate) code: [f32; 256],
-    /// Entry of each bucket of linear values, from which [`Tables::encode`] finds a code with a single read. An entry
-    /// is code · 2¹⁶ + (2¹⁶ − next): code belongs to the smallest value of the bucket, and next is the first offset in
-    /// the bucket with the next code. Offset plus entry is the code in fixed point with 16 fractional bits.
+    /// Table from which [`Tables::encode`] finds the code of a linear value with a single read, with one entry per
+    /// bucket of values. An entry is code · 2¹⁶ + (2¹⁶ − next): code is the code of the smallest value in the bucket,
+    /// and next is the offset of the first value in the bucket with the next code. Offset plus entry is the code in
+    /// fixed point with 16 fractional bits.
     buckets: Box<[u32; BUCKETS]>,
 }
 
@@ -24,17 +25,18 @@ pub(crate) struct Tables {
 /// code is 0.5 / 255 / 12.92 = 1.5 · 10⁻⁴ > 2⁻¹³.
 const MIN_BITS: u32 = 0x3900_0000;
 
-/// Right shift from the bits of an `f32` to its bucket. The 2⁸ buckets per octave are 0.4 % wide, narrower than any
-/// code, so a bucket holds at most one threshold.
+/// Right shift from the bits of an `f32` to its bucket. There are 2⁸ buckets per octave, so a bucket is 0.4 % wide.
+/// Every code covers a wider range, so a bucket contains at most one threshold between codes.
 const BUCKET_SHIFT: u32 = 15;
 
 /// Number of `f32` values in a bucket.
 const FLOATS_PER_BUCKET: u32 = 1 << BUCKET_SHIFT;
 
-/// Number of fractional bits of a bucket's entry, which is a code in fixed point.
+/// Number of fractional bits of the fixed-point code in a bucket's entry.
 const CODE_SHIFT: u32 = BUCKET_SHIFT + 1;
 
-/// Number of buckets, up to that of the value 1. Rounded up to a power of two, so that masking an index makes it valid.
+/// Number of buckets up to the bucket of the value 1, rounded up to a power of two so that masking an index makes it
+/// valid.
 const BUCKETS: usize = (((0x3F80_0000 - MIN_BITS) >> BUCKET_SHIFT) as usize + 1).next_power_of_two();
 
 static TABLES: LazyLock<Tables> = LazyLock::new(|| {
@@ -63,10 +65,10 @@ impl Tables {
         &TABLES
     }
 
-    /// Returns the 8-bit sRGB code nearest to a value of linear light, which is clamped to [0, 1]; 0 for NaN.
+    /// Returns the 8-bit sRGB code nearest to a linear value, which is clamped to [0, 1]; returns 0 for NaN.
     ///
-    /// The result is exact: the code is found by comparing with the thresholds between codes, not by an approximated
-    /// power.
+    /// The result is exact: the code is found by comparing with the thresholds between codes, not by approximating a
+    /// power function.
     #[inline]
     pub(crate) fn encode(&self, linear: f32) -> u8 {
         let clamped = if linear > 0.0 { linear.min(1.0) } else { 0.0 };
@@ -74,13 +76,14 @@ impl Tables {
         ((self.buckets[(above >> BUCKET_SHIFT) as usize] + above % FLOATS_PER_BUCKET) >> CODE_SHIFT) as u8
     }
 
-    /// Returns the sRGB codes of sixteen values of linear light, equal to [`Self::encode`].
+    /// Returns the 8-bit sRGB codes of sixteen linear values, identical to the results of [`Self::encode`].
     #[inline(always)]
     pub(crate) fn encode_lanes<S: Simd>(&self, simd: S, linear: f32x16<S>) -> u32x16<S> {
         self.encode_lanes_by(simd, gathers_are_fast(), linear)
     }
 
-    /// Computes [`Self::encode_lanes`] with or without gather instructions.
+    /// Implements [`Self::encode_lanes`]. `by_gathers` selects gather instructions, if available, instead of scalar
+    /// loads.
     #[inline(always)]
     fn encode_lanes_by<S: Simd>(&self, simd: S, by_gathers: bool, linear: f32x16<S>) -> u32x16<S> {
         let zero = f32x16::splat(simd, 0.0);
@@ -91,13 +94,13 @@ impl Tables {
 }
 
 impl Tables {
-    /// Returns the values of `table` for sixteen codes, each less than 256.
+    /// Returns the values of `table` at sixteen indices, each of which must be less than 256.
     #[inline(always)]
     pub(crate) fn lookup<S: Simd>(simd: S, table: &[f32; 256], codes: u32x16<S>) -> f32x16<S> {
         Self::lookup_by(simd, gathers_are_fast(), table, codes)
     }
 
-    /// Computes [`Tables::lookup`] with or without gather instructions.
+    /// Implements [`Tables::lookup`]. `by_gathers` selects gather instructions, if available, instead of scalar loads.
     #[inline(always)]
     fn lookup_by<S: Simd>(simd: S, by_gathers: bool, table: &[f32; 256], codes: u32x16<S>) -> f32x16<S> {
         #[cfg(target_arch = "x86_64")]
@@ -112,7 +115,7 @@ impl Tables {
         f32x16::load_array(simd, found)
     }
 
-    /// Returns the entries of sixteen buckets, given by their indices.
+    /// Returns the values of `self.buckets` at sixteen indices. `by_gathers` selects gather instructions, if available.
     #[inline(always)]
     fn entries<S: Simd>(&self, simd: S, by_gathers: bool, bucket: u32x16<S>) -> u32x16<S> {
         #[cfg(target_arch = "x86_64")]
@@ -160,12 +163,12 @@ mod x86 {
     }
 }
 
-/// Returns the linear light of an sRGB value, both in [0, 1].
+/// Converts an sRGB-encoded value to linear light; both are in [0, 1].
 pub fn decode(srgb: f32) -> f32 {
     if srgb <= 0.04045 { srgb / 12.92 } else { ((srgb + 0.055) / 1.055).powf(2.4) }
 }
 
-/// Returns the sRGB value of linear light, both in [0, 1].
+/// Converts a linear value to an sRGB-encoded value; both are in [0, 1].
 ///
 /// # Examples
 /// ```
@@ -184,23 +187,23 @@ pub fn encode(linear: f32) -> f32 {
     if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// Returns the linear light of an 8-bit sRGB code.
+/// Converts an 8-bit sRGB code to linear light, in [0, 1].
 pub fn decode_byte(code: u8) -> f32 {
     TABLES.linear_of_code[code as usize]
 }
 
-/// Returns the 8-bit code of a value in [0, 1], rounded half up. Clamps values out of range; returns 0 for NaN.
+/// Converts a value in [0, 1] to an 8-bit code, rounding half up. Clamps values out of range; returns 0 for NaN.
 #[inline]
 pub fn quantize(value: f32) -> u8 {
     (value * 255.0 + 0.5) as u8
 }
 
-/// Returns the linear light of a colour given in sRGB values.
+/// Converts a colour from sRGB-encoded channels to linear light, both in [0, 1].
 pub(crate) fn decode_rgb(srgb: Vec3) -> Vec3 {
     Vec3::new(decode(srgb.x), decode(srgb.y), decode(srgb.z))
 }
 
-/// Returns the luma of sRGB codes by the Rec. 709 weights, in [0, 255].
+/// Returns the luma of a colour given as sRGB codes, by the Rec. 709 weights, in [0, 255].
 pub(crate) fn luma([r, g, b, _]: [u8; 4]) -> f32 {
     0.2126 * f32::from(r) + 0.7152 * f32::from(g) + 0.0722 * f32::from(b)
 }
@@ -213,7 +216,7 @@ mod tests {
         TABLES.encode(linear)
     }
 
-    /// Returns the smallest linear value whose nearest code is `code`.
+    /// Returns the smallest linear value whose nearest sRGB code is `code`.
     fn least_of_code(code: u8) -> f32 {
         decode((f32::from(code) - 0.5) / 255.0)
     }

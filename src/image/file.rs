@@ -1,10 +1,10 @@
-//! Picture files: bounded reading of untrusted files, and writing of PNG.
+//! Image files: bounded reading of untrusted files, and writing of PNG.
 //!
-//! Reading turns a path into straight 8-bit RGBA of sRGB codes, or into an error that names the file and the cause. The
+//! Reading a path gives 8-bit RGBA (sRGB codes and straight alpha), or an error that names the file and the cause. The
 //! format is recognised by content, not by name, because wrong suffixes are common; only TGA has no signature and needs
 //! its suffix. Sizes are checked after the header and before any allocation, so a small file cannot claim much memory.
-//! 16-bit channels are rounded to 8 bits, grey becomes RGB, and an animation yields its first picture. Colour profiles
-//! and orientation tags are ignored, because a texture needs its texels unchanged.
+//! 16-bit channels are rounded to 8 bits, grey becomes RGB, and only the first frame of an animation is read. Colour
+//! profiles and orientation tags are ignored, because a texture needs its texels unchanged.
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -16,20 +16,20 @@ use thiserror::Error;
 use super::{Image, Rgba8};
 use crate::{disk, text};
 
-/// Maximum size of a picture file that is read, in bytes.
+/// Maximum size of an image file that can be read, in bytes.
 const MAX_FILE_BYTES: u64 = 256 << 20;
 
-/// Maximum side of a picture that is read, in pixels.
+/// Maximum width and height of an image that can be read, in pixels.
 const MAX_SIDE: u32 = 16_384;
 
-/// Maximum number of pixels of a picture that is read, 8192 × 8192: decoded and converted it stays well below a
-/// gigabyte.
+/// Maximum number of pixels of an image that can be read (8192 × 8192). Decoding and converting such an image takes
+/// well below a gigabyte of memory.
 const MAX_PIXELS: u64 = 1 << 26;
 
-/// Maximum number of bytes that a decoder may allocate.
+/// Maximum number of bytes that an image decoder may allocate.
 const MAX_DECODER_BYTES: u64 = 256 << 20;
 
-/// Error from reading or writing a picture file.
+/// Error from reading or writing an image file.
 #[derive(Debug, Error)]
 pub enum ImageFileError {
     /// The file cannot be read.
@@ -37,18 +37,18 @@ pub enum ImageFileError {
     Unreadable {
         /// Path of the file.
         path: PathBuf,
-        /// Error of the operating system.
+        /// Error from the operating system.
         source: std::io::Error,
     },
-    /// The content is not a picture of a supported format.
+    /// The content is not in a supported image format.
     #[error("{}: not a supported picture (PNG, JPEG, BMP, TGA, GIF or TIFF); {hint}", path.display())]
     Unsupported {
         /// Path of the file.
         path: PathBuf,
-        /// Guess at the actual content, such as `it looks like text`.
+        /// Likely content of the file, such as `it looks like text`.
         hint: String,
     },
-    /// The picture has too many pixels.
+    /// The image is too wide, too high, or has too many pixels in total.
     #[error("{}: {width} × {height} pixels are too many (at most {MAX_SIDE} per side and {MAX_PIXELS} in total)", path.display())]
     TooManyPixels {
         /// Path of the file.
@@ -58,7 +58,7 @@ pub enum ImageFileError {
         /// Height in pixels.
         height: u32,
     },
-    /// The content is damaged, or needs more memory than is allowed.
+    /// The content is damaged, or decoding it needs more memory than is allowed.
     #[error("{}: cannot decode this {kind} file: {reason}", path.display())]
     Undecodable {
         /// Path of the file.
@@ -73,17 +73,17 @@ pub enum ImageFileError {
     Unwritable {
         /// Path of the file.
         path: PathBuf,
-        /// Error of the operating system.
+        /// Error from the operating system.
         source: std::io::Error,
     },
 }
 
-/// Reads a picture file. The picture is never empty, and has at most 16 384 pixels per side and 8192 × 8192 in total.
+/// Reads an image file. The image is never empty, and has at most 16 384 pixels per side and 8192 × 8192 in total.
 pub fn read(path: &Path) -> Result<Image<Rgba8>, ImageFileError> {
     PictureFile::read_header(path)?.decode()
 }
 
-/// Picture file whose header has been read.
+/// Image file whose header has been read.
 #[derive(Debug)]
 pub(crate) struct PictureFile {
     path: PathBuf,
@@ -96,8 +96,8 @@ pub(crate) struct PictureFile {
 }
 
 impl PictureFile {
-    /// Reads a file and the size of its picture. The picture is never empty, and has at most 16 384 pixels per side and
-    /// 8192 × 8192 in total.
+    /// Reads a file, and the size of its image from the header. The image is never empty, and has at most 16 384 pixels
+    /// per side and 8192 × 8192 in total.
     pub(crate) fn read_header(path: &Path) -> Result<Self, ImageFileError> {
         let bytes = disk::read(path, MAX_FILE_BYTES)
             .map_err(|source| ImageFileError::Unreadable { path: path.to_owned(), source })?;
@@ -113,12 +113,12 @@ impl PictureFile {
         Ok(Self { path: path.to_owned(), bytes, format, kind, width, height })
     }
 
-    /// Returns the width and height in pixels.
+    /// Returns the width and height of the image, in pixels.
     pub(crate) fn size(&self) -> (u32, u32) {
         (self.width, self.height)
     }
 
-    /// Decodes the pixels to straight 8-bit RGBA.
+    /// Decodes the pixels to 8-bit RGBA with straight alpha.
     pub(crate) fn decode(self) -> Result<Image<Rgba8>, ImageFileError> {
         let decoded = reader(&self.bytes, self.format).decode();
         decoded.map(to_rgba).map_err(|e| undecodable(&self.path, self.kind, &e.to_string()))
@@ -129,12 +129,12 @@ fn undecodable(path: &Path, kind: &'static str, reason: &str) -> ImageFileError 
     ImageFileError::Undecodable { path: path.to_owned(), kind, reason: text::message(reason) }
 }
 
-/// Returns whether a path has the suffix of a picture file.
+/// Returns whether a path has the extension of a known image format.
 pub(crate) fn is_named_picture(path: &Path) -> bool {
     path.extension().and_then(ImageFormat::from_extension).is_some()
 }
 
-/// Returns a decoder for the bytes of a picture file, with an allocation limit.
+/// Returns an image reader for the bytes of a file, with a limit on the memory that decoding may allocate.
 fn reader(bytes: &[u8], format: ImageFormat) -> ImageReader<Cursor<&[u8]>> {
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::default();
@@ -145,7 +145,8 @@ fn reader(bytes: &[u8], format: ImageFormat) -> ImageReader<Cursor<&[u8]>> {
     reader
 }
 
-/// Recognises the format by its content. Returns it with its display name, or an error if it is not supported.
+/// Detects the image format from the content. Returns the format and its display name, or an error if it is not
+/// supported.
 fn recognize(path: &Path, bytes: &[u8]) -> Result<(ImageFormat, &'static str), ImageFileError> {
     let named_tga = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("tga"));
     let hint = match image::guess_format(bytes) {
@@ -172,7 +173,8 @@ fn to_rgba(decoded: DynamicImage) -> Image<Rgba8> {
     Image::from_pixels(width, height, pixels)
 }
 
-/// Writes a picture as PNG: RGB if every pixel is opaque, else RGBA. Replaces an existing file; creates no folders.
+/// Writes an image as PNG: RGB if every pixel is opaque, otherwise RGBA. Replaces an existing file, but creates no
+/// folders.
 ///
 /// # Examples
 /// ```
@@ -194,7 +196,8 @@ pub fn write_png(path: &Path, image: &Image<Rgba8>) -> Result<(), ImageFileError
         .map_err(|source| ImageFileError::Unwritable { path: path.to_owned(), source })
 }
 
-/// Returns the bytes of a PNG file: RGB if every pixel is opaque, else RGBA. Fails for a picture without pixels.
+/// Encodes an image as the bytes of a PNG file: RGB if every pixel is opaque, otherwise RGBA. Fails if the image has no
+/// pixels.
 pub fn encode_png(image: &Image<Rgba8>) -> std::io::Result<Vec<u8>> {
     let (width, height) = image.size();
     let mut file = Vec::new();

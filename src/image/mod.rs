@@ -1,4 +1,4 @@
-//! Pictures in memory, colour spaces, and picture files.
+//! Images in memory, colour spaces, and image files.
 
 pub mod color;
 
@@ -9,7 +9,7 @@ pub(crate) mod pfm;
 /// Four 8-bit channels: red, green, blue (sRGB codes) and alpha (straight, not premultiplied).
 pub type Rgba8 = [u8; 4];
 
-/// Two-dimensional array of values of type `T`, row by row from the top, x to the right.
+/// Two-dimensional array of values of type `T`, stored row by row from the top, and from left to right in each row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image<T> {
     width: u32,
@@ -18,12 +18,12 @@ pub struct Image<T> {
 }
 
 impl<T: Copy> Image<T> {
-    /// Returns a picture of `width` × `height` px filled with `value`.
+    /// Creates an image of `width` × `height` px filled with `value`.
     pub fn filled(width: u32, height: u32, value: T) -> Self {
         Self { width, height, pixels: vec![value; width as usize * height as usize] }
     }
 
-    /// Returns a picture that reuses the buffer of another one, if there is one. Its content is arbitrary; newly
+    /// Creates an image in the buffer of `memory`, if there is one. Reused pixels keep arbitrary old values; newly
     /// allocated pixels have `value`.
     pub(crate) fn reusing(memory: Option<Self>, width: u32, height: u32, value: T) -> Self {
         let mut pixels = memory.map_or_else(Vec::new, |image| image.pixels);
@@ -31,14 +31,13 @@ impl<T: Copy> Image<T> {
         Self { width, height, pixels }
     }
 
-    /// Returns a picture with the given pixels, row by row from the top. Panics if their number is not `width` ×
-    /// `height`.
+    /// Creates an image from its pixels, row by row from the top. Panics if their number is not `width` × `height`.
     pub fn from_pixels(width: u32, height: u32, pixels: Vec<T>) -> Self {
         assert_eq!(pixels.len(), width as usize * height as usize, "pixel count does not match {width}×{height}");
         Self { width, height, pixels }
     }
 
-    /// Returns a picture computed by calling `value` with (x, y) of every pixel, row by row from the top.
+    /// Creates an image by calling `value` with the coordinates (x, y) of every pixel, row by row from the top.
     ///
     /// # Examples
     /// ```
@@ -110,7 +109,7 @@ impl<T: Copy> Image<T> {
         &self.pixels
     }
 
-    /// Returns all values for writing, row by row.
+    /// Returns all values as a mutable slice, row by row.
     pub(crate) fn pixels_mut(&mut self) -> &mut [T] {
         &mut self.pixels
     }

@@ -1,4 +1,4 @@
-//! PFM files: pictures of 32-bit floats, exact to the last bit, including NaN and infinity.
+//! PFM files: lossless images of 32-bit floats, including NaN and infinity.
 //!
 //! Format: a line `Pf` (one number per pixel) or `PF` (three), a line with width and height, and a line `-1.0` for
 //! little-endian byte order. Then follow the rows from bottom to top, each from left to right.
@@ -12,14 +12,14 @@ use crate::disk;
 /// Picture with one or three 32-bit floats per pixel, to be written as PFM.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Floats {
-    /// One number per pixel.
+    /// Image with one float per pixel.
     One(Image<f32>),
-    /// Three numbers per pixel.
+    /// Image with three floats per pixel.
     Three(Image<[f32; 3]>),
 }
 
 impl Floats {
-    /// Returns the bytes of a PFM file of the picture.
+    /// Encodes the picture as the bytes of a PFM file.
     pub(crate) fn encode(&self) -> Vec<u8> {
         match self {
             Self::One(image) => encode("Pf", image, |value| [value].to_vec()),

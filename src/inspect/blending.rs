@@ -65,13 +65,13 @@ impl<'a> BlendedDepths<'a> {
 /// Effect of a wrong blending order on the colour of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Misordered {
-    /// The exact order gives a different colour, so the error is visible.
+    /// Blending in exact depth order would give a different colour, so the error is visible.
     Visible,
-    /// The exact order gives the same colour, so the error is invisible.
+    /// Blending in exact depth order would give the same colour, so the error is invisible.
     Harmless,
 }
 
-/// Finds the samples of a frame that are blended in the wrong order, at the centres of its drawn pixels.
+/// Returns the effect of a wrong blending order at the centre of each drawn pixel; `None` where the order is correct.
 pub(super) fn misordered(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Image<Option<Misordered>> {
     let (width, height) = frame.drawn.color.size();
     let mut watch = BlendOrderObserver {

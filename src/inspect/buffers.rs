@@ -1,6 +1,6 @@
 //! Quantities of a frame as images: the winning triangle of each sample, its weights, overdraw and shading counts.
 //!
-//! An observer collects these quantities while the frame is drawn again; the frame itself has no overhead.
+//! An observer collects these quantities while the frame is drawn again; normal drawing has no overhead.
 
 use super::hits::Hits;
 use crate::chain::{Frame, Recipe, redraw};
@@ -21,14 +21,14 @@ choice! {
         Depth = "depth", "Depth", "The depth buffer at the end of the frame.";
         TriangleId = "triangle-id", "Triangle id", "The triangle that won each sample, one colour per triangle.";
         Lambda = "lambda", "λ on screen", "Screen-space weights of the winning triangle: λ0 red, λ1 green, λ2 blue.";
-        PerspectiveLambda = "perspective-lambda", "λ in space", "Attribute weights of the winning triangle (perspective-correct unless affine).";
+        PerspectiveLambda = "perspective-lambda", "Attribute weights", "Attribute weights of the winning triangle (perspective-correct unless affine).";
         Overdraw = "overdraw", "Overdraw", "Number of triangles that cover each sample, drawn or not.";
         Shaded = "shaded", "Times shaded", "Number of times each sample was shaded: work that the depth test did not save.";
         Hits = "hits", "Hit count", "Number of triangles that cover each sample, without depth test. Cracks along shared edges are blue, double hits orange.";
     }
 }
 
-/// All quantities of one frame, in the packed layout of its framebuffer.
+/// All displayable quantities of one frame, in the packed layout of its framebuffer.
 #[derive(Clone, Debug)]
 pub struct Buffers {
     /// Triangle shaded last at each sample, or [`TriangleId::NONE`]. Among blended triangles, this is normally the
@@ -44,7 +44,7 @@ pub struct Buffers {
     pub overdraw: Image<u32>,
     /// Number of times that each sample was shaded.
     pub shaded: Image<u32>,
-    /// Hit counts with cracks and double hits; `None` until [`Buffer::Hits`] is displayed.
+    /// Hit counts, cracks and double hits; `None` until [`Buffer::Hits`] is displayed.
     pub hits: Option<Hits>,
 }
 
@@ -86,7 +86,7 @@ pub fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Buffers {
 }
 
 impl Buffers {
-    /// Adds the data that a buffer needs beyond [`capture`]; only [`Buffer::Hits`] needs additional data.
+    /// Adds the data that `buffer` needs but [`capture`] does not record: the hits, for [`Buffer::Hits`].
     pub(crate) fn completed_for(self, buffer: Buffer, recipe: &Recipe, frame: &Frame) -> Self {
         if buffer != Buffer::Hits || self.hits.is_some() {
             return self;
@@ -96,7 +96,7 @@ impl Buffers {
 }
 
 impl Buffers {
-    /// Whether hits were counted, but not yet the cracks and double hits along open seams.
+    /// Whether hits were counted, but the cracks and double hits along open seams are still missing.
     pub(crate) fn misses_seams(&self) -> bool {
         self.hits.as_ref().is_some_and(|hits| hits.mesh.is_none())
     }

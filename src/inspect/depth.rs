@@ -14,8 +14,8 @@ pub struct DepthRecord {
     /// Integer code in the depth buffer; `None` for a floating-point buffer.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub code: Option<u32>,
-    /// Distance along the line of sight between this depth and the next representable depth, in world units. Infinite
-    /// (null in JSON) if the next depth is infinitely far away.
+    /// Distance along the view axis between this depth and the next representable depth, in world units. Infinite (null
+    /// in JSON) if the next depth is infinitely far away.
     pub resolution: f64,
 }
 

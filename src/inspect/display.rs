@@ -30,7 +30,7 @@ choice! {
 pub(crate) const NOT_A_NUMBER: Rgba8 = [255, 0, 190, 255];
 
 impl ColorMap {
-    /// Returns the colour at a position, clamped to [0, 1]; [`NOT_A_NUMBER`] for NaN.
+    /// Returns the colour at `position`, which is clamped to [0, 1]; returns [`NOT_A_NUMBER`] for NaN.
     pub(crate) fn color(self, position: f32) -> Rgba8 {
         if position.is_nan() {
             return NOT_A_NUMBER;
@@ -54,7 +54,7 @@ impl ColorMap {
     }
 }
 
-/// Display settings of a quantity.
+/// Settings for displaying a quantity as colours: range, colour map and channels.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub(crate) struct Display {
@@ -64,7 +64,8 @@ pub(crate) struct Display {
     pub(crate) map: Option<ColorMap>,
     /// Whether the colour map is reversed.
     pub(crate) reversed: bool,
-    /// Whether red, green and blue (or the three weights) are shown; a single channel is shown as grey.
+    /// Whether each of red, green and blue (or each of the three weights) is shown; a single shown channel appears as
+    /// grey.
     pub(crate) channels: [bool; 3],
 }
 
@@ -79,7 +80,7 @@ impl Default for Display {
 pub(crate) enum ValueKind {
     /// Red, green and blue as 8-bit codes.
     Colors,
-    /// Three weights of the corners of a triangle.
+    /// Barycentric weights of the three corners of a triangle.
     Weights,
     /// One number or count, displayed with a colour map.
     Numbers,
@@ -119,15 +120,15 @@ impl ValueKind {
 }
 
 impl Display {
-    /// Returns the range that a buffer of a frame is displayed with; `None` if the buffer has no range.
+    /// Returns the display range of a buffer of a frame; `None` if the buffer has no range.
     pub(crate) fn range(&self, buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option<Range> {
         let value = |x: u32, y: u32| view::value(buffer, frame, buffers, x, y);
         let natural = || view::range(buffer, frame, buffers);
         self.range_of(ValueKind::of(buffer), frame.image().size(), natural, value)
     }
 
-    /// Returns the range that a picture of values of a known kind is displayed with. `natural` returns the default
-    /// range of numbers. If it returns `None`, the range is fitted to all values.
+    /// Returns the display range of a picture whose values are of the given kind. `natural` returns the default range
+    /// of numbers; if it returns `None`, the range is fitted to all values.
     pub(crate) fn range_of(
         &self,
         kind: ValueKind,
@@ -159,7 +160,7 @@ impl Display {
         if self.reversed { 1.0 - position } else { position }
     }
 
-    /// Returns the colour of a number. `buffer` is the buffer that contains the number, if any.
+    /// Returns the display colour of a number. `buffer`, if given, determines the default colour map.
     pub(crate) fn number_color(&self, buffer: Option<Buffer>, range: Range, number: f32) -> Rgba8 {
         let position = self.position(range, number);
         match (self.map, buffer) {
@@ -170,14 +171,14 @@ impl Display {
         }
     }
 
-    /// Returns the colour of the legend at a position in [0, 1] between the ends of the range.
+    /// Returns the colour of the legend at `share`, a position in [0, 1] from the low to the high end of the range.
     pub(crate) fn legend_color(&self, buffer: Option<Buffer>, range: Range, share: f32) -> Rgba8 {
         // Interpolates without a difference: `high - low` may overflow to infinity.
         self.number_color(buffer, range, range.low * (1.0 - share) + range.high * share)
     }
 
-    /// Maps three channel values to a colour, each from black at the low end of the range to full brightness. Hidden
-    /// channels are black; a single shown channel is grey.
+    /// Maps three channel values to a colour. Each channel rises from black at the low end of the range to full
+    /// brightness at the high end. Hidden channels are black; a single shown channel is grey.
     fn tone(&self, range: Range, numbers: [f32; 3]) -> Rgba8 {
         if numbers.iter().zip(self.channels).any(|(number, shown)| shown && number.is_nan()) {
             return NOT_A_NUMBER;
@@ -223,7 +224,7 @@ impl Display {
         image
     }
 
-    /// Renders a picture of values. `buffer` is the buffer that contains the values, if any.
+    /// Renders a picture of values. `buffer`, if given, determines the default colour map.
     pub(crate) fn picture_of(
         &self,
         buffer: Option<Buffer>,
@@ -236,8 +237,9 @@ impl Display {
     }
 }
 
-/// Returns whether a value lies below the range, and whether any of its channels lies above it. A colour is below only
-/// if all of its channels are. Colour codes 0 and 255 count as outside, because they may be clipped.
+/// Returns whether a value lies below the range, and whether it lies above. A value with several channels lies outside
+/// if any channel does, except that a colour lies below only if all channels do. Colour codes 0 and 255 count as
+/// outside, because they may be clipped.
 pub(crate) fn beyond(value: Value, range: Range) -> (bool, bool) {
     let is_code = matches!(value, Value::Color(_));
     let below = |v: f32| v < range.low || is_code && v <= 0.0;

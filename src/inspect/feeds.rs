@@ -5,7 +5,8 @@ use crate::image::Rgba8;
 use crate::image::color::{Tables, encode};
 use crate::upscale::{FilterSpace, Tap, Upscaling};
 
-/// Maximum distance from a sample to a pixel that it contributes to, in samples: the widest kernel reaches three.
+/// Maximum distance from a sample to a pixel that it contributes to, in samples. The widest kernel has a radius of
+/// three samples.
 const REACH_SAMPLES: f64 = 3.0;
 
 /// Constant part of the search radius around a sample, in pixels. A checkerboard sample contributes to pixels up to two
@@ -21,7 +22,7 @@ pub(crate) struct ContributingSample {
     pub(crate) color: Rgba8,
 }
 
-/// The samples that a pixel of the full picture is computed from.
+/// The samples from which a pixel of the full picture is computed, and their weighted sum.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Mixture {
     /// The contributing samples, each listed once.
@@ -62,13 +63,14 @@ fn taps(frame: &Frame, how: Upscaling, at: (u32, u32)) -> Vec<Tap> {
     how.upscaler().taps(how, &frame.as_drawn(&frame.drawn.color), size, at)
 }
 
-/// Returns the colour of a drawn sample; `None` if the tap was not drawn.
+/// Returns the colour of a sample; `None` if the frame did not draw the sample.
 fn color_of(frame: &Frame, tap: Tap) -> Option<Rgba8> {
     let (column, row) = frame.drawn.grid.sample_at(tap.x, tap.y)?;
     frame.drawn.color.get(column, row)
 }
 
-/// Returns the weighted sum of one channel as an sRGB code, computed in linear light or directly on the codes.
+/// Returns the weighted sum of one channel as an sRGB code, computed in linear light or on the codes, depending on
+/// `light`.
 fn sum_of(sources: &[ContributingSample], light: FilterSpace, channel: usize) -> f64 {
     let weighed = |value: fn(u8) -> f64| -> f64 {
         sources.iter().map(|source| f64::from(source.tap.weight) * value(source.color[channel])).sum()
@@ -97,8 +99,8 @@ pub(crate) fn pixels_fed_by(frame: &Frame, how: Upscaling, sample: (u32, u32)) -
     fed
 }
 
-/// Returns the pixel of the full picture nearest to a sample, and the search radius in pixels for pixels that the
-/// sample contributes to.
+/// Returns the pixel of the full picture nearest to a sample, and the radius in pixels within which to search for
+/// pixels that the sample contributes to.
 fn around(frame: &Frame, how: Upscaling, (x, y): (u32, u32)) -> ((u32, u32), u32) {
     let scale = how.scale().value();
     let is_full = (frame.raster.width, frame.raster.height) == (frame.viewport.width, frame.viewport.height);

@@ -69,8 +69,7 @@ pub(crate) fn assignments(recipe: &Recipe) -> Vec<String> {
     told.map(|(key, value)| format!("{key}={value}")).collect()
 }
 
-/// Returns the values that a key accepts from a closed set, given the rest of the recipe; empty if it accepts any
-/// number.
+/// Returns the words of `values` that `recipe` accepts as the value of `key`; empty if `key` accepts any number.
 pub(crate) fn choices(recipe: &Recipe, values: &str, key: &str) -> Vec<String> {
     let is_taken = |word: &&str| {
         let mut changed = *recipe;
@@ -97,7 +96,7 @@ mod tests {
     use super::*;
     use crate::upscale::Upscaling;
 
-    /// Asserts that a recipe is restored from its assignments.
+    /// Asserts that applying a recipe's assignments to the default recipe restores it.
     fn comes_back(recipe: &Recipe) {
         let told = assignments(recipe);
         let mut again = Recipe::default();

@@ -43,8 +43,9 @@ pub(crate) enum SearchResult {
 }
 
 impl SearchTarget {
-    /// Parses "12,34", "800% 12,34", "tri 56", "vertex 7 of knot", or the name of an object or a part of it. A vertex
-    /// without an object name belongs to the object with the number `near`. The error states what was not found.
+    /// Parses a target such as "12,34", "800% 12,34", "tri 56", "vertex 7 of knot", or the name of an object or a part
+    /// of it. A vertex without an object name belongs to the object with the number `near`. The error states what was
+    /// not found.
     pub(crate) fn parse(
         text: &str,
         scene: &Scene,
@@ -158,7 +159,7 @@ pub(crate) fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, wanted: &Searc
     }
 }
 
-/// Samples covered by the wanted triangles, and samples where they were shaded last.
+/// Observer that marks the samples that the wanted triangles cover, and the samples where they were shaded last.
 struct TargetSamples<'a> {
     is_wanted: &'a dyn Fn(&ScreenTriangle) -> bool,
     covered: Image<bool>,

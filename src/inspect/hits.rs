@@ -56,7 +56,7 @@ pub struct Fault {
     /// Two triangles that share the edge at the sample. The first is the missing triangle of a crack, or the
     /// superfluous triangle of a double hit.
     pub sharing: [TriangleId; 2],
-    /// T-junction or unwelded vertex that opens the edge; `None` if the two triangles share the ends of the edge.
+    /// T-junction or unwelded vertex that opens the edge; `None` if the two triangles share both endpoints of the edge.
     pub junction: Option<Junction>,
 }
 
@@ -91,7 +91,7 @@ impl Hits {
         FaultSearch::new(triangles, settings, grid, Scissor::full(width, height)).run()
     }
 
-    /// Adds the cracks and double hits along open seams of the scene that are visible in the frame.
+    /// Adds the cracks and double hits along the scene's open seams that lie in the picture.
     pub(crate) fn with_seams(mut self, scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seams) -> Self {
         let Viewport { width, height } = frame.raster;
         let place = |fault: &Fault| (fault.y, fault.x);
@@ -113,8 +113,8 @@ impl Hits {
         self.faults.iter().filter(|fault| fault.kind == kind).count()
     }
 
-    /// Returns a summary such as “2 cracks · 0 double hits”. It also has the numbers of faults at T-junctions and
-    /// unwelded vertices, and of wrong samples elsewhere, unless they are 0.
+    /// Returns a summary such as “2 cracks · 0 double hits”. It includes the numbers of faults at T-junctions, faults
+    /// at unwelded vertices, and wrong pixels elsewhere, unless they are 0.
     pub(crate) fn summary(&self) -> String {
         let number = |count: usize, one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
         let cracks = number(self.count(FaultKind::Crack), "crack", "cracks");
@@ -172,7 +172,7 @@ pub(super) fn seam_fault_at(
     seams::faults(scene, recipe, frame, seams, Scissor::pixel(x, y)).into_iter().next()
 }
 
-/// Maximum distance in samples by which a published rasterizer moves an outline.
+/// Maximum distance by which a rasterizer implemented as published moves an outline, in samples.
 const REACH_SAMPLES: u32 = 2;
 
 /// Maximum distance in pixels between neighbouring samples of any grid.
@@ -181,7 +181,7 @@ const WIDEST_STEP_PX: u32 = 4;
 /// A search for faults within a scissor rectangle.
 struct FaultSearch<'a> {
     triangles: &'a [ScreenTriangle],
-    /// List of the same triangles with precomputed bounding boxes, if there is one.
+    /// List that contains `triangles` and precomputed bounding boxes, if there is one.
     list: Option<&'a TriangleList>,
     settings: &'a Settings,
     grid: SampleGrid,
@@ -192,14 +192,15 @@ struct FaultSearch<'a> {
     size: (u32, u32),
 }
 
-/// Method of counting hits: as the recipe draws, or as in the reference.
+/// Rasterization with which hits are counted: the recipe's or the reference's.
 #[derive(Clone, Copy)]
 enum CountMode {
     Drawn,
     Reference,
 }
 
-/// A sample whose hit count differs from the reference, with the indices of the triangles of both counts, ascending.
+/// A sample whose hit count differs between drawing and reference. For each of the two, it holds the ascending indices
+/// of the triangles that hit the sample.
 struct CountDifference {
     pixel: (u32, u32),
     drawn: Vec<usize>,
@@ -207,12 +208,12 @@ struct CountDifference {
 }
 
 impl CountDifference {
-    /// Returns the indices of the triangles that hit the sample as drawn, but not in the reference.
+    /// Returns the indices of the triangles that hit the sample in the drawn frame, but not in the reference.
     fn extra(&self) -> impl Iterator<Item = usize> {
         self.drawn.iter().copied().filter(|index| self.due.binary_search(index).is_err())
     }
 
-    /// Returns the indices of the triangles that hit the sample in the reference, but not as drawn.
+    /// Returns the indices of the triangles that hit the sample in the reference, but not in the drawn frame.
     fn missing(&self) -> impl Iterator<Item = usize> {
         self.due.iter().copied().filter(|index| self.drawn.binary_search(index).is_err())
     }
@@ -236,7 +237,7 @@ impl<'a> FaultSearch<'a> {
         Self { list: Some(list), ..Self::new(list, settings, frame.drawn.grid, scissor) }
     }
 
-    /// Whether a triangle of the list may have samples within the scissor.
+    /// Whether the triangle at index `place` may cover samples within the scissor.
     fn may_have_samples(&self, place: usize) -> bool {
         match self.list {
             Some(list) => self.scissor.may_overlap_box(list.box_of(place)),
@@ -267,7 +268,8 @@ impl<'a> FaultSearch<'a> {
         counts
     }
 
-    /// Calls `sink` for every hit, with the index of the triangle and the packed sample relative to the origin.
+    /// Calls `sink` for every hit, with the index of the triangle, and the column and row of the sample relative to
+    /// `origin`.
     fn each_hit(&self, way: CountMode, mut sink: impl FnMut(usize, (u32, u32))) {
         let Settings { rasterizer, arithmetic, fill_rule, .. } = *self.settings;
         let sound_rule = if fill_rule.draws_shared_edges_once() { fill_rule } else { FillRule::TopLeft };
@@ -293,7 +295,8 @@ impl<'a> FaultSearch<'a> {
         }
     }
 
-    /// Returns the corners of a triangle as the recipe's arithmetic uses them, in px: snapped in fixed point.
+    /// Returns the corners that determine a triangle's coverage, in px: snapped to the subpixel grid in fixed point,
+    /// otherwise unsnapped.
     fn corners_px(&self, index: usize) -> [[f32; 2]; 3] {
         match self.settings.arithmetic {
             Arithmetic::Fixed => self.triangles[index].snapped_px(),
@@ -301,7 +304,8 @@ impl<'a> FaultSearch<'a> {
         }
     }
 
-    /// Returns the samples whose counts differ, in reading order. Rasterizes the triangles again only if there are any.
+    /// Returns the samples whose hit counts in `drawn` and `due` differ, in reading order. If there are any, rasterizes
+    /// the triangles again to record which of them hit these samples.
     fn differences(&self, drawn: &Image<u32>, due: &Image<u32>) -> Vec<CountDifference> {
         const NONE: u32 = u32::MAX;
         let (width, height) = self.size;
@@ -329,7 +333,8 @@ impl<'a> FaultSearch<'a> {
         differences
     }
 
-    /// Returns the triangles on both sides of every edge at which a missing triangle may have lost a sample.
+    /// Returns the triangles on both sides of every edge at which a triangle may have lost a sample that it should have
+    /// hit.
     fn edges_of_missing(&self, differences: &[CountDifference]) -> EdgeTriangles {
         let mut meetings = EdgeTriangles::default();
         for difference in differences.iter().filter(|d| d.kind() == FaultKind::Crack) {
@@ -349,7 +354,8 @@ impl<'a> FaultSearch<'a> {
         meetings
     }
 
-    /// Returns a missing triangle, and the triangle on the other side of the edge at which it lost the sample.
+    /// Returns the triangle that should have hit the sample, and its neighbour across the edge at which the sample was
+    /// lost. Returns `None` if there is no such edge, or if a moved outline may be the cause.
     fn crack(&self, difference: &CountDifference, meetings: &EdgeTriangles, due: &Image<u32>) -> Option<[usize; 2]> {
         if self.settings.rasterizer.is_published() && self.is_near_outline(difference, due) {
             return None;
@@ -360,8 +366,8 @@ impl<'a> FaultSearch<'a> {
         })
     }
 
-    /// Whether the reference has fewer hits at a nearby sample. A rasterizer that moves outlines may then have moved
-    /// the outline of the surface past this sample, rather than opened a crack.
+    /// Whether the reference has fewer hits at a nearby sample. If so, a rasterizer that moves outlines may have moved
+    /// the outline of a surface past this sample, rather than opened a crack.
     fn is_near_outline(&self, difference: &CountDifference, due: &Image<u32>) -> bool {
         let Some((column, row)) = self.grid.sample_at(difference.pixel.0, difference.pixel.1) else { return false };
         let (column, row) = (column - self.origin.0, row - self.origin.1);
@@ -371,7 +377,8 @@ impl<'a> FaultSearch<'a> {
         near.any(|(column, row)| (due.at(column, row) as usize) < difference.due.len())
     }
 
-    /// Returns a superfluous triangle, and another triangle that hits the sample from the other side of a shared edge.
+    /// Returns a triangle that should not have hit the sample, and another triangle that hits it from the other side of
+    /// a shared edge; `None` if there is no such pair.
     fn double_hit(&self, difference: &CountDifference) -> Option<[usize; 2]> {
         let edges = |index: usize| edges_of(self.triangles[index].instance, self.corners_px(index));
         let mut meetings = EdgeTriangles::default();

@@ -18,7 +18,7 @@ use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::Scene;
 
 choice! {
-    /// An intermediate value of the pipeline.
+    /// An intermediate value of the pipeline that can be displayed as a buffer.
     Intermediate {
         Edge0 = "edge-0", "Edge value 0", "Edge function of the edge opposite to corner 0: positive inside, 0 on the edge, in the unit of the arithmetic.";
         Edge1 = "edge-1", "Edge value 1", "Edge function of the edge opposite to corner 1: positive inside, 0 on the edge, in the unit of the arithmetic.";
@@ -47,7 +47,7 @@ choice! {
     }
 }
 
-/// Returns 1/w of a triangle at a sample.
+/// Returns the interpolated 1/w of a triangle at a sample.
 pub(crate) fn inv_w_at(triangle: &ScreenTriangle, sample: &RasterSample) -> f32 {
     let lambda = affine_weights(triangle, sample);
     lambda.iter().zip(&triangle.vertices).map(|(lambda, vertex)| lambda * vertex.inv_w).sum()
@@ -70,7 +70,7 @@ impl Captured {
         self.values.at(column, row).map_or(Value::Nothing, Value::Number)
     }
 
-    /// Returns the range of the finite values, for the ends of the colour map; `None` if there are none.
+    /// Returns the range of the finite values, which the colour map spans; `None` if there are none.
     pub(crate) fn range(&self) -> Option<Range> {
         Range::fit(self.values.pixels().iter().filter_map(|value| *value))
     }
@@ -100,7 +100,7 @@ struct Capture<'a> {
     scale: &'a DepthScale,
     shaders: Vec<Shader<'a>>,
     plans: &'a [DrawPlan],
-    /// Triangle of the most recent fragment, and its edge functions, cached.
+    /// Triangle of the previous fragment and its edge functions, cached for the next fragment.
     edges: Option<(ScreenTriangle, AnyTriangle)>,
     values: Image<Option<f32>>,
 }
@@ -147,7 +147,8 @@ impl Capture<'_> {
         }
     }
 
-    /// Returns the signed number of depth-buffer steps to the pixel on the right; `None` if the triangle has no area.
+    /// Returns the change in depth from the sample to its right neighbour, in signed steps of the depth buffer; `None`
+    /// if the triangle has no area.
     fn depth_slope(&mut self, triangle: &ScreenTriangle, sample: &RasterSample) -> Option<f32> {
         let Settings { arithmetic, fill_rule, .. } = *self.settings;
         if self.edges.as_ref().is_none_or(|(known, _)| known != triangle) {

@@ -14,7 +14,7 @@ pub(crate) const BINS: usize = 256;
 pub(crate) struct PictureStatistics {
     /// Statistics of each channel over the whole picture.
     pub(crate) whole: Vec<Statistics>,
-    /// Rectangle and statistics of each channel within it, if one was selected.
+    /// Selected rectangle, if any, and the statistics of each channel within it.
     pub(crate) part: Option<(PixelRegion, Vec<Statistics>)>,
     /// Histogram of each channel over the whole picture, all with the same range. Empty if no range was requested and
     /// no value is finite.
@@ -23,8 +23,8 @@ pub(crate) struct PictureStatistics {
     pub(crate) extent: Option<Range>,
 }
 
-/// Measures a picture of `size` pixels with `count` channels. Histograms span `axis`, or the range of all values if it
-/// is `None`. Pixels without a value are ignored.
+/// Computes the statistics and histograms of a picture of `size` pixels with `count` channels. Histograms span `axis`,
+/// or the range of all values if it is `None`. Pixels without a value are ignored.
 pub(crate) fn measure(
     size: (u32, u32),
     count: usize,

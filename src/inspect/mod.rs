@@ -2,7 +2,7 @@
 //!
 //! Nothing is recorded while a frame is drawn. The inspector *replays* a pixel: it runs the same stages over the same
 //! geometry, with a scissor of one pixel and a recording observer. The displayed values are therefore bit-identical to
-//! the arithmetic that drew the pixel; a test verifies this for every pixel.
+//! the values that produced the pixel; a test verifies this for every pixel.
 
 pub mod assertions;
 

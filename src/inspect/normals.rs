@@ -12,7 +12,7 @@ use crate::pipeline::vertex::DrawMatrices;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, DepthMapping, Instance, Scene, TriangleId};
 
-/// Default length of drawn normals, as a fraction of the diagonal of the scene's bounding box. Short enough for objects
+/// Default length of drawn normals, as a fraction of the diagonal of the scene's bounding box. It suits small objects
 /// on a floor many times their size.
 pub(crate) const DEFAULT_LENGTH: f32 = 0.005;
 
@@ -24,7 +24,7 @@ const MIN_W: f64 = f32::MIN_POSITIVE as f64;
 pub(crate) enum NormalKind {
     /// Vertex normals, which shading interpolates.
     Vertex,
-    /// Face normals at the centroids of triangles, on the side whose winding is counter-clockwise.
+    /// Face normals at the centroids of triangles, towards the side from which the winding is counter-clockwise.
     Face,
 }
 
@@ -50,7 +50,8 @@ impl Projector {
         Self { clip_from_world: camera.clip_from_world_f64(viewport.aspect(), DepthMapping::Standard), viewport }
     }
 
-    /// Projects a line and returns its ends in px; `None` if no part of it lies between the near and far planes.
+    /// Projects a line segment from world space and returns its endpoints in px; `None` if no part of it lies between
+    /// the near and far planes.
     fn line(&self, from: DVec3, to: DVec3) -> Option<[[f64; 2]; 2]> {
         let [a, b] = [from, to].map(|at| self.clip_from_world * at.extend(1.0));
         let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
@@ -75,7 +76,8 @@ impl Projector {
     }
 }
 
-/// Projects the normals of some triangles, `length` world units long. Shared vertices are included once per object.
+/// Projects the normals of `triangles` as lines of `length` world units. The normal of a shared vertex is included once
+/// per object.
 pub(crate) fn normal_lines(
     scene: &Scene,
     kind: NormalKind,

@@ -34,7 +34,7 @@ use crate::scene::{Camera, Scene};
 use crate::upscale::Upscaling;
 
 choice! {
-    /// Kind of shapes in a drawing.
+    /// Kind of shapes in a vector drawing of a frame.
     OutlineKind {
         Wireframe = "wireframe", "Wireframe", "The edges of all drawn triangles.";
         HiddenLine = "hidden-line", "Hidden lines removed", "The parts of edges that no surface hides.";
@@ -61,7 +61,7 @@ pub(crate) struct OutlineRequest<'a> {
     pub(crate) recipe: &'a Recipe,
     /// Size of the drawing, in pixels. One pixel is one unit of the drawing.
     pub(crate) viewport: Viewport,
-    /// Kind of shapes in the drawing.
+    /// Kind of shapes in the vector drawing.
     pub(crate) kind: OutlineKind,
 }
 
@@ -85,7 +85,7 @@ pub(crate) fn outline(request: &OutlineRequest<'_>, control: OutlineControl<'_>)
     control.check().map(|()| Drawing { size, background, shapes })
 }
 
-/// Returns the recipe adapted for lines: every pixel drawn, no wireframe, and comparable depths.
+/// Returns the recipe adapted for drawing lines: every pixel drawn, no wireframe, and a depth test for hidden lines.
 fn plain(recipe: &Recipe) -> Recipe {
     let mut recipe = Recipe { upscaler: Upscaling::NATIVE, wireframe: false, ..*recipe };
     recipe.pipeline.depth_test = DepthTest::Less;
@@ -94,7 +94,7 @@ fn plain(recipe: &Recipe) -> Recipe {
     recipe
 }
 
-/// A screen edge: for each end, its position in px and its depth.
+/// A screen-space edge: the position in px and the depth of both endpoints.
 type DepthEdge = [(DVec2, f64); 2];
 
 fn end(vertex: &ScreenVertex) -> (DVec2, f64) {
@@ -146,8 +146,8 @@ fn visible_parts([from, to]: DepthEdge, depth: Option<&Image<f32>>) -> Vec<Shape
     parts
 }
 
-/// Whether any of the 3×3 pixels around a position stores no nearer depth. The surfaces beside an edge are stored at
-/// neighbouring pixel centres.
+/// Whether a point with depth `z` is visible: at least one of the 3×3 pixels around it stores no nearer depth. The
+/// surfaces beside an edge are stored at neighbouring pixel centres.
 fn is_visible(depth: &Image<f32>, place: DVec2, z: f64) -> bool {
     let (x, y) = (place.x.floor() as i64, place.y.floor() as i64);
     let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (x + dx, y + dy)));

@@ -61,11 +61,12 @@ pub struct FragmentRecord {
     pub outcome: FragmentOutcome,
     /// Reason for the outcome, as one sentence with the deciding numbers.
     pub reason: String,
-    /// Arithmetic in which coverage was decided.
+    /// Arithmetic with which coverage was computed.
     pub(crate) arithmetic: Arithmetic,
     /// Corners of the triangle in px, snapped to the subpixel grid in fixed-point arithmetic.
     pub(crate) corners_px: [[f32; 2]; 3],
-    /// Values of the three edge functions at the sample, in the unit of [`crate::pipeline::raster::RasterSample`].
+    /// Values of the three edge functions at the sample, in the unit that [`crate::pipeline::raster::RasterSample`]
+    /// uses.
     pub(crate) edges: [f64; 3],
     /// Doubled area of the triangle, in the unit of `edges`.
     pub(crate) doubled_area: f64,
@@ -96,7 +97,7 @@ pub struct FragmentRecord {
 }
 
 impl FragmentRecord {
-    /// Whether the fragment, if written, completely hides earlier ones.
+    /// Whether the fragment completely hides earlier fragments once it is written.
     pub(crate) fn covers_all(&self) -> bool {
         self.transparency != Transparency::Blended || self.alpha.is_some_and(|alpha| alpha >= 1.0)
     }
@@ -203,8 +204,8 @@ pub struct PixelReport {
     pub final_depth: Option<DepthRecord>,
     /// Drawn pixels from which this pixel is computed: only itself, with weight 1, if it was drawn.
     pub sources: Vec<SourceRecord>,
-    /// Position in the previous frame from which the upscaler reprojected history, in px from the top-left corner.
-    /// `sources` does not include the history.
+    /// Position in the previous frame from which the upscaler reads history, in px from the top-left corner; `None`
+    /// without history. `sources` does not include the history.
     pub(crate) remembered_at: Option<[f64; 2]>,
     /// Colour of the pixel before the post filter; `None` without a post filter.
     pub(crate) unfiltered: Option<Rgba8>,
@@ -307,8 +308,8 @@ fn source(frame: &Frame, tap: Tap, samples: &[Rgba8]) -> SourceRecord {
     SourceRecord { tap, color }
 }
 
-/// Returns the pixel after the post filter, computed from its replayed colour and its neighbours in the frame; `None`
-/// without a filter.
+/// Returns the colour of a pixel after the post filter, computed from its replayed colour `own` and its neighbours in
+/// the frame; `None` without a filter.
 fn filtered(recipe: &Recipe, frame: &Frame, (x, y): (u32, u32), own: Rgba8) -> Option<Rgba8> {
     let reach = i64::from(post::reach(&recipe.post)?);
     let around = |at: u32| (i64::from(at) - reach, 2 * reach as u32 + 1);

@@ -22,13 +22,13 @@ choice! {
     Stage {
         Assemble = "assemble", "Assemble", "Corners of all triangles that reach into the view, as dots. Clipped triangles are shown by the corners of their pieces.";
         Transform = "transform", "Transform", "Vertices from model through world and view to clip space: the edges of all triangles that reach into the view, front- and back-facing.";
-        Clip = "clip", "Clip", "Triangles outside the view are gone; pieces of triangles clipped at the near plane, the far plane or the guard band are orange.";
-        Project = "project", "Project", "Divided by w, scaled to pixels, snapped to 1/256 px: edges and snapped corners.";
-        Cull = "cull", "Cull", "Triangles left to rasterize are white, culled ones red. Zero-area triangles are not shown.";
-        Rasterize = "rasterize", "Rasterize", "Every covered pixel in the colour of the last triangle drawn there, before depth test and alpha test. Pixels left to the upscaler are dark.";
+        Clip = "clip", "Clip", "Triangles outside the view are removed; pieces of triangles clipped at the near plane, the far plane or the guard band are orange.";
+        Project = "project", "Project", "Edges and corners after the division by w, scaled to pixels and snapped to 1/256 px.";
+        Cull = "cull", "Cull", "Triangles to rasterize are white, culled ones red. Zero-area triangles are not shown.";
+        Rasterize = "rasterize", "Rasterize", "Every covered pixel in the colour of the last triangle drawn there, before depth test and alpha test. Pixels that the upscaler fills in are dark.";
         Depth = "depth", "Depth", "The triangle that wins each pixel, after depth test and alpha test.";
         Interpolate = "interpolate", "Interpolate", "The weights of the winning triangle's corners as red, green and blue.";
-        Shade = "shade", "Shade", "The shaded pixels that are actually drawn; those left to the upscaler are dark.";
+        Shade = "shade", "Shade", "The drawn pixels after shading; those that the upscaler fills in are dark.";
         Upscale = "upscale", "Upscale", "The finished picture.";
     }
 }

@@ -1,4 +1,4 @@
-//! Verdict on a pixel in a few sentences: the winning triangle, its rivals, and whether rounding decided.
+//! Verdict on a pixel in a few sentences: the winning triangle, its rivals, and whether rounding decided the outcome.
 
 mod background;
 
@@ -22,7 +22,7 @@ use crate::scene::{Instance, Scene, TriangleId};
 const UNAMBIGUOUS_WIN: &str = "Won by ";
 
 /// Explains the colour of a pixel in a few sentences. A fault along a shared edge or a wrong blending order comes
-/// first, then the outcome among the fragments. Sentences about a black pixel or a flawed scene follow. After an
+/// first, then the outcome of the depth test. Sentences about a black pixel or a defective scene file follow. After an
 /// unambiguous win, the reason for a black pixel precedes the outcome, because it is the most likely question.
 pub(super) fn verdict(report: &PixelReport, scene: &Scene, recipe: &Recipe, frame: &Frame) -> String {
     let fault = report.fault.as_ref().map(|fault| fault_verdict(fault, &recipe.pipeline));
@@ -44,7 +44,7 @@ fn instance_of(scene: &Scene, id: TriangleId) -> Option<(usize, &Instance)> {
 fn story(report: &PixelReport, drawn: bool, comparison: DepthComparison) -> String {
     let story = smooth_verdict(report) + &fragment_verdict(&report.fragments, &report.absent, comparison);
     if let Some(triangle) = report.wireframe {
-        return format!("Under a wireframe line of triangle {}. {story}", triangle.0);
+        return format!("Covered by a wireframe line of triangle {}. {story}", triangle.0);
     }
     if drawn {
         return story;
@@ -52,12 +52,13 @@ fn story(report: &PixelReport, drawn: bool, comparison: DepthComparison) -> Stri
     if let Some([x, y]) = report.remembered_at {
         if report.sources.is_empty() {
             return format!(
-                "From the history: the previous frame at {x:.2}, {y:.2}. This frame draws none of the pixels around it."
+                "Taken from the history: the previous frame at {x:.2}, {y:.2}. This frame draws none of the pixels \
+                 around it."
             );
         }
         return format!(
-            "From the history: the previous frame at {x:.2}, {y:.2}, clamped to the drawn pixels around. Sample with \
-             the largest weight now: {story}"
+            "Taken from the history: the previous frame at {x:.2}, {y:.2}, clamped to the range of the drawn pixels \
+             around it. Drawn sample with the largest weight: {story}"
         );
     }
     let [x, y] = report.drawn_at;
@@ -70,7 +71,7 @@ fn story(report: &PixelReport, drawn: bool, comparison: DepthComparison) -> Stri
     format!("Not drawn: {made_of}. Pixel with the largest weight, ({x}, {y}): {story}")
 }
 
-/// Returns the introduction to the verdict on a pixel with several samples; empty for other pixels.
+/// Returns the introduction to the verdict on a pixel with several samples; empty for a pixel with a single sample.
 fn smooth_verdict(report: &PixelReport) -> String {
     let colors: BTreeSet<_> = report.samples.iter().map(|sample| sample.color).collect();
     match (report.samples.len(), colors.len()) {
@@ -80,8 +81,8 @@ fn smooth_verdict(report: &PixelReport) -> String {
     }
 }
 
-/// Explains which fragment won and how closely. Pieces of a clipped triangle count as one triangle, not as rivals.
-/// Fragments that failed the alpha test do not count.
+/// Explains which fragment won the depth test and how closely. Pieces of a clipped triangle count as one triangle, not
+/// as rivals. Fragments that failed the alpha test do not count.
 fn fragment_verdict(fragments: &[FragmentRecord], absent: &[Absent], comparison: DepthComparison) -> String {
     let Some(winner) = fragments.iter().find(|f| f.outcome == FragmentOutcome::Visible) else {
         return background::verdict(fragments, absent);
@@ -140,7 +141,7 @@ fn blended_verdict(fragments: &[FragmentRecord], nearest: &FragmentRecord) -> St
     format!("Blended: {} with alpha {alpha} over {between}{behind}.", name(nearest))
 }
 
-/// Explains a crack or double hit along a shared edge, in one or two sentences.
+/// Explains a crack or a pixel hit twice along a shared edge, in one or two sentences.
 fn fault_verdict(fault: &Fault, settings: &Settings) -> String {
     let [one, other] = fault.sharing.map(|id| id.0);
     let (hits, due) = (fault.hit_by.len(), fault.due.len());
@@ -187,7 +188,7 @@ fn beside(one: u32, other: u32, cause: &str) -> String {
     format!("it shares an edge here with {neighbour} and {cause}")
 }
 
-/// Returns the setting that causes faults along shared edges, together with the remedy.
+/// Names the setting that causes faults along shared edges, and the remedy.
 fn cause(settings: &Settings) -> String {
     if settings.rasterizer.is_published() {
         format!("the rasterizer is “{}”. To fix it, choose another rasterizer", settings.rasterizer.name())
@@ -215,7 +216,7 @@ mod tests {
 
     const PREVIOUS_STATE: SampleState = SampleState { color: [9, 9, 9, 255], depth: None };
 
-    /// Returns the verdict on `fragments`, each given as triangle and depth. The last one is visible.
+    /// Returns the verdict on `fragments`, each given as triangle and depth, of which the last is visible.
     fn story(fragments: &[(u32, f32)], stored: Option<f32>, comparison: DepthComparison) -> String {
         story_in(DepthEncoding::F32, fragments, stored, comparison)
     }

@@ -57,7 +57,7 @@ pub(crate) fn plane_name(plane: ClipPlane) -> &'static str {
     }
 }
 
-/// Screen-space position of a vertex.
+/// Position of a vertex after the perspective division.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct OnScreen {
     /// Normalised device coordinates: x/w, y/w, z/w.
@@ -111,7 +111,7 @@ pub(crate) struct ObjectVertices<'a> {
 }
 
 impl<'a> ObjectVertices<'a> {
-    /// Prepares the vertices of the object with index `instance`; `None` if the scene has no such object.
+    /// Prepares the vertices of the object with index `instance`. Returns `None` if the scene has no such object.
     pub(crate) fn new(
         scene: &'a Scene,
         camera: &Camera,
@@ -137,7 +137,7 @@ impl<'a> ObjectVertices<'a> {
         self.mesh.positions.len()
     }
 
-    /// Returns one vertex at every pipeline stage; `None` if `index` is out of range.
+    /// Returns the vertex with this index at every pipeline stage; `None` if `index` is out of range.
     pub(crate) fn stages(&self, index: u32) -> Option<VertexStages> {
         let place = index as usize;
         let model = *self.mesh.positions.get(place)?;

@@ -1,4 +1,4 @@
-//! Rendering of buffers as pictures: the colour of each value, and the range of the colour map.
+//! Rendering of buffers as pictures: the colour of each value, and the value range of the colour map.
 
 use serde::Serialize;
 
@@ -42,16 +42,17 @@ pub(crate) fn magnitude_color(position: f32) -> Rgba8 {
     [r, g, b, 255]
 }
 
-/// Colour of a sample along a shared edge with too few hits; distinguishable from [`DOUBLE_HIT`] for the colour-blind.
+/// Colour that marks a pixel along a shared edge with too few hits by triangles; distinguishable from [`DOUBLE_HIT`]
+/// for the colour-blind.
 pub(crate) const CRACK: Rgba8 = [48, 132, 255, 255];
 
-/// Colour of a sample along a shared edge with too many hits.
+/// Colour that marks a pixel along a shared edge with too many hits by triangles.
 pub(crate) const DOUBLE_HIT: Rgba8 = [255, 150, 0, 255];
 
 /// Returns the colour at a position in [0, 1] of a buffer's colour map. The map of [`Buffer::Hits`] is grey, because
-/// colours mark faults.
+/// colours mark faults there.
 pub(crate) fn map_color(buffer: Buffer, position: f32) -> Rgba8 {
-    /// Greys at both ends of the map, neither so dark nor so light that marks on them would be invisible.
+    /// Grey levels at the two ends of the map, in [0, 1]; chosen so that dark and light marks stay visible.
     const GREYS: (f32, f32) = (0.11, 0.84);
     if buffer != Buffer::Hits {
         return magnitude_color(position);
@@ -63,7 +64,7 @@ pub(crate) fn map_color(buffer: Buffer, position: f32) -> Rgba8 {
 /// Value of a buffer at a pixel of the full picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Value {
-    /// The pixel was not drawn and is left to the upscaler.
+    /// The pixel was not drawn; the upscaler filled it in.
     NotDrawn,
     /// The pixel was drawn but has no value in the buffer.
     Nothing,
@@ -75,11 +76,12 @@ pub(crate) enum Value {
     Count(u32),
     /// Barycentric weights of the triangle's corners.
     Weights([f32; 3]),
-    /// Triangle that owns the pixel.
+    /// Triangle that is visible at the pixel.
     Triangle(TriangleId),
 }
 
-/// Returns the value of a buffer at a pixel inside the picture. Colour and depth do not need `buffers`.
+/// Returns the value of a buffer at a pixel inside the picture. Colour and depth are available even if `buffers` is
+/// `None`.
 pub(crate) fn value(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, x: u32, y: u32) -> Value {
     if buffer == Buffer::Color {
         return frame.image().get(x, y).map_or(Value::NotDrawn, Value::Color);
@@ -105,13 +107,13 @@ pub(crate) fn value(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, x:
     }
 }
 
-/// Returns the reason why a buffer has no values in this frame; `None` if it has some.
+/// Returns the reason why a buffer has no values in this frame; `None` if it has values.
 pub(crate) fn absence(buffer: Buffer, frame: &Frame) -> Option<&'static str> {
     (buffer == Buffer::Depth && frame.drawn.depth.is_none()).then_some("no depth buffer: the depth test is off")
 }
 
-/// Returns the stored depth of a sample; `None` if nothing stored one. Without `buffers`, the depth is compared with
-/// the clear depth, so a fragment at exactly that depth is not detected.
+/// Returns the stored depth of a sample; `None` if no fragment stored its depth. Without `buffers`, the depth is
+/// compared with the clear depth, so a fragment at exactly that depth is not detected.
 fn depth_of(frame: &Frame, buffers: Option<&Buffers>, column: u32, row: u32) -> Option<f32> {
     let stored = frame.drawn.depth.as_ref()?.at(column, row);
     let drawn = match buffers {
@@ -121,8 +123,8 @@ fn depth_of(frame: &Frame, buffers: Option<&Buffers>, column: u32, row: u32) -> 
     drawn.then_some(stored)
 }
 
-/// Returns the value range of a buffer that uses a colour map: minimum to maximum of stored depths, or 0 to the maximum
-/// of counts. `None` for other buffers, or without values.
+/// Returns the value range of a buffer that uses a colour map: from minimum to maximum of stored depths, or from 0 to
+/// the maximum of counts. Returns `None` for other buffers, or if the buffer has no values.
 pub(crate) fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option<Range> {
     match buffer {
         Buffer::Depth => {
@@ -148,7 +150,8 @@ pub(crate) fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) ->
     }
 }
 
-/// Renders a buffer as a full picture. `range` defaults to [0, 1].
+/// Returns a picture of a buffer at full resolution. `range` is the value range of the colour map; `None` stands for
+/// [0, 1].
 pub(crate) fn picture(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, range: Option<Range>) -> Image<Rgba8> {
     let range = range.unwrap_or(Range { low: 0.0, high: 1.0 });
     let (width, height) = frame.image().size();
@@ -168,7 +171,7 @@ pub(crate) fn picture(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, 
     image
 }
 
-/// Returns the colour of faults of one kind.
+/// Returns the colour that marks faults of this kind.
 pub(crate) fn fault_color(kind: FaultKind) -> Rgba8 {
     match kind {
         FaultKind::Crack => CRACK,
@@ -185,7 +188,7 @@ mod tests {
     use crate::pipeline::viewport::Viewport;
     use crate::scene::builtin;
 
-    /// Builds a frame of one triangle, with `depth` stored wherever it was drawn.
+    /// Draws a frame of one triangle, then replaces the stored depth of its pixels by `depth`.
     fn frame_at_depth(test: DepthTest, format: DepthFormat, depth: f32) -> (Frame, Buffers) {
         let scene = builtin::by_id("triangle").unwrap().build();
         let mut recipe = Recipe::default();

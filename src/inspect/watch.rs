@@ -26,15 +26,15 @@ pub(crate) struct PixelValues {
     pub(crate) color: Rgba8,
     /// Whether the pixel was drawn rather than upscaled.
     pub(crate) is_drawn: bool,
-    /// Visible triangle; of several blended ones, the one drawn last.
+    /// Visible triangle; if several triangles are blended, the one drawn last.
     pub(crate) triangle: Option<TriangleId>,
-    /// Name of the object that contains the visible triangle.
+    /// Name of the object that contains the visible triangle; `None` if there is no visible triangle.
     pub(crate) object: Option<String>,
     /// Final depth in the depth buffer; `None` without a depth buffer.
     pub(crate) depth: Option<f32>,
     /// Barycentric weights of the visible triangle's corners, linear in screen space.
     pub(crate) lambda: Option<[f32; 3]>,
-    /// Weights of the visible triangle's corners for interpolating attributes.
+    /// Weights of the visible triangle's corners for interpolating attributes, perspective-correct by default.
     pub(crate) perspective_lambda: Option<[f32; 3]>,
     /// Number of fragments at the pixel's centre.
     pub(crate) overdraw: usize,

@@ -13,7 +13,7 @@ use super::view::{Value, value};
 /// Pixels that differ between two frames of the same size.
 #[derive(Clone, Debug)]
 pub(crate) struct Changes {
-    /// Mask of the picture: `true` for each pixel that differs.
+    /// Mask with the size of the frames: `true` for each pixel that differs.
     pub(crate) mask: Image<bool>,
     /// Number of pixels that differ.
     pub(crate) count: u64,
@@ -30,7 +30,8 @@ impl Changes {
         Self::of_values((a.image().size(), a_value), (b.image().size(), |x, y| value(buffer, b, b_buffers, x, y)))
     }
 
-    /// Compares the values of two pictures of the given sizes. Returns `None` if the sizes differ.
+    /// Compares two pictures, each given by its size and a function that returns the value of a pixel. Returns `None`
+    /// if the sizes differ.
     pub(crate) fn of_values(
         (a_size, a): ((u32, u32), impl Fn(u32, u32) -> Value),
         (b_size, b): ((u32, u32), impl Fn(u32, u32) -> Value),
@@ -55,8 +56,8 @@ impl Changes {
         self.count as f64 / self.mask.pixels().len().max(1) as f64
     }
 
-    /// Returns the next or previous changed pixel relative to `from` in reading order, wrapping around at the end.
-    /// Without `from`, returns the first or the last changed pixel.
+    /// Returns the next or previous changed pixel relative to `from` in row-major order, wrapping around at the end. If
+    /// `from` is `None`, returns the first or the last changed pixel.
     pub(crate) fn next_changed(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
         let (width, height) = self.mask.size();
         let all = width as usize * height as usize;
@@ -74,8 +75,8 @@ impl Changes {
 
     /// Returns `picture` with its unchanged pixels mapped to dark greys.
     pub(crate) fn with_unchanged_dimmed(&self, picture: &Image<Rgba8>) -> Image<Rgba8> {
-        /// Greys that replace black and white: much darker than changed colours, but bright enough to recognise the
-        /// scene.
+        /// Grey levels, of 255, that replace black and white: much darker than changed colours, but bright enough to
+        /// recognise the scene.
         const GREYS: (f64, f64) = (16.0, 72.0);
         let (width, height) = picture.size();
         Image::from_fn(width, height, |x, y| {
@@ -89,7 +90,7 @@ impl Changes {
     }
 }
 
-/// Whether two values are equal; floats are compared by their bits.
+/// Whether two values are equal. Floats are compared by their bits, and alpha is ignored.
 fn same(a: Value, b: Value) -> bool {
     match (a, b) {
         (Value::Number(a), Value::Number(b)) => a.to_bits() == b.to_bits(),

@@ -29,15 +29,15 @@ choice! {
 /// Size of the grid, in columns and rows.
 const SIZE: (u32, u32) = (41, 31);
 
-/// Largest half axis that can be dragged, in pixels.
+/// Longest semi-axis that can be set by dragging, in pixels.
 const LARGEST: i32 = 60;
 
-/// Input and settings of the page on circles.
+/// Input and settings of the lab page on circles and ellipses.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CircleLesson {
-    /// Pixel at the centre, as column and row.
+    /// Column and row of the centre pixel.
     pub(crate) center: (i32, i32),
-    /// Half axes, in pixels; the first is the radius of a circle.
+    /// Horizontal and vertical semi-axes, in pixels; the first is also the radius of a circle.
     pub(crate) half: (u32, u32),
     /// Selected algorithm.
     pub(crate) method: CircleMethod,
@@ -52,7 +52,7 @@ impl Default for CircleLesson {
 }
 
 impl CircleLesson {
-    /// Returns the half axes of the drawn shape, in pixels.
+    /// Returns the semi-axes of the drawn circle or ellipse, in pixels.
     fn axes(&self) -> (u32, u32) {
         if self.method == CircleMethod::Ellipse { self.half } else { (self.half.0, self.half.0) }
     }
@@ -245,7 +245,7 @@ impl CircleLesson {
         }
     }
 
-    /// Compares all algorithms for circles at 100 times the radius.
+    /// Compares all algorithms on a circle with 100 times the chosen radius.
     pub(super) fn compare(&self) -> MethodComparison {
         let radius = self.half.0.max(1) * 100;
         let rivals = CircleMethod::ALL.iter().map(|method| {
@@ -260,8 +260,8 @@ impl CircleLesson {
     }
 }
 
-/// Returns the index of an octant, starting at the right and clockwise on the screen. Pixels on a diagonal belong to
-/// the octant along the x axis; x = 0 counts as right and y = 0 as below.
+/// Returns the index of the octant that contains a pixel, from 0 to 7, clockwise on the screen from the positive x
+/// axis. Pixels on a diagonal belong to the octant along the x axis. x = 0 counts as right, and y = 0 as below.
 fn octant_of(x: i64, y: i64) -> usize {
     let steep = y.abs() > x.abs();
     match (x >= 0, y >= 0) {
@@ -272,8 +272,8 @@ fn octant_of(x: i64, y: i64) -> usize {
     }
 }
 
-/// Returns the greatest distance of a pixel from an ellipse, in pixels: exact for circles, to first order for other
-/// ellipses.
+/// Returns the greatest distance of a pixel in `cells` from an ellipse, in pixels: exact for circles, to first order
+/// for other ellipses.
 fn greatest_distance(cells: &[InkedPixel], center: (i32, i32), radii: DVec2) -> f64 {
     let off = |cell: &InkedPixel| {
         let place = DVec2::new((cell.x - i64::from(center.0)) as f64, (cell.y - i64::from(center.1)) as f64);

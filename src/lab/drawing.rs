@@ -1,4 +1,4 @@
-//! Conversion of a recording into a drawing: white background, dark pixels, and the true shape in blue on top.
+//! Conversion of a recorded run to vector graphics: dark pixels on white, with the true shape in blue on top.
 
 use std::path::Path;
 use std::time::Duration;
@@ -15,7 +15,7 @@ const FULL: Rgb = [60, 60, 60];
 const WALL: Rgb = [130, 100, 70];
 const SIDES: [Rgb; 2] = [[250, 226, 205], [210, 228, 250]];
 
-/// Colours of groups, of equal visual weight on white.
+/// Colours of the groups of [`Ink::Group`], chosen to be equally prominent on white.
 const GROUPS: [Rgb; 8] = [
     [230, 159, 0],
     [86, 150, 233],
@@ -27,29 +27,29 @@ const GROUPS: [Rgb; 8] = [
     [140, 140, 140],
 ];
 
-/// Width of a line, in pixels of the grid. The following sizes use the same unit.
+/// Width of a drawn line in grid pixels, which is also the unit of the following constants.
 const LINE: f64 = 0.12;
 const GRID_LINE: f64 = 0.04;
 const DOT: f64 = 0.36;
 const SMALL_DOT: f64 = 0.12;
 const LETTERS: f64 = 0.9;
 
-/// Scale of bitmaps and pages, in pixels or points per pixel of the grid.
+/// Size of a grid pixel in exported files: in pixels of a bitmap, or in points of a page.
 const SCALE: f64 = 16.0;
 
-/// Maximum number of frames of an animation. Longer runs are sampled at equal distances.
+/// Maximum number of frames of an animation. Longer runs are sampled at equal step intervals.
 const MAX_FRAMES: usize = 150;
 
 /// Duration of each frame of an animation.
 const FRAME_TIME: Duration = Duration::from_millis(80);
 
-/// Writes the file whose bytes [`encode_recording`] returns.
+/// Writes a recording to a file, in the format given by the extension; see [`encode_recording`].
 pub(crate) fn write_recording(path: &Path, recording: &Recording, steps: usize) -> Result<(), DrawingFileError> {
     save(path, &encode_recording(path, recording, steps)?)
 }
 
-/// Returns the bytes of a file with the recording after its first `steps` steps. The format follows from the extension;
-/// a GIF animates all steps.
+/// Encodes a recording after its first `steps` steps as a file, in the format given by the extension. A GIF instead
+/// animates all steps.
 pub(crate) fn encode_recording(path: &Path, recording: &Recording, steps: usize) -> Result<Vec<u8>, DrawingFileError> {
     if format_of(path)? != DrawingFormat::Pixels(PixelFormat::Gif) {
         return encode(path, &drawing(recording, steps), SCALE);
@@ -60,7 +60,7 @@ pub(crate) fn encode_recording(path: &Path, recording: &Recording, steps: usize)
     encode_animation(path, (0..=frames).map(|frame| drawing(recording, step(frame))), SCALE / 2.0, FRAME_TIME)
 }
 
-/// Returns the drawing of a recording after its first `steps` steps; one unit is one pixel of the grid.
+/// Returns the drawing of a recording after its first `steps` steps; one unit of length is one grid pixel.
 pub(crate) fn drawing(recording: &Recording, steps: usize) -> Drawing {
     let (width, height) = recording.size;
     let mut drawing = Drawing { size: DVec2::new(width.into(), height.into()), background: PAPER, shapes: Vec::new() };

@@ -1,4 +1,4 @@
-//! Straight lines on a coarse grid, by every algorithm.
+//! Lab page on straight lines: every line algorithm on a coarse grid.
 
 use std::collections::BTreeSet;
 
@@ -37,7 +37,7 @@ choice! {
 }
 
 impl LineMethod {
-    /// Returns the evaluation of the slope; `None` for methods that do not step by slope.
+    /// Returns how the method evaluates the slope; `None` for methods that do not step by slope.
     fn stepping(self) -> Option<Stepping> {
         match self {
             Self::Intersection => Some(Stepping::Intersection),
@@ -46,7 +46,7 @@ impl LineMethod {
         }
     }
 
-    /// Returns the filter weight of area sampling; `None` for other methods.
+    /// Returns the filter that weights the coverage in area sampling; `None` for other methods.
     pub(crate) fn weight(self) -> Option<Weight> {
         match self {
             Self::AreaBox => Some(Weight::Box),
@@ -60,19 +60,19 @@ impl LineMethod {
 /// Size of the grid, in columns and rows.
 const SIZE: (u32, u32) = (36, 22);
 
-/// Margin between the grid and the clip rectangle of a clipped line, in columns and rows on each side.
+/// Margin between the border of the grid and the rectangle that lines are clipped to, in pixels.
 const FRAME: u32 = 4;
 
-/// Input and settings of the page on lines.
+/// Input and settings of the lab page on lines.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LineLesson {
-    /// End points, where integers are pixel centres.
+    /// Endpoints of the line, in pixels; pixel centres have integer coordinates.
     pub(crate) ends: [DVec2; 2],
     /// Selected algorithm.
     pub(crate) method: LineMethod,
-    /// Whether the pixel of the second end is drawn. If not, the lines of a polyline share no pixel.
+    /// Whether the pixel at the second endpoint is drawn. If not, consecutive segments of a polyline share no pixel.
     pub(crate) last_pixel: bool,
-    /// Whether the midpoint method breaks ties so that both directions cover the same pixels.
+    /// Whether the midpoint method breaks ties so that drawing the line in either direction covers the same pixels.
     pub(crate) direction_independent: bool,
     /// Whether the line is clipped to a rectangle first.
     pub(crate) clip: bool,
@@ -85,32 +85,34 @@ impl Default for LineLesson {
     }
 }
 
-/// Returns the centre of a pixel, in pixels from the corner of the grid.
+/// Returns the centre of a pixel, in pixels from the top-left corner of the grid.
 fn center((x, y): (i64, i64)) -> DVec2 {
     DVec2::new(x as f64 + 0.5, y as f64 + 0.5)
 }
 
-/// Returns the pixel nearest to a position, where integers are pixel centres.
+/// Returns the pixel nearest to a position in a space where pixel centres have integer coordinates.
 fn nearest(place: DVec2) -> (i64, i64) {
     let rounded = (place + 0.5).floor();
     (rounded.x as i64, rounded.y as i64)
 }
 
-/// Returns the corners of the strip of one pixel's width around a segment; `None` if the segment has no length.
+/// Returns the corners of a rectangle that is one pixel wide and has the segment as its axis; `None` if the segment has
+/// no length.
 fn strip([from, to]: [DVec2; 2]) -> Option<[DVec2; 4]> {
     let across = (to - from).try_normalize()?.perp() / 2.0;
     Some([from - across, to - across, to + across, from + across])
 }
 
-/// Returns the distance of a pixel from the line through both ends, in pixels, or from their common point if they
-/// coincide.
+/// Returns the distance in pixels of a pixel centre from the line through both endpoints, or from their common point if
+/// they coincide.
 fn distance([from, to]: [DVec2; 2], (x, y): (i64, i64)) -> f64 {
     let (along, place) = (to - from, DVec2::new(x as f64, y as f64) - from);
     if along == DVec2::ZERO { place.length() } else { (along.perp_dot(place) / along.length()).abs() }
 }
 
 impl LineLesson {
-    /// Returns the ends of the drawn line, clipped if clipping is on; `None` if the line misses the clip rectangle.
+    /// Returns the endpoints of the drawn line, clipped if clipping is on; `None` if the line misses the clip
+    /// rectangle.
     fn drawn_ends(&self) -> Option<[DVec2; 2]> {
         if !self.clip {
             return Some(self.ends);
@@ -172,8 +174,8 @@ impl LineLesson {
         recording
     }
 
-    /// Outlines the pixels that only the reversed line covers, and counts the pixels that differ. Area methods do not
-    /// depend on the direction.
+    /// Outlines the pixels that are covered only if the endpoints are swapped, and counts the pixels that differ. Does
+    /// nothing for area sampling, which does not depend on the direction.
     fn mark_other_direction(&self, ends @ [from, to]: [DVec2; 2], recording: &mut Recording) {
         if self.method.weight().is_some() {
             return;
@@ -208,7 +210,7 @@ impl LineLesson {
         }
     }
 
-    /// Returns the iterator of the midpoint method.
+    /// Returns an iterator over the pixels of a line by the midpoint algorithm.
     fn midpoint_line(&self, [from, to]: [DVec2; 2]) -> MidpointLine {
         let line = if self.direction_independent { direction_independent_line } else { midpoint_line };
         line(nearest(from), nearest(to))
@@ -273,7 +275,7 @@ impl LineLesson {
         }
     }
 
-    /// Compares all methods that choose whole pixels, on a longer line of the same slope.
+    /// Compares all methods without anti-aliasing on a longer line with the same slope.
     pub(super) fn compare(&self) -> MethodComparison {
         const LONGER: f64 = 40.0;
         // Ends can be dragged far outside the grid, and the distance method tests every pixel of the bounding box.
@@ -295,7 +297,7 @@ impl LineLesson {
     }
 }
 
-/// Returns the pixels covered by the strip of a line with their coverage, row by row.
+/// Returns the pixels that a line of one pixel's width covers, row by row, with their filtered coverage.
 fn covered(ends: [DVec2; 2], weight: Weight) -> impl Iterator<Item = InkedPixel> {
     let strip = strip(ends);
     let reach = 0.5 + weight.radius_px();
@@ -366,7 +368,8 @@ fn slope_steps([from, to]: [DVec2; 2], stepping: Stepping) -> Box<dyn Iterator<I
     }))
 }
 
-/// Returns the drift of the minor coordinate at the last pixel of a line 1000 times as long, in pixels.
+/// Returns the accumulated rounding error of the minor coordinate at the last pixel of a line 1000 times as long, in
+/// pixels.
 fn drift_of_longer([from, to]: [DVec2; 2], stepping: Stepping) -> Option<f64> {
     const LONGER: f64 = 1_000.0;
     let mut line = slope_line(from, from + (to - from) * LONGER, stepping)?;
@@ -410,7 +413,7 @@ fn midpoint_steps(mut line: MidpointLine, [from, to]: [DVec2; 2]) -> Box<dyn Ite
     }))
 }
 
-/// Describes the octant of a line by its directions, y down.
+/// Describes in words the octant of a direction with y pointing down, for example "right, then down".
 fn octant(dx: i64, dy: i64) -> String {
     let steep = dy.abs() > dx.abs();
     let across = if dx >= 0 { "right" } else { "left" };

@@ -39,7 +39,7 @@ use seed_fills::SeedFillLesson;
 use triangles::TriangleLesson;
 
 choice! {
-    /// Page of the lab, with one lesson.
+    /// Page of the lab, which teaches one topic.
     Page {
         Lines = "lines", "Lines",
             "Straight lines: by distance, by slope, DDA, midpoint, exact, and anti-aliased by area.";
@@ -141,7 +141,7 @@ impl Lesson {
         each!(self, lesson => lesson.move_handle(handle, to));
     }
 
-    /// Whether a reference exists that methods can be compared with.
+    /// Whether the page has a reference against which its methods can be compared.
     pub(crate) fn compare_is_possible(&self) -> bool {
         match self {
             Self::Primitives(lesson) => lesson.has_outlines(),
@@ -149,7 +149,7 @@ impl Lesson {
         }
     }
 
-    /// Makes a picture the input of the page. Returns `false` if the page has no picture.
+    /// Replaces the input of the page by a picture. Returns `false` if the page does not take pictures.
     pub(crate) fn set_picture(&mut self, picture: &Image<Rgba8>) -> bool {
         match self {
             Self::SeedFill(lesson) => lesson.set_picture(picture),
@@ -159,7 +159,7 @@ impl Lesson {
         true
     }
 
-    /// Compares all methods of the page with the reference; `None` if there is none.
+    /// Compares all methods of the page with its reference; `None` if it has none.
     pub(crate) fn compare(&self) -> Option<MethodComparison> {
         match self {
             Self::Lines(lesson) => Some(lesson.compare()),

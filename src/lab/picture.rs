@@ -1,17 +1,18 @@
-//! Picture files as input of a page: reduced to its grid, or sampled.
+//! Picture files as input of a lab page, either reduced to a grid or sampled.
 
 use super::seed_fills::Paint;
 use crate::image::color::luma;
 use crate::image::{Image, Rgba8};
 
-/// Threshold for the brightest channel of a cell, of 255: darker cells are walls.
+/// Threshold for the brightest channel of a grid pixel, of 255: pixels below it become walls.
 const WALL_BELOW: f32 = 96.0;
 
-/// Difference between the brightest and the darkest channel, of 255, above which a cell counts as coloured.
+/// Difference between the brightest and the darkest channel of a grid pixel, of 255, above which the pixel counts as
+/// coloured.
 const COLOR_FROM: f32 = 64.0;
 
-/// Reduces a picture to a grid: dark cells are walls, coloured ones spots, others paper. The aspect ratio is kept;
-/// cells outside the picture are paper.
+/// Reduces a picture to a grid of `width` × `height` pixels and keeps its aspect ratio. Coloured pixels become
+/// [`Paint::Spot`], dark ones [`Paint::Wall`], all others [`Paint::Paper`], as do pixels outside the picture.
 pub(crate) fn painted(picture: &Image<Rgba8>, (width, height): (u32, u32)) -> Image<Paint> {
     let [wide, high] = [picture.width(), picture.height()].map(f64::from);
     let cell_px = (wide / f64::from(width)).max(high / f64::from(height));
@@ -53,8 +54,8 @@ pub(crate) fn brightness(picture: &Image<Rgba8>) -> Image<f64> {
     picture.map(|pixel| f64::from(luma(pixel)) / 255.0)
 }
 
-/// Returns a Siemens star, a test pattern for lenses and printers: its wedges meet in the centre, where they are finer
-/// than any pixel.
+/// Returns a Siemens star, a test pattern for lenses and printers. Its wedges meet at the centre, where they are
+/// narrower than a pixel.
 pub(crate) fn siemens_star() -> Image<f64> {
     const SIDES: (u32, u32) = (480, 360);
     const WEDGES: f64 = 36.0;

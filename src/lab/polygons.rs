@@ -1,4 +1,4 @@
-//! Polygons of one or more contours: scanline fill with active edges, triangulation, and the convex hull.
+//! Lab page on polygons of one or more contours: scanline fill with active edges, triangulation, and the convex hull.
 
 use glam::DVec2;
 
@@ -12,7 +12,7 @@ use crate::flat2d::polygon::{ActiveEdge, Corners, FillParameters, InsideRule, Po
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
-    /// Operation on the polygon of the page.
+    /// Operation that the page applies to its polygon.
     PolygonMethod {
         EvenOdd = "even-odd", "Fill, even-odd", "A pixel is inside if a ray from it crosses an odd number of edges.";
         NonZero = "non-zero", "Fill, non-zero", "Edges count +1 down and −1 up; a pixel is inside if the sum up to it is not zero.";
@@ -78,14 +78,14 @@ impl PolygonPreset {
 /// Size of the grid, in columns and rows.
 const SIZE: (u32, u32) = (32, 24);
 
-/// Input and settings of the page on polygons.
+/// Input and settings of the lab page on polygons.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PolygonLesson {
     /// Closed contours of the polygon, in pixels.
     pub(crate) contours: Vec<Vec<DVec2>>,
     /// Selected operation.
     pub(crate) method: PolygonMethod,
-    /// Point whose convex weights are shown beside the hull, in pixels.
+    /// Point that is shown as a convex combination of the hull's corners, in pixels.
     pub(crate) probe: DVec2,
 }
 
@@ -105,7 +105,7 @@ impl PolygonLesson {
         FillParameters { rule, corners: Corners::AsGiven, sample: SamplePoint::Center, width, height }
     }
 
-    /// Inserts a corner at `at` (in pixels) into the nearest side. Starts a contour if there are none.
+    /// Inserts a corner at `at`, in pixels, into the nearest edge. Starts a contour if there are none.
     pub(crate) fn add_corner(&mut self, at: DVec2) {
         let distance = |a: DVec2, b: DVec2| {
             let along = b - a;
@@ -122,7 +122,7 @@ impl PolygonLesson {
         }
     }
 
-    /// Removes a corner by the index of its handle. Contours without corners are removed, too.
+    /// Removes the corner with the handle index `handle`, and its contour if that has no other corners.
     pub(crate) fn remove_corner(&mut self, handle: usize) {
         let mut number = handle;
         for contour in &mut self.contours {
@@ -135,7 +135,7 @@ impl PolygonLesson {
         self.contours.retain(|contour| !contour.is_empty());
     }
 
-    /// Adds a small triangle in the middle of the grid as a contour of its own.
+    /// Adds a contour: a small triangle in the middle of the grid.
     pub(crate) fn add_contour(&mut self) {
         let middle = DVec2::new(SIZE.0.into(), SIZE.1.into()) / 2.0;
         let corners = [(0.0, -3.0), (3.0, 2.5), (-3.0, 2.5)].map(|corner| middle + DVec2::from(corner));
@@ -306,7 +306,8 @@ impl PolygonLesson {
         *corner.unwrap_or(&mut self.probe) = place;
     }
 
-    /// Compares the fill algorithms on the polygon enlarged 16 times against a crossing test for every pixel.
+    /// Compares the fill algorithms on the polygon, enlarged 16 times. The reference is a crossing test for every
+    /// pixel.
     pub(super) fn compare(&self) -> MethodComparison {
         const LARGER: f64 = 16.0;
         let contours: Vec<Vec<DVec2>> =
@@ -348,8 +349,8 @@ impl PolygonLesson {
     }
 }
 
-/// Returns for each pixel whether its centre is inside, by counting the crossings of a ray to the left. Tests every
-/// edge for every pixel.
+/// Returns for each pixel, in row-major order, whether its centre is inside. Counts the crossings of a ray to the left,
+/// testing every edge for every pixel.
 pub(super) fn by_crossings(contours: &[Vec<DVec2>], (width, height): (u32, u32), rule: InsideRule) -> Vec<bool> {
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| DVec2::new(x.into(), y.into()) + 0.5));
     pixels
@@ -367,8 +368,8 @@ pub(super) fn by_crossings(contours: &[Vec<DVec2>], (width, height): (u32, u32),
         .collect()
 }
 
-/// Returns the step of one span of a fill, with the active edges of the row and the crossing count and winding number
-/// between them.
+/// Returns the recorded step for one span of a fill. Its state lists the active edges of the row; its marks show the
+/// crossing count and winding number between them.
 fn span_step(walk: &PolygonFill, span: PixelSpan) -> RecordedStep {
     let y = f64::from(span.y) + 0.5;
     let mut active: Vec<ActiveEdge> = walk.active_edges().collect();

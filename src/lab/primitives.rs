@@ -1,4 +1,4 @@
-//! Primitive topologies applied to one list of vertices.
+//! Lab page on primitive topologies, applied to one list of vertices.
 
 use glam::{DVec2, DVec3};
 
@@ -13,7 +13,7 @@ use crate::flat2d::real_line::real_line;
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
-    /// Primitive topology.
+    /// Primitive topology: the rule by which vertices are assembled into points, lines, triangles or polygons.
     PrimitiveKind {
         Points = "points", "Points", "Each vertex is a point.";
         Lines = "lines", "Lines", "Each pair of vertices is a line.";
@@ -93,7 +93,7 @@ impl VertexPreset {
 /// Size of the grid, in columns and rows.
 const SIZE: (u32, u32) = (32, 24);
 
-/// Input and settings of the page on primitives.
+/// Input and settings of the lab page on primitives.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PrimitiveLesson {
     /// Vertices: x and y in pixels, z without a unit.
@@ -113,7 +113,8 @@ impl PrimitiveLesson {
         self.vertices[vertex].truncate()
     }
 
-    /// Returns the intended outlines of quads and polygons, as vertex indices. They are drawn as fans.
+    /// Returns the intended outlines of quads and polygons, as vertex indices. The pipeline draws each outline as a
+    /// triangle fan.
     fn outlines(&self) -> Vec<Vec<usize>> {
         let count = self.vertices.len();
         match self.kind {
@@ -215,12 +216,13 @@ impl PrimitiveLesson {
         pieces(self.kind.primitive(), self.vertices.len()).len()
     }
 
-    /// Whether the topology has outlines, which the drawn fans may miss.
+    /// Whether the topology consists of quads or polygons, whose outlines a triangle fan may not match.
     pub(super) fn has_outlines(&self) -> bool {
         !self.outlines().is_empty()
     }
 
-    /// Compares fans and ear clipping on the outlines, enlarged 16 times, against a crossing test for every pixel.
+    /// Compares fans and ear clipping on the outlines, enlarged 16 times. The reference is a crossing test for every
+    /// pixel.
     pub(super) fn compare(&self) -> MethodComparison {
         const LARGER: f64 = 16.0;
         let size = (SIZE.0 * LARGER as u32, SIZE.1 * LARGER as u32);
@@ -289,12 +291,12 @@ impl PrimitiveLesson {
     }
 }
 
-/// Returns the pixels whose centres are nearest to a line between two positions in pixels.
+/// Returns the pixels nearest to a line between two positions, which are given in pixels.
 fn line_cells(from: DVec2, to: DVec2, ink: Ink) -> Vec<InkedPixel> {
     real_line(from - 0.5, to - 0.5).into_iter().flatten().map(|pixel| cell(pixel, ink)).collect()
 }
 
-/// Describes in words the properties of an outline, and whether a fan covers it.
+/// Describes in words the properties of an outline, and whether a triangle fan covers it exactly.
 fn in_words(OutlineProperties { simple, convex, flat }: OutlineProperties) -> String {
     let mut words = Vec::new();
     words.push(if simple { "simple" } else { "self-crossing" });

@@ -1,4 +1,5 @@
-//! Record of a run of an algorithm, step by step: the pixels that it set, its state at that moment, and the true shape.
+//! Recorded run of an algorithm: for each step the pixels that it set and the algorithm's state, and for the whole run
+//! the true shape.
 
 use std::time::{Duration, Instant};
 
@@ -7,51 +8,51 @@ use glam::DVec2;
 /// Maximum number of recorded steps of one run; further steps are cut off.
 pub(crate) const MAX_STEPS: usize = 20_000;
 
-/// Ink of a pixel, which determines its colour.
+/// Content of a pixel, which determines its display colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Ink {
     /// Pixel that is fully set.
     Full,
-    /// Pixel that is partly covered: 0 is paper, 1 is fully set.
+    /// Partly covered pixel, with its coverage from 0 (empty) to 1 (fully set).
     Share(f64),
-    /// Wall of the input picture.
+    /// Pixel of a wall in the input picture.
     Wall,
     /// Pixel of one of several groups, by index.
     Group(usize),
-    /// Positive (`true`) or negative side of an edge or curve.
+    /// Pixel on the positive (`true`) or negative side of an edge or curve.
     Side(bool),
     /// Pixel of an explicit colour, sRGB-encoded.
     Color([u8; 3]),
 }
 
-/// Pixel of the grid and its ink.
+/// Pixel of the grid with its content.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct InkedPixel {
-    /// Column in the grid; may lie outside.
+    /// Column in the grid; may lie outside the grid.
     pub(crate) x: i64,
-    /// Row in the grid; may lie outside.
+    /// Row in the grid; may lie outside the grid.
     pub(crate) y: i64,
-    /// Ink of the pixel.
+    /// Content of the pixel, which determines its display colour.
     pub(crate) ink: Ink,
 }
 
-/// Constructs a cell from its position and its ink.
+/// Creates a pixel from its column and row and its content.
 pub(crate) fn cell((x, y): (i64, i64), ink: Ink) -> InkedPixel {
     InkedPixel { x, y, ink }
 }
 
-/// Meaning of a mark, expressed by its colour.
+/// Role of a mark, which determines its colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Tone {
-    /// Geometry of the true shape.
+    /// Exact shape that the algorithm approximates.
     Ideal,
     /// Auxiliary geometry, drawn faintly.
     Weak,
     /// Focus of the current step.
     Focus,
-    /// First of two compared items.
+    /// First of two items that are compared.
     A,
-    /// Second of two compared items.
+    /// Second of two items that are compared.
     B,
 }
 
@@ -62,7 +63,7 @@ pub(crate) enum Mark {
     Line(DVec2, DVec2, Tone),
     /// Closed polygon outline.
     Outline(Vec<DVec2>, Tone),
-    /// Ellipse with centre and half axes.
+    /// Ellipse with its centre and semi-axes.
     Ellipse(DVec2, DVec2, Tone),
     /// Small disc.
     Dot(DVec2, Tone),
@@ -83,14 +84,14 @@ pub(crate) struct RecordedStep {
     pub(crate) state: Vec<(String, String)>,
 }
 
-/// Recorded run on a small input.
+/// Recorded run of an algorithm on a small input.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Recording {
     /// Number of columns and rows of the grid.
     pub(crate) size: (u32, u32),
-    /// Pixels of the input picture, below those of the steps.
+    /// Pixels of the input picture, which the pixels of the steps are drawn over.
     pub(crate) ground: Vec<InkedPixel>,
-    /// Geometry of the true shape.
+    /// Geometry of the exact shape that the algorithm approximates.
     pub(crate) figure: Vec<Mark>,
     /// Recorded steps, in order.
     pub(crate) steps: Vec<RecordedStep>,
@@ -118,25 +119,26 @@ impl Recording {
         self.facts.push((name.to_owned(), value.into()));
     }
 
-    /// Returns the pixels after the first `steps` steps in drawing order; later cells cover earlier ones.
+    /// Returns the pixels after the first `steps` steps in drawing order; later pixels are drawn over earlier ones.
     pub(crate) fn cells(&self, steps: usize) -> impl Iterator<Item = &InkedPixel> {
         let done = &self.steps[..steps.min(self.steps.len())];
         self.ground.iter().chain(done.iter().flat_map(|step| &step.cells))
     }
 
-    /// Returns the geometry after the first `steps` steps: the true shape and the marks of the last of these steps.
+    /// Returns the marks to draw after the first `steps` steps: the true shape, and the marks of the last of these
+    /// steps.
     pub(crate) fn marks(&self, steps: usize) -> impl Iterator<Item = &Mark> {
         let last = steps.min(self.steps.len()).checked_sub(1).map(|last| &self.steps[last]);
         self.figure.iter().chain(last.into_iter().flat_map(|step| &step.marks))
     }
 }
 
-/// Returns a name and a value, both as text.
+/// Returns a pair of a name and a value, both as text.
 pub(crate) fn pair(name: &str, value: impl Into<String>) -> (String, String) {
     (name.to_owned(), value.into())
 }
 
-/// Formats a number with a fixed number of decimals and a true minus sign.
+/// Formats a number with `decimals` decimals and a typographic minus sign (U+2212).
 pub(crate) fn number(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     // Values that round to zero have no sign.
@@ -146,7 +148,7 @@ pub(crate) fn number(value: f64, decimals: usize) -> String {
     text.replace('-', "−")
 }
 
-/// Measures the time of one run: the minimum over 3 rounds, each averaging as many runs as take 0.4 ms.
+/// Measures the duration of one run: the minimum over 3 rounds, each of which averages the runs of at least 0.4 ms.
 pub(crate) fn time_of(mut run: impl FnMut() -> usize) -> Duration {
     const ROUND: Duration = Duration::from_micros(400);
     const ROUNDS: usize = 3;
@@ -161,14 +163,14 @@ pub(crate) fn time_of(mut run: impl FnMut() -> usize) -> Duration {
     std::iter::repeat_with(round).take(ROUNDS).min().unwrap_or_default()
 }
 
-/// Method with its error and its time.
+/// Error and run time of one method.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MethodResult {
     /// Display name of the method.
     pub(crate) name: &'static str,
-    /// Error against the reference, in the unit that the comparison states.
+    /// Error against the reference, in the unit that [`MethodComparison::error`] states.
     pub(crate) error: f64,
-    /// Measured time of one run.
+    /// Measured duration of one run.
     pub(crate) time: Duration,
 }
 

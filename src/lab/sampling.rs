@@ -1,4 +1,4 @@
-//! Sampling of a shape or pattern to pixels: sources of aliasing, and remedies.
+//! Lab page on sampling shapes and patterns at pixels: sources of aliasing, and remedies.
 
 use std::f32::consts::{FRAC_PI_4, SQRT_2};
 use std::f64::consts::{PI, TAU};
@@ -71,7 +71,8 @@ impl SamplingMethod {
     }
 }
 
-/// Sharpening strength: the mask adds this multiple of a pixel's difference from the mean of its four neighbours.
+/// Sharpening strength: the unsharp mask adds this multiple of a pixel's difference from the mean of its four
+/// neighbours.
 const SHARPENING: f32 = 4.0;
 
 /// Length of the path of motion blur, in pixels: it reaches the two diagonal neighbours of a pixel.
@@ -80,10 +81,11 @@ const MOTION_PX: f32 = 2.0 * SQRT_2;
 /// Size of the grid, in columns and rows.
 const SIZE: (u32, u32) = (48, 36);
 
-/// Half the number of points per axis that approximate a weighted area without a closed form.
+/// Half the number of sample points per axis for the numerical integration of weighted means that have no closed form.
 const DENSE: u32 = 12;
 
-/// Number of points per axis that approximate a reference without a closed form; it differs from those of all methods.
+/// Number of sample points per axis for reference values that have no closed form. It differs from the number that any
+/// method uses.
 const TRUTH: u32 = 43;
 
 /// Number of recorded frames of the wheel.
@@ -92,14 +94,14 @@ const FRAMES: u32 = 48;
 /// Number of spokes of the wheel.
 const SPOKES: f64 = 8.0;
 
-/// Input and settings of the page on sampling.
+/// Input and settings of the lab page on sampling.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SamplingLesson {
-    /// Scene that is sampled.
+    /// Scene to sample.
     pub(crate) scene: SamplingScene,
     /// Method that computes the pixels.
     pub(crate) method: SamplingMethod,
-    /// Sample points per axis within a pixel.
+    /// Number of sample points per axis within a pixel.
     pub(crate) points: u32,
     /// Direction of the edge, in degrees.
     pub(crate) angle_degrees: f32,
@@ -164,19 +166,19 @@ impl SamplingLesson {
         }
     }
 
-    /// Returns the unit normal of the edge, towards the set side.
+    /// Returns the unit normal of the edge, pointing to the covered side.
     fn normal(&self) -> DVec2 {
         DVec2::from_angle(f64::from(self.angle_degrees).to_radians()).perp()
     }
 
-    /// Returns the half-plane of the edge as a square far larger than the grid.
+    /// Returns the covered half-plane of the edge, as a square far larger than the grid.
     fn half_plane(&self) -> [DVec2; 4] {
         const FAR: f64 = 1_000.0;
         let (normal, along) = (self.normal() * FAR, self.normal().perp() * FAR);
         [self.middle - along, self.middle + along, self.middle + along + normal, self.middle - along + normal]
     }
 
-    /// Returns the mean of `count` × `count` points in a regular or jittered grid.
+    /// Returns the mean value over `count` × `count` sample points of a pixel, in a regular or jittered grid.
     fn mean(&self, (x, y): (u32, u32), count: u32, jittered: bool, turn: f64) -> f64 {
         let mut random = fastrand::Rng::with_seed(u64::from(y * SIZE.0 + x));
         let mut offset = |cell: u32| {
@@ -190,7 +192,7 @@ impl SamplingLesson {
         sum / f64::from(count * count)
     }
 
-    /// Returns the weighted mean over the filter around a pixel: exact for the edge, by many points for other scenes.
+    /// Returns the filter-weighted mean around a pixel: exact for the edge, by numerical integration for other scenes.
     fn weighted(&self, (x, y): (u32, u32), weight: Weight, turn: f64) -> f64 {
         let center = DVec2::new(x.into(), y.into()) + 0.5;
         if self.scene == SamplingScene::Edge {
@@ -210,7 +212,7 @@ impl SamplingLesson {
         sum / whole
     }
 
-    /// Returns the picture that a method computes for one rotation of the wheel.
+    /// Returns the picture that a method computes with the wheel rotated by `turn` full turns.
     fn picture(&self, method: SamplingMethod, turn: f64) -> Image<f64> {
         if let Some(mask) = method.mask() {
             return mask.apply_to_numbers(&self.picture(SamplingMethod::Point, turn));
@@ -223,7 +225,7 @@ impl SamplingLesson {
         })
     }
 
-    /// Returns the mean of the source over a pixel's square, weighting texels by their area inside the square.
+    /// Returns the mean of the source picture over a pixel's square, weighting texels by their area inside the square.
     fn texel_mean(&self, (x, y): (u32, u32)) -> f64 {
         let along = |pixel: u32, middle: f64, side: u32, texels: u32| {
             let per_px = f64::from(texels) / f64::from(side);
@@ -239,8 +241,8 @@ impl SamplingLesson {
             .sum()
     }
 
-    /// Returns the reference, the mean value of each pixel's square: by exact areas for the edge and pictures, by many
-    /// points for other scenes.
+    /// Returns the reference: the mean value over each pixel's square. It is exact for the edge and for pictures, and a
+    /// mean of many sample points for other scenes.
     fn truth(&self) -> Image<f64> {
         match self.scene {
             SamplingScene::Edge => {}
@@ -288,7 +290,7 @@ impl SamplingLesson {
         recording
     }
 
-    /// Adds the values of the chosen pixel to the results of the run.
+    /// Adds the values of the chosen pixel to the results shown for the run.
     fn add_chosen_values(&self, recording: &mut Recording, picture: &Image<f64>, truth: &Image<f64>) {
         let (x, y) = self.chosen;
         recording.facts.push((format!("pixel ({x}, {y})"), number(picture.at(x, y), 5)));
@@ -319,7 +321,7 @@ impl SamplingLesson {
         }
     }
 
-    /// Returns the sample points in the chosen column of a row.
+    /// Returns marks at the sample points of the pixel in row `y` and the chosen column.
     fn sample_marks(&self, y: u32) -> Vec<Mark> {
         let x = self.chosen.0;
         let corner = DVec2::new(x.into(), y.into());
@@ -399,7 +401,7 @@ impl SamplingLesson {
         self.middle = (to * 4.0).round() / 4.0;
     }
 
-    /// Selects the picture scene with this picture as its source.
+    /// Selects the picture scene and makes `picture` its source.
     pub(crate) fn set_picture(&mut self, picture: &Image<Rgba8>) {
         (self.scene, self.source) = (SamplingScene::Picture, Arc::new(brightness(picture)));
     }
@@ -411,7 +413,7 @@ impl SamplingLesson {
         }
     }
 
-    /// Compares all methods on the current scene.
+    /// Compares the errors and run times of all methods on the current scene.
     pub(super) fn compare(&self) -> MethodComparison {
         let truth = self.truth();
         let rival = |method: SamplingMethod| {
@@ -431,9 +433,9 @@ impl SamplingLesson {
         MethodComparison { task, error: "root mean square error", methods: rivals, note }
     }
 
-    /// Describes the error that supersampling achieves in the time of the blur.
+    /// Describes the error of supersampling given the same run time as `blur`.
     fn error_in_time_of(&self, blur: &MethodResult, truth: &Image<f64>) -> String {
-        /// Largest number of points per axis to try, which takes longer than any blur.
+        /// Largest number of sample points per axis to try; these take longer than any blur.
         const MAX_POINTS: u32 = 8;
         let timed = |points| {
             let lesson = Self { points, ..self.clone() };

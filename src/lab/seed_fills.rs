@@ -1,4 +1,4 @@
-//! Filling a region of a painted grid from a seed.
+//! Lab page on filling a region of a painted grid from a seed.
 
 use glam::DVec2;
 
@@ -10,7 +10,7 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
-    /// Definition of the filled region.
+    /// Criterion by which a pixel belongs to the filled region.
     RegionKind {
         Flood = "flood", "Flood", "All pixels of the seed's colour that are connected with it.";
         Boundary = "boundary", "Boundary", "All connected pixels up to a wall, of any colour.";
@@ -18,7 +18,7 @@ choice! {
 }
 
 choice! {
-    /// Connectivity of the region.
+    /// Connectivity of the filled region.
     Neighbours {
         Four = "four", "4-connected", "Neighbours share an edge: right, below, left, above.";
         Eight = "eight", "8-connected", "Neighbours share an edge or a corner.";
@@ -26,7 +26,7 @@ choice! {
 }
 
 choice! {
-    /// Order of the fill.
+    /// Order in which a seed fill visits pixels.
     FillOrder {
         Spans = "spans", "By spans",
             "Fills whole runs and pushes one seed for each run above and below: the stack stays small.";
@@ -55,7 +55,7 @@ pub(crate) enum Paint {
     Paper,
     /// Wall: the boundary colour of a boundary fill.
     Wall,
-    /// A colour other than the paper: a flood fill stops there, a boundary fill does not.
+    /// Coloured pixel: a flood fill stops there, a boundary fill does not.
     Spot,
     /// Pixel filled by the algorithm.
     Filled,
@@ -64,18 +64,18 @@ pub(crate) enum Paint {
 /// Size of the grid, in columns and rows.
 const SIZE: (u32, u32) = (30, 20);
 
-/// Input and settings of the page on seed fills.
+/// Input and settings of the lab page on seed fills.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SeedFillLesson {
-    /// Grid in which the fill starts.
+    /// Grid before the fill.
     pub(crate) grid: Image<Paint>,
     /// Column and row of the pixel where the fill starts.
     pub(crate) seed: (u32, u32),
-    /// Definition of the region.
+    /// Criterion by which a pixel belongs to the region.
     pub(crate) region: RegionKind,
     /// Connectivity of the region.
     pub(crate) neighbours: Neighbours,
-    /// Order of the fill.
+    /// Order in which the fill visits pixels.
     pub(crate) order: FillOrder,
 }
 
@@ -120,7 +120,8 @@ impl SeedFillPreset {
 }
 
 impl SeedFillLesson {
-    /// Replaces the grid by a picture reduced to its size: dark cells are walls, coloured ones spots.
+    /// Replaces the grid by a picture that is reduced to the grid's size: dark pixels become [`Paint::Wall`], coloured
+    /// ones [`Paint::Spot`].
     pub(crate) fn set_picture(&mut self, picture: &Image<Rgba8>) {
         self.grid = painted(picture, SIZE);
     }
@@ -171,7 +172,7 @@ impl SeedFillLesson {
         recording
     }
 
-    /// Records a fill by pixels. Returns the greatest length of the stack.
+    /// Records a fill pixel by pixel. Returns the maximum number of pixels on the stack.
     fn record_pixels(&self, grid: &mut Image<Paint>, recording: &mut Recording) -> usize {
         let mut walk = stack_fill(grid, self.seed, self.region(), self.connectivity(), Paint::Filled);
         let mut deepest = 0;
@@ -245,7 +246,7 @@ impl SeedFillLesson {
     }
 }
 
-/// Compared methods: name, connectivity and order.
+/// Compared methods: display name, connectivity and fill order.
 const METHODS: [(&str, Neighbours, FillOrder); 4] = [
     ("4-connected, by pixels", Neighbours::Four, FillOrder::Pixels),
     ("4-connected, by spans", Neighbours::Four, FillOrder::Spans),
@@ -254,7 +255,8 @@ const METHODS: [(&str, Neighbours, FillOrder); 4] = [
 ];
 
 impl SeedFillLesson {
-    /// Compares all methods on the grid enlarged 8 times with the region that is connected by the chosen neighbours.
+    /// Compares all methods on the grid, enlarged 8 times. The reference is the region connected to the seed by the
+    /// chosen connectivity.
     pub(super) fn compare(&self) -> MethodComparison {
         const LARGER: u32 = 8;
         let (width, height) = (self.grid.width() * LARGER, self.grid.height() * LARGER);
@@ -291,8 +293,8 @@ impl SeedFillLesson {
         filled
     }
 
-    /// Returns for each pixel whether it is connected with the seed, by definition: sweeps over the whole grid add each
-    /// open pixel beside a connected one, until nothing changes. Neither a stack nor an order of filling is involved.
+    /// Returns for each pixel whether it is connected with the seed. Follows the definition: sweeps over the whole grid
+    /// add each open pixel beside a connected one, until nothing changes. Uses neither a stack nor an order of filling.
     fn connected_region(&self) -> Image<bool> {
         let (width, height) = self.grid.size();
         let seed = self.grid.at(self.seed.0, self.seed.1);
@@ -322,9 +324,9 @@ impl SeedFillLesson {
     }
 }
 
-/// Returns a recorded step with the state of the stack after it.
+/// Returns a recorded step that sets the pixels `filled` and shows the stack of pending pixels after it.
 fn stack_step(filled: &[(u32, u32)], stack: &[(u32, u32)], says: String) -> RecordedStep {
-    /// Number of pending pixels listed in the state.
+    /// Maximum number of pending pixels listed in the state.
     const LISTED: usize = 14;
     let center = |(x, y): &(u32, u32)| DVec2::new((*x).into(), (*y).into()) + 0.5;
     let mut state = vec![pair("stack size", stack.len().to_string())];

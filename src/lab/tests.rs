@@ -1,4 +1,4 @@
-//! Properties of all pages, and expected results of single pages.
+//! Tests of properties that all lab pages share, and of expected results of single pages.
 
 use std::collections::HashSet;
 

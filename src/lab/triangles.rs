@@ -1,5 +1,5 @@
-//! A triangle and its neighbour on a coarse grid: rasterizers in their own order, edge functions, and barycentric
-//! weights.
+//! Lab page on a triangle and its neighbour on a coarse grid: the visiting order of each rasterizer, edge functions,
+//! and barycentric weights.
 
 use glam::{DVec2, Vec2};
 
@@ -29,10 +29,10 @@ choice! {
 /// Size of the grid, in columns and rows.
 const SIZE: (u32, u32) = (32, 24);
 
-/// Interpolated values at the corners, in [0, 1].
+/// Values at the three corners that are interpolated over the triangle, in [0, 1].
 const VALUES: [f32; 3] = [0.0, 0.5, 1.0];
 
-/// Input and settings of the page on triangles: ABC and its neighbour CBD.
+/// Input and settings of the lab page on triangles: triangle ABC and its neighbour CBD.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct TriangleLesson {
     /// Corners A, B, C and D, in pixels.
@@ -59,7 +59,7 @@ impl Default for TriangleLesson {
     }
 }
 
-/// Reference rasterizer and arithmetic for correct coverage.
+/// Rasterizer and arithmetic that compute the reference coverage.
 const TRUTH: (Rasterizer, Arithmetic) = (Rasterizer::BoundingBox, Arithmetic::Exact);
 
 impl TriangleLesson {
@@ -138,7 +138,7 @@ impl TriangleLesson {
         recording.fact("spans of ABC", self.spans(self.first()).len().to_string());
     }
 
-    /// Counts the pixels whose centre lies on the shared side and that neither triangle covers.
+    /// Counts the pixels whose centre lies on the shared edge and that neither triangle covers.
     fn missed(&self, first: &[(u32, u32)], second: &[(u32, u32)]) -> usize {
         let inclusive =
             Self { rule: FillRule::Inclusive, rasterizer: TRUTH.0, arithmetic: self.arithmetic, ..self.clone() };
@@ -149,7 +149,7 @@ impl TriangleLesson {
         shared.filter(|pixel| !first.contains(pixel) && !second.contains(pixel)).count()
     }
 
-    /// Colours all pixels by the sign of one edge function, and records the pixels of the triangle.
+    /// Colours all pixels by the sign of one edge function, and records a step for each pixel of the triangle.
     fn record_edge(&self, edge: usize, recording: &mut Recording) {
         let corners = self.first();
         let Some(triangle) = AnyTriangle::new(self.arithmetic, corners.map(Vec2::into), self.rule) else { return };
@@ -277,7 +277,8 @@ impl TriangleLesson {
         }
     }
 
-    /// Compares all rasterizers on the first triangle, enlarged 20 times, against exact arithmetic.
+    /// Compares all rasterizers on the first triangle, enlarged 20 times. The reference is coverage in exact
+    /// arithmetic.
     pub(super) fn compare(&self) -> MethodComparison {
         const LARGER: f32 = 20.0;
         let corners = self.first().map(|corner| (corner * LARGER).to_array());
@@ -302,7 +303,7 @@ impl TriangleLesson {
     }
 }
 
-/// Returns the three edge functions as text, each with the barycentric weight that it corresponds to, and their sum.
+/// Returns the three edge values as text, each with the barycentric weight that it corresponds to, and their sum.
 fn edge_state(edges: [f64; 3], doubled_area: f64) -> Vec<(String, String)> {
     let names = ["opposite the 1st corner", "opposite the 2nd", "opposite the 3rd"];
     let decimals = if edges.iter().all(|edge| edge.fract() == 0.0) { 0 } else { 4 };

@@ -12,7 +12,7 @@ pub(crate) struct Aabb {
 }
 
 impl Aabb {
-    /// Box that contains every finite point.
+    /// Box that contains every point with finite coordinates.
     pub(crate) const EVERYTHING: Self = Self { min: Vec3::MIN, max: Vec3::MAX };
 
     /// Box that contains no point.

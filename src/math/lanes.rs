@@ -43,8 +43,8 @@ type Baseline = fearless_simd::Fallback;
 /// Number of lanes that a kernel processes at a time.
 pub(crate) const LANES: usize = 8;
 
-/// Number of lanes that an `f32`-only kernel processes at a time. Registers of sixteen floats then need half as many
-/// instructions.
+/// Number of lanes that an `f32`-only kernel processes at a time. Processors with registers of sixteen floats then need
+/// half as many instructions.
 pub(crate) const WIDE: usize = 2 * LANES;
 
 /// Vector of eight `f32` lanes.
@@ -72,7 +72,7 @@ impl Lanes {
         Self::avx512().or_else(Self::avx2).unwrap_or_else(Self::baseline)
     }
 
-    /// Returns all instruction sets that this processor supports, the best first.
+    /// Returns all instruction sets that this processor supports, best first.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
         [Self::avx512(), Self::avx2(), Some(Self::baseline())].into_iter().flatten()
     }

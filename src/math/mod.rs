@@ -66,7 +66,7 @@ pub(crate) fn unit_or_lanes<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3], fall
 fn approximate_unit_lanes<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3]) -> Option<[lanes::F32<S>; 3]> {
     use lanes::{F32, SimdBase as _, SimdFloat as _, SimdMask as _, narrow, widen};
     const SLACK: f64 = 1.0 / (1_u64 << 42) as f64;
-    /// Range of squared lengths for which `f32` has its full precision, for square roots and reciprocals as well.
+    /// Range of squared lengths in which the square root and its reciprocal have full `f32` precision.
     const SQUARES: [f64; 2] = [1e-30, 1e30];
     let squares = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
     let root = widen(simd, F32::splat(simd, 1.0) / narrow(simd, squares).sqrt());
@@ -96,7 +96,7 @@ pub(crate) fn floor(x: f32) -> f32 {
 mod tests {
     use super::*;
 
-    /// Returns eight vectors normalised by [`unit_or_lanes`], once per instruction set of this processor.
+    /// Normalises eight vectors by [`unit_or_lanes`], once with each instruction set of this processor.
     fn units(vectors: [Vec3; lanes::LANES], fallback: Vec3) -> Vec<[Vec3; lanes::LANES]> {
         use lanes::{F32, Lanes, SimdBase as _, each, on_lanes, widen};
         let columns: [[f32; lanes::LANES]; 3] = std::array::from_fn(|axis| vectors.map(|v| v[axis]));

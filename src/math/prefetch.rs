@@ -1,6 +1,6 @@
 //! Software prefetch into the processor's cache.
 
-/// Prefetches the item at index `place` into the cache. An index outside of `items` is harmless.
+/// Prefetches the item at index `place` of `items` into the cache. An index out of range is harmless.
 #[inline(always)]
 #[cfg_attr(
     target_arch = "x86_64",

@@ -7,7 +7,7 @@ use super::flip;
 use super::region::PixelRegion;
 use crate::image::{Image, Rgba8};
 
-/// Error of an image against a reference, by every metric.
+/// Error of an image against a reference, one value per metric.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ErrorMetrics {
     /// Error metrics on 8-bit sRGB-encoded values.

@@ -22,7 +22,7 @@ use crate::scene::Scene;
 /// Number of warm-up frames before the measured ones: buffers get allocated, caches and clock frequencies settle.
 const WARM_UP_FRAMES: i64 = 3;
 
-/// Time to write the bytes of a frame without drawing anything: a lower bound for every frame time.
+/// Time to write the bytes of a frame without drawing anything, which is a lower bound for every frame time.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Writing {
     /// Milliseconds to fill as many bytes as the frame holds, with the same threads.
@@ -40,7 +40,7 @@ pub(crate) struct BenchReport {
     pub(crate) size: [u32; 2],
     /// Number of threads in the rayon pool.
     pub(crate) threads: usize,
-    /// Machine and build, with the system load at the start and at the end.
+    /// Machine and build, with the system load at the start and at the end of the benchmark.
     pub(crate) machine: Machine,
     /// Camera motion over the measured frames; the sequence repeats until enough frames are timed.
     pub(crate) turn: Turn,
@@ -48,17 +48,17 @@ pub(crate) struct BenchReport {
     pub(crate) execution: &'static str,
     /// Whether the benchmark was cancelled before all frames were drawn.
     pub(crate) partial: bool,
-    /// Noise floor: odd frames against even frames. `None` for a single frame.
+    /// Noise floor, from comparing the times of odd frames with those of even frames. `None` for a single frame.
     pub(crate) noise: Option<Noise>,
     /// Time of a whole frame, in milliseconds.
     pub(crate) frame_ms: Summary,
     /// Time of each stage in milliseconds, in pipeline order; the medians add up to the median frame time.
     pub(crate) stages: Vec<StageSummary>,
-    /// Baseline: time to write the bytes of the frame.
+    /// Time to write the bytes of the frame, as a baseline for the frame time.
     pub(crate) writing: Writing,
     /// Counters of the last frame, in pipeline order.
     pub(crate) counts: Vec<(&'static str, u64)>,
-    /// Bytes held by the frame, the renderer and the scene.
+    /// Memory held by the frame, the renderer and the scene, in bytes.
     pub(crate) bytes: Bytes,
     /// Median frame time per triangle of the scene, in nanoseconds.
     pub(crate) ns_per_triangle: f64,
@@ -96,8 +96,8 @@ struct FrameSample {
     counts: Vec<(&'static str, u64)>,
 }
 
-/// Times the frames of a sequence repeatedly, each with its history in the sequence, on the current rayon pool. Returns
-/// `None` if cancelled before the first measured frame was complete.
+/// Times the frames of a sequence repeatedly on the current rayon pool. Each frame has the temporal history that it has
+/// in the sequence. Returns `None` if cancelled before the first measured frame was complete.
 pub(crate) fn bench(
     shot: &FrameSequence<'_>,
     recipe: &Recipe,
@@ -157,8 +157,8 @@ fn ms(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }
 
-/// Times filling a buffer of `bytes` bytes `times` times. Each thread of the pool fills an equal share; warm-up runs
-/// are not returned.
+/// Returns the times of filling a buffer of `bytes` bytes, `times` times. Each thread of the pool fills an equal share.
+/// Warm-up runs are not returned.
 fn times_of_writing(bytes: usize, times: usize) -> Vec<Duration> {
     let mut memory = vec![0_u8; bytes.max(1)];
     let share = memory.len().div_ceil(rayon::current_num_threads());

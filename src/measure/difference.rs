@@ -8,22 +8,23 @@ use crate::pipeline::settings::{Choice, choice};
 choice! {
     /// Quantity that a difference image shows.
     Difference {
-        Absolute = "absolute", "Absolute", "The largest difference of the codes of red, green and blue.";
-        Signed = "signed", "Signed", "The difference of luma, A − B, in codes: positive if A is lighter.";
+        Absolute = "absolute", "Absolute",
+            "The largest of the absolute differences of red, green and blue, in sRGB codes.";
+        Signed = "signed", "Signed", "The difference of luma, A − B, in sRGB codes: positive if A is lighter.";
         Squared = "squared", "Squared",
-            "The mean of the squared differences of red, green and blue, as in MSE and PSNR.";
+            "The mean of the squared differences of red, green and blue in sRGB codes, as in MSE and PSNR.";
         Flip = "flip", "FLIP", "The difference that is perceived when flipping between both pictures, 0 to 1.";
     }
 }
 
-/// Gains to choose from; a gain divides the range of values that the colour map spans.
+/// Available gains; a gain divides the range of values that the colour map spans.
 pub(crate) const GAINS: [u32; 9] = [1, 2, 4, 8, 16, 32, 64, 128, 256];
 
 /// Largest 8-bit channel value, as a float.
 const CODES: f64 = 255.0;
 
 impl Difference {
-    /// Returns the values at the two ends of the colour map.
+    /// Returns the values at the two ends of the colour map, in the unit of [`values`].
     pub(crate) fn range(self, gain: u32) -> (f64, f64) {
         let gain = f64::from(gain.max(1));
         match self {
@@ -34,7 +35,7 @@ impl Difference {
         }
     }
 
-    /// Returns the colour at position `share` in the colour map, clamped to [0, 1]. For signed differences, 0.5 is
+    /// Returns the colour at a position in the colour map. `share` is clamped to [0, 1]; for signed differences, 0.5 is
     /// zero.
     pub fn color(self, share: f64) -> Rgba8 {
         let share = share.clamp(0.0, 1.0);

@@ -47,10 +47,10 @@ impl FrameDifference {
     }
 }
 
-/// One configuration of tiled execution and its result.
+/// Configuration of tiled execution, and its result.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct ExecutionVariant {
-    /// Name of the SIMD lanes.
+    /// Name of the SIMD instruction set.
     pub(crate) lanes: &'static str,
     /// Number of threads that drew the frame.
     pub(crate) threads: usize,
@@ -58,7 +58,7 @@ pub(crate) struct ExecutionVariant {
     pub(crate) difference: Option<FrameDifference>,
 }
 
-/// Result of comparing classic with tiled execution.
+/// Result of comparing classic and tiled execution.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Equality {
     /// All configurations that were compared.

@@ -72,7 +72,7 @@ pub(crate) struct Perceived {
 }
 
 impl Perceived {
-    /// Filters an image as a viewer perceives it. Alpha is ignored.
+    /// Preprocesses an image: filters it as a viewer perceives it, and detects edges and points. Alpha is ignored.
     pub(crate) fn new(picture: &Image<Rgba8>) -> Self {
         let (width, height) = picture.size();
         let opponents = Opponents::new();
@@ -98,8 +98,8 @@ impl Perceived {
         Self { lab, features }
     }
 
-    /// Returns the FLIP error of every pixel in [0, 1], or `None` if the sizes differ or there are no pixels. The
-    /// result is symmetric.
+    /// Returns the FLIP error of every pixel in [0, 1], or `None` if the sizes differ or there are no pixels. Swapping
+    /// the two images gives the same result.
     pub(crate) fn difference(&self, other: &Self) -> Option<Image<f32>> {
         if self.lab.size() != other.lab.size() || self.lab.pixels().is_empty() {
             return None;
@@ -121,8 +121,8 @@ impl Perceived {
     }
 }
 
-/// Returns the FLIP error of every pixel in [0, 1], or `None` if the sizes differ or there are no pixels. The result is
-/// symmetric. Alpha is ignored.
+/// Returns the FLIP error of every pixel in [0, 1], or `None` if the sizes differ or there are no pixels. Swapping the
+/// two images gives the same result. Alpha is ignored.
 ///
 /// # Examples
 /// ```
@@ -145,7 +145,7 @@ pub fn map(a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<Image<f32>> {
     Perceived::new(a).difference(&Perceived::new(b))
 }
 
-/// Returns the mean of the pixel errors that [`map`] returns, or of a part of them.
+/// Returns the mean of per-pixel errors, as returned by [`map`] for a whole image, or of a part of them.
 pub(super) fn mean(errors: &Image<f32>) -> f64 {
     errors.pixels().iter().map(|error| f64::from(*error)).sum::<f64>() / errors.pixels().len() as f64
 }
@@ -231,7 +231,8 @@ fn product(matrix: &[[f32; 3]; 3], v: [f32; 3]) -> [f32; 3] {
     matrix.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
 }
 
-/// Computes the HyAB distance of two colours: absolute difference in lightness plus Euclidean distance in chroma.
+/// Returns the HyAB distance of two L\*a\*b\* colours: absolute difference in lightness plus Euclidean distance in
+/// chroma.
 fn distance(a: [f32; 3], b: [f32; 3]) -> f32 {
     let (da, db) = (a[1] - b[1], a[2] - b[2]);
     (a[0] - b[0]).abs() + (da * da + db * db).sqrt()
@@ -462,7 +463,7 @@ mod tests {
         [x / 16 % 2, x / 32 % 2, x / 64 % 2].map(|on| 255 * on)
     }
 
-    /// Returns a colour mixed with a quarter of its grey.
+    /// Returns a less saturated colour: 3/4 of `color` plus 1/4 of its grey.
     fn dull(color: [u32; 3]) -> [u32; 3] {
         let grey = color.iter().sum::<u32>() / 3;
         color.map(|code| (3 * code + grey) / 4)

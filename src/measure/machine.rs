@@ -1,4 +1,4 @@
-//! The machine and build that times were measured on, with the system load: times are meaningless without them.
+//! Machine and build on which times were measured, with the system load: times are meaningless without them.
 
 use serde::Serialize;
 
@@ -23,7 +23,7 @@ pub(crate) struct Machine {
 }
 
 impl Machine {
-    /// Describes the current machine and build at the start of a measurement.
+    /// Describes the machine and the build, with the current load as the load at the start of the measurement.
     pub(crate) fn at_start() -> Self {
         let named = |line: &str| Some(line.strip_prefix("model name")?.split_once(':')?.1.trim().to_owned());
         Self {

@@ -1,4 +1,4 @@
-//! Errors of a moving view: each frame of a sequence against the reference of the same frame.
+//! Errors of a moving view: each frame of a sequence is compared with the reference of the same frame.
 //!
 //! A temporal method can match its reference once the view is still, and yet be far from it while the view moves.
 //! Methods are therefore compared over a sequence: the camera orbits its target by a constant angle per frame and ends
@@ -57,7 +57,7 @@ impl Turn {
     }
 
     /// Returns the number of the frame that a timing run draws in round `round`: the measured frames, repeated in
-    /// order. Warm-up rounds have negative numbers, as have warm-up frames.
+    /// order. Warm-up rounds have negative numbers and draw warm-up frames.
     pub(crate) fn frame_of_round(&self, round: i64) -> i64 {
         if round < 0 { round } else { round % i64::from(self.frames) }
     }
@@ -111,12 +111,12 @@ impl MotionError {
     }
 }
 
-/// Playback of a sequence with one recipe; every frame gets the history it has in the sequence.
+/// Playback of a sequence with one recipe. Every frame is drawn with the temporal history that it has in the sequence.
 #[derive(Debug)]
 pub(crate) struct Playback {
     recipe: Recipe,
     lanes: Lanes,
-    /// Renderer with history; `None` for recipes that read no earlier frame.
+    /// Renderer that keeps the temporal history; `None` for recipes that read no earlier frame.
     history: Option<RenderRun>,
 }
 
@@ -124,25 +124,25 @@ pub(crate) struct Playback {
 #[derive(Debug)]
 struct RenderRun {
     renderer: Renderer,
-    /// Numbers of the frames drawn. A still view repeats one frame, counted from 0.
+    /// Numbers of the frames drawn. A still view repeats one frame; the repetitions are counted from 0.
     frames: Range<i64>,
 }
 
 impl Playback {
-    /// Creates a playback for `recipe` with the best lanes of the processor; draws nothing yet.
+    /// Creates a playback for `recipe` with the best instruction set of the processor; draws nothing yet.
     pub(crate) fn new(recipe: Recipe) -> Self {
         Self::on(recipe, Lanes::best())
     }
 
-    /// Creates a playback for `recipe` with the given lanes; draws nothing yet.
+    /// Creates a playback for `recipe` with the given instruction set; draws nothing yet.
     pub(crate) fn on(recipe: Recipe, lanes: Lanes) -> Self {
         let reads_past = recipe.upscaler.upscaler().reads().history;
         let history = reads_past.then(|| RenderRun { renderer: Renderer::on(lanes), frames: 0..0 });
         Self { recipe, lanes, history }
     }
 
-    /// Draws the next missing frame in the history of frame `number`, if any. Returns whether a frame was drawn.
-    /// `number` must be greater than −[`Turn::WARM_UP`].
+    /// Draws the next frame that is missing in the history of frame `number`, if any. Returns whether a frame was
+    /// drawn. `number` must be greater than −[`Turn::WARM_UP`].
     pub(crate) fn warm_up(&mut self, shot: &FrameSequence<'_>, number: i64) -> bool {
         let Some(run) = &mut self.history else { return false };
         let Some(missing) = run.missing(shot.turn, number) else { return false };
@@ -154,8 +154,8 @@ impl Playback {
         true
     }
 
-    /// Draws frame `number` after the frames that its history depends on, and returns the result of `look`. Recipes
-    /// without history use the renderer `shared`.
+    /// Draws frame `number` after the frames that its history depends on. Calls `look` with the frame and returns the
+    /// result. Recipes without history use the renderer `shared`.
     pub(crate) fn draw<T>(
         &mut self,
         shot: &FrameSequence<'_>,
@@ -195,7 +195,7 @@ impl RenderRun {
     }
 }
 
-/// Draws frame `number` and returns the result of `look` for it.
+/// Draws frame `number`, calls `look` with it, and returns the result.
 fn drawn<T>(
     shot: &FrameSequence<'_>,
     number: i64,

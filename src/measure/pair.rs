@@ -1,4 +1,4 @@
-//! Effect of a recipe change on frame time: frames of both recipes, interleaved, with the noise floor.
+//! Effect of a recipe change on frame time: frames of both recipes are timed in alternation, with the noise floor.
 
 use serde::Serialize;
 
@@ -17,7 +17,7 @@ pub(crate) struct PairTimes {
     pub(crate) b_ms: Summary,
     /// Time of B minus time of A in the same round.
     pub(crate) change_ms: Summary,
-    /// Noise floor, from timing both recipes against themselves in the same rounds.
+    /// Noise floor, from timing each recipe twice per round.
     pub(crate) noise: Noise,
     /// Whether the median change is within the noise floor.
     pub(crate) within_noise: bool,
@@ -50,7 +50,7 @@ impl PairTimer {
         Self { timer: RoundTimer::new(&[a, b], rounds) }
     }
 
-    /// Returns the fraction of the frames drawn so far, in [0, 1].
+    /// Returns the completed fraction of the frames to draw, in [0, 1].
     pub(crate) fn progress(&self) -> f32 {
         let (done, of) = self.timer.progress();
         done as f32 / of.max(1) as f32

@@ -1,8 +1,9 @@
 //! Reference images for error metrics. An error is meaningless without the name of its reference:
 //!
-//! * *native* is the same recipe with one sample in every pixel; an error against it is what an approximation changed;
+//! * *native* is the same recipe with one sample in every pixel; an error against it is the change that an
+//!   approximation, such as an upscaler, makes;
 //! * *converged* is the mean of 256 samples per pixel in linear light; an error against it is the distance from the
-//!   ideal image, and native has such an error, too.
+//!   ideal image. The native image has such an error, too.
 
 use std::sync::Arc;
 
@@ -24,7 +25,7 @@ choice! {
 }
 
 impl Reference {
-    /// Returns the number of samples per pixel.
+    /// Returns the number of samples per pixel in the reference.
     pub fn samples(self) -> u32 {
         match self {
             Self::Native => 1,
@@ -32,7 +33,8 @@ impl Reference {
         }
     }
 
-    /// Begins to render the reference of a recipe: its pipeline without upscaler, post filter and wireframe.
+    /// Begins to render the reference for a recipe, which uses the recipe's pipeline without upscaler, post filter and
+    /// wireframe.
     pub(crate) fn begin(
         self,
         scene: &Arc<Scene>,

@@ -29,7 +29,7 @@ impl PixelRegion {
         Some(Image::from_fn(right - self.left, bottom - self.top, |x, y| picture.at(self.left + x, self.top + y)))
     }
 
-    /// Applies [`compare`] to the parts of two images inside the rectangle. SSIM reads no pixels outside.
+    /// Applies [`compare`] to the parts of two images inside the rectangle. SSIM reads no pixels outside the rectangle.
     pub(crate) fn compare(self, a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<ImageError> {
         if a.size() != b.size() {
             return None;
@@ -37,8 +37,8 @@ impl PixelRegion {
         compare(&self.of(a)?, &self.of(b)?)
     }
 
-    /// Returns the mean inside the rectangle of per-pixel errors such as those of [`flip::map`]. These errors also
-    /// depend on pixels outside it.
+    /// Returns the mean of per-pixel errors, such as those of [`flip::map`], inside the rectangle. FLIP errors also
+    /// depend on pixels outside the rectangle.
     pub(crate) fn mean(self, errors: &Image<f32>) -> Option<f64> {
         Some(flip::mean(&self.of(errors)?))
     }

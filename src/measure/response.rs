@@ -52,14 +52,16 @@ impl Responses {
         }
     }
 
-    /// Returns the smallest and largest heights of the step response; values outside [0, 1] are overshoot.
+    /// Returns the minimum and the maximum height of the step response, extended to include 0 and 1. Values outside [0,
+    /// 1] are overshoot.
     pub(crate) fn overshoot(&self) -> (f64, f64) {
         let heights = || self.step.iter().map(|[_, height]| *height);
         (heights().fold(0.0, f64::min), heights().fold(1.0, f64::max))
     }
 }
 
-/// Evaluates a zone plate, whose ring period falls to 2 px at the border: the finest that pixels can represent.
+/// Evaluates a zone plate, whose ring period falls to 2 px at the border, the shortest period that pixels can
+/// represent.
 fn zone_plate(x: f64, y: f64) -> f64 {
     let middle = f64::from(PLATE) / 2.0;
     let squared = (x - middle).powi(2) + (y - middle).powi(2);
@@ -74,7 +76,7 @@ fn samples(how: Upscaling, side: u32) -> (u32, u32) {
     sampling.grid().packed_size(width, height)
 }
 
-/// Returns the position of the sample nearest to the centre of the image, in pixels.
+/// Returns the position in pixels of the sample nearest to (`middle`, `middle`), in an image of `side` × `side` px.
 fn nearest_sample(how: Upscaling, side: u32, middle: f64) -> (f64, f64) {
     let (columns, rows) = samples(how, side);
     let positions = (0..rows).flat_map(|row| (0..columns).map(move |column| how.sampling().position_px((column, row))));

@@ -46,7 +46,7 @@ pub(crate) struct RoundTimer {
     renderer: Renderer,
     random: fastrand::Rng,
     order: Vec<usize>,
-    /// Number of entries drawn in the current round.
+    /// Number of entries already drawn in the current round.
     place: usize,
     /// Number of the current round, warm-up included.
     round: usize,
@@ -108,19 +108,19 @@ impl RoundTimer {
         self.round.saturating_sub(WARM_UP_ROUNDS)
     }
 
-    /// Returns the number of frames drawn and the total, both with warm-up rounds but without frames that only build up
-    /// history.
+    /// Returns the number of frames drawn so far and the total number. Both include warm-up rounds, but not frames that
+    /// only build up history.
     pub(crate) fn progress(&self) -> (usize, usize) {
         let count = self.entries.len();
         (self.round * count + self.place, (WARM_UP_ROUNDS + self.rounds) * count)
     }
 
-    /// Returns the times of a recipe, one per round.
+    /// Returns the times of a recipe, one entry per measured round.
     pub(crate) fn times(&self, recipe: usize) -> &[FrameTimes] {
         &self.entries[recipe].times
     }
 
-    /// Returns the frame times of a recipe in milliseconds, one per round.
+    /// Returns the frame times of a recipe in milliseconds, one entry per measured round.
     pub(crate) fn ms(&self, recipe: usize) -> Vec<f64> {
         ms(self.times(recipe))
     }

@@ -47,7 +47,7 @@ impl ScalingQuantity {
 pub(crate) struct ScalingPlan {
     /// Recipe that draws all frames.
     pub(crate) recipe: Recipe,
-    /// Image size for all series but the one over pixels.
+    /// Image size for all series except that over pixels.
     pub(crate) viewport: Viewport,
     /// Triangle counts of the series over triangles.
     pub(crate) triangles: Vec<usize>,
@@ -83,7 +83,7 @@ impl ScalingPlan {
     }
 }
 
-/// Cost of a frame at one value of the quantity.
+/// Cost of a frame at one value of the quantity that varies.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct ScalingPoint {
     /// Value of the quantity that varies.
@@ -133,9 +133,9 @@ impl Series {
 /// Result of a scaling measurement.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Scaling {
-    /// Image width and height in pixels, for all series but the one over pixels.
+    /// Image width and height in pixels, for all series except that over pixels.
     pub(crate) size: [u32; 2],
-    /// Number of threads, for all series but the one over threads.
+    /// Number of threads, for all series except that over threads.
     pub(crate) threads: usize,
     /// Number of measured rounds.
     pub(crate) rounds: usize,
@@ -156,7 +156,7 @@ pub(crate) enum ScalingError {
     Threads(#[from] rayon::ThreadPoolBuildError),
 }
 
-/// State of one point while it is measured.
+/// Point of a series while it is being measured.
 struct ScalingRun<'a> {
     value: f64,
     scene: Arc<Scene>,

@@ -1,4 +1,5 @@
-//! Savings from skipped work: frames of one view as planned and with skipped parts forced to run, interleaved.
+//! Time saved by skipping work: frames of one view are timed with every skip enabled and with skips disabled, in
+//! alternation.
 
 use std::hint::black_box;
 use std::sync::Arc;
@@ -17,41 +18,42 @@ use crate::pipeline::vertex::{DrawMatrices, containment};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 
-/// Time that a view saves by skipping a part of the work in some draws.
+/// Time that a view saves because some draws skip a part of the pipeline.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Saving {
-    /// Skipped part; `None` stands for all parts together.
+    /// Skipped part of the pipeline; `None` stands for all parts together.
     pub(crate) part: Option<PipelinePart>,
-    /// Number of draws that run the part only when it is forced.
+    /// Number of draws that skip the part unless the skip is disabled.
     pub(crate) draws: usize,
-    /// Milliseconds of a frame with the part forced minus those of the planned frame of the same round.
+    /// Milliseconds that a frame takes longer with the skip disabled than with every skip enabled, compared in the same
+    /// round.
     pub(crate) saved_ms: Summary,
     /// Whether the median saving is within the noise floor.
     pub(crate) within_noise: bool,
-    /// Whether the image is identical with and without the part.
+    /// Whether the image is identical with the skip enabled and disabled.
     pub(crate) same_picture: bool,
 }
 
-/// Savings from everything that a view skips.
+/// Time saved by all work that a view skips.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Savings {
-    /// Time of a frame as planned, in milliseconds.
+    /// Time of a frame with every skip enabled, in milliseconds.
     pub(crate) planned_ms: Summary,
-    /// Noise floor, from drawing the planned frame twice per round.
+    /// Noise floor, from drawing the frame with every skip enabled twice per round.
     pub(crate) noise: Noise,
-    /// Milliseconds to compute the plans of a frame: the only overhead for a view that skips nothing.
+    /// Milliseconds to compute the draw plans of a frame, which is the only overhead for a view that skips nothing.
     pub(crate) planning_ms: Summary,
-    /// Parts that the plan runs for every draw, not counting draws outside the view.
+    /// Parts that no draw skips, not counting draws outside the view.
     pub(crate) needed: Vec<PipelinePart>,
-    /// Savings for each part that can be forced and is skipped by some draw, then for all of them together if there are
-    /// several.
+    /// Savings for each part that some draw skips and whose skip can be disabled. If there are several, an entry for
+    /// all of them together follows.
     pub(crate) savings: Vec<Saving>,
 }
 
 /// Number of warm-up rounds before the measured ones.
 const WARM_UP_ROUNDS: usize = 2;
 
-/// One variant of the view: as planned, or with skipped work forced to run.
+/// Variant of the view that is timed: with every skip enabled, or with some skips disabled.
 struct PlanVariant {
     part: Option<PipelinePart>,
     force: DisabledOptimisation,
@@ -61,8 +63,9 @@ struct PlanVariant {
     picture: Image<Rgba8>,
 }
 
-/// Times a view as planned (twice, for the noise floor) and with each skipped part forced. Measures `rounds` ≥ 1 rounds
-/// on the current rayon pool. `progress` receives the completed fraction in [0, 1]. Returns `None` if cancelled.
+/// Times a view with every skip enabled (twice, for the noise floor) and with each skip disabled in turn. Measures
+/// `rounds` ≥ 1 rounds on the current rayon pool. `progress` receives the completed fraction in [0, 1]. Returns `None`
+/// if cancelled.
 pub(crate) fn savings(
     scene: &Arc<Scene>,
     camera: &Camera,
@@ -158,7 +161,8 @@ pub(crate) fn savings(
     })
 }
 
-/// Returns the milliseconds needed to compute the plans of a frame. Matrices are not timed: draws need them anyway.
+/// Returns the milliseconds needed to compute the draw plans of a frame. Matrices are not timed, because draws need
+/// them anyway.
 fn time_of_planning(scene: &Scene, camera: &Camera, settings: &Settings, viewport: Viewport) -> f64 {
     let clip_from_world = camera.clip_from_world_f64(viewport.aspect(), settings.depth_format.mapping());
     let matrices = |instance| DrawMatrices::new(instance, clip_from_world).clip_from_model;
@@ -171,7 +175,7 @@ fn time_of_planning(scene: &Scene, camera: &Camera, settings: &Settings, viewpor
     start.elapsed().as_secs_f64() * 1e3
 }
 
-/// Returns the number of draws whose plans differ.
+/// Returns the number of draws whose plan differs between the two lists.
 fn differing(some: &[DrawPlan], others: &[DrawPlan]) -> usize {
     some.iter().zip(others).filter(|(one, other)| one != other).count()
 }

@@ -2,10 +2,10 @@
 //!
 //! In tiled execution, stages run one after the other and each records its own time. In classic execution,
 //! rasterization, depth test and shading are interleaved per sample, and a clock in that loop would cost more than the
-//! work it times. Their common time is therefore split in proportion to the differences between partial frames, each
-//! drawn one stage further than the one before. These are estimates: a difference within the noise of its two frames is
-//! zero, which means "too short to measure". The compiler may also move work from one stage into the next if only the
-//! next one reads the result.
+//! work it times. The total time of these stages is therefore split in proportion to the differences between partial
+//! frames, each of which is drawn one stage further than the previous one. These are estimates: a difference within the
+//! noise of its two frames counts as zero, which means "too short to measure". The compiler may also move work from one
+//! stage into the next if only the next one reads the result.
 //!
 //! The medians of the stages do not add up to the median of the frame. Therefore [`StageTimes`] belong to one frame,
 //! and [`summarize_stages`] scales the stages to the median frame time.
@@ -103,7 +103,7 @@ impl StageTimes {
         stages.with_rest_of(recipe, &frame.times)
     }
 
-    /// Adds the stages after shading and computes the sum of the frame.
+    /// Adds the times of the stages after shading, and computes the frame time as the sum of all stages.
     fn with_rest_of(self, recipe: &Recipe, times: &FrameTimes) -> Self {
         let mut all = Self {
             resolve: recipe.antialias.has_passes().then_some(times.resolve),
@@ -120,8 +120,8 @@ impl StageTimes {
     }
 }
 
-/// Splits a time into four parts, in proportion to the weighted differences of ascending times. A time below its
-/// predecessor counts as equal; if all differences are zero, the first part gets everything.
+/// Splits `total` into four parts, in proportion to the weighted differences between the ascending times `ends`. A time
+/// below its predecessor counts as equal to it; if all differences are zero, the first part gets everything.
 fn split(total: Duration, ends: [Duration; 4], weights: [u32; 4]) -> [Duration; 4] {
     let mut before = Duration::ZERO;
     let parts = [0, 1, 2, 3].map(|part| {
@@ -149,17 +149,17 @@ fn running_sum(times: [Duration; 4]) -> [Duration; 4] {
 /// Longest frame time for which several rounds are drawn.
 const SHORT_FRAME: Duration = Duration::from_millis(250);
 
-/// Number of rounds for short frames.
+/// Number of rounds that are drawn for short frames.
 const ROUNDS: usize = 3;
 
 /// Last stage of each partial frame in classic execution.
 const LEVELS: [LastStage; 4] = [LastStage::Coverage, LastStage::Depth, LastStage::Interpolate, LastStage::Shade];
 
-/// Incremental timer for the stages of one frame; each step is short, so that a new request never waits long.
+/// Incremental timer for the stages of one frame. Each step is short, so that a new request never waits long.
 ///
-/// In classic execution, each round draws a whole frame and one partial frame per level, so that a disturbance affects
-/// only one of them. The minimum time of each level is the least disturbed one. In tiled execution, every step draws a
-/// whole frame. Of the whole frames, the one with the median time is used.
+/// In classic execution, each round draws a whole frame and one partial frame per entry of `LEVELS`. The time of a
+/// partial frame is its minimum over the rounds, because a disturbance only ever adds time. In tiled execution, every
+/// step draws a whole frame. Of the whole frames, the one with the median time is used.
 #[derive(Debug)]
 pub(crate) struct StageTimer {
     least: [Duration; LEVELS.len()],
@@ -170,7 +170,7 @@ pub(crate) struct StageTimer {
     frames: Vec<StageTimes>,
 }
 
-/// Steps per round: the whole frame, and one partial frame per level.
+/// Number of steps per round: one for the whole frame, and one for each partial frame.
 const PIECES: usize = LEVELS.len() + 1;
 
 impl StageTimer {
@@ -186,7 +186,7 @@ impl StageTimer {
         }
     }
 
-    /// Whether a step was already timed.
+    /// Whether at least one step was timed.
     pub(crate) fn has_begun(&self) -> bool {
         self.runs > 0
     }
@@ -221,7 +221,7 @@ impl StageTimer {
         })
     }
 
-    /// Splits the time of the per-pixel stages of a classic frame in proportion to the levels.
+    /// Splits the time of a classic frame's per-pixel stages in proportion to the times of the partial frames.
     fn split_pixels(&self, times: StageTimes, recipe: &Recipe) -> StageTimes {
         let [coverage, depth, ..] = self.least;
         let tests_depth = recipe.pipeline.depth_test != DepthTest::Off;
@@ -240,8 +240,8 @@ impl StageTimer {
     }
 }
 
-/// Times every stage of `frame`, which must have been drawn from `scene` with `recipe`. Draws up to 15 more frames for
-/// a short frame, otherwise up to 5.
+/// Times every stage of `frame`, which must have been drawn from `scene` with `recipe`. Draws up to 15 additional
+/// frames for a short frame, otherwise up to 5.
 pub(crate) fn stage_times(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, frame: &Frame) -> StageTimes {
     let mut timer = StageTimer::new(frame);
     loop {
@@ -254,12 +254,12 @@ pub(crate) fn stage_times(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, 
 /// Time of a stage over a series of frames, in milliseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct StageMs {
-    /// Share of the stage in the middle half of the frames, multiplied by the median frame time. The values of all
-    /// stages add up to the median frame time.
+    /// Fraction of the frame time that the stage takes in the middle half of the frames, multiplied by the median frame
+    /// time. The values of all stages add up to the median frame time.
     pub(crate) median: f64,
-    /// 10th percentile of the stage over all frames.
+    /// 10th percentile of the stage's time over all frames.
     pub(crate) p10: f64,
-    /// 90th percentile of the stage over all frames.
+    /// 90th percentile of the stage's time over all frames.
     pub(crate) p90: f64,
 }
 

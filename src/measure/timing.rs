@@ -29,7 +29,7 @@ pub(crate) struct Summary {
     pub(crate) mean: f64,
 }
 
-/// Summarises times in milliseconds, in any order. Returns `None` if there are none or one is not finite.
+/// Summarises times in milliseconds, in any order. Returns `None` if there are none or if one of them is not finite.
 pub(crate) fn summarize(samples_ms: &[f64]) -> Option<Summary> {
     if samples_ms.is_empty() || !samples_ms.iter().all(|sample| sample.is_finite()) {
         return None;
@@ -48,7 +48,7 @@ pub(crate) fn summarize(samples_ms: &[f64]) -> Option<Summary> {
     })
 }
 
-/// Returns the percentile `percent`, in [0, 100], of at least one sorted sample.
+/// Returns a percentile of samples. `sorted` must be ascending and not empty; `percent` lies in [0, 100].
 fn percentile(sorted: &[f64], percent: usize) -> f64 {
     // Positions in hundredths of a sample, so that the arithmetic on indices is exact.
     let place = percent * (sorted.len() - 1);

@@ -23,7 +23,7 @@ use crate::image::Image;
 /// Number of pixel rows whose fragments are collected at a time, which bounds the memory of the fragment list.
 const ROWS: u32 = 16;
 
-/// Splits a range of triangles into those drawn in order and those whose fragments are sorted.
+/// Splits a range of triangles into those that are drawn in order and those whose fragments are sorted by depth.
 pub(super) fn split(
     geometry: &Geometry,
     settings: &Settings,
@@ -43,7 +43,7 @@ pub(super) fn nearness(settings: &Settings, triangle: &ScreenTriangle, sample: &
     if settings.reversed() { depth } else { -depth }
 }
 
-/// Fragment that passed the depth test and is not yet blended.
+/// Fragment of a blended triangle that passed the depth test and is not yet blended.
 #[derive(Clone, Copy, Debug)]
 struct Collected {
     /// Index of the sample in the concatenated framebuffers.
@@ -70,12 +70,12 @@ impl FragmentList {
         self.fragments.clear();
     }
 
-    /// Adds the attributes of a fragment, to which the samples added next refer.
+    /// Adds the attributes of a fragment. Samples added afterwards refer to it.
     pub(super) fn shade(&mut self, fragment: Fragment) {
         self.fragments.push(fragment);
     }
 
-    /// Adds a sample of the last added fragment, by its index in the concatenated framebuffers.
+    /// Adds a sample of the most recently added fragment. `sample` is its index in the concatenated framebuffers.
     pub(super) fn add(&mut self, sample: usize, nearness: f32, triangle: usize) {
         let fragment = self.fragments.len() - 1;
         self.collected.push(Collected { sample, nearness, triangle, fragment });
@@ -90,7 +90,7 @@ impl FragmentList {
     }
 }
 
-/// Context for drawing blended triangles with sorted fragments.
+/// Context for drawing blended triangles whose fragments are sorted by depth.
 pub(super) struct Sorting<'a> {
     pub(super) geometry: &'a Geometry,
     pub(super) settings: &'a Settings,

@@ -1,13 +1,14 @@
 //! Clipping in homogeneous space, before the division by w. Without it, a triangle that reaches behind the eye would be
-//! mirrored, and no test on pixels could repair that.
+//! mirrored, which no per-pixel test could correct.
 //!
 //! Uses the polygon clipping of Sutherland and Hodgman (CACM 17(1), 1974), plane by plane, and only against planes that
-//! a triangle crosses. Left, right, top and bottom are widened to a guard band. Parts that are merely off screen are
-//! left to the rasterizer, which clamps to the picture; only coordinates too large for exact edge functions are cut.
+//! a triangle crosses. The left, right, top and bottom planes are widened to a guard band. Parts inside the guard band
+//! but off screen are left to the rasterizer, which clamps to the picture; only coordinates too large for exact edge
+//! functions are cut.
 //!
 //! A cut is always computed from the inside vertex towards the outside one, so two triangles that share an edge get
-//! bit-identical new vertices and stay watertight. Distances and cuts are computed in f64, and the new vertex is put
-//! exactly onto the plane: an edge may be 10³⁸ times longer than what is left of it.
+//! bit-identical new vertices and stay watertight. Distances and cuts are computed in f64, and the new vertex is placed
+//! exactly on the plane, because an edge may be 10³⁸ times longer than its part inside.
 
 use glam::{DVec4, Vec3, Vec4};
 
@@ -63,8 +64,8 @@ impl ClipPlane {
         }
     }
 
-    /// Maps a clip-space plane to the plane of the view, and back. Near and far are swapped if the view has z = 0 at
-    /// its far plane.
+    /// Returns the plane of the view frustum that a clip-space plane represents, or vice versa. Near and far are
+    /// swapped if z = 0 is the far plane.
     pub(crate) fn of_view(self, has_zero_at_far: bool) -> Self {
         match self {
             Self::Near if has_zero_at_far => Self::Far,
@@ -73,8 +74,8 @@ impl ClipPlane {
         }
     }
 
-    /// Returns the largest magnitude among the terms of [`Self::distance`], given the magnitudes of the clip-space
-    /// components.
+    /// Returns the largest magnitude among the terms of [`Self::distance`]. The arguments are the magnitudes of the
+    /// clip-space components.
     pub(super) fn magnitude(self, DVec4 { x, y, z, w }: DVec4) -> f64 {
         match self {
             Self::Near => z,
@@ -85,12 +86,12 @@ impl ClipPlane {
         }
     }
 
-    /// Returns whether all points of the plane have the same depth.
+    /// Returns whether the plane is the near or the far plane, all of whose points have the same depth.
     fn is_of_depth(self) -> bool {
         matches!(self, Self::Near | Self::Far)
     }
 
-    /// Returns `p` moved exactly onto the plane by changing one component.
+    /// Returns `p` moved exactly onto the plane by changing one of its components.
     fn pin(self, p: Vec4, widening: f32) -> Vec4 {
         let side = p.w * widening;
         match self {
@@ -169,13 +170,13 @@ pub(crate) enum Cut {
 pub(crate) struct EdgeCut {
     /// Plane that cuts the edge.
     pub(crate) plane: ClipPlane,
-    /// End of the edge inside the plane.
+    /// Endpoint of the edge on the inner side of the plane.
     pub(crate) inside: ClipVertex,
-    /// End of the edge outside the plane.
+    /// Endpoint of the edge on the outer side of the plane.
     pub(crate) outside: ClipVertex,
-    /// Signed distances from the plane: of the inside end, ≥ 0, and of the outside end, < 0.
+    /// Signed distances of the endpoints from the plane: ≥ 0 for `inside`, < 0 for `outside`.
     pub(crate) distances: [f64; 2],
-    /// Parameter of the cut along the edge, in [0, 1], from the inside end.
+    /// Parameter of the intersection along the edge, from 0 at `inside` to 1 at `outside`.
     pub(crate) t: f64,
     /// Vertex that the cut creates on the plane.
     pub(crate) vertex: ClipVertex,
@@ -189,12 +190,13 @@ pub(crate) struct Polygon {
 }
 
 impl Polygon {
-    /// Clips one triangle to the frustum with its guard band. Returns its [`Fate`] as an error if it is rejected.
+    /// Clips one triangle to the frustum, widened to the guard band. Returns the triangle's [`Fate`] as an error if it
+    /// is rejected.
     pub(crate) fn clip(&mut self, triangle: &[ClipVertex; 3], widening: f32) -> Result<Cut, Fate> {
         self.clip_watched(triangle, widening, &mut |_| {})
     }
 
-    /// Clips one triangle as [`Polygon::clip`] does, and calls `watch` for every cut of an edge.
+    /// Clips one triangle as [`Polygon::clip`] does, and calls `watch` for each cut edge.
     #[inline]
     pub(crate) fn clip_watched(
         &mut self,
@@ -226,7 +228,7 @@ impl Polygon {
         &self.vertices
     }
 
-    /// Returns the convex polygon as a fan of triangles around its first vertex.
+    /// Returns the triangles of the convex polygon, as a fan around its first vertex.
     pub(crate) fn fan(&self) -> impl Iterator<Item = [ClipVertex; 3]> {
         let first = self.vertices[0];
         self.vertices[1..].windows(2).map(move |pair| [first, pair[0], pair[1]])
@@ -257,16 +259,16 @@ impl Polygon {
     }
 }
 
-/// Returns the parameter at which an edge meets a plane, in [0, 1] from the inside end, given the distances of its
-/// ends.
+/// Returns the parameter of the intersection of an edge with a plane, from 0 at the inside endpoint to 1 at the outside
+/// one. Its arguments are the signed distances `da` ≥ 0 and `db` < 0 of the endpoints.
 fn share_beyond((da, db): (f64, f64)) -> f64 {
     da / (da - db)
 }
 
-/// Returns the vertex at which an edge meets a plane. The edge runs from `a`, at distance `da` ≥ 0 inside the plane, to
-/// `b`, at `db` < 0. As a weighted mean the vertex never leaves the range of its ends. Neither weight is computed as 1
-/// minus the other: if one end lies at the eye and the other is 10³⁸ times farther, the far end still determines the
-/// direction.
+/// Returns the vertex at which an edge intersects a plane. The edge runs from `a`, at distance `da` ≥ 0 inside the
+/// plane, to `b`, at `db` < 0. As a weighted mean, the vertex never leaves the range of the endpoints. Neither weight
+/// is computed as 1 minus the other: if one endpoint lies at the eye and the other is 10³⁸ times farther, the far
+/// endpoint still determines the direction.
 fn between(a: &ClipVertex, b: &ClipVertex, (da, db): (f64, f64)) -> ClipVertex {
     let t = share_beyond((da, db));
     let position = a.position.as_dvec4() * (db / (db - da)) + b.position.as_dvec4() * t;

@@ -32,7 +32,7 @@ pub(crate) fn facing(doubled_area: f64) -> Facing {
     }
 }
 
-/// Returns the reason why a triangle of this signed doubled area is culled, or `None` if it is drawn.
+/// Returns the reason why a triangle with this signed doubled area is culled, or `None` if it is drawn.
 pub(crate) fn cull(doubled_area: f64, culling: Culling) -> Option<Fate> {
     match (facing(doubled_area), culling) {
         (Facing::Edge, _) => Some(Fate::ZeroArea),

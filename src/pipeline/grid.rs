@@ -1,9 +1,9 @@
 //! Sample grids: the subset of the full picture's pixels that is drawn.
 //!
 //! An upscaler that shades a quarter of the pixels must also *visit* only a quarter of them: skipping inside the pixel
-//! loop saves shading but still walks every pixel. So the rasterizer walks a [`SampleGrid`]: the drawn samples, packed
-//! into a smaller picture. Every sample keeps its position in the full picture, and vertices are snapped at full
-//! resolution. So each drawn sample equals that of the full picture bit for bit.
+//! loop saves shading but still walks every pixel. The rasterizer therefore walks a [`SampleGrid`]: the drawn samples,
+//! packed into a smaller picture. Every sample keeps its position in the full picture, and vertices are snapped at full
+//! resolution. Each drawn sample is therefore bit-identical to that of the full picture.
 
 /// Subset of the picture's pixels that is drawn, packed into a smaller picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,10 +15,10 @@ pub enum SampleGrid {
         /// Side length of the block in pixels, at least 1.
         step: u32,
     },
-    /// Checkerboard of 2 × 2-pixel squares: draws those with the colour of the top-left square. A packed row holds the
-    /// two drawn pixels of each four in a row.
+    /// Checkerboard of squares of 2 × 2 pixels. Draws the squares that have the same colour as the top-left one. A
+    /// packed row holds the two drawn pixels out of every four consecutive pixels.
     Checkerboard,
-    /// Checkerboard of 2 × 2-pixel squares: draws those that [`SampleGrid::Checkerboard`] does not draw.
+    /// Checkerboard of squares of 2 × 2 pixels. Draws the squares that [`SampleGrid::Checkerboard`] does not draw.
     OddCheckerboard,
 }
 

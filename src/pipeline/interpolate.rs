@@ -17,8 +17,8 @@ use super::settings::{Arithmetic, Interpolation, Settings, Shading, TexelFilter}
 use super::viewport::ScreenTriangle;
 use crate::scene::TriangleId;
 
-/// Returns the screen-space weights λ at a sample: sub-areas over the whole area. Each is correctly rounded except for
-/// the division.
+/// Returns the screen-space weights λ at a sample: each corner's edge value times the rounded reciprocal of the doubled
+/// area.
 #[inline]
 pub(crate) fn affine_weights(triangle: &ScreenTriangle, sample: &RasterSample) -> [f32; 3] {
     let inverse_area = inverse_area(triangle);
@@ -31,8 +31,8 @@ pub(crate) fn inverse_area(triangle: &ScreenTriangle) -> f32 {
     1.0 / triangle.doubled_area as f32
 }
 
-/// Returns the weights of the three corners for interpolating attributes at a sample. Except for
-/// [`Interpolation::Published`], they are divided by their sum.
+/// Returns the weights of the three corners for interpolating attributes at a sample. The weights are divided by their
+/// sum, except for [`Interpolation::Published`].
 #[inline]
 pub(crate) fn attribute_weights(
     triangle: &ScreenTriangle,
@@ -78,7 +78,7 @@ fn published_weights(triangle: &ScreenTriangle, sample: &RasterSample) -> [f32; 
     [1.0 - a - b, b, a]
 }
 
-/// Selection of the attributes that a draw interpolates, and the kind of interpolation.
+/// Attributes that a draw interpolates, and the interpolation method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct AttributeSelection {
     /// Method by which the weights are computed.
@@ -93,7 +93,7 @@ pub(crate) struct AttributeSelection {
     pub(crate) light: bool,
     /// Whether [`Fragment::source_weights`] is interpolated.
     pub(crate) source_weights: bool,
-    /// Arithmetic of the edges from which [`Fragment::uv_gradient`] is computed; `None` if it is not computed.
+    /// Arithmetic of the edge functions from which [`Fragment::uv_gradient`] is computed; `None` if it is not computed.
     pub(crate) uv_gradient: Option<Arithmetic>,
 }
 
@@ -126,7 +126,7 @@ impl AttributeSelection {
     }
 }
 
-/// Inputs of shading at a sample. Attributes that the draw does not interpolate have the first corner's value.
+/// Inputs of shading at a sample. Attributes that the draw does not interpolate have the value of the first corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fragment {
     /// Covered sample that is to be shaded.
@@ -141,11 +141,11 @@ pub struct Fragment {
     pub uv: Vec2,
     /// Interpolated vertex colour, in the working colour space.
     pub color: Vec3,
-    /// Light interpolated from the vertices (Gouraud only).
+    /// Light factor interpolated from the vertices; used only by Gouraud shading.
     pub light: f32,
     /// Barycentric weights of the corners of the triangle before clipping.
     pub source_weights: Vec3,
-    /// Change of texture coordinates per pixel to the right, and per pixel downwards; zero unless the draw reads it.
+    /// Change of the texture coordinates per pixel to the right and per pixel downwards; zero unless the draw reads it.
     pub uv_gradient: [Vec2; 2],
 }
 
@@ -188,7 +188,7 @@ pub(crate) fn interpolate(triangle: &ScreenTriangle, sample: RasterSample, attri
     fragment
 }
 
-/// Returns the change of edge values per pixel to the right, and per pixel downwards.
+/// Returns the change of the three edge values per pixel to the right and per pixel downwards.
 pub(crate) fn edge_slopes(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> [[f32; 3]; 2] {
     let [[x0, y0], [x1, y1], [x2, y2]] = triangle.corners_in(arithmetic);
     let side = |x: f32, y: f32| [f64::from(x) - f64::from(x0), f64::from(y) - f64::from(y0)];
@@ -198,9 +198,9 @@ pub(crate) fn edge_slopes(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> 
     [[(y1 - y2) * unit, (y2 - y0) * unit, (y0 - y1) * unit], [(x2 - x1) * unit, (x0 - x2) * unit, (x1 - x0) * unit]]
 }
 
-/// Returns the change of the second and the third corner's perspective-correct weights per pixel to the right, and per
-/// pixel downwards. The weights are pᵢ = qᵢ / Σ qⱼ with qᵢ = eᵢ·rᵢ affine on the screen, so pᵢ' = (qᵢ' − pᵢ·Σ qⱼ') / Σ
-/// qⱼ.
+/// Returns the change of the second and the third corner's perspective-correct weights, per pixel to the right and per
+/// pixel downwards. The weights are pᵢ = qᵢ / Σ qⱼ, where qᵢ = eᵢ·rᵢ is affine in screen space, so pᵢ' = (qᵢ' − pᵢ·Σ
+/// qⱼ') / Σ qⱼ.
 pub(crate) fn weight_gradient(
     triangle: &ScreenTriangle,
     sample: &RasterSample,

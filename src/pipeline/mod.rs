@@ -85,7 +85,7 @@ pub struct Geometry {
     pub triangles: TriangleList,
     /// Blending settings, which determine the order of the blended triangles.
     pub blending: Blending,
-    /// Samples to draw of the last triangle, or `None` to draw all of them.
+    /// Samples of the last triangle that are drawn, or `None` to draw all of them.
     pub(crate) partial: Option<Vec<Span>>,
     /// Mapping between distances and the depths of the triangles.
     pub(crate) depth_scale: DepthScale,
@@ -107,8 +107,8 @@ impl Geometry {
         self.triangles.partition_point(|triangle| !self.is_blended(triangle))
     }
 
-    /// Returns the index of the first triangle whose fragments are sorted among those of others, so that it cannot be
-    /// drawn alone. Returns the number of triangles if there is none.
+    /// Returns the index of the first triangle whose fragments are sorted by depth among those of other triangles, so
+    /// that it cannot be drawn alone. Returns the number of triangles if there is none.
     pub(crate) fn sorted_from(&self, settings: &Settings) -> usize {
         let sorts = settings.blending.order == BlendingOrder::Exact;
         if sorts { self.blended_from() } else { self.triangles.len() }
@@ -138,8 +138,8 @@ impl Geometry {
         self.triangles[first..].iter().position(|t| t == triangle).map_or(first, |offset| first + offset)
     }
 
-    /// Moves blended triangles, if there are any, behind the others. [`BlendingOrder::Triangles`] sorts them by the
-    /// mean distance of their corners, farthest first; triangles at equal distance stay in submission order.
+    /// Moves blended triangles, if there are any, to the end of the list. [`BlendingOrder::Triangles`] sorts them by
+    /// the mean distance of their corners, farthest first; triangles at equal distance stay in submission order.
     fn draw_blended_last(&mut self) {
         if self.plans.iter().all(|plan| plan.transparency() != Transparency::Blended) {
             return;
@@ -159,7 +159,7 @@ impl Geometry {
     }
 }
 
-/// Returns the mean distance of a triangle's corners, the sort key of blended triangles.
+/// Returns the mean distance of a triangle's corners from the eye, which is the sort key of blended triangles.
 fn mean_distance(depth_scale: &DepthScale, triangle: &ScreenTriangle) -> f64 {
     let [a, b, c] = triangle.vertices.each_ref().map(|corner| depth_scale.distance(corner));
     (a + b + c) / 3.0
@@ -182,13 +182,13 @@ pub(crate) struct GeometryTimes {
 /// then prevents the result from being eliminated as dead code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LastStage {
-    /// Stops after coverage.
+    /// Stops after coverage is determined.
     Coverage,
-    /// Stops after the depth test and the depth store.
+    /// Stops after the depth test and the depth write.
     Depth,
     /// Stops after the interpolation of attributes.
     Interpolate,
-    /// Runs all stages.
+    /// Runs all stages, including shading.
     Shade,
 }
 
@@ -250,7 +250,7 @@ fn prepare_draw<O: Observer>(
     finish_draw(&draw, settings, viewport, out, observer);
 }
 
-/// Triangles of one draw after the transform.
+/// Triangles of one draw after the vertex transform.
 #[derive(Clone, Copy, Debug)]
 struct ClipSpaceDraw<'a> {
     /// Index of the instance in the scene.
@@ -259,15 +259,15 @@ struct ClipSpaceDraw<'a> {
     vertices: &'a [ClipVertex],
     /// Vertex indices of each triangle.
     triangles: &'a [[u32; 3]],
-    /// Identifier of the first triangle.
+    /// Identifier of the draw's first triangle.
     first: TriangleId,
-    /// Whether a triangle may cross a plane of the frustum; if `false`, no triangle is tested.
+    /// Whether triangles may cross a plane of the frustum; if `false`, no triangle is tested for clipping.
     may_cross: bool,
     /// Whether attributes are interpolated perspective-correctly.
     divides_by_w: bool,
 }
 
-/// Runs the geometry stages from clipping to culling.
+/// Runs the geometry stages of one draw, from clipping to culling.
 fn finish_draw<O: Observer>(
     draw: &ClipSpaceDraw<'_>,
     settings: &Settings,
@@ -297,7 +297,8 @@ fn finish_draw<O: Observer>(
     out.times.cull += projected_at.elapsed();
 }
 
-/// Clips, projects and sets up triangles that are given in clip space, without a camera. Both facings are drawn.
+/// Clips, projects and sets up triangles that are given in clip space, without a camera. Draws both front-facing and
+/// back-facing triangles.
 pub(crate) fn from_clip_space<O: Observer>(
     vertices: &[ClipVertex],
     triangles: &[[u32; 3]],
@@ -373,7 +374,7 @@ pub(crate) fn draw<O: Observer>(
     with_arithmetic!(settings.arithmetic, N => draw_in::<N, O>(scene, geometry, settings, extent, until, frame, observer));
 }
 
-/// Draws as [`draw`] does, compiled for one arithmetic.
+/// Draws with the code for arithmetic `N`; see [`draw`].
 fn draw_in<N: Numbers, O: Observer>(
     scene: &Scene,
     geometry: &Geometry,
@@ -415,7 +416,7 @@ fn draw_in<N: Numbers, O: Observer>(
     }
 }
 
-/// Draws the given samples of one triangle as [`draw`] does. `place` is the triangle's index in
+/// Draws only the given samples of one triangle; see [`draw`]. `place` is the triangle's index in
 /// [`Geometry::triangles`].
 pub(crate) fn draw_samples(
     scene: &Scene,

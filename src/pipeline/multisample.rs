@@ -1,9 +1,9 @@
 //! Drawing of several samples per pixel, for jittered supersampling and multisampling.
 //!
-//! A sample off the centre of its pixel is drawn by moving the triangle by the opposite offset, after projection.
-//! Edges, depth and attributes are then computed as for a centre, in any arithmetic and by any rasterizer. In fixed
-//! point, sample positions lie on the grid that corners are snapped to (as in D3D11), so a triangle has the same shape
-//! at every sample position.
+//! A sample that does not lie at the centre of its pixel is drawn by moving the triangle by the opposite offset, after
+//! projection. Edges, depth and attributes are then computed as for a centre, in any arithmetic and by any rasterizer.
+//! In fixed point, sample positions lie on the grid that corners are snapped to (as in D3D11), so a triangle has the
+//! same shape at every sample position.
 //!
 //! Supersampling shades every sample. Multisampling shades a triangle once per pixel, at the pixel's centre if the
 //! triangle covers it and at the first covered sample otherwise. All covered samples get that colour (Akeley,
@@ -24,7 +24,7 @@ use super::{Extent, Geometry, LastStage, samples};
 use crate::math::fixed::snap;
 use crate::scene::{Scene, Transparency};
 
-/// Candidate positions of the samples in a pixel, and the choice among them.
+/// Candidate positions of the samples in a pixel, and the function that chooses one per sample.
 #[derive(Clone, Copy)]
 pub(crate) struct CandidatePositions<'a> {
     /// Candidate positions of each sample of a pixel, in pixels to the right of and below the pixel's centre.
@@ -73,7 +73,7 @@ struct DrawContext<'a> {
 /// Covered sample: packed row, packed column, sample index within the pixel, and index of its candidate position.
 type CandidateSample = (u32, u32, usize, usize);
 
-/// Triangle displaced for one candidate position, with its edges; `None` if it has no area.
+/// Triangle displaced for one candidate position, with its edges; `None` if the triangle has no area.
 type DisplacedTriangle<N> = Option<(ScreenTriangle, RasterTriangle<N>)>;
 
 impl<'a> DrawContext<'a> {
@@ -89,12 +89,13 @@ impl<'a> DrawContext<'a> {
         Self { geometry, settings, extent, places, comparison: DepthComparison::of(settings), shaders }
     }
 
-    /// Returns the range of triangles drawn in order, and the range of those whose fragments are sorted.
+    /// Returns the range of triangles drawn in order, and the range of those whose fragments are sorted by depth.
     fn split(&self) -> [Range<usize>; 2] {
         blending::split(self.geometry, self.settings, &self.extent.triangles, LastStage::Shade).into()
     }
 
-    /// Returns the triangles of a range that may have samples within the scissor, in drawing order, with their indices.
+    /// Returns the triangles of a range that may cover samples within the scissor, in drawing order, with their indices
+    /// and shaders.
     fn triangles(&self, range: Range<usize>) -> impl Iterator<Item = (usize, &ScreenTriangle, &Shader<'a>)> {
         let all = &self.geometry.triangles;
         let near = range.filter(|place| self.extent.scissor.may_overlap_box(all.box_of(*place)));
@@ -106,7 +107,7 @@ impl<'a> DrawContext<'a> {
         Sorting { geometry: self.geometry, settings: self.settings, shaders: &self.shaders }
     }
 
-    /// Returns the triangle displaced for each candidate position of one sample.
+    /// Returns one displaced triangle for each candidate position of one sample.
     fn displaced_to<N: Numbers>(&self, triangle: &ScreenTriangle, places: &[[f32; 2]]) -> Vec<DisplacedTriangle<N>> {
         let moved = |offset_px: &[f32; 2]| {
             let moved = displaced(triangle, *offset_px, self.settings, &self.geometry.depth_scale)?;
@@ -116,14 +117,14 @@ impl<'a> DrawContext<'a> {
         places.iter().map(moved).collect()
     }
 
-    /// Displaces the triangle for each candidate position of each sample.
+    /// Computes one displaced triangle for each candidate position of each sample.
     fn displace_all<N: Numbers>(&self, triangle: &ScreenTriangle, out: &mut Vec<Vec<DisplacedTriangle<N>>>) {
         out.clear();
         out.extend(self.places.candidates.iter().map(|places| self.displaced_to(triangle, places)));
     }
 
-    /// Finds the samples of index `sample` that a displaced triangle covers, in the pixels that choose candidate
-    /// `place`.
+    /// Finds the samples with index `sample` that a displaced triangle covers, in the pixels that choose candidate
+    /// position `place`.
     fn cover<N: Numbers>(
         &self,
         (triangle, edges): (&ScreenTriangle, &RasterTriangle<N>),
@@ -165,7 +166,7 @@ impl<'a> DrawContext<'a> {
         }
     }
 
-    /// Draws blended triangles with sorted fragments, and shades every sample, one sample index at a time.
+    /// Draws blended triangles with sorted fragments and shades every sample. Processes one sample index at a time.
     fn sort_per_sample<N: Numbers>(&self, triangles: &Range<usize>, frames: &mut [Framebuffer]) {
         let (mut list, mut spans) = (FragmentList::default(), Vec::new());
         for ((sample, frame), candidates) in frames.iter_mut().enumerate().zip(self.places.candidates) {
@@ -213,8 +214,8 @@ impl<'a> DrawContext<'a> {
         self.sorting().blend(&mut list, frames, &mut ());
     }
 
-    /// Returns the single fragment of a triangle in a pixel, and the triangle displaced for the position where it is
-    /// shaded.
+    /// Returns the single fragment that a triangle has in a pixel, and the triangle displaced for the position at which
+    /// it is shaded.
     fn fragment<'t, N: Numbers>(
         &self,
         (triangle, centre): (&'t ScreenTriangle, Option<&RasterTriangle<N>>),
@@ -293,7 +294,7 @@ impl<'a> DrawContext<'a> {
     }
 }
 
-/// Returns a covered sample, and the triangle displaced for its position.
+/// Returns a covered sample, and the triangle displaced for that sample's position.
 fn sample_of<N: Numbers>(
     moved: &[Vec<DisplacedTriangle<N>>],
     (row, column, sample, place): CandidateSample,

@@ -1,5 +1,5 @@
-//! Partial drawing of the last triangle of a list: only its first fragments, in the order in which the rasterizer finds
-//! them.
+//! Partial drawing of a list's last triangle: only its first fragments are drawn, in the order in which the rasterizer
+//! finds them.
 
 use super::grid::SampleGrid;
 use super::raster::{Scissor, Span, cover_within};
@@ -29,7 +29,7 @@ pub(crate) fn index_of(samples: &[Span], (column, row): (u32, u32)) -> Option<us
     Some(count(&samples[..found]) + (column - samples[found].left) as usize)
 }
 
-/// Returns the first `most` samples of the spans, or all of them if there are fewer.
+/// Returns the first `most` samples of the spans, or all of them if there are at most `most`.
 pub(crate) fn first(samples: &[Span], most: usize) -> Vec<Span> {
     let mut left = most;
     let mut first = Vec::new();
@@ -44,7 +44,7 @@ pub(crate) fn first(samples: &[Span], most: usize) -> Vec<Span> {
     first
 }
 
-/// Appends the samples within a scissor to `out`, and returns their number.
+/// Appends the samples that lie within a scissor to `out`, and returns their number.
 pub(super) fn within(samples: &[Span], (grid, scissor): (SampleGrid, Scissor), out: &mut Vec<Span>) -> u64 {
     let rows = grid.rows(scissor.top, scissor.bottom);
     let before = out.len();

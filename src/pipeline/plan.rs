@@ -15,17 +15,17 @@ use crate::scene::{Camera, Instance, Library, Material, Projection, TextureId, T
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum PipelinePart {
-    /// Transforming vertices, and all stages after it.
+    /// Transforming vertices, and all later stages.
     Vertices,
-    /// Processing every cluster of a large mesh. A cluster is skipped if all of it lies outside the view, or if all its
+    /// Processing every cluster of a large mesh. A cluster is skipped if it lies wholly outside the view, or if all its
     /// triangles have the culled facing. Facing is decided by *snapped* corners. Triangles so small or so thin on the
-    /// screen that snapping may flip them are therefore tested one by one, however clearly they are back-facing.
+    /// screen that snapping may flip them are therefore tested one by one, even if they are clearly back-facing.
     EveryCluster,
     /// Cutting triangles at the planes of the frustum.
     Clipping,
     /// Rejecting triangles by their facing.
     Culling,
-    /// Comparing with, and storing to, the depth buffer.
+    /// Testing against the depth buffer and writing to it.
     Depth,
     /// Dividing interpolation weights by w.
     PerspectiveDivision,
@@ -43,11 +43,11 @@ pub(crate) enum PipelinePart {
     Light,
     /// Replacing the interpolated normal by that of a normal map.
     NormalMap,
-    /// Adding the highlight of Blinn–Phong shading.
+    /// Adding the specular reflection of Blinn–Phong shading.
     Highlight,
     /// Adding emitted light.
     Emission,
-    /// Blending with what is already drawn, from far to near and without storing depth.
+    /// Blending with the pixels drawn so far, from far to near and without writing depth.
     Blending,
 }
 
@@ -72,7 +72,7 @@ impl PipelinePart {
         Self::Blending,
     ];
 
-    /// Returns the setting that forces the part to run even if a draw does not need it, or `None` if there is none.
+    /// Returns the setting that disables skipping the part, or `None` if there is none.
     pub(crate) fn disabled_optimisation(self) -> Option<DisabledOptimisation> {
         match self {
             Self::Vertices => Some(DisabledOptimisation::Vertices),
@@ -94,7 +94,7 @@ impl PipelinePart {
         }
     }
 
-    /// Returns whether the part can run for an instance without changing the picture.
+    /// Returns whether the part can run for an instance that does not need it, without changing the picture.
     fn can_run(self, library: &Library, instance: &Instance, settings: &Settings) -> bool {
         let mesh = library.mesh(instance.mesh);
         match self {
@@ -136,12 +136,12 @@ impl PipelinePart {
 pub(crate) enum PlanStep {
     /// The draw needs the part.
     Run,
-    /// The part is skipped, for this reason.
+    /// The part is skipped for this reason.
     LeftOut(&'static str),
 }
 
 impl PlanStep {
-    /// Returns [`PlanStep::Run`] if there is no reason to skip the part.
+    /// Returns [`PlanStep::Run`] if `reason` is `None`, and otherwise the step skipped for that reason.
     pub(crate) fn unless(reason: Option<&'static str>) -> Self {
         reason.map_or(Self::Run, Self::LeftOut)
     }
@@ -171,7 +171,7 @@ pub(crate) enum Containment {
     Crossing,
 }
 
-/// Numbers of clusters that were culled in one or several draws.
+/// Numbers of culled clusters in one or several draws.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub(crate) struct CullStats {
     /// Number of clusters outside the view.
@@ -183,7 +183,7 @@ pub(crate) struct CullStats {
 }
 
 impl CullStats {
-    /// Returns the sums of the numbers over several draws.
+    /// Returns the sums of the cluster counts over several draws.
     pub(crate) fn of<'a>(plans: impl IntoIterator<Item = &'a DrawPlan>) -> Self {
         plans.into_iter().fold(Self::default(), |sum, DrawPlan { clusters, .. }| Self {
             outside: sum.outside + clusters.outside,
@@ -197,7 +197,7 @@ impl CullStats {
         self.outside + self.turned_away
     }
 
-    /// Returns a description for display.
+    /// Describes the cluster counts in words, for display.
     pub(crate) fn describe(self) -> String {
         let Self { outside, turned_away, all } = self;
         format!("{} of {all}: {outside} wholly outside the view, {turned_away} culled by facing", self.culled())
@@ -210,7 +210,7 @@ pub struct DrawPlan {
     steps: [PlanStep; PipelinePart::ALL.len()],
     transparency: Transparency,
     clusters: CullStats,
-    /// Scale and offset of texture coordinates, or `None` if they change nothing.
+    /// Scale and offset of texture coordinates, or `None` if they are the identity.
     #[serde(skip)]
     uv_transform: Option<[Vec2; 2]>,
     #[serde(skip)]
@@ -220,7 +220,7 @@ pub struct DrawPlan {
 }
 
 impl DrawPlan {
-    /// Returns the plan of one instance.
+    /// Returns the plan for drawing one instance.
     pub(crate) fn new(
         library: &Library,
         instance: &Instance,
@@ -253,7 +253,7 @@ impl DrawPlan {
         }
     }
 
-    /// Returns the plan with the given identifier as that of the first triangle of the instance.
+    /// Returns the plan with `first_triangle` as the identifier of the instance's first triangle.
     pub(super) fn starting_at(self, first_triangle: TriangleId) -> Self {
         Self { first_triangle, ..self }
     }
@@ -263,18 +263,18 @@ impl DrawPlan {
         self.first_triangle
     }
 
-    /// Returns the viewpoint from which the draw is seen.
+    /// Returns the viewpoint of the camera: its position or, in orthographic views, the direction towards it.
     pub(super) fn eye(&self) -> Viewpoint {
         self.eye
     }
 
-    /// Returns the scale and offset that the material applies to texture coordinates of vertices, or `None` if they
-    /// change nothing.
+    /// Returns the scale and offset that the material applies to the texture coordinates of vertices, or `None` if they
+    /// are the identity.
     pub(crate) fn uv_transform(&self) -> Option<[Vec2; 2]> {
         self.uv_transform
     }
 
-    /// Returns the plan with the culled clusters recorded, if there are any.
+    /// Returns the plan with `clusters` recorded, if any clusters were culled.
     pub(super) fn with_cull_stats(mut self, clusters: CullStats) -> Self {
         if clusters.culled() > 0 {
             self.steps[PipelinePart::EveryCluster as usize] =
@@ -284,7 +284,7 @@ impl DrawPlan {
         self
     }
 
-    /// Returns whether clusters may be culled at all, by the settings and the location of the mesh.
+    /// Returns whether the settings and the location of the mesh allow clusters to be culled.
     pub(super) fn may_cull_clusters(settings: &Settings, containment: Containment) -> bool {
         let some = match containment {
             // Skipped as a whole, or forced to run.
@@ -295,19 +295,19 @@ impl DrawPlan {
         some && !matches!(settings.force, DisabledOptimisation::Everything | DisabledOptimisation::Clusters)
     }
 
-    /// Returns the numbers of culled clusters. All are zero if none is culled.
+    /// Returns the numbers of culled clusters. All numbers are zero if no cluster is culled.
     pub(crate) fn clusters(&self) -> CullStats {
         self.clusters
     }
 
-    /// Returns whether both plans run the same parts for the same reasons, regardless of the numbers of culled
+    /// Returns whether both plans run and skip the same parts for the same reasons, regardless of the numbers of culled
     /// clusters.
     pub(crate) fn agrees_with(&self, other: &Self) -> bool {
         (self.steps, self.transparency) == (other.steps, other.transparency)
     }
 
-    /// Returns how the draw combines with what was drawn before. Unlike the parts, it is never skipped, because it
-    /// determines the picture.
+    /// Returns how the draw combines with what was drawn before. Transparency is never skipped, because it determines
+    /// the picture.
     pub(crate) fn transparency(&self) -> Transparency {
         self.transparency
     }
@@ -323,7 +323,7 @@ impl DrawPlan {
     }
 }
 
-/// Returns the reason for skipping `part` in a draw that is not outside the view, or `None` if the part is needed.
+/// Returns the reason for skipping `part` in a draw that is not outside the view, or `None` if the draw needs the part.
 fn skip_reason(
     part: PipelinePart,
     library: &Library,
@@ -390,7 +390,7 @@ fn skip_reason(
     }
 }
 
-/// Returns the transparency of an instance under a shading. Shadings that ignore the material are opaque.
+/// Returns the transparency of an instance in a shading mode. Modes that ignore the material are opaque.
 pub(super) fn transparency(library: &Library, instance: &Instance, shading: Shading) -> Transparency {
     if !shading.reads_material() {
         return Transparency::Opaque;
@@ -400,7 +400,7 @@ pub(super) fn transparency(library: &Library, instance: &Instance, shading: Shad
     library.material(instance.material).transparency(library, with_alpha)
 }
 
-/// Returns the textures that a shading reads on an instance: colour, dark colour, opacity, normal map, emission.
+/// Returns the textures of an instance that a shading mode reads: colour, dark colour, opacity, normal map, emission.
 fn textures_read(library: &Library, instance: &Instance, shading: Shading) -> [Option<TextureId>; 5] {
     let material = library.material(instance.material);
     let has_coordinates = !library.mesh(instance.mesh).uvs.is_empty();

@@ -1,9 +1,10 @@
 //! Texture sampling: from texture coordinates to texels and their weights.
 //!
 //! The addressing mode first maps a coordinate into [0, 1], so neither 10³⁰ nor infinity is converted to an integer;
-//! NaN reads texel 0. Then x = u·width − 0.5, so texel centres sit at half-integers. Neighbours beyond the border wrap
-//! (repeat) or stay (clamp, mirror). All of this is computed in f64: the fractional part of a coordinate, and its
-//! position among the texels, may need twice the digits of f32. Rounding would be visible at the border of a texel.
+//! NaN reads texel 0. The position among the texels is x = u·width − 0.5, so texel centres have integer positions.
+//! Neighbours beyond the border are wrapped (repeat) or clamped (clamp, mirror). All of this is computed in f64,
+//! because the fractional part of a coordinate and its position among the texels may need twice the precision of f32.
+//! Rounding would be visible at texel borders.
 
 use std::ops::{Add, Mul};
 
@@ -30,11 +31,11 @@ pub(crate) struct TexelTap {
 /// Sampler: filter, addressing mode and colour space of texture reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sampler {
-    /// Filter that mixes texels.
+    /// Texture filter, which selects and mixes texels.
     pub(crate) filter: TexelFilter,
     /// Addressing mode for texture coordinates outside of [0, 1].
     pub(crate) address: AddressMode,
-    /// Value of each 8-bit code when texels are mixed: linear light, or the code itself.
+    /// Lookup table from 8-bit codes to the values that the sampler mixes: linear light, or the codes themselves.
     number_of_code: &'static [f32; 256],
     /// Factor that maps mixed values into [0, 1].
     pub(crate) scale: f32,
@@ -52,7 +53,8 @@ impl Sampler {
         Self { filter, address, number_of_code, scale }
     }
 
-    /// Returns the colour at `uv` (v down) in [0, 1]: linear light or sRGB values, by the sampler's colour space.
+    /// Returns the filtered colour at `uv` (v down), in [0, 1]: linear light or sRGB values, depending on the sampler's
+    /// colour space.
     #[inline]
     pub(crate) fn sample(self, texture: &Image<Rgba8>, uv: Vec2) -> Vec3 {
         // A vector of four lanes, the last one unused, is mixed in a single register.
@@ -67,14 +69,15 @@ impl Sampler {
         (mixed.truncate() * self.scale, mixed.w * ALPHA_SCALE)
     }
 
-    /// Returns the alpha at `uv`, as [`Sampler::sample_with_alpha`] does.
+    /// Returns the filtered alpha at `uv`, in [0, 1]: the same value as from [`Sampler::sample_with_alpha`].
     #[inline]
     pub(crate) fn alpha(self, texture: &Image<Rgba8>, uv: Vec2) -> f32 {
         self.mixed(texture, uv, alpha_of) * ALPHA_SCALE
     }
 
-    /// Returns colour × alpha, and alpha, at `uv`. Both are unscaled: alpha is in codes, and colour is in the values
-    /// that the sampler mixes. Their quotient is the colour without the influence of texels whose alpha is 0.
+    /// Returns the filtered product of colour and alpha (xyz), and the filtered alpha (w), at `uv`. Both are unscaled:
+    /// alpha is a code from 0 to 255, and colour consists of the values that the sampler mixes. Their quotient is a
+    /// colour to which texels with alpha 0 do not contribute.
     #[inline]
     pub(crate) fn sample_premultiplied(self, texture: &Image<Rgba8>, uv: Vec2) -> Vec4 {
         self.mixed(texture, uv, |texel| {
@@ -83,7 +86,7 @@ impl Sampler {
         })
     }
 
-    /// Returns the weighted mean of `value` over the texels at `uv`.
+    /// Returns the weighted mean of `value` over the texels that are read at `uv`.
     #[inline(always)] // One of several callers is the loop over opaque samples, where the cost of a call is measurable.
     fn mixed<T: Mul<f32, Output = T> + Add<Output = T>>(
         self,
@@ -102,7 +105,7 @@ impl Sampler {
     }
 
     /// Returns the texels that [`Sampler::sample`] reads at `uv` in a texture of this size, and the number of valid
-    /// ones.
+    /// entries.
     #[inline(always)] // One of several callers is the loop over opaque samples, where the cost of a call is measurable.
     pub(crate) fn taps(self, (width, height): (u32, u32), uv: Vec2) -> ([TexelTap; 4], usize) {
         let [u, v] = self.unit(uv);
@@ -125,21 +128,22 @@ impl Sampler {
         }
     }
 
-    /// Returns texture coordinates mapped into [0, 1], before they are scaled to texels.
+    /// Maps texture coordinates into [0, 1] by the sampler's addressing mode.
     #[inline(always)]
     pub(crate) fn unit(self, uv: Vec2) -> [f64; 2] {
         [apply_address_mode(uv.x, self.address), apply_address_mode(uv.y, self.address)]
     }
 
-    /// Returns the fraction of the way from the previous to the next texel centre, for a coordinate of
-    /// [`Sampler::unit`] among `size` texels.
+    /// Returns the bilinear weight of the second of the two texels around a coordinate, along an axis of `size` texels.
+    /// `unit` is a coordinate from [`Sampler::unit`].
     pub(crate) fn share_of_next(self, unit: f64, size: u32) -> f32 {
         neighbours(unit, size, self.address).1
     }
 
-    /// Returns the two mip levels, with their weights, that are read for a pixel over which texture coordinates change
-    /// by `uv_gradient`. Level 0 is the texture itself, level `copies` the smallest. The level whose texels are as long
-    /// as the pixel's longer side lies between the two, so no texel is missed.
+    /// Returns the two mip levels that trilinear filtering reads for a pixel, with their weights. `uv_gradient` is the
+    /// change of the texture coordinates per pixel to the right and down. Level 0 is the texture itself, level `copies`
+    /// the smallest. The ideal level, whose texels are as long as the pixel's longer side, lies between the two, so no
+    /// texel is missed.
     pub(crate) fn levels((width, height): (u32, u32), copies: usize, uv_gradient: [Vec2; 2]) -> [(usize, f32); 2] {
         let squared_texels = |change: Vec2| (change * Vec2::new(width as f32, height as f32)).length_squared();
         let [right, down] = uv_gradient.map(squared_texels);
@@ -151,13 +155,14 @@ impl Sampler {
         [(finer, 1.0 - share), ((finer + 1).min(copies), share)]
     }
 
-    /// Converts a colour of sRGB codes to the colour space of [`Sampler::sample`].
+    /// Converts a colour of sRGB codes to the sampler's colour space, in [0, 1]: linear light or sRGB values.
     #[inline]
     pub(crate) fn value_of(self, color: Rgba8) -> Vec3 {
         self.number_of(color) * self.scale
     }
 
-    /// Converts a colour of sRGB codes to the values that the sampler mixes.
+    /// Converts a colour of sRGB codes to the unscaled values that the sampler mixes: linear light, or codes from 0 to
+    /// 255.
     #[inline]
     pub(crate) fn number_of(self, [r, g, b, _]: Rgba8) -> Vec3 {
         let number = |code: u8| self.number_of_code[code as usize];
@@ -165,10 +170,10 @@ impl Sampler {
     }
 }
 
-/// Factor that maps mixed codes of alpha into [0, 1].
+/// Factor that maps filtered alpha codes, 0 to 255, into [0, 1].
 pub(crate) const ALPHA_SCALE: f32 = 1.0 / 255.0;
 
-/// Returns alpha as its code, 0 to 255. Alpha is not light, so it is never decoded.
+/// Returns the alpha of a texel as a code from 0 to 255. Alpha is not light, so it is never decoded.
 #[inline]
 fn alpha_of([_, _, _, code]: Rgba8) -> f32 {
     f32::from(code)

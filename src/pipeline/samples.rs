@@ -1,7 +1,7 @@
-//! Per-sample work of one triangle: depth test, alpha test, interpolation, shading and write.
+//! Per-sample stages for one triangle: depth test, alpha test, interpolation, shading and framebuffer write.
 //!
-//! The loop is compiled once per [`Transparency`], so samples of opaque triangles have no branch for it. An
-//! alpha-tested fragment is interpolated twice, for its alpha and for its colour, because keeping the first result
+//! The loop is compiled once per [`Transparency`], so the loop for opaque triangles has no branches for transparency.
+//! An alpha-tested fragment is interpolated twice, for its alpha and for its colour, because keeping the first result
 //! would slow down the other modes.
 
 use std::hint::black_box;
@@ -18,7 +18,7 @@ use super::viewport::ScreenTriangle;
 use crate::image::Image;
 use crate::scene::Transparency;
 
-/// Draws the samples of `spans`, all of which lie in `frame`, up to the stage `until`.
+/// Processes the samples of `spans` up to and including the stage `until`. All samples must lie within `frame`.
 pub(super) fn draw<N: Numbers, O: Observer>(
     (triangle, edges): (&ScreenTriangle, &RasterTriangle<N>),
     spans: &[Span],
@@ -35,7 +35,7 @@ pub(super) fn draw<N: Numbers, O: Observer>(
     }
 }
 
-/// Draws as [`draw`] does, compiled for one [`Transparency`].
+/// Implements [`draw`] for one [`Transparency`], which is known at compile time.
 fn draw_as<N: Numbers, O: Observer, const CUT_OUT: bool, const BLENDED: bool>(
     (triangle, edges): (&ScreenTriangle, &RasterTriangle<N>),
     spans: &[Span],

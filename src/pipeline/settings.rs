@@ -54,7 +54,7 @@ macro_rules! choice {
 pub(crate) use choice;
 
 choice! {
-    /// Execution of the pipeline. All alternatives give the same picture, bit for bit, but differ in speed.
+    /// Execution strategy of the pipeline. All alternatives give the same picture, bit for bit, but differ in speed.
     Execution {
         Tiled = "tiled", "Tiled",
             "Draws tile by tile, several samples at a time (SIMD), on all threads; shades each visible sample once.";
@@ -65,31 +65,31 @@ choice! {
 }
 
 choice! {
-    /// Disabled optimisation: parts of the pipeline that run even in draws that do not need them. The picture is the
-    /// same; the time shows what skipping the parts saves.
+    /// Optimisation to disable: the chosen parts of the pipeline run even in draws that do not need them. The picture
+    /// is the same; the time shows what skipping the parts saves.
     DisabledOptimisation {
         Nothing = "nothing", "Nothing", "Every draw skips the parts that it does not need.";
-        Everything = "everything", "Everything", "All of the following parts run wherever they can.";
-        Vertices = "vertices", "Vertices", "Objects that lie wholly outside the view are transformed and clipped.";
+        Everything = "everything", "Everything", "Every part that can be skipped runs in every draw.";
+        Vertices = "vertices", "Vertices", "Objects wholly outside the view are still transformed and clipped.";
         Clusters = "clusters", "Every cluster",
-            "Clusters of a large mesh that lie wholly outside the view or are culled by facing are transformed, and \
-             their triangles culled one by one.";
+            "Clusters of a large mesh that are wholly outside the view or culled by facing are still transformed, and \
+             their triangles are culled one by one.";
         Clipping = "clipping", "Clipping",
-            "Triangles of objects that lie wholly inside the view are tested against its planes.";
+            "Triangles of objects wholly inside the view are still tested against the planes of the view.";
         PerspectiveDivision = "perspective-division", "Perspective division",
-            "Weights are divided by w in orthographic views too, where all w are equal.";
+            "Weights are still divided by w in orthographic views, where all w are equal.";
         TextureCoordinates = "texture-coordinates", "Texture coordinates",
-            "Texture coordinates are fetched and interpolated even if none is read.";
-        Normals = "normals", "Normals", "Normals are transformed and interpolated even if none is read.";
+            "Texture coordinates are fetched and interpolated even if no texture is read.";
+        Normals = "normals", "Normals", "Normals are transformed and interpolated even if the shading reads none.";
         VertexColors = "vertex-colors", "Vertex colours",
-            "Vertex colours are fetched and interpolated even if none is read.";
+            "Vertex colours are fetched and interpolated even if the shading reads none.";
     }
 }
 
 choice! {
     /// Culling of triangles by their facing.
     Culling {
-        None = "none", "None", "Both faces are drawn.";
+        None = "none", "None", "Front-facing and back-facing triangles are drawn.";
         Back = "back", "Back", "Back-facing triangles are culled: in a closed mesh they are always hidden.";
         Front = "front", "Front", "Front-facing triangles are culled: shows the inside of closed meshes.";
     }
@@ -105,8 +105,8 @@ choice! {
             "Splits the triangle at its middle vertex; computes the first and last pixel inside on each row, and \
              visits only those between.";
         EdgeWalk = "edge-walk", "Edge walk",
-            "Walks down the longest edge, and on each row from there towards the other two edges until the triangle \
-             ends.";
+            "Walks down the longest edge and, on each row, from that edge towards the other two until it leaves the \
+             triangle.";
         ActiveEdge = "active-edge", "Active edge list",
             "Steps edges from row to row by their slope, and fills each row between the two active edges.";
         Tiled = "tiled", "Tiled",
@@ -121,19 +121,19 @@ choice! {
 }
 
 impl Rasterizer {
-    /// Returns the rasterizers that are not wrong on purpose.
+    /// Returns the rasterizers that have no deliberate faults.
     pub fn correct() -> impl Iterator<Item = Self> {
         Self::ALL.iter().copied().filter(|rasterizer| !rasterizer.is_published())
     }
 
-    /// Returns whether the rasterizer keeps the faults of a commonly published version.
+    /// Returns whether the rasterizer deliberately reproduces the faults of a commonly published version.
     pub(crate) fn is_published(self) -> bool {
         matches!(self, Self::BoundingBoxPublished | Self::ScanlinePublished)
     }
 }
 
 choice! {
-    /// Arithmetic in which coverage is decided.
+    /// Arithmetic in which edge functions are computed to decide coverage.
     Arithmetic {
         Fixed = "fixed", "24.8 fixed point",
             "Vertices are snapped to 1/256 px; from there on, everything is exact integer arithmetic, as in hardware.";
@@ -149,7 +149,7 @@ choice! {
 }
 
 choice! {
-    /// Ownership of pixel centres that lie exactly on an edge.
+    /// Fill rule: decides whether a triangle owns a pixel centre that lies exactly on one of its edges.
     FillRule {
         TopLeft = "top-left", "Top-left",
             "A pixel centre on an edge belongs to the triangle for which it is a top or left edge. Shared edges are \
@@ -167,15 +167,15 @@ choice! {
 }
 
 impl FillRule {
-    /// Returns whether exactly one of two triangles that share an edge owns a centre on it.
+    /// Returns whether exactly one of two triangles that share an edge owns a pixel centre on that edge.
     pub(crate) fn draws_shared_edges_once(self) -> bool {
         !matches!(self, Self::Inclusive | Self::Exclusive)
     }
 }
 
 choice! {
-    /// Condition under which a fragment replaces the content of the depth buffer. Named for standard depth; reversed
-    /// depth mirrors it.
+    /// Depth test: comparison that a fragment must pass to replace the stored depth. The names refer to standard depth;
+    /// reversed depth mirrors the comparison.
     DepthTest {
         Off = "off", "Off", "The last triangle drawn wins (painter's algorithm). There is no depth buffer.";
         Less = "less", "Less", "The nearer fragment wins; at equal depth, the first one drawn.";
@@ -210,7 +210,7 @@ choice! {
 }
 
 choice! {
-    /// Interpolation of attributes over the screen.
+    /// Method of interpolating vertex attributes across a triangle.
     Interpolation {
         Affine = "affine", "Affine",
             "Attributes vary linearly in screen space: wrong in perspective (textures swim and kink).";
@@ -246,30 +246,30 @@ choice! {
 }
 
 impl Shading {
-    /// Returns whether the shading shows the material's colour and texture, and with them its opacity. The other
-    /// shadings are opaque.
+    /// Returns whether the shading mode uses the material's colour, texture and opacity. All other shading modes draw
+    /// opaque surfaces.
     pub fn reads_material(self) -> bool {
         matches!(self, Self::Texture | Self::Gouraud | Self::Lambert | Self::BlinnPhong | Self::Cel)
     }
 
-    /// Returns whether light is computed.
+    /// Returns whether the shading mode computes lighting, per vertex or per pixel.
     pub(crate) fn is_lit(self) -> bool {
         self == Self::Gouraud || self.is_lit_per_pixel()
     }
 
-    /// Returns whether light is computed per pixel, from an interpolated normal.
+    /// Returns whether the shading mode computes lighting per pixel, from an interpolated normal.
     pub(crate) fn is_lit_per_pixel(self) -> bool {
         matches!(self, Self::Lambert | Self::BlinnPhong | Self::Cel)
     }
 
-    /// Returns whether the shading reads the normal of every pixel, and with it normal maps.
+    /// Returns whether the shading mode reads a normal at every pixel and therefore applies normal maps.
     pub(crate) fn reads_pixel_normals(self) -> bool {
         self == Self::Normals || self.is_lit_per_pixel()
     }
 }
 
 choice! {
-    /// Filter of a texture between texel centres.
+    /// Texture filter, which computes colours between texel centres.
     TexelFilter {
         Point = "point", "Point", "Nearest texel: blocky up close, shimmers in the distance.";
         Bilinear = "bilinear", "Bilinear",
@@ -292,7 +292,7 @@ choice! {
 }
 
 choice! {
-    /// Addressing of texture coordinates outside of 0…1.
+    /// Addressing mode for texture coordinates outside of [0, 1].
     AddressMode {
         Clamp = "clamp", "Clamp", "Border texels extend beyond the texture.";
         Repeat = "repeat", "Repeat", "The texture repeats in both directions.";
@@ -305,7 +305,7 @@ choice! {
     ColorSpace {
         Linear = "linear", "Linear light", "sRGB codes are decoded to linear light first: physically correct.";
         Bytes = "bytes", "sRGB",
-            "Directly on 8-bit sRGB codes, as in many simple renderers: shading comes out too dark.";
+            "Computes directly with 8-bit sRGB codes, as many simple renderers do: shading comes out too dark.";
     }
 }
 
@@ -333,10 +333,10 @@ choice! {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct DepthBias {
-    /// Factor of the smallest resolvable difference r. For floats, r is the unit in the last place of the triangle's
-    /// greatest depth; for integer formats, one code.
+    /// Factor of r, the smallest depth difference that the format resolves. For floats, r is the unit in the last place
+    /// of the triangle's greatest depth; for integer formats, one step.
     pub constant: f32,
-    /// Factor of the slope m, the greatest change of the triangle's depth per pixel.
+    /// Factor of m, the greatest change of the triangle's depth per pixel along x or y.
     pub slope: f32,
 }
 
@@ -357,10 +357,10 @@ impl Default for Blending {
 /// Directional light.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Light {
-    /// Direction towards the light, in world space, of any length.
+    /// World-space direction towards the light, not necessarily of unit length.
     pub direction: Vec3,
-    /// Fraction of the light that reaches every surface, in [0, 1]. The rest is multiplied by the cosine between normal
-    /// and light direction.
+    /// Ambient fraction of the light, in [0, 1], which reaches every surface. The rest is diffuse: it is multiplied by
+    /// the cosine of the angle between the normal and the direction towards the light.
     pub ambient: f32,
 }
 
@@ -395,9 +395,9 @@ pub struct Settings {
     pub culling: Culling,
     /// Algorithm that finds covered samples.
     pub rasterizer: Rasterizer,
-    /// Arithmetic in which coverage is decided.
+    /// Arithmetic in which edge functions are computed to decide coverage.
     pub arithmetic: Arithmetic,
-    /// Ownership of pixel centres that lie exactly on an edge.
+    /// Fill rule: decides whether a triangle owns a pixel centre that lies exactly on one of its edges.
     pub fill_rule: FillRule,
     /// Depth test that a fragment must pass to be drawn.
     pub depth_test: DepthTest,
@@ -405,17 +405,17 @@ pub struct Settings {
     pub depth_format: DepthFormat,
     /// Offset added to depths before the depth test.
     pub depth_bias: DepthBias,
-    /// Interpolation of attributes over the screen.
+    /// Method of interpolating vertex attributes across a triangle.
     pub interpolation: Interpolation,
     /// Source of a fragment's colour.
     pub shading: Shading,
     /// Pattern of [`Shading::Checker`].
     pub checker: Checker,
-    /// Light of the lit shadings.
+    /// Directional light of the shading modes with lighting.
     pub light: Light,
-    /// Filter that mixes texels.
+    /// Texture filter, which computes colours between texel centres.
     pub filter: TexelFilter,
-    /// Addressing of texture coordinates outside of [0, 1].
+    /// Addressing mode for texture coordinates outside of [0, 1].
     pub address: AddressMode,
     /// Treatment of alpha when a texture filter mixes texels.
     pub alpha: AlphaMode,
@@ -425,7 +425,7 @@ pub struct Settings {
     pub blending: Blending,
     /// Colour of the pixels that no triangle covers.
     pub background: Background,
-    /// Disabled optimisation: parts of the pipeline that run even if a draw does not need them.
+    /// Optimisation to disable: the chosen parts of the pipeline run even in draws that do not need them.
     pub force: DisabledOptimisation,
 }
 
@@ -455,7 +455,7 @@ impl Default for Settings {
 }
 
 impl DepthFormat {
-    /// Returns the mapping from distance to depth.
+    /// Returns the mapping from distance along the view direction to stored depth.
     pub fn mapping(self) -> DepthMapping {
         match self {
             Self::F32 | Self::Unorm24 | Self::Unorm16 => DepthMapping::Standard,
@@ -476,7 +476,7 @@ impl DepthFormat {
 }
 
 impl Settings {
-    /// Returns whether depth is stored reversed: nearer is larger.
+    /// Returns whether depth is reversed, so that nearer surfaces have larger stored depths.
     pub fn reversed(&self) -> bool {
         self.depth_format.mapping().is_reversed()
     }

@@ -1,11 +1,12 @@
 //! Shading: from interpolated attributes to the colour of a fragment.
 //!
 //! Light is ambient + (1 − ambient)·max(0, N·L), with N normalised after interpolation and L of unit length. Cel
-//! shading uses the light texture where N·L > 0.5 (60° with unit vectors) and the dark one elsewhere. The colour space
-//! decides whether colours are computed in linear light or directly on sRGB codes. Views of single quantities (normals,
-//! texture coordinates, weights …) are written as codes, unlit.
+//! shading uses the light texture where N·L > 0.5 (an angle of less than 60°) and the dark one elsewhere. The colour
+//! space decides whether colours are computed in linear light or directly on sRGB codes. Shading modes that show a
+//! single quantity (normals, texture coordinates, weights …) are unlit and written directly as 8-bit codes.
 //!
-//! Blinn–Phong shading adds a highlight to that light. All shadings that read the material add its emission last.
+//! Blinn–Phong shading adds a specular highlight to that light. All shading modes that use the material add its
+//! emission last.
 
 mod blinn_phong;
 
@@ -33,13 +34,15 @@ use crate::math::unit_or;
 use crate::scene::material::ALPHA_TEST_THRESHOLD;
 use crate::scene::{Alpha, Instance, Library, Texture, Transparency, TriangleId};
 
-/// N·L above which cel shading takes the light texture.
+/// Value of N·L above which cel shading uses the light texture; at or below it, the dark one.
 pub(crate) const CEL_THRESHOLD: f32 = 0.5;
 
-/// Factor of the light colour on the dark side of a material without a dark texture.
+/// Factor that darkens the colour in cel shading where N·L is at most [`CEL_THRESHOLD`], for materials without a dark
+/// texture.
 pub(crate) const CEL_DARK_FACTOR: f32 = 0.45;
 
-/// Returns the light on a surface: ambient + (1 − ambient)·max(0, N·L) for unit vectors.
+/// Returns the light intensity on a surface by Lambert's law: ambient + (1 − ambient)·max(0, N·L). Both vectors must
+/// have unit length.
 #[inline]
 pub(crate) fn lambert(normal: Vec3, light_direction: Vec3, ambient: f32) -> f32 {
     ambient + (1.0 - ambient) * normal.dot(light_direction).max(0.0)
@@ -49,7 +52,7 @@ pub(crate) fn lambert(normal: Vec3, light_direction: Vec3, ambient: f32) -> f32 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Readable<'a> {
     image: &'a Image<Rgba8>,
-    /// Mip levels from 1 up, each half as long as the one before; empty unless the filter reads them.
+    /// Mip levels from level 1 on, each half as wide and high as the one before; empty unless the filter reads them.
     mip_levels: &'a [Image<Rgba8>],
     mips: bool,
     /// Whether colours are weighted by alpha when texels are mixed.
@@ -67,7 +70,8 @@ impl<'a> Readable<'a> {
         }
     }
 
-    /// Returns a texture filtered with straight alpha, mixed in the colour space `space`.
+    /// Creates a texture whose texels are mixed in the colour space `space` with straight alpha: alpha does not weight
+    /// the colours.
     fn straight(texture: &'a Texture, settings: &Settings, space: ColorSpace) -> Self {
         let mips = settings.filter == TexelFilter::Trilinear;
         let mip_levels = if mips { texture.mip_levels(space == ColorSpace::Linear) } else { &[] };
@@ -79,7 +83,8 @@ impl<'a> Readable<'a> {
         self.premultiplied
     }
 
-    /// Returns the filtered colour in [0, 1], weighted by the alpha of each texel; black if all of them have alpha 0.
+    /// Returns the filtered colour in [0, 1], to which each texel contributes in proportion to its alpha; black if all
+    /// texels have alpha 0.
     #[cold]
     fn premultiplied_color(&self, sampler: Sampler, fragment: &Fragment) -> Vec3 {
         let mixed = if self.mips {
@@ -90,13 +95,13 @@ impl<'a> Readable<'a> {
         if mixed.w > 0.0 { mixed.truncate() / mixed.w * sampler.scale } else { Vec3::ZERO }
     }
 
-    /// Returns the texture itself for level 0, or one of its smaller mip levels.
+    /// Returns the image of a mip level; level 0 is the texture itself.
     pub(crate) fn level(&self, level: usize) -> &'a Image<Rgba8> {
         level.checked_sub(1).and_then(|level| self.mip_levels.get(level)).unwrap_or(self.image)
     }
 
-    /// Returns the mip levels read for a fragment with their weights, and the number of valid ones, which is 1 without
-    /// mip-mapping.
+    /// Returns the mip levels that are read for a fragment, with their weights, and the number of valid entries, which
+    /// is 1 without mip-mapping.
     pub(crate) fn levels(&self, fragment: &Fragment) -> ([(usize, f32); 2], usize) {
         if self.mips {
             (Sampler::levels(self.image.size(), self.mip_levels.len(), fragment.uv_gradient), 2)
@@ -105,7 +110,7 @@ impl<'a> Readable<'a> {
         }
     }
 
-    /// Returns the weighted mean of `read` over the mip levels of a fragment.
+    /// Returns the weighted mean of `read` over the mip levels that are read for a fragment.
     #[cold]
     fn mixed<T: Mul<f32, Output = T> + Add<Output = T>>(
         &self,
@@ -151,17 +156,17 @@ pub(crate) struct Shader<'a> {
     sampler: Sampler,
     tables: &'static Tables,
     pub(crate) light_direction: Vec3,
-    /// Material colour × tint, in the working colour space.
+    /// Diffuse colour of the material times the tint of the instance, in the working colour space.
     pub(crate) diffuse: Vec3,
     pub(super) texture: Option<Readable<'a>>,
     dark_texture: Option<Readable<'a>>,
     alpha_texture: Option<Readable<'a>>,
     normal_map: Option<NormalMap<'a>>,
     highlight: Option<Highlight<'a>>,
-    /// Emitted colour, in the working colour space; `None` if nothing is emitted.
+    /// Emitted colour of the material, in the working colour space; `None` if it emits nothing.
     emission: Option<Vec3>,
     emission_texture: Option<Readable<'a>>,
-    /// Opacity of the material alone, without textures.
+    /// Opacity of the material in [0, 1], before it is multiplied by the alpha of textures.
     opacity: f32,
     transparency: Transparency,
     attributes: AttributeSelection,
@@ -207,13 +212,13 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Returns how fragments combine with what is already drawn.
+    /// Returns whether the draw is opaque, alpha-tested or blended.
     #[inline]
     pub(crate) fn transparency(&self) -> Transparency {
         self.transparency
     }
 
-    /// Returns the opacity of the material alone, without textures.
+    /// Returns the opacity of the material in [0, 1], before it is multiplied by the alpha of textures.
     pub(crate) fn opacity(&self) -> f32 {
         self.opacity
     }
@@ -238,12 +243,12 @@ impl<'a> Shader<'a> {
         self.sampler
     }
 
-    /// Returns the texture that multiplies the opacity, or `None` if none is read.
+    /// Returns the texture whose alpha multiplies the opacity, or `None` if none is read.
     pub(crate) fn alpha_texture(&self) -> Option<Readable<'a>> {
         self.alpha_texture
     }
 
-    /// Returns the texture of the emitted light, or `None` if none is read.
+    /// Returns the texture that multiplies the emitted colour, or `None` if none is read.
     pub(crate) fn emission_texture(&self) -> Option<Readable<'a>> {
         self.emission_texture
     }
@@ -253,7 +258,7 @@ impl<'a> Shader<'a> {
         self.normal_map.as_ref()
     }
 
-    /// Returns the inputs of the highlight, or `None` if the shading has no highlight.
+    /// Returns the inputs of the specular highlight, or `None` if the draw has none.
     pub(crate) fn highlight(&self) -> Option<&Highlight<'a>> {
         self.highlight.as_ref()
     }
@@ -280,13 +285,14 @@ impl<'a> Shader<'a> {
         read.into_iter().map(u64::from).sum()
     }
 
-    /// Returns the interpolated unit normal of a fragment before any normal map, or zero if it has none.
+    /// Returns the interpolated normal of a fragment, normalised, before normal mapping; zero if its length is zero.
     #[inline]
     pub(crate) fn smooth_normal(&self, fragment: &Fragment) -> Vec3 {
         fragment.normal.normalize_or_zero()
     }
 
-    /// Returns the unit normal of a fragment, or zero if it has none, so that no direct light reaches it.
+    /// Returns the unit normal of a fragment after normal mapping, or zero if the fragment has no normal, so that no
+    /// direct light reaches it.
     #[inline]
     pub(crate) fn unit_normal(&self, fragment: &Fragment) -> Vec3 {
         let smooth = self.smooth_normal(fragment);
@@ -296,13 +302,13 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Returns N·L of a fragment, the cosine between its normal and the direction of the light.
+    /// Returns N·L of a fragment: the cosine of the angle between its normal and the direction towards the light.
     #[inline]
     pub(crate) fn cosine(&self, fragment: &Fragment) -> f32 {
         self.unit_normal(fragment).dot(self.light_direction)
     }
 
-    /// Returns the factor by which light multiplies a fragment's colour. It is 1 for unlit shadings.
+    /// Returns the light intensity by which a fragment's albedo is multiplied. It is 1 in unlit shading modes.
     pub(crate) fn light(&self, fragment: &Fragment) -> f32 {
         match self.settings.shading {
             Shading::Gouraud => fragment.light,
@@ -314,8 +320,8 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Returns the alpha in [0, 1] with which a blended fragment covers what lies behind: the material's opacity × the
-    /// alpha of the texture, if one is read, × the alpha of the opacity texture, if there is one.
+    /// Returns the alpha of a fragment in [0, 1]: the material's opacity, times the alpha of the colour texture if one
+    /// is read, times the alpha of the opacity texture if there is one.
     #[inline]
     pub(crate) fn alpha(&self, fragment: &Fragment) -> f32 {
         let alpha = self
@@ -324,20 +330,21 @@ impl<'a> Shader<'a> {
         self.with_alpha_texture(alpha, fragment)
     }
 
-    /// Returns `alpha` times the alpha of the opacity texture, if there is one.
+    /// Returns `alpha` times the alpha of the opacity texture at a fragment, or `alpha` itself without such a texture.
     #[inline]
     fn with_alpha_texture(&self, alpha: f32, fragment: &Fragment) -> f32 {
         self.alpha_texture.map_or(alpha, |texture| alpha * texture.alpha(self.sampler, fragment))
     }
 
-    /// Returns whether a fragment fails the alpha test.
+    /// Returns whether a fragment fails the alpha test: its alpha is below [`ALPHA_TEST_THRESHOLD`].
     #[inline]
     pub(crate) fn fails_alpha_test(&self, fragment: &Fragment) -> bool {
         self.alpha(fragment) < ALPHA_TEST_THRESHOLD
     }
 
     /// Returns the colour of a blended fragment of `triangle` over `below`: colour·α + below·(1 − α) in the working
-    /// colour space, with α from [`Shader::alpha`]. Views of single quantities are opaque and replace `below`.
+    /// colour space, with α from [`Shader::alpha`]. Shading modes that show a single quantity are opaque and replace
+    /// `below`.
     #[inline]
     pub(crate) fn blend(&self, fragment: &Fragment, triangle: &ScreenTriangle, below: Rgba8) -> Rgba8 {
         if !self.settings.shading.reads_material() {
@@ -371,7 +378,8 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Returns the colour of all samples of a triangle for shadings that are constant over it, or `None` for others.
+    /// Returns the colour of a triangle in shading modes that give all of its samples the same colour, or `None` in
+    /// others.
     pub(crate) fn flat_color(&self, id: TriangleId, instance: u32) -> Option<Rgba8> {
         match self.settings.shading {
             Shading::TriangleId => Some(id_color(id)),
@@ -386,7 +394,7 @@ impl<'a> Shader<'a> {
         self.with_added(self.albedo(fragment) * self.light(fragment), fragment)
     }
 
-    /// Returns diffuse light with highlight and emission added, if the draw has any.
+    /// Adds the specular reflection and the emission of a fragment, if the draw has any, to its diffuse reflection.
     #[inline(always)]
     fn with_added(&self, diffuse: Vec3, fragment: &Fragment) -> Vec3 {
         if self.highlight.is_none() && self.emission.is_none() {
@@ -401,19 +409,20 @@ impl<'a> Shader<'a> {
         highlight.factor(self.unit_normal(fragment), self.light_direction, fragment)
     }
 
-    /// Returns the light of the highlight at a fragment, in the working colour space.
+    /// Returns the specular reflection at a fragment, in the working colour space.
     #[cold]
     pub(crate) fn specular(&self, fragment: &Fragment) -> Vec3 {
         let specular = self.highlight.map_or(Vec3::ZERO, |highlight| highlight.specular);
         specular * self.highlight_factor(fragment)
     }
 
-    /// Returns the emitted colour without its texture, in the working colour space, or `None` if nothing is emitted.
+    /// Returns the emitted colour before it is multiplied by the emission texture, in the working colour space, or
+    /// `None` if nothing is emitted.
     pub(crate) fn emission(&self) -> Option<Vec3> {
         self.emission
     }
 
-    /// Returns the colour of the emission texture at a fragment, or `None` without such a texture.
+    /// Returns the filtered colour of the emission texture at a fragment, or `None` without such a texture.
     pub(crate) fn emission_texel(&self, fragment: &Fragment) -> Option<Vec3> {
         self.emission_texture.map(|texture| texture.color(self.sampler, fragment))
     }
@@ -425,7 +434,7 @@ impl<'a> Shader<'a> {
         self.emission_texel(fragment).map_or(emission, |texel| emission * texel)
     }
 
-    /// Returns the surface colour of a fragment without light, in the working colour space.
+    /// Returns the albedo (unlit surface colour) of a fragment, in the working colour space.
     #[inline]
     pub(crate) fn albedo(&self, fragment: &Fragment) -> Vec3 {
         let plain = self.plain_albedo(fragment);
@@ -435,7 +444,7 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Returns the surface colour of a fragment without light and texture, in the working colour space.
+    /// Returns the albedo of a fragment before it is multiplied by the colour texture, in the working colour space.
     #[inline]
     pub(crate) fn plain_albedo(&self, fragment: &Fragment) -> Vec3 {
         if self.attributes.color { self.diffuse * fragment.color } else { self.diffuse }
@@ -477,7 +486,7 @@ impl<'a> Shader<'a> {
     }
 }
 
-/// Converts sRGB values to the working colour space.
+/// Converts sRGB values in [0, 1] to the working colour space.
 pub(crate) fn to_working_space(srgb: Vec3, space: ColorSpace) -> Vec3 {
     match space {
         ColorSpace::Linear => decode_rgb(srgb),
@@ -489,7 +498,8 @@ fn quantized(color: Vec3) -> Rgba8 {
     [quantize(color.x), quantize(color.y), quantize(color.z), 255]
 }
 
-/// Returns a colour for an identifier: neighbouring identifiers differ visibly, and no channel is below 64.
+/// Returns a colour that represents an identifier. Consecutive identifiers get visibly different colours, and no
+/// channel is below 64.
 pub(crate) fn id_color(id: TriangleId) -> Rgba8 {
     // Fibonacci hashing (Knuth, The Art of Computer Programming 3, 6.4) spreads consecutive numbers far apart.
     let hash = id.0.wrapping_add(1).wrapping_mul(0x9E37_79B9);

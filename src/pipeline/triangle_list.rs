@@ -1,6 +1,6 @@
 //! List of screen triangles that shares memory with its clones and stores a bounding box per triangle.
 //!
-//! Drawing a single pixel rejects nearly all triangles by reading only their boxes.
+//! When a single pixel is drawn, nearly all triangles are rejected by reading only their boxes.
 
 use std::ops::{Deref, DerefMut};
 use std::sync::Arc;

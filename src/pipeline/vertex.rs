@@ -1,4 +1,4 @@
-//! Assembly and transform: the mesh of one instance becomes vertices in clip space.
+//! Vertex assembly and transform: turns the mesh of one instance into vertices in clip space.
 //!
 //! Each mesh vertex is transformed once, however many triangles share it. The matrices of a draw are multiplied in f64
 //! and rounded once, so the product loses no precision for a model far from the origin. Parts that the plan skips are
@@ -13,8 +13,8 @@ use super::shade::{lambert, to_working_space};
 use crate::math::{Aabb, unit_or};
 use crate::scene::{Instance, Mesh};
 
-/// Attributes interpolated over a triangle besides position. Those that the plan skips are zero, except for a white
-/// colour.
+/// Attributes interpolated over a triangle besides position. Attributes that the draw plan skips are zero, except that
+/// the colour is white.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Varyings {
     /// World-space normal, of unit length only at vertices.
@@ -23,14 +23,14 @@ pub struct Varyings {
     pub uv: Vec2,
     /// Vertex colour in the working colour space; white if the mesh has none.
     pub color: Vec3,
-    /// Light computed at the vertex, for Gouraud shading only.
+    /// Light intensity computed at the vertex, for Gouraud shading only.
     pub light: f32,
     /// Barycentric weights of the three vertices of the unclipped triangle.
     pub source_weights: Vec3,
 }
 
 impl Varyings {
-    /// Interpolates linearly from `self` at t = 0 to `other` at t = 1. A value that is equal at both ends stays exactly
+    /// Interpolates linearly from `self` at t = 0 to `other` at t = 1. A value that is equal in both stays exactly
     /// equal.
     pub(crate) fn lerp(&self, other: &Self, t: f32) -> Self {
         Self {
@@ -48,7 +48,7 @@ impl Varyings {
 pub(crate) struct ClipVertex {
     /// Homogeneous position in clip space. Inside the frustum 0 ≤ z ≤ w, |x| ≤ w and |y| ≤ w.
     pub(crate) position: Vec4,
-    /// Near or far plane of clip space on which clipping placed the vertex; `None` otherwise.
+    /// Near or far plane if clipping created the vertex on it; `None` for all other vertices.
     pub(crate) cut_at: Option<ClipPlane>,
     /// Attributes of the vertex, to be interpolated.
     pub(crate) varyings: Varyings,
@@ -98,13 +98,13 @@ impl DrawMatrices {
 pub(super) const ROUNDING: f64 = 16.0 * f32::EPSILON as f64;
 
 /// Absolute bound on the rounding error of subnormal products. Each is off by at most half the smallest subnormal
-/// number, and six of them meet in a plane distance.
+/// number, and a plane distance contains six of them.
 pub(super) const UNDERFLOW: f64 = f32::MIN_POSITIVE as f64;
 
 /// Classifies a model-space box against the frustum.
 ///
-/// The test uses planes only: a box reported as `Crossing` may still be outside, but never the other way round.
-/// `Inside` and `Outside` hold for every vertex in the box *after rounding*, so boxes that touch a plane are
+/// The test is conservative, because it considers each plane on its own: a box reported as `Crossing` may in fact be
+/// outside. `Inside` and `Outside` hold for every vertex in the box *after rounding*, so boxes that touch a plane are
 /// `Crossing`.
 pub(crate) fn containment(bounds: Aabb, clip_from_model: Mat4) -> Containment {
     if bounds.is_empty() {
@@ -190,7 +190,7 @@ impl<'a> Transformer<'a> {
         self.uv_transform.map_or(uv, |[scale, offset]| uv * scale + offset)
     }
 
-    /// Returns the world-space normal of a vertex, of any length.
+    /// Returns the world-space normal of a vertex, not normalised.
     #[inline]
     pub(crate) fn world_normal(&self, i: usize) -> Vec3 {
         self.matrices.world_from_model_normal * self.mesh.normals[i]

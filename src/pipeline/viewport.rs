@@ -29,7 +29,8 @@ pub struct ScreenVertex {
 }
 
 impl ScreenVertex {
-    /// Returns a corner at an unsnapped position in pixels, which is also snapped. `inv_w` is 1/w > 0.
+    /// Creates a vertex at an unsnapped position in pixels, and snaps that position as well. `inv_w` is 1/w, which must
+    /// be positive.
     #[inline]
     pub(crate) fn at([x, y]: [f32; 2], depth: f64, inv_w: f32, varyings: Varyings) -> Self {
         Self { position_px: [x, y], x: snap(x) as i32, y: snap(y) as i32, depth, inv_w, varyings }
@@ -39,15 +40,15 @@ impl ScreenVertex {
 /// Triangle on the screen, ready to be rasterized.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScreenTriangle {
-    /// Identifier of the scene triangle that it comes from; several pieces may share it.
+    /// Identifier of the scene triangle, which all pieces made from it by clipping share.
     pub id: TriangleId,
     /// Index of the instance that the triangle belongs to.
     pub instance: u32,
     /// Corners in the order of the mesh.
     pub vertices: [ScreenVertex; 3],
-    /// Doubled area, > 0, in the unit of the arithmetic's edge values.
+    /// Doubled area of the triangle, which is positive, in the unit of its edge values.
     pub doubled_area: f64,
-    /// Depth as a function of the samples inside.
+    /// Function that gives the depth at each sample of the triangle.
     pub depth: DepthFunction,
     /// 1/w of the corners relative to the largest; all 1 if the perspective division is skipped.
     pub relative_inv_w: [f32; 3],
@@ -73,8 +74,8 @@ impl ScreenTriangle {
         self.vertices.each_ref().map(|v| v.position_px)
     }
 
-    /// Returns the corners in pixels from which an arithmetic computes edges: snapped corners for fixed point,
-    /// unsnapped ones otherwise.
+    /// Returns the corners, in pixels, from which edges are computed in an arithmetic: snapped corners in fixed point,
+    /// unsnapped ones in all others.
     pub(crate) fn corners_in(&self, arithmetic: Arithmetic) -> [[f32; 2]; 3] {
         if arithmetic == Arithmetic::Fixed { self.snapped_px() } else { self.corners_px() }
     }
@@ -120,9 +121,9 @@ impl Viewport {
         self.width as f32 / self.height as f32
     }
 
-    /// Returns the window that a picture of this size occupies in a view of `full` px. Pixel (i, j) of the picture lies
-    /// at ((i + ½) · step + origin) of that view, in pixels. The last pixels may reach past the edge of the view, or
-    /// end before it.
+    /// Returns the part of a view of `full` px that a picture of this size shows. The centre of pixel (i, j) of the
+    /// picture lies at (i + ½, j + ½) · `step_px` + `origin_px` in that view, in pixels. The last pixels may reach past
+    /// the edge of the view, or end before it.
     pub(crate) fn window(self, full: Self, step_px: f64, origin_px: [f64; 2]) -> SubView {
         let axis = |full: u32, own: u32, origin: f64| {
             let (full, own) = (f64::from(full), step_px * f64::from(own));

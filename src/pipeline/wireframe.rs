@@ -29,17 +29,18 @@ pub(crate) fn overlay(triangles: &[ScreenTriangle], image: &mut Image<Rgba8>) {
     }
 }
 
-/// Returns the identifier of the first of `triangles` with an edge over pixel (x, y) of a picture of `size` px.
+/// Returns the identifier of the first of `triangles` that has an edge drawn over pixel (x, y) of a picture of `size`
+/// px.
 pub(crate) fn crosses(triangles: &[ScreenTriangle], size: (u32, u32), pixel: (u32, u32)) -> Option<TriangleId> {
     triangles.iter().find(|t| edge_pixels(t, size).any(|p| p == pixel)).map(|t| t.id)
 }
 
-/// Returns the colour of a line over a pixel, which contrasts with it.
+/// Returns the line colour, light or dark, that contrasts with the pixel below.
 pub(crate) fn line_color(below: Rgba8) -> Rgba8 {
     if luma(below) < DARK_BELOW_LUMA { [232, 232, 232, 255] } else { [24, 24, 24, 255] }
 }
 
-/// Returns the pixels of a triangle's three edges within a picture of `size` px.
+/// Returns the pixels on which a triangle's three edges are drawn, within a picture of `size` px.
 pub(crate) fn edge_pixels(triangle: &ScreenTriangle, size: (u32, u32)) -> impl Iterator<Item = (u32, u32)> {
     let [a, b, c] = triangle.vertices.each_ref().map(pixel_position);
     [(a, b), (b, c), (c, a)].into_iter().flat_map(move |(from, to)| line_pixels(from, to, size))

@@ -1,4 +1,4 @@
-//! Comparison of the engine's coverage with an exact answer, pixel by pixel, for one part of a case.
+//! Comparison of the engine's coverage with an exact answer, pixel by pixel, for one part of a case file.
 //!
 //! The exact answer comes from [`super::stability::oracle`], which shares no code with the engine. It supports
 //! triangles; for other kinds of cases, only the engine's pixels are available.
@@ -12,10 +12,11 @@ use crate::pipeline::raster::Span;
 use crate::pipeline::settings::{Arithmetic, FillRule};
 use crate::pipeline::viewport::{MAX_PIXELS, Viewport};
 
-/// Pixels of one part of a case.
+/// Pixels that one part of a case file covers, according to the engine and to the exact answer.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PixelComparison {
-    /// Position of the top left pixel of the images in the case: (0, 0) if the case has an image size.
+    /// Position, in the coordinates of the case, of the images' top-left pixel: (0, 0) if the case specifies an image
+    /// size.
     pub(crate) origin: (i64, i64),
     /// Fraction of each pixel covered by the engine, in [0, 1].
     pub(crate) ours: Image<f32>,
@@ -25,7 +26,7 @@ pub(crate) struct PixelComparison {
     pub(crate) outlines: Vec<Vec<[f64; 2]>>,
 }
 
-/// Agreement of the engine and the exact answer on one pixel.
+/// Agreement of the engine and the exact answer on the coverage of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Agreement {
     /// Pixel that neither the engine nor the exact answer covers.
@@ -38,7 +39,7 @@ pub(crate) enum Agreement {
     Missing,
 }
 
-/// Displayable result of a part of a case.
+/// Displayable result of one part of a case file.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum DisplayedResult {
     /// Result as pixels.
@@ -56,7 +57,7 @@ const MAX_LINE_BYTES: usize = 160;
 /// Maximum number of outline vertices; larger outlines are omitted.
 const MAX_OUTLINE_CORNERS: usize = 1 << 14;
 
-/// Computes only part `part` of a case. Returns `None` if cancelled.
+/// Computes the displayable result of part `part` of a case. Returns `None` if cancelled.
 pub(crate) fn show(case: &Case, part: usize, options: Options, control: &Control<'_>) -> Option<DisplayedResult> {
     let told = |reason: String| DisplayedResult::Text(vec![reason]);
     match pixels_or_numbers(case, part, options, control) {
@@ -160,7 +161,8 @@ impl PixelComparison {
         pixels.map_or_else(|reason| DisplayedResult::Text(vec![reason]), DisplayedResult::Pixels)
     }
 
-    /// Creates an image that encloses the pixels, with a margin of one pixel.
+    /// Creates a result without exact answer from the covered pixels. Its image encloses them with a margin of one
+    /// pixel.
     fn of_pixels(pixels: impl Iterator<Item = (i64, i64)> + Clone) -> Result<Self, String> {
         let range = |coordinate: fn((i64, i64)) -> i64| {
             let all = pixels.clone().map(coordinate);
@@ -176,7 +178,7 @@ impl PixelComparison {
         Ok(Self { origin: (left, top), ours, exact: None, outlines: Vec::new() })
     }
 
-    /// Returns the agreement on one pixel of the images.
+    /// Returns how the engine and the exact answer agree on pixel (x, y) of the images.
     pub(crate) fn agreement(&self, x: u32, y: u32) -> Agreement {
         let ours = self.ours.at(x, y) > 0.0;
         match (ours, self.exact.as_ref().map_or(ours, |exact| exact.at(x, y))) {
@@ -228,7 +230,7 @@ fn fill<T: Copy>(image: &mut Image<T>, span: Span, value: T) {
     image.pixels_mut()[start + span.left as usize..start + span.right as usize].fill(value);
 }
 
-/// Returns an image with the pixels of the spans set.
+/// Returns an image in which the pixels of the spans are `true`.
 fn covered(viewport: Viewport, spans: &[Span]) -> Image<bool> {
     let mut covered = Image::filled(viewport.width, viewport.height, false);
     spans.iter().for_each(|span| fill(&mut covered, *span, true));
@@ -257,7 +259,7 @@ fn numbers(answer: &Answer) -> Vec<String> {
     lines
 }
 
-/// Writer that keeps the start of a text, up to [`MAX_TEXT_BYTES`].
+/// Writer that stores a text of up to [`MAX_TEXT_BYTES`] and fails when more is written.
 struct Start {
     text: Vec<u8>,
 }
@@ -276,7 +278,7 @@ impl Write for Start {
     }
 }
 
-/// Returns the number of parts of a case that can be shown separately.
+/// Returns the number of parts of a case file that can be shown separately.
 pub(crate) fn parts(case: &Case) -> usize {
     match &case.task {
         Task::TriCoverage(task) => task.triangles.len(),

@@ -18,12 +18,12 @@ pub(super) fn document(title: &str, style: &str, body: &str) -> String {
     )
 }
 
-/// Returns a paragraph that marks an interrupted measurement; empty for a complete one.
+/// Returns an HTML paragraph with the message that a measurement was interrupted; empty if it was completed.
 pub(super) fn partial(is_partial: bool) -> &'static str {
     if is_partial { "<p><b>Partial: interrupted before everything was measured.</b></p>\n" } else { "" }
 }
 
-/// Returns a row of tiles, each with a value and its name.
+/// Returns the HTML for a row of tiles, each with a value and its name.
 pub(super) fn tiles<const N: usize>(tiles: [(String, &str); N]) -> String {
     let tile = |(value, name): (String, &str)| {
         format!("<div class=\"tile\"><b>{}</b><span>{name}</span></div>", escaped(&value))

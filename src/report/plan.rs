@@ -1,4 +1,5 @@
-//! Report on the parts that each draw of a frame runs or skips, with reasons. Draws with equal plans are grouped.
+//! Report on the pipeline parts that each draw of a frame runs or skips, with reasons. Draws with equal plans are
+//! grouped.
 
 use serde::Serialize;
 
@@ -8,10 +9,10 @@ use crate::pipeline::plan::{CullStats, DrawPlan, PipelinePart, PlanStep};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Scene, Transparency};
 
-/// One part of the work of some draws or of the whole frame, and whether it runs.
+/// State of one pipeline part: whether it runs in a frame and, if not, why it is skipped.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct PlanEntry<P = PipelinePart> {
-    /// Part of the work of a draw or of the whole frame.
+    /// Pipeline part, of a draw or of the whole frame.
     pub(crate) part: P,
     /// Whether the part runs in this frame.
     pub(crate) runs: bool,
@@ -20,7 +21,8 @@ pub(crate) struct PlanEntry<P = PipelinePart> {
     pub(crate) reason: Option<&'static str>,
 }
 
-/// Draws of a frame whose plans are equal.
+/// Group of draws of a frame with equal plans: the same pipeline parts run, and the others are skipped for the same
+/// reasons.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct DrawGroup {
     /// Number of draws in the group.
@@ -29,24 +31,26 @@ pub(crate) struct DrawGroup {
     pub(crate) names: Vec<String>,
     /// Transparency mode, which determines how the draws combine with what was drawn before.
     pub(crate) transparency: Transparency,
-    /// Number of culled clusters by reason, and of all clusters, over the draws that cull any.
+    /// Numbers of clusters that are culled for each reason and of all clusters, summed over the draws with cluster
+    /// culling.
     pub(crate) clusters: CullStats,
-    /// All parts of these draws, in pipeline order.
+    /// State of all pipeline parts in these draws, in pipeline order.
     pub(crate) parts: Vec<PlanEntry>,
 }
 
-/// Work of a frame besides its draws.
+/// Pipeline parts of a frame that do not belong to any draw, and the pixels that are rasterized.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct WholeFrame {
     /// Number of pixels that are rasterized.
     pub(crate) rasterized_pixels: u64,
     /// Number of pixels in the finished image.
     pub(crate) pixels: u64,
-    /// All parts of the frame besides its draws, in pipeline order.
+    /// State of all pipeline parts that do not belong to any draw, in pipeline order.
     pub(crate) parts: Vec<PlanEntry<FramePart>>,
 }
 
-/// Describes the work of a frame besides its draws, assuming that its depth buffer is not read afterwards.
+/// Describes the pipeline parts of a frame that do not belong to any draw, assuming that its depth buffer is not read
+/// afterwards.
 pub(crate) fn whole(scene: &Scene, recipe: &Recipe, viewport: Viewport) -> WholeFrame {
     WholeFrame {
         rasterized_pixels: rasterized_pixels(recipe, viewport),
@@ -55,7 +59,7 @@ pub(crate) fn whole(scene: &Scene, recipe: &Recipe, viewport: Viewport) -> Whole
     }
 }
 
-/// Formats the work of a frame as text, with a line per part.
+/// Formats the pipeline parts of a frame as text, with a line per part.
 pub(crate) fn whole_text(whole: &WholeFrame) -> String {
     let WholeFrame { rasterized_pixels, pixels, parts } = whole;
     let share = *rasterized_pixels as f64 / *pixels as f64 * 100.0;
@@ -64,7 +68,8 @@ pub(crate) fn whole_text(whole: &WholeFrame) -> String {
     text
 }
 
-/// Groups the draws of a scene by plan, in the order of their first draws. `plans` holds one plan per instance.
+/// Groups the draws of a scene by draw plan. Groups are in the order of their first draws. `plans` holds one plan per
+/// instance.
 pub(crate) fn groups(scene: &Scene, plans: &[DrawPlan]) -> Vec<DrawGroup> {
     let mut found: Vec<(Vec<DrawPlan>, Vec<String>)> = Vec::new();
     for (instance, plan) in scene.instances.iter().zip(plans) {
@@ -92,7 +97,7 @@ fn entry<P>(part: P, step: PlanStep) -> PlanEntry<P> {
 /// Maximum number of names listed in full; of longer lists, only the first and the last names are shown.
 const MAX_LISTED_NAMES: usize = 4;
 
-/// Formats a group as text: the names of its draws, then a line per part.
+/// Formats a group as text: the names of its draws, then a line per pipeline part.
 pub(crate) fn text(group: &DrawGroup) -> String {
     let draws = if group.draws == 1 { "draw" } else { "draws" };
     let mut text = format!("{} {draws}: {}\n", group.draws, listed_names(&group.names));
@@ -104,7 +109,7 @@ pub(crate) fn text(group: &DrawGroup) -> String {
     text
 }
 
-/// Formats one part and its state as a line.
+/// Formats a pipeline part and its state, run or skipped, as a line of text.
 fn line(name: &str, reason: Option<&str>) -> String {
     let state = reason.map_or("run".to_owned(), |reason| format!("skipped: {reason}"));
     format!("  {name:21} {state}\n")

@@ -40,7 +40,7 @@ impl PlotAxis {
     pub(super) fn log(values: impl Iterator<Item = f64>) -> Option<Self> {
         /// Margin on each side, as a fraction of the range.
         const ROOM: f64 = 0.07;
-        /// Minimum range that determines the margin, in powers of ten.
+        /// Range, in powers of ten, that determines the margin of axes with a smaller range.
         const LEAST: f64 = 0.3;
         let powers = values.filter(|v| *v > 0.0 && v.is_finite()).map(f64::log10);
         let (low, high) = powers.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
@@ -54,7 +54,7 @@ impl PlotAxis {
         Self { low: 0.0, high: if high > 0.0 { high * 1.06 } else { 1.0 }, is_log: false }
     }
 
-    /// Returns the relative position of a value: 0 at the low end, 1 at the high end.
+    /// Returns the relative position of a value on the axis: 0 at the low end, 1 at the high end.
     fn share(self, value: f64) -> f64 {
         let value = if self.is_log { value.log10() } else { value };
         (value - self.low) / (self.high - self.low)
@@ -80,7 +80,7 @@ impl PlotAxis {
 pub(super) struct Plot {
     pub(super) x: PlotAxis,
     pub(super) y: PlotAxis,
-    /// Height at the bottom of the plot area that the vertical axis leaves free, in SVG units.
+    /// Height of the lane below the vertical axis, at the bottom of the plot area, in SVG units; 0 without a lane.
     pub(super) lane: f64,
 }
 

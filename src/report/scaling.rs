@@ -1,4 +1,5 @@
-//! Report on the scaling of frame cost with the content of the frame, as text, CSV, and an HTML page.
+//! Report on how frame time scales with the numbers of triangles, pixels, layers and threads, as text, CSV, and an HTML
+//! page.
 
 use std::fmt::Write as _;
 
@@ -8,12 +9,12 @@ use super::plot::{MARK, Plot, PlotAxis, svg};
 use crate::measure::machine::Machine;
 use crate::measure::scaling::{Scaling, ScalingPoint, ScalingQuantity, Series};
 
-/// CSS rules specific to this page.
+/// CSS rules specific to the scaling report.
 const STYLE: &str = "svg .points { fill: none; stroke: var(--c0); stroke-width: 2; } svg .mark { fill: var(--c0); } \
     svg .bar { stroke: var(--c0); opacity: 0.55; } svg .line { fill: none; stroke: var(--soft); stroke-dasharray: 5 4; }\n\
     table.rows td, table.rows th { text-align: right; padding: 3px 10px; }\n";
 
-/// Description of a quantity in the report.
+/// Texts that describe a measured quantity, such as the number of triangles, in the report.
 struct QuantityDescription {
     title: &'static str,
     of: &'static str,
@@ -42,13 +43,13 @@ fn ns_each(point: &ScalingPoint) -> f64 {
     point.ms.median * 1e6 / point.value
 }
 
-/// Returns the speed-up relative to the first point of the series.
+/// Returns the speed-up of a point relative to the first point of the series, or `None` if the series is empty.
 fn speed_up(series: &Series, point: &ScalingPoint) -> Option<f64> {
     Some(series.points.first()?.ms.median / point.ms.median)
 }
 
-/// Describes the line through the ends of a series, or the speed-up by threads, in one or two sentences. Returns `None`
-/// for a series over threads with only one thread.
+/// Describes the line through the first and the last point of a series, or the speed-up by threads, in one or two
+/// sentences. Returns `None` for a series over threads with only one thread.
 pub(crate) fn finding(series: &Series) -> Option<String> {
     let QuantityDescription { one, .. } = view(series.quantity);
     if series.quantity == ScalingQuantity::Threads {
@@ -71,10 +72,11 @@ pub(crate) fn finding(series: &Series) -> Option<String> {
     ))
 }
 
-/// Returns the reference curve of a series: the line through its ends, or ideal scaling for threads. The points are
-/// (value, milliseconds), dense enough for a smooth curve on logarithmic axes; empty if there is no such curve.
+/// Returns the reference curve of a series: the line through its first and last point, or ideal scaling for threads.
+/// The points are (value, milliseconds), dense enough for a smooth curve on logarithmic axes; empty if there is no such
+/// curve.
 pub(crate) fn guide(series: &Series) -> Vec<(f64, f64)> {
-    /// Number of segments of the curve.
+    /// Number of line segments that approximate the curve.
     const PIECES: i32 = 60;
     let (Some(first), Some(last)) = (series.points.first(), series.points.last()) else { return Vec::new() };
     let line = series.line();
@@ -87,7 +89,7 @@ pub(crate) fn guide(series: &Series) -> Vec<(f64, f64)> {
     along.filter_map(|value| Some((value, ms(value)?))).collect()
 }
 
-/// Describes the curve of [`guide`] in a sentence.
+/// Returns the legend of the reference curve that [`guide`] computes.
 fn guide_words(quantity: ScalingQuantity) -> &'static str {
     match quantity {
         ScalingQuantity::Threads => "Dashed: ideal scaling, n threads n times as fast as one.",
@@ -95,7 +97,8 @@ fn guide_words(quantity: ScalingQuantity) -> &'static str {
     }
 }
 
-/// Returns the cost of each additional unit since the previous point, in nanoseconds.
+/// Returns the additional frame time per additional unit from the previous point to the point at index `place`, in
+/// nanoseconds. Returns `None` for the first point.
 fn ns_each_more(series: &Series, place: usize) -> Option<f64> {
     let (point, before) = (series.points.get(place)?, series.points.get(place.checked_sub(1)?)?);
     Some((point.ms.median - before.ms.median) * 1e6 / (point.value - before.value))
@@ -111,7 +114,7 @@ pub(crate) fn amount(value: f64) -> String {
     format!("{}{unit}", (scaled * 100.0).round() / 100.0)
 }
 
-/// Formats an integer exactly, in groups of three digits.
+/// Formats an integer exactly, with thin spaces between groups of three digits.
 fn grouped(value: f64) -> String {
     /// Digit group separator, which cannot be mistaken for a decimal sign.
     const THIN_SPACE: char = '\u{2009}';
@@ -135,7 +138,7 @@ fn duration(ns: f64) -> String {
     }
 }
 
-/// Formats a number with three significant digits and the words "thousand" or "million".
+/// Formats a number with at least three significant digits, using the words "thousand" and "million" for large numbers.
 fn short(value: f64) -> String {
     let (scaled, unit) = match value {
         v if v >= 1e6 => (v / 1e6, " million"),
@@ -189,7 +192,7 @@ pub(crate) fn text(scaling: &Scaling) -> String {
     text
 }
 
-/// Formats the scaling report as CSV, one line per point; the cost per thread is left empty.
+/// Formats the scaling report as CSV, one line per point. For the thread series, the cost per unit is left empty.
 pub(crate) fn csv(scaling: &Scaling) -> String {
     let mut csv = "quantity,value,rounds,ms,p10,p90,ns_each,bytes\n".to_owned();
     for (series, point) in scaling.series.iter().flat_map(|s| s.points.iter().map(move |point| (s, point))) {
@@ -274,7 +277,7 @@ fn section(series: &Series) -> String {
     )
 }
 
-/// Draws the times against the quantity on logarithmic axes, with the [`guide`].
+/// Returns an SVG plot of frame time against the quantity on logarithmic axes, with the reference curve of [`guide`].
 fn drawing(series: &Series) -> String {
     let times = series.points.iter().flat_map(|point| [point.ms.p10, point.ms.median, point.ms.p90]);
     let times = times.chain(guide(series).into_iter().map(|(_, ms)| ms));

@@ -1,5 +1,5 @@
-//! Report on the savings from skipped work on several scenes: a table with a row per scene and a column per part of the
-//! work.
+//! Report on the frame time saved by skipping unneeded pipeline parts: a table with one row per scene and one column
+//! per part.
 
 use serde::Serialize;
 
@@ -9,23 +9,23 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::builtin::workload::sheet;
 use crate::scene::{Camera, Scene, builtin};
 
-/// Savings from skipped work in one scene.
+/// Frame time saved in one view by skipping unneeded pipeline parts.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct SceneSavings {
-    /// Short name of the view, the first column of the table.
+    /// Short name of the view, shown in the first column of the table.
     pub(crate) scene: &'static str,
-    /// Savings from skipped work in this view.
+    /// Frame time saved by each skipped pipeline part, and by all together.
     pub(crate) savings: Savings,
 }
 
-/// Number of triangles of the mesh: enough for the cost per triangle to show.
+/// Number of triangles in the test mesh, enough to make the cost per triangle measurable.
 const SHEET_TRIANGLES: usize = 100_000;
 
-/// Distance of the near view of the mesh, as a fraction of the distance in its home view.
+/// Distance from the eye to the target in the close-up view of the test mesh, as a fraction of that in its home view.
 const SHEET_NEAR: f32 = 0.25;
 
-/// Returns the views to measure: every built-in scene in its home view, and a mesh of many triangles in view, from
-/// near, and behind the camera.
+/// Returns the views to measure: every built-in scene in its home view, then three views of a large test mesh. The
+/// three views show it completely, show it close up, and look away from it.
 pub(crate) fn views() -> Vec<(&'static str, Scene, Camera)> {
     let of = |id, scene: Scene| {
         let home = scene.home;
@@ -43,7 +43,7 @@ pub(crate) fn views() -> Vec<(&'static str, Scene, Camera)> {
     views
 }
 
-/// Pipeline parts that can be forced to run, with their column headings.
+/// Pipeline parts whose skipping can be disabled, with their column headings.
 const COLUMNS: [(PipelinePart, &str); 7] = [
     (PipelinePart::Vertices, "vertices"),
     (PipelinePart::EveryCluster, "clusters"),
@@ -59,13 +59,13 @@ pub(crate) fn table(rows: &[SceneSavings], Viewport { width, height }: Viewport,
     let rounds = rows.first().map_or(0, |row| row.savings.planned_ms.n);
     let unit = if threads == 1 { "thread" } else { "threads" };
     let mut text = format!(
-        "Savings of skipped work: ms of a frame with the part forced minus ms as planned\n\
+        "Savings of skipped work: ms of a frame with one skip disabled minus ms with every skip enabled\n\
          {width} × {height} px, {threads} {unit}, medians of {rounds} interleaved rounds\n\n\
          {:16} {:>9} {:>8} {:>9} {:>7}",
-        "scene", "planned", "± noise", "plans µs", "% of it"
+        "scene", "frame ms", "± noise", "plan µs", "% of it"
     );
     text.extend(COLUMNS.map(|(_, heading)| format!(" {heading:>11}")));
-    text += &format!(" {:>11}\n", "all forced");
+    text += &format!(" {:>11}\n", "all parts");
     for SceneSavings { scene, savings } in rows {
         let Savings { planned_ms, planning_ms, .. } = savings;
         text += &format!(
@@ -78,11 +78,11 @@ pub(crate) fn table(rows: &[SceneSavings], Viewport { width, height }: Viewport,
         text.extend(COLUMNS.map(|(part, _)| format!(" {:>11}", cell(savings, part))));
         text += &format!(" {:>11}\n", all(savings));
     }
-    text + "\nneeded: every draw in view runs it. –: not needed, and nothing that could be forced. ± noise: 90th \
-            percentile of the\n\
-            differences between medians of the planned frame; savings within noise are in parentheses. plans: time for \
-            deciding\n\
-            what to skip, which is the only overhead of a frame that needs every part.\n"
+    text + "\nneeded: every draw in view runs the part. –: the part is not needed, and no skip of it can be disabled. \
+            frame ms: every skip\n\
+            enabled. ± noise: 90th percentile of the differences between medians of this frame; savings within noise \
+            are in parentheses.\n\
+            plan µs: time for deciding what to skip, which is the only overhead of a frame that needs every part.\n"
 }
 
 fn cell(savings: &Savings, part: PipelinePart) -> String {
@@ -94,7 +94,7 @@ fn cell(savings: &Savings, part: PipelinePart) -> String {
     }
 }
 
-/// Returns the saving of all parts together, or of the only part if there is just one.
+/// Formats the time saved by all parts together, or by the only part if there is just one.
 fn all(savings: &Savings) -> String {
     savings.savings.last().map_or_else(|| "nothing".to_owned(), signed)
 }

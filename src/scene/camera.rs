@@ -45,21 +45,20 @@ pub struct Camera {
     /// Distance of the far plane from the eye, in world units; greater than `near`. In perspective,
     /// [`DepthMapping::ReversedInfinite`] ignores it.
     pub far: f32,
-    /// Mapping from the view's picture to the picture that is drawn; `None` if they coincide. It is not saved with a
-    /// view.
+    /// Transform from this view to the picture that is drawn; `None` if they coincide. It is not saved with a view.
     #[serde(skip)]
     pub sub_view: Option<SubView>,
 }
 
-/// Drawn picture whose rectangle differs from that of the view. Examples are a low-resolution picture whose last pixels
-/// extend past the edge, and a picture shifted by a fraction of a pixel.
+/// Transform to a drawn picture that covers a different rectangle than the view. Examples are a low-resolution picture
+/// whose last pixels extend past the edge, and a picture shifted by a fraction of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SubView {
     /// Aspect ratio of the view: width over height.
     pub aspect: f32,
     /// Scale in x and y, from normalised device coordinates of the view to those of the drawn picture.
     pub scale: [f32; 2],
-    /// Offset in x and y, added after the scale.
+    /// Offset in x and y, in normalised device coordinates, added after the scale.
     pub shift: [f32; 2],
 }
 
@@ -159,8 +158,8 @@ impl Camera {
         self.view_from_world_f64().as_mat4()
     }
 
-    /// Returns the view matrix without rounding to f32. Far from the origin, the positions of eye and
-    /// object cancel exactly only if neither was rounded before.
+    /// Returns the view matrix without rounding to f32. Far from the origin, the positions of eye and object cancel
+    /// exactly only if neither was rounded before.
     pub(crate) fn view_from_world_f64(&self) -> DMat4 {
         let (forward, right) = (self.forward(), self.right());
         let up = right.cross(forward);
@@ -236,7 +235,7 @@ impl Camera {
         self.clip_from_view(aspect, mapping) * self.view_from_world()
     }
 
-    /// Returns the view of the scene mirrored in z that corresponds to this view of the original scene.
+    /// Returns this view mirrored in z, which shows a scene mirrored in z as this view shows the original scene.
     pub(crate) fn mirrored_z(self) -> Self {
         let mirror = Vec3::new(1.0, 1.0, -1.0);
         Self { eye: self.eye * mirror, target: self.target * mirror, up: self.up * mirror, ..self }

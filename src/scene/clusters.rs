@@ -55,7 +55,7 @@ pub(crate) struct Clusters {
     planes: Vec<ClusterPlanes>,
     /// Ranges of vertex blocks, cluster by cluster, as [first block, one past the last block].
     blocks: Vec<[u32; 2]>,
-    /// Start of each cluster's ranges in `blocks`, plus a final end.
+    /// Index of each cluster's first range in `blocks`, followed by the total number of ranges.
     starts: Vec<u32>,
 }
 
@@ -166,20 +166,21 @@ fn push_ranges(own: &[u32], ranges: &mut Vec<[u32; 2]>) {
 /// Plane bounds of one cluster: minimum and maximum of normals and offsets, and the minimum altitude.
 type PlaneBounds = ([[f32; 4]; 2], f32);
 
-/// Error bound of a normal's component, and of an offset d relative to the sum of the coordinates that it is computed
-/// from.
+/// Upper bound of the rounding error of a normal's component, and of a plane offset d relative to the sum of the
+/// absolute coordinates of the vertex that it is computed from.
 ///
 /// In f64, the error of an edge cross product is at most 2⁻⁵⁰ of the product of the edge lengths. For a triangle not
-/// thinner than [`MIN_ALTITUDE_RATIO`], that is within this fraction of the cross product. Rounding to f32 adds less.
+/// thinner than [`MIN_ALTITUDE_RATIO`], this error is within the given fraction of the cross product. Rounding to f32
+/// adds less.
 const PLANE_ERROR: f64 = 1e-6;
 
-/// Minimum coordinate sum for error bounds, which keeps the bounds above the rounding error of f32.
+/// Minimum coordinate sum for error bounds, so that near the origin the bounds still exceed the rounding error of f32.
 const MIN_SIZE: f64 = 1e-30;
 
 /// Ratio of altitude to longest edge at or below which a triangle is too thin for a reliable normal.
 const MIN_ALTITUDE_RATIO: f64 = 1e-6;
 
-/// Computes the plane bounds of triangles, given as vertex indices.
+/// Computes the plane bounds of triangles, given as a flat list of vertex indices.
 fn plane_bounds(positions: &[Vec3], numbers: &[u32]) -> PlaneBounds {
     let (mut ends, mut altitude) = ([[f32::INFINITY; 4], [f32::NEG_INFINITY; 4]], f32::INFINITY);
     for corners in numbers.as_chunks::<3>().0 {

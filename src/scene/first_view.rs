@@ -77,10 +77,11 @@ const DIRECTIONS: [Vec3; 8] = [
     Vec3::new(-0.55, -0.4, -1.0),
 ];
 
-/// Factor by which the front-facing area of a later direction must exceed that of the best direction so far.
+/// Minimum ratio of projected front-facing areas at which a later candidate direction replaces the best one so far.
 const CLEARLY_MORE: f64 = 1.6;
 
-/// Returns a view of the whole scene with the up axis `up`, from a side that shows much front-facing area.
+/// Returns a view of the whole scene with the up axis `up`, from the preferred direction unless another one shows
+/// clearly more front-facing area.
 pub(super) fn first_view(scene: &Scene, up: UpAxis) -> Camera {
     let [preferred, others @ ..] = DIRECTIONS.map(|direction| up.rotated(direction));
     let mut best = (preferred, front_area(scene, preferred));

@@ -62,7 +62,7 @@ impl fmt::Debug for LoadControl<'_> {
     }
 }
 
-/// Number of lines of text between progress reports, which takes a few milliseconds.
+/// Number of lines of text between progress reports. Reading them takes a few milliseconds.
 const LINES_PER_REPORT: usize = 1 << 14;
 
 /// Memory accounting and progress while a model is loaded.
@@ -73,7 +73,8 @@ pub(super) struct Load<'a> {
     used_bytes: u64,
     /// Work since the last report, in lines of text or equivalent units.
     unreported: usize,
-    /// Completed fraction of the load at the start of the current step, and fraction of the step, both in [0, 1].
+    /// Completed fraction of the load at the start of the current step, and the step's fraction of the load, both in
+    /// [0, 1].
     step: (f32, f32),
 }
 
@@ -127,7 +128,8 @@ impl<'a> Load<'a> {
 
     /// Adds memory to the accounting before it is allocated.
     ///
-    /// # Errors Returns an error if the limit would be exceeded. The message is one sentence.
+    /// # Errors
+    /// Returns an error if the limit would be exceeded. The message is one sentence.
     pub(super) fn charge(&mut self, bytes: u64) -> Result<(), String> {
         let used_bytes = self.used_bytes.saturating_add(bytes);
         if used_bytes > self.control.memory.bytes() {
@@ -145,7 +147,8 @@ impl<'a> Load<'a> {
 
     /// Reserves capacity for `additional` more elements in a list, and adds it to the accounting.
     ///
-    /// # Errors Returns an error if the limit or the system allows no more memory. The message is one sentence.
+    /// # Errors
+    /// Returns an error if the limit or the system allows no more memory. The message is one sentence.
     pub(super) fn reserve<T>(&mut self, list: &mut Vec<T>, additional: usize) -> Result<(), String> {
         let room = list.capacity() - list.len();
         if additional <= room {

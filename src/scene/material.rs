@@ -87,8 +87,9 @@ impl Material {
         Self { texture: Some(texture), ..Self::plain(name, Vec3::ONE) }
     }
 
-    /// Returns the transparency of this material when only the textures in `read` are used. It is the strongest
-    /// transparency of the opacity and of the textures' alpha channels.
+    /// Returns the transparency of this material if shading reads only the textures in `read`. The result is the
+    /// strongest transparency among the opacity and these textures' alpha channels: blended, then alpha-tested, then
+    /// opaque.
     pub(crate) fn transparency(&self, library: &Library, read: impl IntoIterator<Item = TextureId>) -> Transparency {
         if self.opacity < 1.0 {
             return Transparency::Blended;

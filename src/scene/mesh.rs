@@ -76,7 +76,7 @@ pub(crate) struct Mesh {
 
 impl Mesh {
     /// Creates a mesh, or returns an error if the arrays are invalid. Missing normals are computed by
-    /// [`super::mesh::smooth_normals`].
+    /// [`smooth_normals`].
     pub(crate) fn new(mut data: MeshData) -> Result<Self, MeshError> {
         data.name = text::clean(&data.name).into_owned();
         let count = data.positions.len();

@@ -2,10 +2,10 @@
 //! Parametrics", 1983).
 //!
 //! Every texel of a level is the mean of the area that it covers in the previous level. If a side is odd, texels at the
-//! border of that area are weighted by the share inside. Levels stay unrounded until the last one is computed. Colours
-//! are weighted by alpha, so invisible texels do not tint visible ones. Texels with alpha 0 take the colour of the next
-//! smaller level, so that filtering uses no hidden colours either (the push phase of Gortler et al., "The Lumigraph",
-//! 1996).
+//! border of that area are weighted by the fraction of their area inside it. Levels stay unrounded until the last one
+//! is computed. Colours are weighted by alpha, so invisible texels do not tint visible ones. Texels with alpha 0 take
+//! the colour of the next smaller level, so that filtering uses no hidden colours either (the push phase of Gortler et
+//! al., "The Lumigraph", 1996).
 
 use crate::image::color::{Tables, quantize};
 use crate::image::{Image, Rgba8};
@@ -64,7 +64,8 @@ impl<T: Copy + Default> Levels<T> {
     }
 }
 
-/// Returns the column and row of each level's first texel in the array. `sizes` includes the repeated texels.
+/// Returns the column and row of each level's first texel in the array. `sizes` holds the width and height of each
+/// level, including the copies at its borders.
 fn level_origins(sizes: &[[usize; 2]]) -> Vec<[usize; 2]> {
     let [across, first, second] = [0, 1, 2].map(|level| sizes.get(level).map_or(0, |[width, _]| *width));
     let has_room = first + second <= across;
@@ -91,7 +92,7 @@ pub(super) fn with_wrapped_border<T>(image: &Image<Rgba8>, value: impl Fn(Rgba8)
 type Texel = [f32; 4];
 
 /// Computes the mip levels below the full-size image, from largest to smallest; none for a single texel. Averages
-/// linear light, or codes if `linear` is false.
+/// linear light if `linear` is `true`, otherwise sRGB codes.
 pub(super) fn mip_levels(image: &Image<Rgba8>, linear: bool) -> Vec<Image<Rgba8>> {
     let tables = Tables::get();
     let value = |code: u8| if linear { tables.linear_of_code[code as usize] } else { f32::from(code) / 255.0 };
@@ -152,7 +153,8 @@ fn half(length: u32) -> u32 {
     (length / 2).max(1)
 }
 
-/// Returns the texels covered by texel `at` when a side of `from` texels is reduced to `to` texels, with their weights.
+/// Returns the source texels that texel `at` covers along one axis if `from` texels are reduced to `to`, with their
+/// weights.
 fn covered(at: u32, to: u32, from: u32) -> impl Iterator<Item = (u32, f32)> {
     let edge = |at: u32| f64::from(at) * f64::from(from) / f64::from(to);
     let (start, end) = (edge(at), edge(at + 1));
@@ -234,7 +236,8 @@ mod tests {
             &self.texels[(y * self.width + x) as usize]
         }
 
-        /// Returns the level with half the sides: each texel is the integral over its area, divided by that area.
+        /// Returns the next smaller level, with half the side lengths: each texel is the mean over the area that it
+        /// covers.
         fn halved(&self) -> Self {
             let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
             // In units of 1 / `to` of a source texel, all edges are integers.
@@ -257,7 +260,8 @@ mod tests {
         }
     }
 
-    /// Checks a code against the exact value. `code_of` is monotonic, so only f32 rounding errors can separate the two.
+    /// Asserts that a code matches the exact value up to rounding errors of f32. `code_of` converts a value to its code
+    /// and must be monotonic.
     fn check(code: u8, exact: &BigRational, code_of: &dyn Fn(f32) -> u8, place: &str) {
         let value = exact.to_f64().unwrap();
         let slack = 4e-7 + 4e-6 * value;

@@ -125,7 +125,8 @@ impl Scene {
         }
     }
 
-    /// Returns a view of the whole scene with the up axis `up`, from a side that shows much front-facing area.
+    /// Returns a view of the whole scene with the up axis `up`, from the preferred direction unless another one shows
+    /// clearly more front-facing area.
     pub(crate) fn first_view(&self, up: UpAxis) -> Camera {
         first_view::first_view(self, up)
     }
@@ -135,7 +136,7 @@ impl Scene {
         self.instances.iter().map(|i| self.library.mesh(i.mesh).triangles.len()).sum()
     }
 
-    /// Returns the identifier of each instance's first triangle.
+    /// Returns the identifier of the first triangle of each instance, in draw order.
     pub(crate) fn first_triangles(&self) -> Vec<TriangleId> {
         self.instances
             .iter()
@@ -175,6 +176,6 @@ pub(crate) struct SceneMemory {
     pub(crate) mesh_bytes: usize,
     /// Memory of the instance records and their names, in bytes.
     pub(crate) instance_bytes: usize,
-    /// Memory that the meshes would take if every instance had its own copy, in bytes.
+    /// Memory that the meshes would take if every instance had its own copy of its mesh, in bytes.
     pub(crate) unshared_bytes: usize,
 }

@@ -1,4 +1,4 @@
-//! Textures: pictures sampled by texture coordinates.
+//! Textures: images sampled by texture coordinates.
 
 use std::sync::OnceLock;
 
@@ -6,14 +6,14 @@ use super::mips::{self, Levels, with_wrapped_border};
 use crate::image::color::decode_byte;
 use crate::image::{Image, Rgba8};
 
-/// Alpha values that occur in a picture.
+/// Classification of the alpha values that occur in an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Alpha {
     /// All texels have alpha 255.
     Opaque,
     /// All texels have alpha 0 or 255.
     AllOrNothing,
-    /// Some texels have intermediate alpha.
+    /// Some texels have an alpha from 1 to 254.
     Graded,
 }
 
@@ -37,12 +37,12 @@ pub(crate) struct Texture {
     wrapped_linear: OnceLock<Box<[[f32; 4]]>>,
     levels: OnceLock<Levels<u32>>,
     levels_linear: OnceLock<Levels<[f32; 4]>>,
-    /// Smaller mip levels, averaged as codes and in linear light.
+    /// Mip levels below full size: at index 0 averaged as sRGB codes, at index 1 averaged in linear light.
     mip_levels: [OnceLock<Vec<Image<Rgba8>>>; 2],
 }
 
 impl Texture {
-    /// Creates a texture from a picture; `None` if it has no pixels.
+    /// Creates a texture from an image; `None` if the image has no pixels.
     pub(crate) fn new(image: Image<Rgba8>) -> Option<Self> {
         (image.width() > 0 && image.height() > 0).then(|| Self {
             alpha: Alpha::of(&image),
@@ -55,8 +55,8 @@ impl Texture {
         })
     }
 
-    /// Returns the rows of texels as little-endian numbers. Each row is followed by its first texel, and the last row
-    /// by the first row.
+    /// Returns the texels row by row as little-endian numbers, with a wrapped border. Each row is followed by a copy of
+    /// its first texel, and the last row by a copy of the first row.
     ///
     /// The four texels around any position of the repeated texture then form two pairs that are adjacent in memory, one
     /// row apart. The result is computed at the first call and cached.
@@ -64,34 +64,36 @@ impl Texture {
         self.wrapped.get_or_init(|| with_wrapped_border(&self.image, u32::from_le_bytes).collect())
     }
 
-    /// Returns [`Texture::wrapped`] in linear light: red, green and blue as linear values, and alpha as a code from 0
-    /// to 255.
+    /// Returns the texels of [`Texture::wrapped`] in linear light: red, green and blue as linear values in [0, 1], and
+    /// alpha as a code from 0 to 255.
     pub(crate) fn wrapped_linear(&self) -> &[[f32; 4]] {
         self.wrapped_linear.get_or_init(|| with_wrapped_border(&self.image, linear).collect())
     }
 
-    /// Returns all mip levels in the form of [`Texture::wrapped`], with smaller levels averaged as codes.
+    /// Returns all mip levels in the layout of [`Texture::wrapped`]. The smaller levels are averaged as sRGB codes.
     pub(crate) fn levels(&self) -> &Levels<u32> {
         self.levels.get_or_init(|| Levels::new(self.images(false), u32::from_le_bytes))
     }
 
-    /// Returns all mip levels in the form of [`Texture::wrapped_linear`], with smaller levels averaged in linear light.
+    /// Returns all mip levels in the layout of [`Texture::wrapped_linear`]. The smaller levels are averaged in linear
+    /// light.
     pub(crate) fn levels_linear(&self) -> &Levels<[f32; 4]> {
         self.levels_linear.get_or_init(|| Levels::new(self.images(true), linear))
     }
 
-    /// Returns the images of all mip levels, from largest to smallest.
+    /// Returns the images of all mip levels, from largest to smallest. The smaller levels are averaged in linear light
+    /// if `linear` is `true`, otherwise as sRGB codes.
     fn images(&self, linear: bool) -> impl Iterator<Item = &Image<Rgba8>> {
         [&self.image].into_iter().chain(self.mip_levels(linear))
     }
 
-    /// Returns the smaller mip levels, from half the side lengths down to one texel, averaged in linear light or as
-    /// codes. They are computed at the first call and cached.
+    /// Returns the mip levels from half size down to one texel, averaged in linear light if `linear` is `true`,
+    /// otherwise as sRGB codes. They are computed at the first call and cached.
     pub(crate) fn mip_levels(&self, linear: bool) -> &[Image<Rgba8>] {
         self.mip_levels[usize::from(linear)].get_or_init(|| mips::mip_levels(&self.image, linear))
     }
 
-    /// Returns the memory used by the picture and its cached representations so far, in bytes.
+    /// Returns the memory currently used by the image and its cached representations, in bytes.
     pub(crate) fn bytes(&self) -> usize {
         let smaller = self.mip_levels.iter().filter_map(OnceLock::get).flatten();
         self.image.bytes()
@@ -102,12 +104,12 @@ impl Texture {
             + smaller.map(Image::bytes).sum::<usize>()
     }
 
-    /// Returns the texels of the full-size picture, with row 0 at the top (v = 0 after the flip on load).
+    /// Returns the full-size image, with row 0 at the top (v = 0 after the flip on load).
     pub(crate) fn image(&self) -> &Image<Rgba8> {
         &self.image
     }
 
-    /// Returns the kind of alpha values that occur in the texels, which is determined at construction.
+    /// Returns the classification of the texels' alpha values, determined at construction.
     pub(crate) fn alpha(&self) -> Alpha {
         self.alpha
     }

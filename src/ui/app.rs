@@ -1,6 +1,6 @@
 //! Top level of the window: lays out the panels, turns keys and dropped files into commands, applies the commands, and
-//! exchanges messages with the renderer. It owns only the session, the worker and widget state; the session makes every
-//! decision about the picture.
+//! exchanges messages with the renderer. It owns only the session, the worker and widget state; all decisions about the
+//! picture are made by the session.
 
 mod requests;
 
@@ -58,7 +58,7 @@ use crate::scene::obj::TrMeaning;
 /// Height of the message bar below the menu, in points.
 const MESSAGE_HEIGHT: f32 = theme::ROW_HEIGHT + 4.0;
 
-/// Frame time above which a spinner is shown.
+/// Time since an unanswered render request after which a spinner is shown.
 const SLOW_FRAME: Duration = Duration::from_millis(150);
 
 /// Height of the bars above and below the canvas, in points.
@@ -67,10 +67,10 @@ const BAR_HEIGHT: f32 = theme::ROW_HEIGHT + 12.0;
 /// Default height of the tabs along the bottom, in points.
 const TABS_HEIGHT: f32 = 226.0;
 
-/// Maximum default height of the tabs along the bottom, as a share of the window's height.
+/// Maximum default height of the tabs along the bottom, as a fraction of the window's height.
 const TABS_SHARE: f32 = 0.34;
 
-/// Maximum default width of each panel beside the canvas, as a share of the window's width.
+/// Maximum default width of each panel beside the canvas, as a fraction of the window's width.
 const SIDE_SHARE: f32 = 0.29;
 
 /// Application behind the window: session, render worker and widget state.
@@ -78,9 +78,9 @@ pub(crate) struct Workbench {
     session: Session,
     worker: Worker,
     last_request: Option<Request>,
-    /// Time at which the oldest unanswered render request was sent; `None` when nothing is outstanding.
+    /// Time at which the oldest unanswered render request was sent; `None` if all requests are answered.
     requested_at: Option<Instant>,
-    /// Sequence number of the latest measurement of all upscalers, which identifies its answers.
+    /// Sequence number of the latest measurement of all upscalers; responses with another number are discarded.
     measurement: u64,
     loading: Option<Loading>,
     opening_case: Option<OpeningCase>,
@@ -106,7 +106,7 @@ pub(crate) struct Workbench {
     window: WindowState,
     /// egui context of the window; `None` until the first frame.
     context: Option<Context>,
-    /// Whether loading is synchronous, as in screenshots and tests.
+    /// Whether models and cases are loaded synchronously, as in screenshots and tests.
     is_synchronous: bool,
     /// Commands queued from outside the window, applied in the next frame.
     queued: Vec<Command>,
@@ -115,7 +115,7 @@ pub(crate) struct Workbench {
 }
 
 impl Workbench {
-    /// Creates the application, which renders with `worker`; an inline worker also makes loading synchronous.
+    /// Creates the application, which renders with `worker`. With an inline worker, loading is synchronous, too.
     pub(crate) fn new(session: Session, worker: Worker) -> Self {
         let is_synchronous = matches!(worker, Worker::Inline(_));
         Self {
@@ -156,7 +156,7 @@ impl Workbench {
         &self.session
     }
 
-    /// Returns the session, mutable for changes from outside the window.
+    /// Returns the session for changes from outside the window.
     pub(crate) fn session_mut(&mut self) -> &mut Session {
         &mut self.session
     }
@@ -171,7 +171,7 @@ impl Workbench {
         self.queued.extend(commands);
     }
 
-    /// Runs one frame of the window: receives answers, handles input, lays out the panels, applies commands and sends
+    /// Runs one frame of the window: receives responses, handles input, lays out the panels, applies commands and sends
     /// requests.
     pub(crate) fn show(&mut self, ui: &mut Ui) {
         self.receive_answers();
@@ -289,7 +289,7 @@ impl Workbench {
         });
     }
 
-    /// Draws a spinner in the corner of the canvas when an answer is outstanding for at least [`SLOW_FRAME`].
+    /// Draws a spinner in the corner of the canvas if a render request has been unanswered for at least [`SLOW_FRAME`].
     fn busy_mark(&self, ui: &Ui) {
         let Some(since) = self.requested_at else { return };
         if since.elapsed() >= SLOW_FRAME {
@@ -305,7 +305,13 @@ impl Workbench {
             let rect = ui.max_rect();
             ui.painter().rect_filled(rect, 0.0, egui::Color32::from_black_alpha(170));
             let font = egui::FontId::proportional(theme::font_size::TITLE);
-            ui.painter().text(rect.center(), egui::Align2::CENTER_CENTER, "Drop to open", font, egui::Color32::WHITE);
+            ui.painter().text(
+                rect.center(),
+                egui::Align2::CENTER_CENTER,
+                "Drop the file to open it",
+                font,
+                egui::Color32::WHITE,
+            );
         }
     }
 
@@ -418,8 +424,8 @@ impl Workbench {
         }
     }
 
-    /// Picks the next or the previous fault, starting at the picked pixel, and brings it into view. If no faults are
-    /// shown, shows the hit count instead.
+    /// Picks the next or the previous fault (a crack or double hit), starting at the picked pixel, and brings it into
+    /// view. If no faults are shown, shows the hit count instead.
     fn step_fault(&mut self, forwards: bool) {
         if self.session.shown != Shown::Buffer(Buffer::Hits) && self.session.overlays.stepped().is_none() {
             self.session.shown = Shown::Buffer(Buffer::Hits);

@@ -1,7 +1,8 @@
-//! The canvas: shows the picture, zooms at the pointer, pans, picks pixels, and writes values into pixels.
+//! The canvas: displays the picture, zooms at the pointer, pans, picks pixels, and draws the value of each pixel as
+//! text.
 //!
 //! The display never changes the data: pixels are drawn as squares at scales of 1:1 and above, and filtered only below
-//! 1:1. The pixel grid and the numbers appear when pixels are large enough for them.
+//! 1:1. The pixel grid and the values appear when pixels are large enough for them.
 
 use std::sync::Arc;
 
@@ -36,7 +37,7 @@ use crate::inspect::view::{Value, absence};
 /// Minimum scale at which the pixel grid is drawn, in points per picture pixel.
 const GRID_FROM: f32 = 10.0;
 
-/// Minimum scale at which pixel values are written, in points per picture pixel.
+/// Minimum scale at which pixel values are drawn as text, in points per picture pixel.
 const NUMBERS_FROM: f32 = 48.0;
 
 /// GPU texture of a picture, uploaded when the picture changes.
@@ -47,8 +48,8 @@ pub(super) struct PictureTexture {
 }
 
 impl PictureTexture {
-    /// Uploads a picture if it has changed, and returns its texture, filtered nearest when magnified and linearly when
-    /// minified.
+    /// Uploads a picture if it has changed, and returns its texture. The texture is filtered with the nearest texel
+    /// when magnified and linearly when minified.
     pub(super) fn show(&mut self, ui: &Ui, picture: &Arc<Image<Rgba8>>) -> TextureId {
         let (width, height) = picture.size();
         let image = || ColorImage::from_rgba_premultiplied([width as usize, height as usize], picture.as_bytes());
@@ -70,11 +71,11 @@ impl PictureTexture {
 #[derive(Default)]
 pub(crate) struct CanvasView {
     texture: PictureTexture,
-    /// Scale and visible part of the picture.
+    /// Zoom factor and visible part of the picture.
     pub(crate) zoom: Zoom,
-    /// Column and row of the pixel under the pointer.
+    /// Column and row of the pixel under the pointer; `None` if the pointer is not on the picture.
     pub(crate) hovered: Option<(u32, u32)>,
-    /// State of the region that the pointer drags.
+    /// State of selecting a region by dragging the pointer.
     region_drag: region::RegionDrag,
     selection: SelectionLayer,
 }
@@ -95,7 +96,7 @@ impl CanvasView {
         self.zoom.bring_into_view(pixel, canvas_px);
     }
 
-    /// Returns the scale, in screen pixels per picture pixel; `None` if the picture is fitted.
+    /// Returns the scale, in screen pixels per picture pixel; `None` if the picture is fitted to the canvas.
     pub(crate) fn scale(&self) -> Option<f32> {
         self.zoom.scale()
     }
@@ -109,7 +110,7 @@ impl CanvasView {
             ui.painter().text(
                 rect.center(),
                 Align2::CENTER_CENTER,
-                "Drawing the first frame …",
+                "Drawing the first frame…",
                 FontId::proportional(font_size::BODY),
                 tokens(ui).text_weak,
             );
@@ -201,7 +202,8 @@ pub(super) fn grid(painter: &egui::Painter, placement: Placement, size: (u32, u3
     }
 }
 
-/// Writes each pixel's value into it, floats as hexadecimal bits if `bits` is `true`.
+/// Draws the value of each visible pixel as text inside it. Floats are shown as raw bits in hexadecimal if `bits` is
+/// `true`.
 pub(super) fn numbers(
     painter: &egui::Painter,
     placement: Placement,

@@ -38,36 +38,37 @@ use crate::report::stability::column::ReportColumn;
 use crate::scene::Camera;
 use crate::scene::obj::TrMeaning;
 
-/// Action of the user, applied after the window is laid out.
+/// User action, applied after the window is laid out.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Command {
     /// Shows the dialog for opening a model or a case.
     ShowFileDialog,
     /// Opens a model, case or picture file.
     Open(PathBuf),
-    /// Reloads a model with another meaning of `Tr`.
+    /// Reloads a model with another interpretation of `Tr` in its MTL files.
     Reopen(PathBuf, TrMeaning),
     /// Opens a built-in scene by id.
     OpenBuiltin(String),
-    /// Mirrors the scene in z.
+    /// Mirrors the scene along the z axis.
     MirrorZ,
     /// Closes the open case.
     CloseCase,
     /// Shows the part with this index of the open case.
     ShowPart(usize),
-    /// Opens the worst case of a stability report column, given as JSON, with the settings of that column.
+    /// Opens the worst case of a column of the stability report, with the settings of that column. The case is given as
+    /// JSON.
     OpenWorst(ReportColumn, String),
     /// Saves the visible triangle at the picked pixel as a minimal case.
     SaveCase,
-    /// Runs the stability report over all classes of hard cases.
+    /// Runs the stability report over all classes of difficult test cases.
     RunStability,
     /// Cancels the stability report.
     CancelStability,
     /// Changes the view of the stability report.
     ShowStability(StabilityView),
-    /// Measures the savings of the plan for the current view.
+    /// Measures the frame time that is saved by the work skipped under the plan of the current view.
     MeasurePlan,
-    /// Cancels the measurement of the plan's savings.
+    /// Cancels the measurement of the frame time that the plan saves.
     CancelPlan,
     /// Changes or runs the stability probe.
     Probe(probe::ProbeChange),
@@ -75,7 +76,7 @@ pub(crate) enum Command {
     Vertices(vertices::VerticesChange),
     /// Changes the mesh view, which shows the scene from a second camera.
     MeshView(mesh_view::MeshViewChange),
-    /// Measures how cost scales with triangles, pixels, layers and threads.
+    /// Measures how the frame time scales with triangles, pixels, overlapping layers and threads.
     MeasureScaling,
     /// Cancels the scaling measurement.
     CancelScaling,
@@ -103,11 +104,11 @@ pub(crate) enum Command {
     Pick(Option<(u32, u32)>),
     /// Moves the pick by this many pixels right and down.
     NudgePick(i64, i64),
-    /// Shows this buffer, stage or intermediate value on the canvas.
+    /// Shows this buffer, pipeline stage or intermediate value on the canvas.
     Show(Shown),
     /// Steps the shown stage forwards or backwards by this many stages.
     StepStage(i64),
-    /// Picks the next (positive) or previous (negative) crack or double hit and zooms in on it.
+    /// Picks the next (positive) or previous (negative) crack or double hit, and zooms in on its pixel.
     StepFault(i64),
     /// Draws only this many triangles; all if `None`.
     LimitTriangles(Option<usize>),
@@ -119,7 +120,7 @@ pub(crate) enum Command {
     TogglePointerMode,
     /// Fits the picture into the canvas.
     ZoomFit,
-    /// Shows the picture at 1:1, one picture pixel per screen pixel.
+    /// Shows the picture at 1:1: one picture pixel per screen pixel.
     ZoomOne,
     /// Measures time and error of every upscaler.
     Measure,
@@ -139,7 +140,7 @@ pub(crate) enum Command {
     SavePicture,
     /// Saves the exact values on the canvas as floats (PFM).
     SaveData,
-    /// Saves the scene as drawing commands, in the format with this file extension.
+    /// Saves the scene as a vector drawing, in the format with this file name extension.
     SaveOutline(OutlineKind, &'static str),
     /// Copies the picture to the clipboard.
     CopyPicture,
@@ -165,7 +166,8 @@ pub(crate) enum Command {
     OpenManual(Option<Chapter>),
     /// Shows the dialog for going to a pixel, triangle, vertex or object.
     ShowPixelDialog,
-    /// Closes the case, or clears the first active one of selection, pick, probe, comparison and shown buffer.
+    /// Goes back one step: closes the manual or the case, clears the selection or the pick, hides the probe's heat map,
+    /// ends the comparison, or shows the colour buffer. Only the first of these that applies takes place.
     Escape,
     /// Changes the overlays.
     Overlays(overlays::OverlayChange),
@@ -173,15 +175,15 @@ pub(crate) enum Command {
     Range(range::RangeChange),
     /// Opens the 2D lab, or returns to the pipeline.
     ToggleLab,
-    /// Changes the 2D lab.
+    /// Changes the state of the 2D lab.
     Lab(lab::LabChange),
-    /// Runs, cancels or toggles the checks.
+    /// Runs or cancels the assertion checks, or toggles checking every new frame.
     Checks(checks::ChecksChange),
     /// Steps through the arithmetic of the picked pixel.
     Trace(trace::TraceChange),
     /// Steps or plays through the drawing of the frame.
     Scrub(scrub::ScrubChange),
-    /// Filters triangles by fate.
+    /// Changes the list of triangles filtered by fate, or the selection.
     Fates(fates::FatesChange),
     /// Replaces the selection of triangles.
     Select(TriangleSelection),
@@ -195,7 +197,7 @@ pub(crate) enum Command {
     WhatIf(what_if::WhatIfChange),
     /// Changes the list of watched pixels.
     Watch(watch::WatchChange),
-    /// Adds or edits a bookmark, or navigates to a place.
+    /// Adds or edits a bookmark, or navigates to a bookmark, history entry or search target.
     Place(place::PlaceChange),
 }
 
@@ -218,13 +220,13 @@ const fn bind(modifiers: Modifiers, key: Key, command: fn() -> Command, what: &'
 /// Modifier keys Ctrl + Shift.
 const CONTROL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
-/// Returns a binding that jumps to a bookmark.
+/// Returns a key binding for jumping to a bookmark.
 const fn jump(key: Key, command: fn() -> Command) -> KeyBinding {
     bind(Modifiers::COMMAND, key, command, "Go to a bookmark")
 }
 
 impl KeyBinding {
-    /// Returns the binding as a shortcut of the toolkit.
+    /// Returns the binding as an egui shortcut.
     pub(crate) fn shortcut(&self) -> KeyboardShortcut {
         KeyboardShortcut::new(self.modifiers, self.key)
     }
@@ -238,16 +240,16 @@ pub(crate) const BINDINGS: &[KeyBinding] = &[
         Modifiers::COMMAND.plus(Modifiers::SHIFT),
         Key::S,
         || Command::SaveData,
-        "Save the exact values as floats (PFM)",
+        "Save the exact values of the shown buffer as floats (PFM)",
     ),
     bind(Modifiers::COMMAND, Key::S, || Command::SavePicture, "Save the picture as PNG"),
-    bind(CONTROL_SHIFT, Key::C, || Command::Place(place::PlaceChange::Copy), "Copy as command"),
+    bind(CONTROL_SHIFT, Key::C, || Command::Place(place::PlaceChange::Copy), "Copy the view as a command"),
     bind(Modifiers::COMMAND, Key::C, || Command::CopyPicture, "Copy the picture"),
-    bind(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z, || Command::Redo, "Redo"),
+    bind(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z, || Command::Redo, "Redo the last undone change"),
     bind(Modifiers::COMMAND, Key::Z, || Command::Undo, "Undo the last change"),
     bind(Modifiers::COMMAND, Key::G, || Command::ShowPixelDialog, "Go to a pixel, triangle, vertex or object"),
     bind(CONTROL_SHIFT, Key::P, || Command::OpenPalette, "Find anything"),
-    bind(Modifiers::COMMAND, Key::B, || Command::Place(place::PlaceChange::Bookmark), "Bookmark this place"),
+    bind(Modifiers::COMMAND, Key::B, || Command::Place(place::PlaceChange::Bookmark), "Bookmark the current view"),
     jump(Key::Num1, || Command::Place(place::PlaceChange::Jump(0))),
     jump(Key::Num2, || Command::Place(place::PlaceChange::Jump(1))),
     jump(Key::Num3, || Command::Place(place::PlaceChange::Jump(2))),
@@ -257,12 +259,12 @@ pub(crate) const BINDINGS: &[KeyBinding] = &[
     jump(Key::Num7, || Command::Place(place::PlaceChange::Jump(6))),
     jump(Key::Num8, || Command::Place(place::PlaceChange::Jump(7))),
     jump(Key::Num9, || Command::Place(place::PlaceChange::Jump(8))),
-    bind(Modifiers::ALT, Key::ArrowLeft, || Command::Place(place::PlaceChange::Back), "Go back to the previous place"),
+    bind(Modifiers::ALT, Key::ArrowLeft, || Command::Place(place::PlaceChange::Back), "Go back to the previous view"),
     bind(
         Modifiers::ALT,
         Key::ArrowRight,
         || Command::Place(place::PlaceChange::Forward),
-        "Go forward to the next place",
+        "Go forward to the next view",
     ),
     bind(Modifiers::NONE, Key::F, || Command::ZoomFit, "Fit the picture into the canvas"),
     bind(Modifiers::NONE, Key::Num0, || Command::ZoomOne, "Show one picture pixel per screen pixel"),
@@ -303,7 +305,7 @@ pub(crate) const BINDINGS: &[KeyBinding] = &[
         Modifiers::NONE,
         Key::Y,
         || Command::Scrub(scrub::ScrubChange::Touching(None)),
-        "Step only through triangles and fragments at the picked pixel, or through all",
+        "Step only through triangles and fragments at the picked pixel, or through all of them",
     ),
     bind(Modifiers::NONE, Key::Comma, || Command::StepTriangle(-1), "Draw one fewer triangle"),
     bind(Modifiers::NONE, Key::Period, || Command::StepTriangle(1), "Draw one more triangle"),
@@ -319,24 +321,24 @@ pub(crate) const BINDINGS: &[KeyBinding] = &[
         Modifiers::SHIFT,
         Key::N,
         || Command::Range(range::RangeChange::FitVisible),
-        "Fit the range to the visible part",
+        "Fit the value range to the visible part of the picture",
     ),
     bind(
         Modifiers::NONE,
         Key::N,
         || Command::Range(range::RangeChange::Fit(RangeFit::All)),
-        "Fit the range to all values",
+        "Fit the value range to all values of the picture",
     ),
     bind(Modifiers::NONE, Key::Home, || Command::LimitTriangles(Some(0)), "Go to the start, before the first triangle"),
     bind(Modifiers::NONE, Key::End, || Command::LimitTriangles(None), "Go to the end, after the last triangle"),
-    bind(Modifiers::SHIFT, Key::ArrowLeft, || Command::NudgePick(-10, 0), "Move the picked pixel 10 left"),
-    bind(Modifiers::SHIFT, Key::ArrowRight, || Command::NudgePick(10, 0), "Move the picked pixel 10 right"),
-    bind(Modifiers::SHIFT, Key::ArrowUp, || Command::NudgePick(0, -10), "Move the picked pixel 10 up"),
-    bind(Modifiers::SHIFT, Key::ArrowDown, || Command::NudgePick(0, 10), "Move the picked pixel 10 down"),
-    bind(Modifiers::NONE, Key::ArrowLeft, || Command::NudgePick(-1, 0), "Move the picked pixel left"),
-    bind(Modifiers::NONE, Key::ArrowRight, || Command::NudgePick(1, 0), "Move the picked pixel right"),
-    bind(Modifiers::NONE, Key::ArrowUp, || Command::NudgePick(0, -1), "Move the picked pixel up"),
-    bind(Modifiers::NONE, Key::ArrowDown, || Command::NudgePick(0, 1), "Move the picked pixel down"),
+    bind(Modifiers::SHIFT, Key::ArrowLeft, || Command::NudgePick(-10, 0), "Move the pick 10 pixels left"),
+    bind(Modifiers::SHIFT, Key::ArrowRight, || Command::NudgePick(10, 0), "Move the pick 10 pixels right"),
+    bind(Modifiers::SHIFT, Key::ArrowUp, || Command::NudgePick(0, -10), "Move the pick 10 pixels up"),
+    bind(Modifiers::SHIFT, Key::ArrowDown, || Command::NudgePick(0, 10), "Move the pick 10 pixels down"),
+    bind(Modifiers::NONE, Key::ArrowLeft, || Command::NudgePick(-1, 0), "Move the pick one pixel left"),
+    bind(Modifiers::NONE, Key::ArrowRight, || Command::NudgePick(1, 0), "Move the pick one pixel right"),
+    bind(Modifiers::NONE, Key::ArrowUp, || Command::NudgePick(0, -1), "Move the pick one pixel up"),
+    bind(Modifiers::NONE, Key::ArrowDown, || Command::NudgePick(0, 1), "Move the pick one pixel down"),
     bind(Modifiers::NONE, Key::Num1, || Command::ChooseUpscaler(0), "Choose an upscaler"),
     bind(Modifiers::NONE, Key::Num2, || Command::ChooseUpscaler(1), "Choose an upscaler"),
     bind(Modifiers::NONE, Key::Num3, || Command::ChooseUpscaler(2), "Choose an upscaler"),
@@ -346,65 +348,80 @@ pub(crate) const BINDINGS: &[KeyBinding] = &[
     bind(Modifiers::NONE, Key::Num7, || Command::ChooseUpscaler(6), "Choose an upscaler"),
     bind(Modifiers::NONE, Key::Num8, || Command::ChooseUpscaler(7), "Choose an upscaler"),
     bind(Modifiers::NONE, Key::Num9, || Command::ChooseUpscaler(8), "Choose an upscaler"),
-    bind(Modifiers::NONE, Key::T, || Command::Compare(CompareChange::Toggle(Mode::Tiles)), "Compare in tiles, or stop"),
+    bind(
+        Modifiers::NONE,
+        Key::T,
+        || Command::Compare(CompareChange::Toggle(Mode::Tiles)),
+        "Compare pictures in tiles, or stop comparing",
+    ),
     bind(
         Modifiers::NONE,
         Key::W,
         || Command::Compare(CompareChange::Toggle(Mode::Wipe)),
-        "Wipe between A and B, or stop",
+        "Wipe between pictures A and B, or stop comparing",
     ),
     bind(
         Modifiers::NONE,
         Key::B,
         || Command::Compare(CompareChange::Toggle(Mode::Flip)),
-        "Flip between A and B, or stop",
+        "Flip between pictures A and B, or stop comparing",
     ),
     bind(
         Modifiers::NONE,
         Key::D,
         || Command::Compare(CompareChange::Toggle(Mode::Difference)),
-        "Show the difference of A and B, or stop",
+        "Show the difference between pictures A and B, or stop comparing",
     ),
     bind(
         Modifiers::NONE,
         Key::X,
         || Command::WhatIf(what_if::WhatIfChange::Toggle),
-        "Show the effect of the last change, or stop",
+        "Show the effect of the last change of a setting, or stop comparing",
     ),
-    bind(Modifiers::NONE, Key::S, || Command::Compare(CompareChange::Swap), "Swap A and B"),
+    bind(Modifiers::NONE, Key::S, || Command::Compare(CompareChange::Swap), "Swap pictures A and B"),
     bind(
         Modifiers::NONE,
         Key::R,
         || Command::Compare(CompareChange::ToggleRegion),
-        "Reset the range; while comparing, drag a rectangle to measure",
+        "Reset the value range; while comparing, draw a rectangle to measure",
     ),
     bind(Modifiers::NONE, Key::L, || Command::ToggleLab, "Switch between the 2D lab and the pipeline"),
-    bind(Modifiers::NONE, Key::K, || Command::Lab(lab::LabChange::TogglePlay), "Play the steps of the lab, or stop"),
-    bind(Modifiers::SHIFT, Key::F10, || Command::Trace(trace::TraceChange::Step(-1)), "Arithmetic: previous line"),
-    bind(Modifiers::NONE, Key::F10, || Command::Trace(trace::TraceChange::Step(1)), "Arithmetic: next line"),
+    bind(Modifiers::NONE, Key::K, || Command::Lab(lab::LabChange::TogglePlay), "Play the steps of the 2D lab, or stop"),
+    bind(
+        Modifiers::SHIFT,
+        Key::F10,
+        || Command::Trace(trace::TraceChange::Step(-1)),
+        "Go to the previous line of the arithmetic",
+    ),
+    bind(
+        Modifiers::NONE,
+        Key::F10,
+        || Command::Trace(trace::TraceChange::Step(1)),
+        "Go to the next line of the arithmetic",
+    ),
     bind(
         Modifiers::SHIFT,
         Key::F5,
         || Command::Trace(trace::TraceChange::Run(None, StepDirection::Back)),
-        "Arithmetic: previous flagged line",
+        "Go to the previous flagged line of the arithmetic",
     ),
     bind(
         Modifiers::NONE,
         Key::F5,
         || Command::Trace(trace::TraceChange::Run(None, StepDirection::Forward)),
-        "Arithmetic: next flagged line",
+        "Go to the next flagged line of the arithmetic",
     ),
     bind(
         Modifiers::SHIFT,
         Key::F11,
         || Command::Trace(trace::TraceChange::Stage(StepDirection::Back)),
-        "Arithmetic: previous stage",
+        "Go to the previous stage of the arithmetic",
     ),
     bind(
         Modifiers::NONE,
         Key::F11,
         || Command::Trace(trace::TraceChange::Stage(StepDirection::Forward)),
-        "Arithmetic: next stage",
+        "Go to the next stage of the arithmetic",
     ),
     bind(
         Modifiers::NONE,
@@ -419,7 +436,7 @@ pub(crate) const BINDINGS: &[KeyBinding] = &[
         Modifiers::NONE,
         Key::Escape,
         || Command::Escape,
-        "Clear the pick, then stop comparing, then show the finished picture",
+        "Clear the pick; without one, stop comparing; otherwise show the finished picture",
     ),
     bind(Modifiers::SHIFT, Key::Slash, || Command::ToggleKeys, "Show all keys and mouse gestures"),
     bind(Modifiers::NONE, Key::Questionmark, || Command::ToggleKeys, "Show all keys and mouse gestures"),
@@ -431,14 +448,14 @@ pub(crate) const MOUSE: &[(&str, &str)] = &[
     ("Click", "Pick a pixel and explain it"),
     ("Right-drag", "Inspect pixels while dragging"),
     ("Wheel", "Zoom at the pointer"),
-    ("Drag", "Move the picture"),
+    ("Drag", "Pan the picture"),
     ("Middle-drag", "Orbit the camera around its target"),
     ("Shift + middle-drag", "Pan the camera"),
     ("Ctrl + wheel", "Dolly the camera"),
-    ("Hold Alt", "Show the numbers in pixels as hexadecimal bits"),
+    ("Hold Alt", "Show pixel values as raw bits in hexadecimal"),
     ("Shift + drag", "Show statistics of a rectangle of the picture"),
     ("Comparing: hold Shift", "Show the other picture"),
     ("What changed: hold Shift", "Show the picture before the change"),
-    ("Comparing: R, then drag", "Measure a rectangle"),
+    ("Comparing: R, then drag", "Measure the errors in a rectangle"),
     ("C, then drag, wheel, W A S D Q E", "Camera mode: orbit, dolly, fly"),
 ];

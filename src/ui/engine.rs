@@ -1,10 +1,10 @@
 //! Engine behind the window: renders frames, captures buffers and replays pixels for requests, and reuses results that
 //! are still valid.
 //!
-//! A [`Request`] is complete; the engine compares it with the last one and redoes only the parts that changed. A new
-//! pick replays one pixel, and another buffer only changes colours. Only a new scene, camera, recipe, size or moment
-//! draws a frame. The engine has no thread of its own, so screenshots and tests call it directly; [`super::worker`]
-//! runs it on a thread.
+//! A [`Request`] contains everything that determines the view. The engine compares it with the last one and recomputes
+//! only the parts that changed: a new pick replays one pixel, and another buffer only changes colours. Only a new
+//! scene, camera, recipe, size, triangle limit or fragment limit renders a frame. The engine has no thread of its own,
+//! so screenshots and tests call it directly; [`super::worker`] runs it on a thread.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -33,9 +33,9 @@ use crate::scene::{Camera, Scene};
 pub(crate) enum Shown {
     /// A buffer of the finished frame.
     Buffer(Buffer),
-    /// The picture after a stage.
+    /// The picture after a pipeline stage.
     Stage(Stage),
-    /// An intermediate value of the pipeline, between triangle and colour.
+    /// An intermediate value that the pipeline computes between triangle setup and final colour.
     Intermediate(Intermediate),
 }
 
@@ -59,10 +59,10 @@ impl Shown {
     }
 }
 
-/// Everything that determines the contents of the window.
+/// Everything that determines the view on the canvas.
 #[derive(Clone, Debug)]
 pub(crate) struct Request {
-    /// Scene to draw; requests compare it by pointer.
+    /// Scene to draw. Two requests have the same scene if the pointers are equal.
     pub(crate) scene: Arc<Scene>,
     /// Camera that views the scene.
     pub(crate) camera: Camera,
@@ -72,18 +72,18 @@ pub(crate) struct Request {
     pub(crate) viewport: Viewport,
     /// Quantity to show on the canvas.
     pub(crate) shown: Shown,
-    /// Number of rasterized triangles to draw; all if `None`.
+    /// Number of rasterized triangles to draw; `None` to draw all.
     pub(crate) triangle_limit: Option<usize>,
-    /// Number of fragments to draw of the last of these triangles; all if `None`.
+    /// Number of fragments to draw of the last triangle within `triangle_limit`; `None` to draw all.
     pub(crate) fragment_limit: Option<usize>,
-    /// Picked pixel, in picture pixels.
+    /// Column and row of the picked pixel; `None` if no pixel is picked.
     pub(crate) pick: Option<(u32, u32)>,
     /// Value range, colour map and overlays of the picture.
     pub(crate) look: Look,
 }
 
 impl Request {
-    /// Whether both requests have the same answer.
+    /// Whether both requests have the same response.
     pub(crate) fn same_view(&self, other: &Self) -> bool {
         self.same_frame(other) && self.shown == other.shown && self.pick == other.pick && self.look == other.look
     }
@@ -93,23 +93,23 @@ impl Request {
         self.same_frame(other) && self.shown == other.shown && self.look == other.look
     }
 
-    /// Whether both requests have the same frame.
+    /// Whether both requests render the same frame, down to the same number of triangles and fragments.
     pub(crate) fn same_frame(&self, other: &Self) -> bool {
         self.same_complete_frame(other) && self.moment() == other.moment()
     }
 
-    /// Returns the requested moment of the frame; `None` for the finished frame.
+    /// Returns the point in the drawing of the frame at which to stop; `None` for the finished frame.
     pub(crate) fn moment(&self) -> Option<Moment> {
         self.triangle_limit.map(|triangles| Moment { triangles, fragments: self.fragment_limit })
     }
 
-    /// Whether any shown part depends on the open seams of the scene.
+    /// Whether the response depends on the open seams of the scene.
     fn reads_seams(&self) -> bool {
         let has_layer = self.look.layers.iter().any(|layer| layer.overlay.reads_seams());
         self.shown == Shown::Buffer(Buffer::Hits) || self.pick.is_some() || has_layer
     }
 
-    /// Whether both requests have the same frame once all of its triangles are drawn.
+    /// Whether both requests render the same frame if their triangle and fragment limits are ignored.
     pub(crate) fn same_complete_frame(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.scene, &other.scene)
             && self.camera == other.camera
@@ -118,10 +118,10 @@ impl Request {
     }
 }
 
-/// Answer to a [`Request`].
+/// Response to a [`Request`].
 #[derive(Clone, Debug)]
 pub(crate) struct RenderedView {
-    /// Request that was answered.
+    /// Request that this view belongs to.
     pub(crate) request: Request,
     /// Rendered frame.
     pub(crate) frame: Arc<Frame>,
@@ -131,22 +131,23 @@ pub(crate) struct RenderedView {
     pub(crate) picture: Arc<Image<Rgba8>>,
     /// Captured buffers of the frame; `None` if the shown quantity does not need them.
     pub(crate) buffers: Option<Arc<Buffers>>,
-    /// Intermediate value of every sample; `None` unless one is shown.
+    /// Intermediate value of every sample; `None` if the shown quantity is not an intermediate value.
     pub(crate) captured: Option<Arc<Captured>>,
-    /// Value range of the colour map; `None` without a colour map.
+    /// Value range of the colour map; `None` if no colour map is used.
     pub(crate) range: Option<Range>,
-    /// Intermediate images and statistics of the picture.
+    /// Intermediate images from which the picture was composed, and statistics of the shown quantity.
     pub(crate) look_result: LookResult,
-    /// History of the picked pixel; `None` without one.
+    /// Report on all fragments at the picked pixel; `None` if no pixel is picked.
     pub(crate) report: Option<Arc<PixelReport>>,
-    /// Moments around the shown moment; `None` if the frame is complete and no pixel is picked.
+    /// Positions of draws and fragments that playback of the frame can step to; `None` if the frame is complete and no
+    /// pixel is picked.
     pub(crate) timeline: Option<Arc<Timeline>>,
-    /// Whether the frame was drawn for this answer rather than reused from the last one.
+    /// Whether the frame was rendered for this response rather than reused from the last one.
     pub(crate) fresh: bool,
 }
 
 impl RenderedView {
-    /// Whether this view has the complete frame for a request that shows an earlier moment of it.
+    /// Whether this view contains the complete frame for a request that shows the same frame partially drawn.
     fn is_whole_for(&self, request: &Request) -> bool {
         request.triangle_limit.is_some()
             && self.request.triangle_limit.is_none()
@@ -159,11 +160,11 @@ impl RenderedView {
     }
 }
 
-/// Maximum wait for the search for open seams, after which a request is answered without them. Only repeated requests
-/// wait, when the frame is on screen already. The limit bounds the delay of a newer request.
+/// Maximum time that a request waits for the search for open seams before it is handled without them. Only repeated
+/// requests wait, because their frame is already on screen. The limit bounds the delay of a newer request.
 const SEAMS_WAIT: Duration = Duration::from_millis(50);
 
-/// Engine that answers requests and reuses results of the last one.
+/// Engine that handles requests and reuses results of the last one.
 #[derive(Debug, Default)]
 pub(crate) struct Engine {
     last: Option<RenderedView>,
@@ -174,7 +175,7 @@ pub(crate) struct Engine {
 }
 
 impl Engine {
-    /// Answers a request, reusing valid parts of the last answer.
+    /// Handles a request, reusing the valid parts of the last response.
     pub(crate) fn answer(&mut self, request: Request) -> RenderedView {
         let mut last = self.last.take();
         self.reel.take_if(|reel| !reel.is_of(&request));
@@ -236,7 +237,8 @@ impl Engine {
         view
     }
 
-    /// Returns the moments around the requested one; `None` for a complete frame without a picked pixel.
+    /// Returns the positions that playback of the frame can step to; `None` for a complete frame without a picked
+    /// pixel.
     fn timeline(&mut self, request: &Request, frame: &Frame, report: Option<&PixelReport>) -> Option<Timeline> {
         let pixel = report.map(|report| report.drawn_at.into());
         match (request.moment(), &mut self.reel) {
@@ -246,7 +248,7 @@ impl Engine {
     }
 }
 
-/// Cached survey of all triangles of a frame, reused for all pixels and moments of that frame.
+/// Cached survey of all triangles of a frame, reused for all pixels and for every partially drawn state of that frame.
 #[derive(Debug, Default)]
 struct SurveyCache(Option<(Arc<Scene>, Recipe, Survey)>);
 
@@ -263,7 +265,8 @@ impl SurveyCache {
     }
 }
 
-/// Returns the buffers needed for the shown quantity, completing those of the last answer; `None` if none are needed.
+/// Returns the buffers needed for the shown quantity, adding what is missing to the last response's buffers. Returns
+/// `None` if no buffers are needed.
 fn needed_buffers(
     request: &Request,
     frame: &Frame,
@@ -284,15 +287,15 @@ fn needed_buffers(
     Some(buffers)
 }
 
-/// Returns the shown intermediate value of every sample, reusing the last capture of the same value; `None` unless one
-/// is shown.
+/// Returns the shown intermediate value of every sample, or `None` if none is shown. Reuses `kept` if it holds the same
+/// intermediate value.
 fn needed_capture(request: &Request, frame: &Frame, kept: Option<Arc<Captured>>) -> Option<Arc<Captured>> {
     let Shown::Intermediate(which) = request.shown else { return None };
     let again = || Arc::new(intermediate::capture(&request.scene, &request.recipe, frame, which));
     Some(kept.filter(|kept| kept.which == which).unwrap_or_else(again))
 }
 
-/// Renders the requested frame, and returns it with the number of rasterized triangles of the complete frame.
+/// Renders the requested frame. Returns it together with the number of rasterized triangles of the complete frame.
 fn render(
     request: &Request,
     renderer: &mut Renderer,
@@ -308,19 +311,19 @@ fn render(
     (reel.frame(moment), reel.triangles())
 }
 
-/// Counters and times of each stage of a frame. They are measured after the frame is on screen, by drawing it a few
-/// more times, so that the frame itself is neither instrumented nor slowed down.
+/// Counters and times of each pipeline stage of a frame. They are measured after the frame is on screen, by drawing it
+/// a few more times, so that the frame itself is neither instrumented nor slowed down.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct StageFigures {
-    /// Wall-clock time of each stage.
+    /// Wall-clock time of each pipeline stage.
     pub(crate) times: StageTimes,
     /// Numbers of processed triangles and fragments.
     pub(crate) counters: Counters,
-    /// Number of fragments whose depth or weights are NaN or infinite.
+    /// Number of fragments whose depth or barycentric weights are NaN or infinite.
     pub(crate) bad: u64,
 }
 
-/// Measurement of the stages of a view, in steps that each take at most one frame time.
+/// Measurement of the pipeline stages of a view, in steps that each take at most one frame time.
 #[derive(Debug)]
 pub(crate) struct StageMeasurement {
     view: RenderedView,
@@ -338,7 +341,7 @@ impl StageMeasurement {
         self.timer.has_begun()
     }
 
-    /// Runs the next step. Returns counters and times after the last step, and `None` before.
+    /// Runs the next step. Returns the counters and times after the last step, and `None` after all earlier steps.
     pub(crate) fn step(&mut self) -> Option<StageFigures> {
         let RenderedView { request, frame, .. } = &self.view;
         let times = self.timer.step(&request.scene, &request.camera, &request.recipe, frame)?;

@@ -29,7 +29,7 @@ pub(crate) fn ui(ui: &mut Ui, legend: Rect, hits: &Hits, commands: &mut Vec<Comm
     if hits.elsewhere > 0 {
         row(&mut column, &mut |ui| {
             let text = format!("{} more wrong pixels, not along shared edges", format::count(hits.elsewhere as u64));
-            let help = "Pixels that are hit too often or too rarely where no two triangles meet: on outlines";
+            let help = "Pixels on outlines (edges of only one triangle) that are hit too often or too rarely";
             ui.label(RichText::new(text).small().color(tokens(ui).text_weak)).on_hover_text(help);
         });
     }
@@ -43,7 +43,8 @@ pub(crate) fn ui(ui: &mut Ui, legend: Rect, hits: &Hits, commands: &mut Vec<Comm
     row(&mut column, &mut |ui| steps(ui, hits, commands));
 }
 
-/// Returns the numbers of T-junctions and unwelded vertices of the scene as text; `None` if there are none.
+/// Returns the numbers of T-junctions and unwelded vertices of the scene as text, or a note that the search is still
+/// running. Returns `None` if there are none.
 fn seams_text(hits: &Hits) -> Option<String> {
     match hits.mesh {
         None => Some("Searching for T-junctions…".to_owned()),
@@ -52,8 +53,8 @@ fn seams_text(hits: &Hits) -> Option<String> {
     }
 }
 
-/// Draws the numbers of cracks and double hits: as a success if both are zero, otherwise each beside the colour of its
-/// pixels.
+/// Draws the numbers of cracks and double hits: as a green “passed” label if both are zero, otherwise each beside the
+/// colour that marks its pixels.
 fn draw_counts(ui: &mut Ui, hits: &Hits) {
     let (cracks, doubles) = (hits.count(FaultKind::Crack), hits.count(FaultKind::DoubleHit));
     if cracks + doubles == 0 {

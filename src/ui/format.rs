@@ -29,7 +29,7 @@ pub(crate) fn percent(fraction: f64) -> String {
     with_unit(fixed(fraction * 100.0, 1), "%")
 }
 
-/// Formats an integer with separated thousands: "1 234 567".
+/// Formats an integer with thousands separators: "1 234 567".
 pub(crate) fn count(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::with_capacity(2 * digits.len());

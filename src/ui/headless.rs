@@ -1,5 +1,5 @@
-//! User interface without a window: runs passes with a fixed time step and given events, and paints a picture of the
-//! last pass.
+//! User interface without a window: runs passes with a fixed time step and given events, and renders the last pass to
+//! an image.
 //!
 //! Screenshots and tests run through this module. Apart from timed passes, nothing reads a clock or a display, so the
 //! same interface yields the same bytes every time. The interface is a closure that takes the root [`egui::Ui`] of a
@@ -16,13 +16,13 @@ use eframe::egui::{
 use super::{cpu_painter::CpuPainter, theme};
 use crate::image::{Image, Rgba8};
 
-/// Time from one pass to the next, in seconds. Any animation of the theme finishes within two passes.
+/// Time between two passes, in seconds. All animations of the theme finish within two passes.
 pub(crate) const STEP_SECONDS: f64 = 0.1;
 
-/// Maximum side of a texture that the toolkit may request, in pixels: the maximum side of a picture.
+/// Maximum side length of a texture that egui may request, in texels. It equals the maximum side length of a picture.
 const LARGEST_TEXTURE_SIDE: usize = 16_384;
 
-/// Cost of one pass of the user interface.
+/// CPU cost of one pass of the user interface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PassCost {
     /// Time for laying out panels and text and handling input.
@@ -67,8 +67,8 @@ impl Headless {
         &self.context
     }
 
-    /// Runs one pass with `events` as its input. Returns its output for the platform: cursor, clipboard, accessibility
-    /// tree.
+    /// Runs one pass with `events` as its input. Returns its output for the platform, such as cursor, clipboard and
+    /// accessibility tree.
     pub(crate) fn pass(&mut self, events: Vec<Event>, ui: impl FnMut(&mut egui::Ui)) -> PlatformOutput {
         let input = self.input(events);
         let FullOutput { platform_output, mut textures_delta, shapes, .. } = self.context.run_ui(input, ui);
@@ -78,7 +78,7 @@ impl Headless {
         platform_output
     }
 
-    /// Runs one pass like [`Self::pass`] and returns its cost up to the point where a GPU would take over.
+    /// Runs one pass with `events` as its input. Returns its CPU cost up to the point where a GPU would take over.
     pub(crate) fn timed_pass(&mut self, events: Vec<Event>, ui: impl FnMut(&mut egui::Ui)) -> PassCost {
         let input = self.input(events);
         let begun = Instant::now();
@@ -113,7 +113,7 @@ impl Headless {
         self.pass(vec![button(false)], &mut ui)
     }
 
-    /// Paints the last pass at `size_points` × `pixels_per_point`, rounded to whole pixels.
+    /// Renders the last pass to an image of `size_points` × `pixels_per_point` pixels, rounded to whole pixels.
     pub(crate) fn picture(&self) -> Image<Rgba8> {
         let size = (self.size_points * self.pixels_per_point).round();
         let background = self.context.global_style().visuals.panel_fill;

@@ -18,7 +18,7 @@ const MARGIN_POINTS: f32 = 40.0;
 /// Height of a line, in points. It is less than the height of controls, because lines are not clickable.
 const LINE_POINTS: f32 = 16.0;
 
-/// Maximum number of keys listed for one action. Above it, only the first and the last are listed.
+/// Maximum number of keys listed for one action. If there are more, only the first and the last are listed.
 const MAX_KEYS: usize = 3;
 
 /// Returns the width of the sheet, in points: three columns if the window has room for them, otherwise two.
@@ -30,7 +30,7 @@ fn columns(ui: &Ui) -> usize {
     if ui.ctx().content_rect().width() >= 3.0 * COLUMN_POINTS + MARGIN_POINTS { 3 } else { 2 }
 }
 
-/// Topic of a key on the sheet.
+/// Topic under which keys and mouse gestures are listed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Topic {
     Mouse,
@@ -53,8 +53,8 @@ impl Topic {
         (Self::Picture, "Picture on the canvas"),
         (Self::Pixel, "Picked pixel"),
         (Self::Stages, "Stages"),
-        (Self::Making, "Playback of the frame"),
-        (Self::Showing, "Range and overlays"),
+        (Self::Making, "Frame playback"),
+        (Self::Showing, "Value range and overlays"),
         (Self::Arithmetic, "Arithmetic of the picked pixel"),
         (Self::Places, "Search and bookmarks"),
         (Self::Scene, "Scene and view"),
@@ -63,7 +63,7 @@ impl Topic {
         (Self::General, "Other"),
     ];
 
-    /// Returns the topic of a key binding, which follows from its command.
+    /// Returns the topic of a key binding, derived from its command.
     fn of(binding: &KeyBinding) -> Self {
         match (binding.command)() {
             Command::NudgePick(..) | Command::Pick(_) | Command::Watch(_) | Command::StepFault(_) | Command::Escape => {
@@ -89,7 +89,7 @@ impl Topic {
     }
 }
 
-/// Line of the sheet: all keys of one action or its mouse gesture, and the description of the action.
+/// Line of the sheet: an action's keys or mouse gesture, and the description of the action.
 struct SheetLine {
     keys: Vec<String>,
     what: &'static str,
@@ -98,7 +98,7 @@ struct SheetLine {
 impl SheetLine {
     /// Estimates the number of text rows that the key names need.
     fn rows(&self) -> usize {
-        /// Characters that fit into one row.
+        /// Estimated number of characters that fit into one row.
         const LETTERS: usize = 17;
         self.names().chars().count().div_ceil(LETTERS)
     }
@@ -111,7 +111,7 @@ impl SheetLine {
     }
 }
 
-/// Returns the keys and the description of every line of the sheet, by topic.
+/// Returns the keys and the description of every line of the sheet, ordered by topic.
 pub fn keys_and_descriptions() -> Vec<(String, &'static str)> {
     let all = Topic::ALL.into_iter().flat_map(|(topic, _)| lines(topic, ""));
     all.map(|line| (line.names(), line.what)).collect()
@@ -177,7 +177,7 @@ fn lines(topic: Topic, filter: &str) -> Vec<SheetLine> {
     lines
 }
 
-/// Returns the name of a key with its modifiers, written in characters that the fonts contain.
+/// Returns the name of a key with its modifiers, using only characters that the fonts contain.
 pub(crate) fn key_name(binding: &KeyBinding) -> String {
     let mut name = String::new();
     if binding.modifiers.command || binding.modifiers.ctrl {
@@ -219,7 +219,7 @@ mod tests {
             Topic::ALL.into_iter().flat_map(|(topic, _)| lines(topic, filter)).map(|line| line.what).collect()
         };
         assert!(found("ctrl z").contains(&"Undo the last change"));
-        assert!(found("bookmark").contains(&"Bookmark this place"));
+        assert!(found("bookmark").contains(&"Bookmark the current view"));
         assert!(found("qqqqq").is_empty());
     }
 }

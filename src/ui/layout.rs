@@ -1,14 +1,15 @@
-//! Layout of the window, panels and headings, serialised as text.
+//! Serialisation of the window layout as text: positions and sizes of windows and panels, and the state of collapsible
+//! headings.
 
 use eframe::egui::Context;
 
-/// Serialises the layout of the window, panels and headings as text.
+/// Serialises the layout of windows, panels and headings as text. Returns an empty text if that fails.
 pub(super) fn text(context: &Context) -> String {
     // If serialisation fails, the next window has the default layout.
     context.memory(ron::to_string).unwrap_or_default()
 }
 
-/// Restores a layout that [`text`] returned. Ignores any other text.
+/// Restores a layout that was serialised by [`text`]. Ignores any other text.
 pub(super) fn restore(context: &Context, layout: &str) {
     if let Ok(memory) = ron::from_str(layout) {
         context.memory_mut(|current| *current = memory);

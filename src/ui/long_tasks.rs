@@ -12,7 +12,7 @@ use crate::report::stability::sweep::{StabilityProgress, StabilityReport};
 /// View of the stability report.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum StabilityView {
-    /// Heat map of classes of cases against configurations.
+    /// Heat map of the errors of every configuration (columns) on every class of difficult cases (rows).
     #[default]
     HeatMap,
     /// Scatter plot of error against time, one point for each configuration.
@@ -30,12 +30,12 @@ pub(crate) struct Stability {
     pub(crate) view: StabilityView,
 }
 
-/// State of the measurement of the time that skipped work saves.
+/// State of the measurement of the frame time saved by skipped work.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PlanSavings {
-    /// Last result, and the request on which it was measured.
+    /// Last result, and the request that was measured.
     pub(crate) found: Option<(Arc<Savings>, Request)>,
-    /// Completed share of the running measurement, in [0, 1]; `None` if none is running.
+    /// Completed fraction of the running measurement, from 0 to 1; `None` if none is running.
     pub(crate) progress: Option<f32>,
 }
 
@@ -44,14 +44,14 @@ pub(crate) struct PlanSavings {
 pub(crate) struct ScalingState {
     /// Last result, and the recipe with which it was measured.
     pub(crate) found: Option<(Arc<Scaling>, Recipe)>,
-    /// Quantity being measured, and the completed share of the measurement, in [0, 1]; `None` if none is running.
+    /// Quantity being measured, and the completed fraction of its measurement, from 0 to 1; `None` if none is running.
     pub(crate) progress: Option<(ScalingQuantity, f32)>,
 }
 
 /// A running stability report.
 pub(crate) type StabilityTask = BackgroundTask<StabilityProgress, StabilityReport>;
 
-/// A running measurement of the time that skipped work saves. The result includes the request on which it was measured.
+/// A running measurement of the frame time saved by skipped work. The result includes the request that was measured.
 pub(crate) type SavingsTask = BackgroundTask<f32, (Savings, Request)>;
 
 /// A running scaling measurement. The result includes the recipe with which it was measured.

@@ -41,13 +41,13 @@ impl Look {
 /// Request for statistics of the shown quantity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct StatisticsRequest {
-    /// Range of the histograms' axis; `None` means the range of all values.
+    /// Value range of the histograms' horizontal axis; `None` means the range of all values.
     pub(crate) axis: Option<Range>,
     /// Region for which separate statistics are computed.
     pub(crate) region: Option<PixelRegion>,
 }
 
-/// Picture of a [`Look`], with the intermediate results that it was composed from.
+/// Picture drawn with the settings of a [`Look`], and the intermediate results from which it was composed.
 #[derive(Clone, Debug)]
 pub(crate) struct LookResult {
     /// Picture after the shown pipeline stage; `None` unless a stage is shown.
@@ -56,11 +56,11 @@ pub(crate) struct LookResult {
     pub(crate) base: Arc<Image<Rgba8>>,
     /// Picture of the shown quantity with overlays.
     pub(crate) picture: Arc<Image<Rgba8>>,
-    /// Values at the ends of the colour map, or of each channel; `None` for categorical values.
+    /// Value range covered by the colour map or by each colour channel; `None` for categorical values.
     pub(crate) range: Option<Range>,
     /// Visible overlays, in the order of the layers.
     pub(crate) sheets: Vec<Arc<Sheet>>,
-    /// Whether placeholders stand in for overlays that are slow to compute.
+    /// Whether the picture still contains placeholders for overlays that are slow to compute.
     pub(crate) is_unfinished: bool,
     /// All overlays computed for the frame, visible or not.
     computed: Vec<Arc<Sheet>>,
@@ -70,18 +70,18 @@ pub(crate) struct LookResult {
     pub(crate) measured: Option<Arc<PictureStatistics>>,
 }
 
-/// Data from which the values of the shown quantity are read.
+/// Inputs from which the values of the shown quantity are read.
 #[derive(Clone, Copy)]
 pub(crate) struct ValueSource<'a> {
     /// Frame whose values are shown.
     pub(crate) frame: &'a Frame,
     /// Captured buffers of the frame; `None` if the shown quantity does not need them.
     pub(crate) buffers: Option<&'a Buffers>,
-    /// Intermediate value of every sample; `None` unless one is shown.
+    /// Intermediate value of every sample; `None` if the shown quantity is not an intermediate value.
     pub(crate) captured: Option<&'a Captured>,
     /// Picture after the shown stage; `None` unless a stage is shown.
     pub(crate) stage: Option<&'a Image<Rgba8>>,
-    /// Open seams of the scene; `None` while unknown or unused.
+    /// Open seams of the scene; `None` if they are not yet known or not needed.
     pub(crate) seams: Option<&'a Seams>,
 }
 
@@ -95,7 +95,7 @@ impl ValueSource<'_> {
         }
     }
 
-    /// Returns the picture of the shown quantity, and the range that the colours cover.
+    /// Returns the picture of the shown quantity, and the value range that its colours cover.
     fn colored(&self, shown: Shown, display: &Display) -> (Image<Rgba8>, Option<Range>) {
         if let Shown::Buffer(buffer) = shown {
             let range = display.range(buffer, self.frame, self.buffers);
@@ -116,7 +116,8 @@ pub(crate) enum SlowOverlays {
     Postponed,
 }
 
-/// Computes the look of a request, reusing the previous look of the same frame if there is one.
+/// Computes the picture of a request with its overlays and statistics. Reuses valid parts of `kept`, the result of the
+/// last request for the same frame.
 pub(crate) fn apply_look(
     request: &Request,
     source: ValueSource<'_>,
@@ -188,7 +189,7 @@ pub(crate) fn apply_look(
     LookResult { stage, base, picture, range, measured, sheets, is_unfinished, computed: made, watched }
 }
 
-/// Returns `base` with all overlays that are drawn into it.
+/// Returns `base` with all overlays blended over it, except those that are drawn as vectors.
 fn composed(base: &Arc<Image<Rgba8>>, sheets: &[Arc<Sheet>], look: &Look) -> Arc<Image<Rgba8>> {
     let in_pixels = |sheet: &Sheet| !look.vectors || sheet.lines.is_empty();
     let layers = sheets.iter().zip(&look.layers).map(|(sheet, layer)| (sheet.as_ref(), layer.opacity));
@@ -206,7 +207,8 @@ pub(crate) fn kind(shown: Shown) -> ValueKind {
 }
 
 impl RenderedView {
-    /// Returns the exact value at a pixel inside the picture, independent of the colours shown.
+    /// Returns the exact value of the shown quantity at a pixel inside the picture, independent of range and colour
+    /// map.
     pub(crate) fn value(&self, x: u32, y: u32) -> Value {
         let (buffers, stage) = (self.buffers.as_deref(), self.look_result.stage.as_deref());
         ValueSource { frame: &self.frame, buffers, captured: self.captured.as_deref(), stage, seams: None }.value(

@@ -1,4 +1,4 @@
-//! The manual in the window: chapters on the left, search above, the page on the right.
+//! The manual window: search field and list of chapters on the left, the open chapter on the right.
 
 use std::collections::HashMap;
 
@@ -13,7 +13,7 @@ use crate::manual::{Chapter, Passage, Section, SectionPart, find};
 /// Initial size of the manual window, in points.
 const DEFAULT_SIZE_POINTS: [f32; 2] = [820.0, 560.0];
 
-/// Width of the list of chapters and results, in points.
+/// Width of the list of chapters and search results, in points.
 const LIST_POINTS: f32 = 220.0;
 
 /// Maximum number of search results listed.
@@ -30,7 +30,7 @@ pub(crate) struct ManualWindow {
     /// Whether the search field gets the keyboard focus in the next frame.
     focuses_search: bool,
     cache: CommonMarkCache,
-    /// Chapters, keyed by the file name that links use.
+    /// Chapter that each link in the manual refers to, keyed by the link's target.
     links: HashMap<String, Chapter>,
 }
 

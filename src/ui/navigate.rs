@@ -13,10 +13,10 @@ pub(super) const WHEEL_RATE: f32 = 0.004;
 /// Orbit rate of dragging, in radians per point.
 pub(super) const ORBIT_RATE: f32 = 0.008;
 
-/// Speed of flying, in multiples of the distance to the target per second.
+/// Flying speed, in multiples of the camera's distance to its target per second.
 pub(super) const FLY_RATE: f32 = 0.8;
 
-/// Flying keys of camera mode: right, left, up, down, forwards, backwards.
+/// Keys that fly the camera, in this order: right, left, up, down, forwards, backwards.
 pub(crate) const FLYING_KEYS: [egui::Key; 6] =
     [egui::Key::D, egui::Key::A, egui::Key::E, egui::Key::Q, egui::Key::W, egui::Key::S];
 

@@ -27,7 +27,7 @@ impl OpenCase {
 }
 
 impl Session {
-    /// Shows a case in place of the scene, which stays loaded, and closes the case that was open.
+    /// Shows a test case in place of the scene. The scene stays loaded, and a previously open case is closed.
     pub(crate) fn show_case(&mut self, case: impl Into<Arc<Case>>) {
         let case = case.into();
         self.close_case();
@@ -53,7 +53,7 @@ impl Session {
         self.case.iter_mut().for_each(|open| open.settings_before = Some(before));
     }
 
-    /// Closes the open case and restores the settings that it replaced.
+    /// Closes the open case and restores the settings that were in use before it was opened.
     pub(super) fn close_case(&mut self) {
         if let Some(OpenCase { settings_before: Some(before), .. }) = self.case.take() {
             let Settings { rasterizer, arithmetic, depth_format, .. } = before;

@@ -1,4 +1,5 @@
-//! Search for open seams of the scene on screen: synchronous for small scenes, in a background thread for large ones.
+//! Search for open seams of the scene on screen, where adjacent surfaces share no vertices. It is synchronous for small
+//! scenes and runs in a background thread for large ones.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
@@ -8,7 +9,7 @@ use std::time::Duration;
 use crate::scene::Scene;
 use crate::scene::seams::Seams;
 
-/// Largest number of triangles that are searched synchronously, which takes a few milliseconds.
+/// Maximum number of triangles in a scene that is searched synchronously, which takes a few milliseconds.
 const SMALL: usize = 20_000;
 
 /// Seams of the last requested scene, or the running search for them. Requesting another scene, or dropping this value,
@@ -28,7 +29,8 @@ enum State {
 }
 
 impl SeamSearch {
-    /// Returns the seams of a scene; `None` if the search is still running after `patience`.
+    /// Returns the seams of a scene, and starts the search for them if necessary. Returns `None` if the search is still
+    /// running after `patience`.
     pub(super) fn seams(&mut self, scene: &Arc<Scene>, patience: Duration) -> Option<Arc<Seams>> {
         if !std::ptr::eq(self.scene.as_ptr(), Arc::as_ptr(scene)) {
             *self = Self { scene: Arc::downgrade(scene), state: begun(scene) };

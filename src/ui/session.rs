@@ -54,10 +54,10 @@ use crate::upscale;
 /// Maximum number of recent files.
 const RECENT_FILES: usize = 8;
 
-/// A running measurement of all upscalers.
+/// Progress of a running measurement of all upscalers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Measuring {
-    /// Completed share of the measurement, in [0, 1].
+    /// Completed fraction of the measurement, in [0, 1].
     pub(crate) progress: f32,
 }
 
@@ -72,13 +72,13 @@ pub(crate) struct Session {
     pub(crate) mirrored: bool,
     /// Maximum memory for the meshes and textures of a model.
     pub(crate) memory_limit: MemoryLimit,
-    /// State covered by undo.
+    /// State that can be undone and redone.
     pub(crate) state: Undoable,
     /// Buffer, stage or intermediate value shown on the canvas.
     pub(crate) shown: Shown,
     /// Maximum number of triangles to draw; `None` draws all.
     pub(crate) triangle_limit: Option<usize>,
-    /// State of stepping and playing through the frame.
+    /// State of the playback of the frame's drawing.
     pub(crate) scrub: Scrub,
     /// Column and row of the picked pixel.
     pub(crate) pick: Option<(u32, u32)>,
@@ -88,31 +88,31 @@ pub(crate) struct Session {
     pub(crate) canvas_px: (u32, u32),
     /// Newest view from the renderer.
     pub(crate) view: Option<RenderedView>,
-    /// Counters and times of the pipeline stages, from the last frame that stayed long enough to be timed.
+    /// Counters and times of the pipeline stages, from the last frame that stayed on screen long enough to be timed.
     pub(crate) stages: Option<StageFigures>,
     /// Settings of the comparison.
     pub(crate) comparison: CompareSettings,
     /// Results of the comparison so far.
     pub(crate) compared: Option<Compared>,
-    /// Recorded frame times of each upscaler.
+    /// Recorded frame times and errors of each upscaler.
     pub(crate) timings: Timings,
     /// Times of the user interface itself.
     pub(crate) window_times: WindowTimes,
     /// Running measurement of all upscalers, if any.
     pub(crate) measuring: Option<Measuring>,
-    /// Open case, if any.
+    /// Case that is shown in place of the scene, if any.
     pub(crate) case: Option<OpenCase>,
     /// State of the stability report.
     pub(crate) stability: Stability,
-    /// Completed share of the running export of a vector drawing, in [0, 1]; `None` if none is running.
+    /// Completed fraction of the running export of a vector drawing, in [0, 1]; `None` if none is running.
     pub(crate) export_progress: Option<f32>,
-    /// Measurement of the time that skipped work saves.
+    /// Measurement of the time that is saved by skipping redundant work.
     pub(crate) savings: PlanSavings,
-    /// Measurement of how the frame time scales.
+    /// Measurement of how frame times scale with triangles, pixels, overdraw and threads.
     pub(crate) scaling: ScalingState,
     /// Settings and results of the stability probe.
     pub(crate) probing: ProbeState,
-    /// Scope and selection of the vertex table.
+    /// Settings of the vertex table: the listed vertices and the followed one.
     pub(crate) vertices: VertexTable,
     /// Mesh view, which shows the scene from a second camera.
     pub(crate) mesh_view: MeshView,
@@ -128,11 +128,11 @@ pub(crate) struct Session {
     pub(crate) overlays: Overlays,
     /// Selected triangles, highlighted in the picture, in tables and on meshes.
     pub(crate) selection: TriangleSelection,
-    /// Fates of triangles and fragments, and the filter on them.
+    /// Fates of the frame's triangles and fragments, and the filter that selects triangles by fate.
     pub(crate) fates: FatesView,
     /// Bookmarks and navigation history.
     pub(crate) places: Places,
-    /// Effect of the last change of settings.
+    /// State of the what-if comparison, which shows the effect of the last change of settings.
     pub(crate) what_if: WhatIf,
     /// Watched pixels and their values.
     pub(crate) watch: WatchList,
@@ -146,17 +146,17 @@ pub(crate) struct Session {
     pub(crate) recent: Vec<PathBuf>,
     /// Folder for exported pictures and cases: the working directory at startup.
     pub(crate) folder: PathBuf,
-    /// Whether the first hint has been closed.
+    /// Whether the user has closed the introductory hint above the canvas.
     pub(crate) hint_closed: bool,
     first_pick: FirstPick,
-    /// Time of the last camera movement, in seconds.
+    /// Time of the last camera movement, in seconds; −∞ if another change followed it.
     camera_moved_at: f64,
     undo: Vec<Undoable>,
     redo: Vec<Undoable>,
     settled: Undoable,
 }
 
-/// State of the automatic first pick, which shows new users the explanation of a pixel.
+/// State of the automatic first pick, which shows new users how a pixel is explained.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum FirstPick {
     /// No pixel has been picked yet.
@@ -302,7 +302,7 @@ impl Session {
         self.view.as_ref().filter(|view| Arc::ptr_eq(&view.request.scene, &self.scene))
     }
 
-    /// Picks a pixel automatically if the user has not picked one, or if the pick is outside the picture. It is the
+    /// Picks a pixel automatically if the user has not picked one, or if the pick is outside the picture. Chooses the
     /// pixel nearest to [`FIRST_PICK`] that shows a triangle.
     pub(crate) fn pick_by_itself(&mut self) {
         let Some(view) = self.view_of_scene() else { return };
@@ -407,13 +407,15 @@ impl Session {
         None
     }
 
-    /// Returns the number of rasterized triangles in the complete frame on screen.
+    /// Returns the number of triangles that are rasterized if the frame on screen is drawn completely.
     pub(crate) fn triangle_count(&self) -> usize {
         self.view.as_ref().map_or(0, |view| view.rasterized)
     }
 
-    /// Returns the next or previous faulty pixel after the pick in reading order, wrapping around at the ends. Without
-    /// a pick, returns the first or last one. Returns `None` if the frame has no faults or its hits were not counted.
+    /// Returns the next or previous pixel with a coverage fault (a crack or a double hit) in row-major order, starting
+    /// from the picked pixel and wrapping around. Without a pick, returns the first or last one. If an overlay of
+    /// faults is active, steps through its pixels instead. Returns `None` if there is no such pixel or hits were not
+    /// counted.
     pub(crate) fn fault_beside_pick(&self, forwards: bool) -> Option<(u32, u32)> {
         if self.overlays.stepped().is_some() {
             return self.overlays.beside(self.view.as_ref()?, self.pick, forwards);
@@ -422,7 +424,7 @@ impl Session {
         hits.neighbour(self.pick, forwards).map(|fault| (fault.x, fault.y))
     }
 
-    /// Loads a picture file as the canvas of the lab.
+    /// Loads a picture file into the canvas of the 2D lab.
     pub(crate) fn open_picture(&mut self, path: &Path) {
         match file::read(path) {
             Ok(picture) => self.lab.show_picture(&picture),
@@ -476,8 +478,8 @@ impl Session {
         self.show(Shown::Stage(Stage::ALL[(now + step).clamp(0, last) as usize]));
     }
 
-    /// Shows a buffer, a stage or an intermediate value. Anything but the final colour ends the comparison: it shows
-    /// finished pictures only, so the inspector would describe other values than those on the canvas.
+    /// Shows a buffer, a stage or an intermediate value. Anything but the final colour ends the comparison. The
+    /// comparison shows finished pictures only, so the inspector would describe other values than those on the canvas.
     fn show(&mut self, shown: Shown) {
         self.shown = shown;
         if shown != Shown::Buffer(Buffer::Color) {

@@ -50,7 +50,8 @@ pub(crate) struct WindowStart {
     pub(crate) camera: Camera,
     /// Whether the scene is mirrored along z relative to its source.
     pub(crate) mirrored: bool,
-    /// Whether the window restores the scene, recipe and camera of the previous run instead.
+    /// Whether the window restores the scene, recipe and camera of the previous run instead of showing those given
+    /// here.
     pub(crate) resume: bool,
     /// Initial view of the frame.
     pub(crate) initial_view: InitialView,
@@ -80,7 +81,7 @@ pub(crate) struct InitialView {
     pub(crate) display: Option<Display>,
     /// Overlays, from bottom to top.
     pub(crate) layers: Vec<OverlayLayer>,
-    /// Moment at which drawing stops; `None` draws the complete frame.
+    /// Point in the drawing of the frame at which drawing stops; `None` draws the complete frame.
     pub(crate) moment: Option<Moment>,
     /// Fixed size of the picture, in pixels.
     pub(crate) picture: Option<Viewport>,
@@ -121,7 +122,7 @@ pub(crate) enum Theme {
 pub(crate) struct ScreenshotRequest {
     /// Initial state of the workbench.
     pub(crate) start: WindowStart,
-    /// Size of the screenshot, in pixels.
+    /// Width and height of the screenshot, in pixels.
     pub(crate) size: Viewport,
     /// Interface scale, in pixels per point.
     pub(crate) pixels_per_point: f32,
@@ -139,20 +140,21 @@ pub(crate) struct ScreenshotRequest {
     pub(crate) tab: Option<Tab>,
     /// Buffer, stage or intermediate value on the canvas; `None` shows the final colours.
     pub(crate) shown: Option<Shown>,
-    /// Moment at which drawing stops; `None` draws the complete frame.
+    /// Point in the drawing of the frame at which drawing stops; `None` draws the complete frame.
     pub(crate) moment: Option<Moment>,
-    /// Fate whose triangles are selected in the tab “Fates”, which is opened.
+    /// Fate by which to select triangles in the tab “Fates”, which is then opened; `None` selects none.
     pub(crate) fate: Option<TriangleFate>,
     /// Column and row of the picked pixel; `None` picks one near the centre.
     pub(crate) selected: Option<(u32, u32)>,
-    /// Page of the 2D lab to show instead of the pipeline, and the number of its steps; `None` shows all steps.
+    /// Page of the 2D lab to show instead of the pipeline, and the number of algorithm steps to show on it; an inner
+    /// `None` shows all steps.
     pub(crate) lab: Option<(Page, Option<usize>)>,
-    /// Commands to apply before the first pass.
+    /// Commands to apply before the first layout pass.
     pub(crate) first: Vec<Command>,
 }
 
-/// Number of passes of a screenshot. The first one determines the size of the canvas, the second one has a frame, and
-/// in the others sizes converge.
+/// Number of layout passes for a screenshot. The first one determines the size of the canvas, the second one shows a
+/// frame, and sizes converge in the others.
 const SCREENSHOT_PASSES: usize = 6;
 
 /// Default size of the window, in points.
@@ -243,7 +245,7 @@ fn close_on_signals(context: egui::Context) {
     drop(ctrlc::set_handler(close));
 }
 
-/// Restores the scene, recipe and camera of the previous run in `start`. Invalid parts are ignored, because stored
+/// Returns `start` with the scene, recipe and camera of the previous run. Invalid parts are ignored, because stored
 /// preferences may be damaged or belong to an older version. A model that does not load within `patience` becomes the
 /// pending scene.
 pub(crate) fn resumed(start: WindowStart, preferences: &Preferences, patience: Duration) -> WindowStart {
@@ -303,11 +305,11 @@ pub(crate) fn workbench(start: WindowStart, preferences: Preferences, worker: Wo
     workbench
 }
 
-/// Paints the whole workbench on the CPU, without a window or a display.
+/// Renders the whole workbench to an image on the CPU, without a window or a display.
 ///
 /// # Errors
 ///
-/// Returns the size of the scene's picture if the picture does not contain the pixel to be picked.
+/// Returns the size of the scene's picture if the pixel to pick lies outside the picture.
 pub(crate) fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport> {
     let Viewport { width, height } = request.size;
     let theme = match request.theme {

@@ -22,7 +22,7 @@ const BACKUP: &str = "preferences-backup";
 /// Maximum size of a preferences file that is read, in bytes.
 const MAX_BYTES: u64 = 16 << 20;
 
-/// Minimum time between two writes. Dragging the view, for example, changes the preferences in every frame.
+/// Minimum time between two writes. Orbiting the camera, for example, changes the preferences in every frame.
 const PAUSE: Duration = Duration::from_millis(200);
 
 /// Delay before a failed write is repeated.
@@ -59,10 +59,10 @@ pub(crate) fn read(folder: &Path) -> Option<LoadedPreferences> {
     Some(LoadedPreferences { preferences, warning })
 }
 
-/// Report that a preferences file is partly unreadable.
+/// Description of a preferences file that is partly unreadable.
 struct Damage {
     warning: String,
-    /// Whether this damage is new, which means that no earlier backup has the same bytes.
+    /// Whether no earlier backup has the same contents, so that the user must be warned.
     is_new: bool,
 }
 
@@ -93,7 +93,7 @@ fn backup_of(folder: &Path, bytes: &[u8]) -> Option<PathBuf> {
 }
 
 impl Store {
-    /// Creates a store that writes to `folder`. `found` are the preferences at the start of the window.
+    /// Creates a store that writes to `folder`. `found` are the preferences that were read when the window opened.
     pub(crate) fn new(folder: PathBuf, found: Preferences) -> Self {
         let (changes, heard) = channel();
         let (report, failures) = channel();

@@ -39,8 +39,8 @@ impl<P, T> Drop for BackgroundTask<P, T> {
 }
 
 impl<P: Send + 'static, T: Send + 'static> BackgroundTask<P, T> {
-    /// Starts `work` on a new thread. It receives a function for progress reports and a cancellation flag. `context` is
-    /// repainted after every message.
+    /// Starts `work` on a new thread. The arguments of `work` are a function for progress reports and a cancellation
+    /// flag. `context` is repainted after every message.
     pub(crate) fn start(
         context: Context,
         work: impl FnOnce(&(dyn Fn(P) + Sync), &AtomicBool) -> Option<T> + Send + 'static,

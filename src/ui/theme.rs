@@ -89,7 +89,7 @@ pub(crate) struct Tokens {
     pub(crate) warning: Color32,
     /// Colour of an error.
     pub(crate) error: Color32,
-    /// Colour of A, the first of two compared items: label, tile frame, plot line and table.
+    /// Colour of A, the first of two compared items, in labels, tile frames, plots and tables.
     pub(crate) a: Color32,
     /// Colour of B, the second of two compared items.
     pub(crate) b: Color32,

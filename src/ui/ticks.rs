@@ -1,14 +1,14 @@
-//! Grid lines and labels of plots, at round values and so close that even a low plot has several of them.
+//! Grid lines and labels of plots: at round values, and dense enough that even a plot of small height has several.
 
 use std::ops::RangeInclusive;
 
 use egui_plot::{GridInput, GridMark};
 
-/// Minimum distance between labels, in spacings of the finest grid that the plot would draw.
+/// Minimum distance between labels, as a multiple of the finest grid spacing that the plot can draw.
 const LINES_APART: f64 = 3.5;
 
-/// Returns the grid spacings of an axis: between unlabelled lines, between labels (1, 2 or 5 times a power of ten), and
-/// ten times the distance between labels.
+/// Returns three grid spacings of an axis: between lines, between labelled lines (1, 2 or 5 times a power of ten), and
+/// ten times the latter.
 pub(crate) fn round_steps(input: &GridInput) -> [f64; 3] {
     let least = (input.base_step_size * LINES_APART).max(f64::MIN_POSITIVE);
     let power = 10_f64.powf(least.log10().floor());
@@ -29,10 +29,11 @@ pub(crate) fn number(mark: GridMark, _shown: &RangeInclusive<f64>) -> String {
 /// Returns the marks of a base-10 logarithmic axis: 1 to 9 times each power of ten. Powers of ten have priority for
 /// labels, then 2 and 5 times a power.
 pub(crate) fn log_marks(input: &GridInput) -> Vec<GridMark> {
-    /// Nominal spacing of the marks of the digits 1 to 9, in powers of ten; it determines which marks have a label.
+    /// Nominal spacing of the marks at 1 to 9 times a power of ten, in powers of ten. Marks with a larger spacing are
+    /// labelled first.
     const APART: [f64; 9] = [1.0, 0.45, 0.1, 0.1, 0.45, 0.1, 0.1, 0.1, 0.1];
     let (low, high) = input.bounds;
-    /// Maximum number of powers of ten; an axis with more is unreadable.
+    /// Maximum number of powers of ten on an axis; an axis with more would be unreadable.
     const MAX_POWERS: i32 = 40;
     let first = low.floor().clamp(-f64::from(MAX_POWERS), f64::from(MAX_POWERS)) as i32;
     let last = (high.ceil() as i32).clamp(first, first + MAX_POWERS);

@@ -1,6 +1,6 @@
-//! Recorded frame times: the recent frames of the current scene, settings and size, with one line per upscaler and the
-//! slowest frames of all lines, and the last measurement of all upscalers. Times of different pictures never share a
-//! line.
+//! Recorded frame times of each upscaler: of recent frames, of the slowest of these, and of the last measurement of all
+//! upscalers. Recent frames are discarded when the scene, the settings or the size changes, so that times of different
+//! pictures are never mixed.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -55,17 +55,17 @@ pub(crate) struct TradeOff {
     pub(crate) upscaling: Upscaling,
     /// Statistics of the frame times, in milliseconds.
     pub(crate) ms: Summary,
-    /// Error against the reference of the measurement. The error in motion ranks the upscalers.
+    /// Error against the reference of the measurement. Upscalers are ranked by the error in motion.
     pub(crate) error: MethodError,
-    /// Position relative to the Pareto front of time and FLIP in motion.
+    /// Position relative to the Pareto front of frame time and FLIP error in motion.
     pub(crate) standing: Standing<Upscaling>,
-    /// Whether the difference from the native time is within noise.
+    /// Whether the frame time differs from that of native rendering by no more than the noise.
     pub(crate) native_within_noise: bool,
 }
 
 impl Timings {
     /// Adds the time of a frame that was drawn for `request`, unless recording is paused. A new scene, recipe or size
-    /// discards the recent frames. The camera may change, and each upscaler has its own line.
+    /// discards the recent frames; a new camera or upscaler does not.
     pub(crate) fn record_recent(&mut self, request: &Request, milliseconds: f64) {
         if self.paused {
             return;
@@ -97,8 +97,8 @@ impl Timings {
         Some(summarize(&times)?.median)
     }
 
-    /// Returns the slowest recent frames with their upscalers, slowest first, including frames that the lines no longer
-    /// contain.
+    /// Returns the slowest recent frames with their upscalers, slowest first. They may be older than the plotted
+    /// frames.
     pub(crate) fn slowest(&self) -> &[(Upscaling, f64)] {
         &self.slowest
     }
@@ -144,7 +144,7 @@ impl Timings {
         }
     }
 
-    /// Records the noise floor of the completed rounds.
+    /// Records the noise floor of the frame times in the completed rounds.
     pub(crate) fn record_noise(&mut self, noise: Noise) {
         if self.measurement_request.is_some() {
             self.noise = Some(noise);
@@ -199,7 +199,7 @@ impl Timings {
         self.measurement_request.as_ref()
     }
 
-    /// Whether the measurement was made with the view of `request`, apart from its upscaler.
+    /// Whether the measurement used the scene, camera, size and recipe of `request`, apart from the upscaler.
     pub(crate) fn measurement_fits(&self, request: &Request) -> bool {
         let upscaler = Upscaling::NATIVE;
         let plain = |r: &Request| Request {
@@ -214,22 +214,22 @@ impl Timings {
         self.measurement_request.as_ref().is_some_and(|measured| plain(&measured.of).same_view(&plain(request)))
     }
 
-    /// Returns the median time of an upscaler divided by that of native rendering, if both were measured with the view
-    /// of `request`.
+    /// Returns the median frame time of an upscaler divided by that of native rendering. Returns `None` unless both
+    /// were measured with the view of `request`.
     pub(crate) fn share_of_native(&self, request: &Request, upscaling: Upscaling) -> Option<f64> {
         let median = |u| summarize(self.measured.get(&u)?).map(|summary| summary.median);
         let fits = self.measurement_fits(request);
         fits.then(|| Some(median(upscaling)? / median(Upscaling::NATIVE)?)).flatten()
     }
 
-    /// Returns the times of each upscaler, oldest first: those of the measurement, or of the recent frames if there is
-    /// none.
+    /// Returns the frame times of each upscaler in milliseconds, oldest first: from the measurement if there is one,
+    /// otherwise from the recent frames.
     pub(crate) fn series(&self) -> Vec<(Upscaling, Vec<f64>)> {
         if self.has_measurement() { per_method(&self.measured) } else { per_method(&self.recent) }
     }
 }
 
-/// Returns the times of every upscaler, oldest first.
+/// Copies the frame times of every upscaler into a list, oldest first.
 fn per_method<T>(times: &BTreeMap<Upscaling, T>) -> Vec<(Upscaling, Vec<f64>)>
 where
     for<'a> &'a T: IntoIterator<Item = &'a f64>,

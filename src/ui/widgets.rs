@@ -17,7 +17,7 @@ use super::theme::{self, CONTROL_HEIGHT, Icon, space, tokens};
 /// Fraction of a row's width for its label.
 const LABEL_SHARE: f32 = 0.4;
 
-/// Minimum padding on both sides of the name in a joined button, in points.
+/// Minimum padding on both sides of the text in a segment of a picker, in points.
 const SEGMENT_PADDING: f32 = space::XS;
 
 /// Time for which a copy button confirms copying, in seconds.
@@ -53,8 +53,8 @@ pub(crate) fn value_row(ui: &mut Ui, label: &str, value: &str, tooltip: &str) ->
     readout.add(Label::new(text).selectable(true).truncate())
 }
 
-/// Allocates a row as wide as the panel. Returns its rectangle, and the width of its left column computed from the
-/// row's width.
+/// Allocates a row as wide as the panel. Returns its rectangle, and the width of its label, which `label_width`
+/// computes from the width of the row.
 fn allocate_row(ui: &mut Ui, label_width: impl FnOnce(f32) -> f32) -> (Rect, f32) {
     let width = ui.available_width();
     let (row, _) = ui.allocate_exact_size(vec2(width, CONTROL_HEIGHT), Sense::hover());
@@ -132,7 +132,7 @@ fn drop_down<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, options: &[(T, &st
     }
 }
 
-/// Returns a drop-down list of `width` points, without entries.
+/// Returns a drop-down list of `width` points that displays the text `shown`. The caller adds the entries.
 pub(crate) fn combo(id_salt: &str, shown: &str, width: f32) -> ComboBox<'static> {
     ComboBox::from_id_salt(id_salt.to_owned()).selected_text(shown.to_owned()).width(width).truncate().icon(
         |ui, rect, visuals, _open| {
@@ -159,8 +159,8 @@ pub(crate) fn slider(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>, s
     ui.add(slider).changed()
 }
 
-/// Adds a number field that changes `value` only on user input. Dragging by one point changes the value by a fiftieth.
-/// Returns whether the value changed.
+/// Adds a number field that changes `value` only on user input. Dragging by one point changes the value by 2 %. Returns
+/// whether the value changed.
 pub(crate) fn drag(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>) -> bool {
     let speed = f64::from(*value) * 0.02;
     let text = |value: f64, _| format!("{}", value as f32);
@@ -168,8 +168,8 @@ pub(crate) fn drag(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>) -> 
     ui.add(drag).changed()
 }
 
-/// Adds a number field of any sign that changes `value` only on user input. Dragging by one point changes the value by
-/// `step`. Returns whether the value changed.
+/// Adds a number field that accepts any finite number and changes `value` only on user input. Dragging by one point
+/// changes the value by `step`. Returns whether the value changed.
 pub(crate) fn drag_by(ui: &mut Ui, value: &mut f32, step: f64) -> bool {
     let range = f32::MIN..=f32::MAX;
     let text = |value: f64, _: RangeInclusive<usize>| format!("{}", value as f32);
@@ -211,16 +211,16 @@ pub(crate) enum Status {
     Passed,
     /// The fragment was rejected, or a check failed.
     Rejected,
-    /// The chip is a warning.
+    /// Something needs attention, but nothing failed.
     Warning,
-    /// The chip is an error.
+    /// An operation failed.
     Error,
     /// The chip states a fact that is neither good nor bad.
     Neutral,
 }
 
 impl Status {
-    /// Returns the icon that always accompanies the colour.
+    /// Returns the icon that accompanies the colour of this status, so that it does not depend on colour alone.
     pub(crate) fn icon(self) -> Icon {
         match self {
             Self::Passed => Icon::CircleCheck,
@@ -265,7 +265,7 @@ pub(crate) fn chip(ui: &mut Ui, status: Status, word: &str, tooltip: &str) -> Re
     if tooltip.is_empty() { response } else { response.on_hover_text(tooltip) }
 }
 
-/// Adds a square of a colour. Its accessible name is the colour code, such as "#4CA6FF". Alpha is ignored.
+/// Adds a square filled with `color`. Its accessible name is the colour code, such as "#4CA6FF". Alpha is ignored.
 pub(crate) fn swatch(ui: &mut Ui, color: Color32) -> Response {
     let (place, response) = ui.allocate_exact_size(Vec2::splat(theme::ICON_SIZE), Sense::hover());
     ui.painter().rect(place, 2.0, color.to_opaque(), Stroke::new(1.0, tokens(ui).border), StrokeKind::Inside);

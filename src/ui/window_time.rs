@@ -28,17 +28,17 @@ use crate::pipeline::viewport::Viewport;
 use crate::upscale::Upscaling;
 use eframe::egui::{self, Event, Pos2, Vec2};
 
-/// Maximum number of recent passes whose times are stored.
+/// Maximum number of recent window frames whose times are stored.
 const RECENT: usize = 240;
 
-/// Times of the recent passes of the window, in milliseconds.
+/// CPU times of the window's most recent frames, in milliseconds.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WindowTimes {
     recent: VecDeque<f64>,
 }
 
 impl WindowTimes {
-    /// Adds the time of a pass, in milliseconds.
+    /// Adds the CPU time of a window frame, in milliseconds.
     pub(crate) fn record(&mut self, milliseconds: f64) {
         if self.recent.len() == RECENT {
             self.recent.pop_front();
@@ -46,7 +46,7 @@ impl WindowTimes {
         self.recent.push_back(milliseconds);
     }
 
-    /// Returns statistics of the recorded passes; `None` if there are none.
+    /// Returns statistics of the recorded times, in milliseconds; `None` if there are none.
     pub(crate) fn summary(&self) -> Option<Summary> {
         summarize(&self.recent.iter().copied().collect::<Vec<_>>())
     }
@@ -55,7 +55,7 @@ impl WindowTimes {
 /// Number of passes before the measured ones, in which sizes converge, pictures are drawn and fonts are rasterized.
 const WARM_UP_PASSES: usize = 12;
 
-/// Number of frames per upscaler in the plots of frame times, as after a measurement.
+/// Number of frame times per upscaler with which the plots are filled: as many as after a measurement.
 const PLOTTED_FRAMES: usize = 25;
 
 /// Times `passes` passes of a window of `size` pixels with each of its parts open in turn, and with as many parts as
@@ -79,15 +79,15 @@ fn situations() -> Vec<(String, Vec<Command>)> {
         (format!("Tab “X-ray”, {method}"), choose.into_iter().chain([Command::OpenTab(Tab::Xray)]).collect())
     });
     let compared = [
-        ("Compared: four tiles", Compare::Count(4)),
-        ("Compared: every upscaler", Compare::Every),
-        ("Compared: difference", Compare::Mode(Mode::Difference)),
+        ("Comparison: four tiles", Compare::Count(4)),
+        ("Comparison: every upscaler", Compare::Every),
+        ("Comparison: difference", Compare::Mode(Mode::Difference)),
     ];
     let compared = compared.map(|(name, change)| (name.to_owned(), vec![Command::Compare(change)]));
     let more = [
         ("Mesh view", vec![Command::MeshView(mesh_view::MeshViewChange::Toggle)]),
         ("What changed?", vec![Command::WhatIf(what_if::WhatIfChange::Toggle)]),
-        ("Range and overlays", laid_over()),
+        ("Value range and overlays", laid_over()),
         ("All stages", vec![Command::OpenStages(true)]),
         ("Keys", vec![Command::ToggleKeys]),
         ("Find anything", vec![Command::OpenPalette]),
@@ -108,7 +108,7 @@ fn laid_over() -> Vec<Command> {
     layers.into_iter().chain(open).collect()
 }
 
-/// Returns commands that open as many parts as possible at once, with the longest of the tabs.
+/// Returns commands that open as many parts as possible at once, including the tab with the most content.
 fn everything() -> Vec<Command> {
     let more = [
         Command::OpenTab(Tab::Arithmetic),

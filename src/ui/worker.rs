@@ -23,7 +23,8 @@ pub(crate) use measurement::MeasureRequest;
 use measurement::Measurement;
 pub(crate) use measurement::MethodError;
 
-/// Time for which a frame must stay before its stages are timed. While the view moves, all time goes to new frames.
+/// Time for which a frame must stay on screen before its stages are timed. While the view moves, all time goes to new
+/// frames.
 const SETTLED: Duration = Duration::from_millis(120);
 
 /// Request from the window to the renderer.
@@ -35,7 +36,7 @@ pub(crate) enum WorkerRequest {
     Compare(Option<Box<CompareRequest>>),
     /// Computes the effect of a settings change; `None` cancels the computation.
     WhatIf(Option<Box<WhatIfRequest>>),
-    /// Reports the values of every new frame at these pixels.
+    /// Sets the watched pixels, whose values are reported for every new frame.
     Watch(Vec<(u32, u32)>),
     /// Measures time and error of every upscaler.
     Measure(Box<MeasureRequest>),
@@ -52,7 +53,7 @@ pub(crate) enum WorkerResponse {
     Compared(Box<Compared>),
     /// Values of the newest frame at the watched pixels.
     Watched(Vec<WatchedPixel>),
-    /// Effects of the change of settings, as far as they are known.
+    /// Results of the what-if comparison so far.
     WhatIf(Box<WhatIfResults>),
     /// Counters and times of the pipeline stages of the last frame.
     Stages(Box<StageFigures>),
@@ -64,7 +65,7 @@ pub(crate) enum WorkerResponse {
         upscaling: Upscaling,
         /// Frame time, in milliseconds.
         milliseconds: f64,
-        /// Completed share of the measurement, in [0, 1].
+        /// Completed fraction of the measurement, in [0, 1].
         progress: f32,
     },
     /// The error of an upscaler over the frames measured so far.
@@ -75,7 +76,7 @@ pub(crate) enum WorkerResponse {
         upscaling: Upscaling,
         /// Error at rest and in motion.
         error: Box<MethodError>,
-        /// Completed share of the measurement, in [0, 1].
+        /// Completed fraction of the measurement, in [0, 1].
         progress: f32,
     },
     /// The noise floor of the completed rounds.
@@ -106,8 +107,8 @@ pub(crate) enum Worker {
 }
 
 impl Worker {
-    /// Starts the thread. `wake` is called after every batch of responses. Falls back to a synchronous worker if no
-    /// thread can be started.
+    /// Starts the renderer thread. `wake` is called after every batch of responses. Falls back to a synchronous worker
+    /// if no thread can be started.
     pub(crate) fn spawn(wake: impl Fn() + Send + 'static) -> Self {
         let (jobs, inbox) = channel();
         let (outbox, answers) = channel();
@@ -143,7 +144,7 @@ impl Worker {
     }
 }
 
-/// Pending work of the renderer, and the state that it needs.
+/// Renderer state with a queue of pending work.
 #[derive(Debug, Default)]
 pub(crate) struct RenderWorker {
     engine: Engine,
@@ -290,7 +291,7 @@ impl RenderWorker {
         }
     }
 
-    /// Replays the watched pixels. A panic ends watching.
+    /// Finds the values of the watched pixels and queues them as a response. A panic ends watching.
     fn watch(&mut self) {
         let watcher = &mut self.watcher;
         match catch_unwind(AssertUnwindSafe(|| watcher.step())) {

@@ -23,9 +23,9 @@ const SEEN_FROM: f32 = 16.0;
 pub(crate) struct Zoom {
     /// Screen pixels per picture pixel; `None` fits the picture into the rectangle.
     scale: Option<f32>,
-    /// Scale accumulated by the wheel, before rounding to an integer.
+    /// Scale before it is rounded to an integer, in which small wheel steps accumulate.
     wheeled: f32,
-    /// Position in the picture of the rectangle's top-left corner, in picture pixels.
+    /// Position of the rectangle's top-left corner in the picture, in picture pixels.
     origin: Vec2,
 }
 
@@ -41,23 +41,23 @@ pub(crate) struct Placement {
 }
 
 impl Placement {
-    /// Converts a position on the window from points to picture pixels.
+    /// Converts a position in the window from points to picture pixels.
     pub(crate) fn to_picture(self, position: Pos2) -> Vec2 {
         (position - self.corner) / self.points_per_px
     }
 
-    /// Returns the rectangle of a pixel on the window, in points.
+    /// Returns the rectangle that a picture pixel occupies in the window, in points.
     pub(crate) fn rect_of(self, x: u32, y: u32) -> Rect {
         let min = self.corner + vec2(x as f32, y as f32) * self.points_per_px;
         Rect::from_min_size(min, Vec2::splat(self.points_per_px))
     }
 
-    /// Returns the rectangle of the whole picture on the window, in points.
+    /// Returns the rectangle that the whole picture occupies in the window, in points.
     pub(crate) fn rect_of_all(self, (width, height): (u32, u32)) -> Rect {
         Rect::from_min_size(self.corner, vec2(width as f32, height as f32) * self.points_per_px)
     }
 
-    /// Returns the pixel at a position on the window; `None` outside the picture.
+    /// Returns the picture pixel at a position in the window; `None` outside the picture.
     pub(crate) fn pixel_at(self, position: Pos2, (width, height): (u32, u32)) -> Option<(u32, u32)> {
         let p = self.to_picture(position);
         let inside = p.x >= 0.0 && p.y >= 0.0 && p.x < width as f32 && p.y < height as f32;
@@ -133,7 +133,7 @@ impl Zoom {
         self.origin -= delta / placement.points_per_px;
     }
 
-    /// Zooms by `factor` around the pointer, under which the picture does not move.
+    /// Zooms by `factor` around the pointer, so that the picture does not move under it.
     pub(crate) fn enlarge(&mut self, ui: &Ui, placement: Placement, pointer: Pos2, factor: f32) {
         let under_pointer = placement.to_picture(pointer);
         self.keep(ui, placement);
@@ -150,7 +150,7 @@ impl Zoom {
         self.origin = placement.to_picture(placement.canvas.min);
     }
 
-    /// Returns the unrounded scale behind the rounded one, in which wheel steps smaller than 1 accumulate.
+    /// Returns the unrounded scale from which `shown` was rounded, so that small wheel steps accumulate.
     fn wheeled_of(&self, shown: f32) -> f32 {
         if (self.wheeled - shown).abs() <= 0.5 && shown >= WHOLE_FROM { self.wheeled } else { shown }
     }

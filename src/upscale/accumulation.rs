@@ -1,10 +1,10 @@
 //! Temporal accumulation: jitters the samples in every frame and blends them with the reprojected history.
 //!
 //! A pixel stores the mean of n earlier samples. A new sample has weight 1 / (n + 1) until n reaches its maximum; from
-//! then on, old samples decay exponentially. In a still view, nothing decays before every jitter position was drawn
-//! once. The image becomes the mean of as many samples as the jitter pattern has, and further frames leave it
-//! unchanged. In motion, the history is reprojected to where the previous frame showed the same surface. It is clamped
-//! to the minimum and maximum of the 3 × 3 samples around, which rejects stale colours and sometimes valid ones.
+//! then on, old samples decay exponentially. In a still view, no sample decays before every jitter position was drawn
+//! once. The image becomes the mean over all positions of the jitter pattern, and further frames leave it unchanged. In
+//! motion, the history is reprojected to where the previous frame showed the same surface. It is clamped to the minimum
+//! and maximum of the surrounding 3 × 3 samples, which rejects stale colours and sometimes valid ones.
 //!
 //! When upscaling, a sample inside the output pixel has full weight. Otherwise the four surrounding samples are
 //! interpolated, and the result has a low weight.
@@ -33,7 +33,7 @@ pub(crate) struct Accumulation;
 /// Number of jitter positions per pixel, one per frame.
 const JITTER_POSITIONS: u32 = 16;
 
-/// Weight of an interpolated colour in a pixel without a sample of its own.
+/// Weight in the accumulation of an interpolated colour, relative to 1 for a sample inside the pixel.
 const INTERPOLATED: f32 = 0.05;
 
 impl Upscaler for Accumulation {
@@ -133,8 +133,8 @@ fn place(frames: u32) -> [f64; 2] {
     places[(frames % JITTER_POSITIONS) as usize]
 }
 
-/// Returns the position of an output pixel along an axis, relative to this frame's samples: the index of the sample
-/// before it, which may be outside the image, and the distance from there in samples, in [0, 1).
+/// Returns the position of an output pixel among this frame's samples along one axis: the index of the last sample at
+/// or before the pixel, which may be outside the image, and the distance from that sample, in samples, in [0, 1).
 fn sample_coordinate(lattice: Lattice, place: f64, at: u32) -> (i64, f32) {
     let (scale, origin) = (lattice.scale.value(), lattice.position_px(0));
     let index = (f64::from(at) + 0.5 - origin) / scale - (place - 0.5);
@@ -206,7 +206,8 @@ impl<'a> FrameContext<'a> {
         mean
     }
 
-    /// Blends the result of [`Self::present`] with the history. Returns the RGB mean and the sample count.
+    /// Blends this frame's samples, as returned by [`Self::present`], with the history. Returns the RGB mean and the
+    /// sample count.
     fn blend_history(&self, at: (u32, u32), (taps, counts_for): &(ArrayVec<Tap, 4>, f32)) -> [f32; 4] {
         let counts_for = *counts_for;
         let now = self.mean(taps);
@@ -240,8 +241,8 @@ impl<'a> FrameContext<'a> {
         [mix(r, now[0]), mix(g, now[1]), mix(b, now[2]), count + counts_for]
     }
 
-    /// Returns the samples of this frame that contribute to an output pixel, and their total weight in the
-    /// accumulation.
+    /// Returns the samples of this frame that contribute to an output pixel, with normalised weights, and the weight of
+    /// their mean in the accumulation.
     fn present(&self, (x, y): (u32, u32)) -> (ArrayVec<Tap, 4>, f32) {
         let Self { lattice, place, .. } = *self;
         let (width, height) = self.drawn.color.size();

@@ -8,12 +8,12 @@ use crate::image::{Image, Rgba8};
 /// Minimum number of rows in a band, large enough to outweigh the sample rows that adjacent bands both process.
 const MIN_ROWS: usize = 48;
 
-/// Bands per thread, so that one delayed thread does not delay the whole image.
+/// Number of bands per thread. With more than one, a delayed thread does not delay the whole image.
 const BANDS_PER_THREAD: usize = 2;
 
 /// Returns the number of rows in a band. Bands start at block boundaries of `scale`, so that per-block work is not
-/// duplicated. With one thread there is a single band on the calling thread, because waking another thread takes as
-/// long as a quarter of a fast kernel.
+/// duplicated. With one thread there is a single band on the calling thread, because waking another thread takes a
+/// quarter of the time of a fast kernel.
 fn rows_of_band(height: usize, scale: Scale) -> usize {
     let bands = match rayon::current_num_threads() {
         1 => 1,

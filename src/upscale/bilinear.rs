@@ -1,4 +1,4 @@
-//! Bilinear interpolation, with weights 1 − t and t.
+//! Bilinear interpolation, with weights 1 − t and t at position t between two samples.
 
 use super::separable::{KernelWeights, Separable};
 

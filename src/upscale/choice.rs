@@ -103,13 +103,13 @@ impl Upscaling {
         ALL.iter().flat_map(move |u| choices(*u))
     }
 
-    /// Returns another upscaler with its default options, at the nearest scale that it offers. Returns `None` for an
-    /// unknown id. If the id is that of the current upscaler, returns `self` unchanged.
+    /// Returns the upscaler with this id and its default options, at the offered scale nearest to the current one.
+    /// Returns `None` for an unknown id. If the id is that of the current upscaler, returns `self` unchanged.
     pub(crate) fn with_method(self, method: &str) -> Option<Self> {
         if self.method() == method { Some(self) } else { Self::new(method, self.scale) }
     }
 
-    /// Returns a copy with another scale per axis, or with the nearest one that the upscaler offers.
+    /// Returns a copy with another scale per axis, or the offered scale nearest to it.
     pub(crate) fn with_scale(self, scale: impl Into<Scale>) -> Self {
         Self { scale: scale.into(), ..self }.offered()
     }
@@ -184,12 +184,12 @@ impl Upscaling {
         Lattice { scale: self.scale, anchor: self.anchor }
     }
 
-    /// Returns the samples to draw, for upscalers with history those of the first frame.
+    /// Returns the samples to draw. For upscalers with history, these are the samples of the first frame.
     pub fn sampling(self) -> Sampling {
         self.upscaler().sampling(self)
     }
 
-    /// Returns the grid of the samples to draw, within the rasterized image.
+    /// Returns the grid of samples to draw, in pixels of the rasterized image.
     pub(crate) fn grid(self) -> SampleGrid {
         self.sampling().grid()
     }
@@ -220,7 +220,8 @@ impl Upscaling {
         self.label_with(Some(self.anchor).filter(|anchor| default_anchor != Some(anchor)))
     }
 
-    /// Returns [`Upscaling::label`] with the anchor even if it is the default, such as "FSR 1 ×2, centre".
+    /// Returns the display name with the anchor even if it is the default, such as "FSR 1 ×2, centre"; otherwise like
+    /// [`Upscaling::label`].
     pub(crate) fn label_with_anchor(self) -> String {
         self.label_with(self.block_anchor())
     }

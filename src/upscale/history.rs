@@ -1,4 +1,5 @@
-//! Inputs of upscalers besides the drawn colours: the object and distance of every pixel, and the previous frame.
+//! Inputs of upscalers besides the drawn colours: the visible object and its distance in every pixel, and the previous
+//! frame.
 
 use std::sync::Arc;
 
@@ -15,14 +16,14 @@ pub(super) use wide::{NOT_VISIBLE, same_surface};
 /// count as opaque.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct GBuffer {
-    /// Id colour of the object in each pixel; the background where there is none.
+    /// Object in each pixel, encoded as an id colour; the background colour where there is none.
     pub(crate) object: Image<Rgba8>,
-    /// Distance along the view axis, in world units; infinite or the far plane where there is no surface.
+    /// Distance along the view axis, in world units. Where there is no surface, it is infinite or the distance of the
+    /// far plane.
     pub(crate) distance: Image<f32>,
 }
 
-/// Relative tolerance within which distances count as equal: depths are rounded, and pixels sample slightly different
-/// positions.
+/// Relative tolerance for equal distances, because depths are rounded and pixels sample slightly different positions.
 const SAME_DISTANCE: f32 = 0.02;
 
 impl GBuffer {
@@ -50,7 +51,7 @@ pub(crate) struct History {
     pub(crate) surfaces: Arc<GBuffer>,
     /// Camera of the previous frame.
     pub(crate) camera: Camera,
-    /// Number of consecutive frames before this one.
+    /// Number of frames before this one that belong to the same history.
     pub(crate) frames: u32,
     /// Number of consecutive frames with an unchanged camera, including this one.
     pub(crate) still_frames: u32,
@@ -68,7 +69,7 @@ pub(crate) struct FrameInputs<'a> {
 }
 
 impl FrameInputs<'_> {
-    /// Returns the number of consecutive frames before this one.
+    /// Returns the number of earlier frames in the history of the current one.
     pub(crate) fn frames(&self) -> u32 {
         self.history.map_or(0, |past| past.frames + 1)
     }
@@ -124,7 +125,7 @@ impl Motion<'_> {
 pub struct Reprojected {
     /// Position in pixels from the top left corner of the image.
     pub(crate) place: [f64; 2],
-    /// Whether the camera is unchanged, so that the position is the centre of the pixel itself.
+    /// Whether the camera is unchanged, so that the position is the centre of the same pixel.
     pub(crate) is_still: bool,
 }
 
@@ -153,8 +154,8 @@ impl Reprojected {
 /// Mapping between the pixels and the view space of a camera.
 #[derive(Clone, Copy, Debug)]
 struct Lens {
-    /// Half of the image's width and height in world units: at distance 1 for perspective, at any distance for
-    /// orthographic projection.
+    /// Half of the extent that the image shows horizontally and vertically, in world units: at distance 1 for
+    /// perspective, at any distance for orthographic projection.
     half: [f64; 2],
     size: [f64; 2],
     in_perspective: bool,
@@ -170,18 +171,18 @@ impl Lens {
         Self { half: [half_height * size[0] / size[1], half_height], size, in_perspective }
     }
 
-    /// Returns the horizontal view-space offset of a column in pixels: at distance 1 for perspective, at any distance
-    /// for orthographic projection.
+    /// Returns the horizontal view-space offset that corresponds to a column position in pixels: at distance 1 for
+    /// perspective, at any distance for orthographic projection.
     fn right_of(&self, x: f64) -> f64 {
         (x / self.size[0] * 2.0 - 1.0) * self.half[0]
     }
 
-    /// Returns the vertical view-space offset of a row in pixels; see [`Self::right_of`].
+    /// Returns the vertical view-space offset that corresponds to a row position in pixels; see [`Self::right_of`].
     fn up_of(&self, y: f64) -> f64 {
         (1.0 - y / self.size[1] * 2.0) * self.half[1]
     }
 
-    /// Returns the view-space point at a distance, seen at a position in pixels.
+    /// Returns the view-space point that is visible at a position in pixels, at the given distance.
     fn point(&self, [x, y]: [f64; 2], distance: f64) -> DVec3 {
         let spread = if self.in_perspective { distance } else { 1.0 };
         DVec3::new(self.right_of(x) * spread, self.up_of(y) * spread, -distance)
@@ -210,7 +211,8 @@ impl ViewChange {
         Self { lenses: cameras.map(|camera| Lens::new(camera, size)), to_from: to * from.inverse() }
     }
 
-    /// Returns the position and distance in the second view of a point given by its position and distance in the first.
+    /// Transforms a point from the first view to the second. In both, the point is given by its position in pixels and
+    /// its distance. Returns `None` if it is behind the eye.
     fn moved(&self, place: [f64; 2], distance: f64) -> Option<([f64; 2], f64)> {
         let [from, to] = &self.lenses;
         to.place(self.to_from.transform_point3(from.point(place, distance)))

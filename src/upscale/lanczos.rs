@@ -1,7 +1,7 @@
 //! Lanczos filter, a windowed sinc: sinc(x) · sinc(x / a) for |x| < a.
 //!
-//! The weights as published do not sum to 1 (for a = 2 they reach 1.019 halfway), which would show as a lattice on
-//! uniform colours. They are therefore divided by their sum.
+//! The weights as published do not sum to 1 (for a = 2, their sum is 1.019 halfway between samples), which would show
+//! as a lattice on uniform colours. They are therefore divided by their sum.
 
 use std::array;
 use std::f64::consts::PI;

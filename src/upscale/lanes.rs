@@ -8,7 +8,7 @@ use fearless_simd::{Avx2, i16x16, u8x16, u8x32, u32x8};
 
 use crate::image::Rgba8;
 
-/// Loads sixteen 16-bit values into a register.
+/// Loads sixteen 16-bit values into a 256-bit register.
 #[target_feature(enable = "avx2")]
 #[inline]
 pub(super) fn load(avx2: Avx2, values: &[i16; 16]) -> __m256i {
@@ -22,28 +22,28 @@ pub(super) fn load_bytes(avx2: Avx2, bytes: &[u8; 16]) -> __m128i {
     u8x16::load_array_ref(avx2, bytes).into()
 }
 
-/// Loads 32 bytes into a register.
+/// Loads 32 bytes into a 256-bit register.
 #[target_feature(enable = "avx2")]
 #[inline]
 pub(super) fn load_codes(avx2: Avx2, bytes: &[u8; 32]) -> __m256i {
     u8x32::load_array_ref(avx2, bytes).into()
 }
 
-/// Loads eight 32-bit values into a register.
+/// Loads eight 32-bit values into a 256-bit register.
 #[target_feature(enable = "avx2")]
 #[inline]
 pub(super) fn load_words(avx2: Avx2, words: &[u32; 8]) -> __m256i {
     u32x8::load_array_ref(avx2, words).into()
 }
 
-/// Stores a register as sixteen 16-bit values.
+/// Stores a 256-bit register as sixteen 16-bit values.
 #[target_feature(enable = "avx2")]
 #[inline]
 pub(super) fn store(avx2: Avx2, register: __m256i, values: &mut [i16; 16]) {
     i16x16::simd_from(avx2, register).store_array(values);
 }
 
-/// Stores a register as 32 bytes.
+/// Stores a 256-bit register as 32 bytes.
 #[target_feature(enable = "avx2")]
 #[inline]
 pub(super) fn store_codes(avx2: Avx2, register: __m256i, codes: &mut [u8; 32]) {
@@ -90,8 +90,8 @@ impl<'a> SplitRows<'a> {
     }
 }
 
-/// Truncates the first `count` rows to the number of blocks of the first one, and empties the others. Known equal
-/// lengths let the compiler remove bounds checks.
+/// Truncates each of the first `count` rows to the number of blocks in the first row, and empties the others. Known
+/// equal lengths let the compiler remove bounds checks.
 #[inline(always)]
 pub(super) fn of_one_length(mut rows: [Blocks<'_>; MAX_ROWS], count: usize) -> [Blocks<'_>; MAX_ROWS] {
     let blocks = rows[0].len();

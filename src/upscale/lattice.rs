@@ -18,10 +18,11 @@ choice! {
     /// Position of a sample within its block.
     #[derive(PartialOrd, Ord)]
     Anchor {
-        Corner = "corner", "Corner", "On the first pixel of the block, which interpolating filters leave unchanged.";
+        Corner = "corner", "Corner",
+            "The sample lies on the first pixel of its block, which interpolating filters leave unchanged.";
         Centre = "centre", "Centre",
-            "At the centre of the block, as in image resizers: nothing moves, but at ×1.5, ×2 and ×4 no pixel \
-             coincides with a sample.";
+            "The sample lies at the centre of its block, as in image resizers: nothing moves, but at ×1.5, ×2 and ×4 \
+             no pixel coincides with a sample.";
     }
 }
 
@@ -39,7 +40,7 @@ pub struct Lattice {
 pub(crate) struct LatticePosition {
     /// Index of the last sample at or before the pixel; −1 before the first.
     pub(crate) cell: i32,
-    /// Offset towards the next sample, in steps of 1 / [`Lattice::phases`].
+    /// Offset from this sample towards the next one, in steps of 1 / [`Lattice::phases`].
     pub(crate) phase: u32,
 }
 
@@ -65,7 +66,8 @@ impl Lattice {
         self.place_beyond(i64::from(at))
     }
 
-    /// Returns the position of output pixel `at`, like [`Lattice::place`], but also outside the image.
+    /// Returns the position of output pixel `at` between the samples. Unlike for [`Lattice::place`], the pixel may lie
+    /// outside the image.
     pub(super) fn place_beyond(self, at: i64) -> LatticePosition {
         let (pixels, samples) = self.scale.ratio();
         let (pixels, samples) = (i64::from(pixels), i64::from(samples));
@@ -105,12 +107,13 @@ impl Lattice {
         self.position_px(0) - 0.5 * self.scale.value()
     }
 
-    /// Returns the nearest of `samples` samples to output pixel `at`; the first one if two are equally near.
+    /// Returns the index of the sample nearest to output pixel `at`, out of `samples` samples; the first one if two are
+    /// equally near.
     pub(crate) fn nearest(self, at: u32, samples: u32) -> u32 {
         self.nearest_to(self.place(at), samples)
     }
 
-    /// Returns the nearest sample to a position; see [`Lattice::nearest`].
+    /// Returns the index of the sample nearest to a position, out of `samples` samples; see [`Lattice::nearest`].
     pub(super) fn nearest_to(self, LatticePosition { cell, phase }: LatticePosition, samples: u32) -> u32 {
         let index = cell + i32::from(2 * phase > self.phases());
         (index.max(0) as u32).min(samples.saturating_sub(1))

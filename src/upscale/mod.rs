@@ -1,8 +1,8 @@
-//! Upscaling: from few drawn samples to a full image.
+//! Upscaling: computes a full image from fewer drawn samples.
 //!
 //! The input is the drawn samples, packed as [`Upscaling::sampling`] specifies. The output is the whole image, of any
-//! size from 1 × 1. Samples lie on pixels of the full image or between them, as [`Lattice`] specifies. On pixels, they
-//! are kept unchanged unless the upscaler deliberately smooths.
+//! size from 1 × 1. Samples lie on pixels of the full image or between them, as [`Lattice`] specifies. Samples on
+//! pixels are kept unchanged unless the upscaler deliberately smooths.
 //!
 //! Upscalers filter sRGB-encoded values, as most programs do, or linear light, which is physically correct but makes
 //! dark edges ring more. Images are bit-identical for any number of threads and on any processor. [`Upscaler::taps`]
@@ -84,7 +84,7 @@ pub trait Upscaler: Sync {
         1
     }
 
-    /// Returns the samples to draw; for upscalers with history, those of the first frame.
+    /// Returns the samples to draw. For upscalers with history, these are the samples of the first frame.
     fn sampling(&self, how: Upscaling) -> Sampling;
 
     /// Returns the samples to draw after `frames` consecutive earlier frames, and their position within a pixel, in
@@ -98,13 +98,13 @@ pub trait Upscaler: Sync {
     /// May panic if the samples are not packed as [`Upscaler::sampling`] specifies for the image size.
     fn upscale(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Image<Rgba8>);
 
-    /// Computes the same pixel `at` as [`Upscaler::upscale`] in an image of `size` px, using only the samples that
-    /// [`Upscaler::taps`] lists.
+    /// Computes the pixel `at` of an image of `size` px, bit-identical to [`Upscaler::upscale`]. Reads only the samples
+    /// that [`Upscaler::taps`] lists.
     fn pixel(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8;
 
     /// Returns the distinct samples that contribute to pixel `at`, with weights that sum to 1. Samples of zero weight
-    /// affect only clamping or rounding. The clamped weighted sum, in the filtering colour space, is the pixel up to
-    /// rounding and non-linear steps of the upscaler.
+    /// affect only clamping or rounding. The pixel is the clamped weighted sum in the filtering colour space, apart
+    /// from rounding and non-linear steps of the upscaler.
     fn taps(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap>;
 
     /// Returns the position in the previous frame from which pixel `at` reads history, or `None` if it reads none.
@@ -120,7 +120,7 @@ pub trait Upscaler: Sync {
     }
 
     /// Upscales like [`Upscaler::upscale`] and returns the history for the next frame, or `None` if the upscaler stores
-    /// none. May reuse the buffer of `_memory`, an old history.
+    /// none. `_memory` is an older history whose buffer may be reused.
     fn upscale_with_history(
         &self,
         how: Upscaling,
@@ -136,7 +136,7 @@ pub trait Upscaler: Sync {
 /// Centre of a pixel, relative to its top left corner.
 pub(crate) const CENTRE: [f64; 2] = [0.5; 2];
 
-/// Inputs of an upscaler besides the drawn colours.
+/// Inputs that an upscaler reads besides the drawn colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reads {
     /// Whether the upscaler reads the [`GBuffer`]: the visible surface of every pixel.

@@ -66,8 +66,8 @@ impl Upscaler for Nearest {
     }
 }
 
-/// Returns the index, below `samples`, of the sample that an output pixel copies: with corner anchor the last one at or
-/// before the pixel, otherwise the nearest one.
+/// Returns the index of the sample that an output pixel copies, which is less than `samples`. With the corner anchor,
+/// it is the last sample at or before the pixel, otherwise the nearest one.
 fn source(lattice: Lattice, place: LatticePosition, samples: u32) -> u32 {
     match lattice.anchor {
         Anchor::Corner => (place.cell as u32).min(samples.saturating_sub(1)),
@@ -96,7 +96,7 @@ fn fill(level: Level, lattice: Lattice, drawn: &Image<Rgba8>, full: &mut Image<R
     fill_by(|samples, rows| widen(samples, &columns, rows), lattice, drawn, full);
 }
 
-/// Calls `widen` with each row of samples and the pixel rows that copy it.
+/// Calls `widen` once for each row of samples, with all pixel rows that copy it.
 fn fill_by(
     widen: impl Fn(&[Rgba8], &mut [Rgba8]) + Sync,
     lattice: Lattice,
@@ -114,7 +114,7 @@ fn fill_by(
     });
 }
 
-/// Fills identical rows; `columns` holds the sample index of each pixel.
+/// Fills identical pixel rows from one row of samples; `columns` holds the sample index of each pixel.
 fn widen(samples: &[Rgba8], columns: &[u32], rows: &mut [Rgba8]) {
     let (widened, copies) = rows.split_at_mut(columns.len());
     for (pixel, column) in widened.iter_mut().zip(columns) {

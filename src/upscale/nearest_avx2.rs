@@ -16,27 +16,28 @@ use crate::image::Rgba8;
 /// Number of pixels in a block, and maximum number of samples that a block reads.
 const BLOCK: usize = 8;
 
-/// Precomputed permutations that fill the rows of an image.
+/// Precomputed permutations that widen rows of samples to rows of pixels.
 pub(super) struct NearestAvx2<'a> {
     avx2: Avx2,
-    /// Sample indices of the pixels before the first block. `blocks` holds the permutations of the blocks, and `tail`
-    /// the sample indices of the pixels after them.
+    /// Sample index of each pixel before the first block. `blocks` holds the permutations of the blocks, and `tail` the
+    /// sample index of each pixel after them.
     head: &'a [u32],
     blocks: Vec<Deal>,
     tail: &'a [u32],
 }
 
-/// Permutation of a block: the samples that its pixels copy.
+/// Permutation that copies samples to the pixels of a block.
 struct Deal {
     /// Index of the first of the eight samples that the block reads.
     start: usize,
-    /// Index of each pixel's sample among the eight.
+    /// Index of the sample of each pixel, counted from `start`.
     places: [u32; BLOCK],
 }
 
 impl<'a> NearestAvx2<'a> {
-    /// Prepares to fill rows whose pixels copy the samples `columns`, out of `samples`. The indices must grow by at
-    /// most one from pixel to pixel. `pixels_to_alignment` is the number of pixels before the first aligned address.
+    /// Prepares the filling of rows. `columns` holds the sample index of each pixel, below `samples`; it must increase
+    /// by at most one from pixel to pixel. `pixels_to_alignment` is the number of pixels before the first aligned
+    /// address of a row.
     pub(super) fn new(avx2: Avx2, columns: &'a [u32], samples: usize, pixels_to_alignment: usize) -> Self {
         let head = if samples < BLOCK { columns.len() } else { pixels_to_alignment.min(columns.len()) };
         let (head, rest) = columns.split_at(head);
@@ -48,7 +49,7 @@ impl<'a> NearestAvx2<'a> {
         Self { avx2, head, blocks: blocks.iter().map(deal).collect(), tail }
     }
 
-    /// Fills contiguous rows from one row of samples.
+    /// Fills contiguous identical pixel rows from one row of samples.
     pub(super) fn fill(&self, samples: &[Rgba8], rows: &mut [Rgba8]) {
         let width = self.head.len() + BLOCK * self.blocks.len() + self.tail.len();
         for rows in rows.chunks_mut(MAX_ROWS * width) {
@@ -76,7 +77,7 @@ kernel! {
     }
 }
 
-/// Fills the blocks of the first `ROWS` rows.
+/// Fills the blocks of the first `ROWS` rows, which must be 1, 3 or 4.
 #[target_feature(enable = "avx2")]
 fn deal_to<const ROWS: usize>(avx2: Avx2, samples: &[Rgba8], deals: &[Deal], rows: [Blocks<'_>; MAX_ROWS]) {
     let bytes = samples.as_flattened();

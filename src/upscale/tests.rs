@@ -24,7 +24,7 @@ fn draw(full: &Image<Rgba8>, how: Upscaling) -> Image<Rgba8> {
     })
 }
 
-/// Returns every upscaler with every combination of options.
+/// Returns every upscaler with every combination of its options.
 fn everything() -> impl Iterator<Item = Upscaling> {
     Upscaling::every().flat_map(|how| {
         let offers = how.upscaler().offers();
@@ -41,8 +41,8 @@ fn everything() -> impl Iterator<Item = Upscaling> {
     })
 }
 
-/// Calls `check` for every upscaler, option and small size, with the upscaled image, the native image and the drawn
-/// samples.
+/// Calls `check` for every upscaler, combination of options and small image size, with the upscaled image, the native
+/// image and the drawn samples.
 fn for_every_method_and_size(mut check: impl FnMut(Upscaling, &Image<Rgba8>, &Image<Rgba8>, &UpscaleInputs<'_>)) {
     let mut random = fastrand::Rng::with_seed(17);
     for (width, height) in [(1, 1), (2, 1), (1, 2), (3, 2), (4, 4), (5, 9), (7, 6), (12, 5), (13, 8)] {

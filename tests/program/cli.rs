@@ -1005,7 +1005,7 @@ fn bench_prints_the_cost_of_frames_as_text_and_as_json() {
     let size = ["bench", "cubes", "--size", "64x48", "--frames", "3"];
     let table = run(&folder(), &size);
     assert_success(&table);
-    for word in ["whole frame", "cull and bin", "triangles kept", "ns per pixel", "as long as writing its bytes"] {
+    for word in ["whole frame", "cull and bin", "triangles kept", "ns per pixel", "the time of writing as many bytes"] {
         assert!(stdout(&table).contains(word), "{word} in {}", stdout(&table));
     }
     for (execution, stage) in [("tiled", "shade"), ("classic", "pixels")] {

@@ -8,18 +8,18 @@ use glam::DVec2;
 use super::SamplePoint;
 use crate::flat2d::side;
 
-/// Edge that crosses rows of the picture, from top to bottom.
+/// Polygon edge that crosses at least one row of samples, stored from top to bottom.
 #[derive(Clone, Debug)]
 pub(super) struct PolygonEdge {
     pub(super) top: DVec2,
     pub(super) bottom: DVec2,
-    /// Rows that the edge crosses, at least one.
+    /// Rows whose samples lie between the endpoints; at least one.
     pub(super) rows: Range<u32>,
     /// Orientation: 1 if the edge was given from top to bottom, −1 otherwise.
     pub(super) winding: i32,
 }
 
-/// Samples of one row of the picture.
+/// Sample positions in one row of the picture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SampleRow {
     row: u32,
@@ -39,7 +39,7 @@ impl SampleRow {
 }
 
 impl PolygonEdge {
-    /// Creates an edge; `None` if it crosses no row of samples in a picture of this height.
+    /// Creates an edge between two corners; `None` if it crosses no row of samples in a picture of this height.
     pub(super) fn new(from: DVec2, to: DVec2, sample: SamplePoint, height: u32) -> Option<Self> {
         let (top, bottom, winding) = if from.y <= to.y { (from, to, 1) } else { (to, from, -1) };
         // Casts saturate. Rounding of the difference is harmless above row 0, and from row 0 on the difference is
@@ -49,15 +49,15 @@ impl PolygonEdge {
         (!rows.is_empty()).then_some(Self { top, bottom, rows, winding })
     }
 
-    /// Returns the first column whose sample lies at or right of the crossing with a row, exactly; the width if there
-    /// is none.
+    /// Returns the first column whose sample lies at or right of the crossing with a row, or the picture's width if
+    /// there is none. The result is exact.
     pub(super) fn column_at(&self, row: SampleRow) -> u32 {
         let slant = Slant::new(self);
         slant.column_at(row).unwrap_or_else(|| self.search(&slant, row))
     }
 
-    /// Computes the column exactly where floats cannot decide it, by a binary search with exact tests of single
-    /// samples.
+    /// Returns the same column as [`PolygonEdge::column_at`] where floats cannot decide it, by a binary search with
+    /// exact tests of single samples.
     #[cold]
     pub(super) fn search(&self, slant: &Slant, row: SampleRow) -> u32 {
         let crossing = slant.crossing_px(row) - row.offset;
@@ -83,11 +83,11 @@ pub(super) struct Slant {
     top: DVec2,
     /// Change of x per row, in pixels.
     slope: f64,
-    /// Bound on the rounding error of a crossing, in pixels.
+    /// Upper bound on the rounding error of a crossing, in pixels.
     error_px: f64,
 }
 
-/// Relative error bound of a crossing computed in floats, as a factor of |x₀| + |x₁| of both ends.
+/// Error bound of a crossing computed in floats, relative to |x₀| + |x₁|, the x coordinates of both endpoints.
 ///
 /// The slope and the distance below the top together have four roundings of half an ε. Their product is at most the
 /// edge's width and adds one more, as do the sum and the shift to the sample. The rest is margin.
@@ -103,14 +103,14 @@ impl Slant {
         }
     }
 
-    /// Returns the position x where the edge crosses a row, px, up to rounding.
+    /// Returns the x coordinate, in pixels, at which the edge crosses a row, up to rounding.
     #[inline]
     pub(super) fn crossing_px(&self, row: SampleRow) -> f64 {
         self.top.x + (row.y() - self.top.y) * self.slope
     }
 
-    /// Returns the first column whose sample lies at or right of the crossing; the width if there is none. Returns
-    /// `None` if the crossing is too close to a sample for floats to decide.
+    /// Returns the first column whose sample lies at or right of the crossing with a row, or the picture's width if
+    /// there is none. Returns `None` if the crossing is too close to a sample for floats to decide.
     #[inline]
     pub(super) fn column_at(&self, row: SampleRow) -> Option<u32> {
         // The distance outside the picture is irrelevant, so the crossing is clamped to the picture.
@@ -120,11 +120,12 @@ impl Slant {
     }
 }
 
-/// Returns the whole number nearest to `x` and the smallest whole number not below it; `x` must lie in [−½, 2³¹].
+/// Returns the whole number nearest to `x`, and the smallest whole number that is at least `x`. `x` must lie in [−½,
+/// 2³¹].
 #[inline]
 fn ceil(x: f64) -> (f64, u32) {
-    /// Magnitude at which floats are 1 apart. Adding it rounds to a whole number and leaves that in the low bits.
-    /// Without SSE 4.1, rounding by the standard library is a function call.
+    /// Magnitude at which adjacent floats differ by 1. Adding it rounds a float to a whole number, which is then in the
+    /// low bits of the sum. This avoids the rounding of the standard library, which is a function call without SSE 4.1.
     const ROUNDING: f64 = 1.5 * (1_u64 << 52) as f64;
     let shifted = x + ROUNDING;
     let nearest = shifted - ROUNDING;

@@ -18,13 +18,13 @@ fn pixels(contours: &[Vec<DVec2>], filling: FillParameters) -> Vec<(u32, u32)> {
     fill(contours, filling).flat_map(|span| (span.x0..span.x1).map(move |x| (x, span.y))).collect()
 }
 
-/// Returns a contour from corners in units of 1/`unit` px.
+/// Converts the corners of a contour from units of 1/`unit` px to pixels.
 fn real(contour: &[(i64, i64)], unit: i64) -> Vec<DVec2> {
     contour.iter().map(|(x, y)| DVec2::new(*x as f64, *y as f64) / unit as f64).collect()
 }
 
-/// Returns the inside pixels by the definition: for each pixel, crossings of a ray to the left, in integers. `unit` is
-/// even.
+/// Returns the pixels inside the contours by the definition of the winding number, in integers: for each pixel, it
+/// counts the crossings of a ray from the sample to the left. `unit` is even.
 fn by_definition(contours: &[Vec<(i64, i64)>], unit: i64, rule: InsideRule, sample: SamplePoint) -> Vec<(u32, u32)> {
     let offset = if sample == SamplePoint::Center { unit / 2 } else { 0 };
     let crosses = |(a, b): ((i64, i64), (i64, i64)), (x, y): (i64, i64)| {

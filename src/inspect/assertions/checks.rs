@@ -8,14 +8,14 @@ use crate::pipeline::raster::RasterSample;
 use crate::pipeline::settings::{Arithmetic, Choice as _, DepthTest, Settings};
 use crate::pipeline::viewport::ScreenTriangle;
 
-/// Tolerance for the sum of the weights: two units in the last place of 1.
+/// Tolerance for the deviation of the sum of the attribute weights from 1: two units in the last place.
 const SUM_SLACK: f32 = 2.0 * f32::EPSILON;
 
-/// Relative tolerance for the sum of non-integer edge function values: four f64 roundings.
+/// Relative tolerance for the sum of the edge function values in floating point: four f64 roundings.
 const EDGE_ROUNDINGS: f64 = 4.0 * f64::EPSILON;
 
-/// Tolerance for a depth test result, in steps of the depth buffer. Covers the rounding of w, a sum of four products
-/// from which depth is computed.
+/// Tolerance for the check of a depth test result, in steps of the depth buffer. It covers the rounding error of w, a
+/// sum of four products from which the depth is computed.
 const PASS_STEPS: f64 = 8.0;
 
 /// A covered sample, as passed to the checks of coverage, weights and depth.
@@ -34,7 +34,7 @@ pub(super) struct PassedFragment<'a> {
     pub(super) settings: &'a Settings,
     /// Depths of the fragment and of the stored fragment, in that order, before quantisation.
     pub(super) depths: [f64; 2],
-    /// Step of the depth buffer at the two depths, plus the uncertainty of the fragment's depth.
+    /// Larger of the depth buffer's steps at the two depths, plus the uncertainty of the fragment's depth.
     pub(super) step: f64,
 }
 
@@ -57,14 +57,14 @@ pub(super) struct ShadedFragment<'a> {
 /// Description of a violation; `None` if the assertion holds.
 type ViolationText = Option<String>;
 
-/// The function that checks an assertion. The variant is the pipeline event at which its inputs are known.
+/// The function that checks an assertion. The variant determines the pipeline event at which it is called.
 #[derive(Clone, Copy)]
 pub(super) enum AssertionCheck {
     Covered(fn(&CoveredSample<'_>) -> ViolationText),
     Pass(fn(&PassedFragment<'_>) -> ViolationText),
     Shaded(fn(&ShadedFragment<'_>) -> Option<ViolationText>),
     Blend(fn(&Blend) -> ViolationText),
-    /// The assertion concerns the mesh, not a fragment: it is checked once, after all fragments.
+    /// The assertion concerns the mesh rather than fragments, so it is checked once, after all fragments.
     Mesh,
 }
 

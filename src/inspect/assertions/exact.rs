@@ -14,8 +14,8 @@ pub(super) struct Owner {
 }
 
 impl Owner {
-    /// Builds the test for a triangle from the corner positions that determine coverage, and the recipe's fill rule.
-    /// A fill rule that does not draw shared edges exactly once is replaced by top-left.
+    /// Creates the test for a triangle from the corner positions that determine coverage and the recipe's fill rule. A
+    /// fill rule that does not draw shared edges exactly once is replaced by top-left.
     pub(super) fn of(triangle: &ScreenTriangle, settings: &Settings) -> Self {
         let corners_px = match settings.arithmetic {
             Arithmetic::Fixed => triangle.snapped_px(),
@@ -25,8 +25,8 @@ impl Owner {
         Self { corners_px, rule, exact: AnyTriangle::new(Arithmetic::Exact, corners_px, rule) }
     }
 
-    /// Returns `Ok` if the triangle owns the centre of a pixel. Otherwise returns its edge values there, with exact
-    /// signs, or `None` if the triangle has no area.
+    /// Returns `Ok` if the triangle owns the centre of a pixel. The error contains the values of the edge functions
+    /// there, with exact signs, or `None` if the triangle has no area.
     pub(super) fn owns(&self, (x, y): (u32, u32)) -> Result<(), Option<[f64; 3]>> {
         let edges = self.exact.ok_or(None)?.sample((x, y)).edges;
         let is_owned = edges.iter().all(|edge| *edge >= 0.0)
@@ -40,14 +40,14 @@ impl Owner {
     }
 }
 
-/// Returns the depths of the corners after the depth bias, before clamping.
+/// Returns the depths of a triangle's corners, including the depth bias but without clamping.
 pub(super) fn corner_depths(triangle: &ScreenTriangle, scale: &DepthScale) -> [f64; 3] {
     let offset = scale.bias_of(&triangle.vertices).map_or(0.0, |bias| bias.offset);
     triangle.vertices.each_ref().map(|corner| corner.depth + offset)
 }
 
-/// Returns the depth of a sample before quantisation, in [0, 1], and its uncertainty. Independent of the pipeline's
-/// formula: the depth is the mean of the corner depths in f64, weighted by edge values.
+/// Returns the depth of a sample before quantisation, in [0, 1], and its uncertainty. The computation is independent of
+/// the pipeline's: the mean of the corner depths in f64, weighted by edge values.
 pub(super) fn depth(triangle: &ScreenTriangle, sample: &RasterSample, scale: &DepthScale) -> (f64, f64) {
     let depths = corner_depths(triangle, scale);
     if !scale.is_linear_in_space() {

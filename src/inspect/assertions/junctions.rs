@@ -1,4 +1,4 @@
-//! Check of the assertion about the mesh: adjacent borders share their vertices, so there are no T-junctions.
+//! Check that the mesh has no T-junctions: adjacent borders must share their vertices.
 
 use super::{Assertion, Finding, Violation};
 use crate::chain::{Frame, Recipe};

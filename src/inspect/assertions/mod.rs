@@ -1,9 +1,9 @@
-//! Properties that must hold for every fragment, checked by drawing a frame again.
+//! Assertions: properties that must hold for every fragment, checked while a frame is drawn again.
 //!
 //! Each [`Assertion`] is one small function in `checks`. It runs as soon as its inputs are known: when a sample is
 //! covered, when it passes the depth test, or when it is shaded. [`check`] draws the triangles of a frame again with an
-//! observer and counts violations. It keeps the first violating fragment in drawing order for inspection. The frame
-//! itself has no overhead.
+//! observer and counts violations. It keeps the first violating fragment in drawing order for inspection. Normal
+//! drawing has no overhead.
 
 mod checks;
 
@@ -29,7 +29,7 @@ use crate::scene::seams::Seams;
 use crate::scene::{Scene, TriangleId};
 
 choice! {
-    /// A property that must hold for every fragment, or for every vertex of a border.
+    /// An assertion: a property that must hold for every fragment, or for every vertex on an open edge of the mesh.
     Assertion {
         Owner = "owner", "Owner is exact", "The triangle that owns a sample contains its centre, in exact arithmetic and by a fill rule that draws shared edges once.";
         EdgeSum = "edge-sum", "Edges sum to the area", "The three edge values sum to the doubled area: exactly in fixed point, otherwise within 4 ε of f64, relative to the area.";
@@ -37,9 +37,9 @@ choice! {
         WeightsSum = "weights-sum", "Weights sum to 1", "The attribute weights sum to 1 within 2 ulp, so that a constant attribute stays constant.";
         Finite = "finite", "Weights and depth finite", "No weight and no depth is NaN or infinite.";
         DepthRange = "depth-range", "Depth between corners", "The depth lies between the corner depths, with a tolerance of one step of the depth buffer, and within 0…1.";
-        DepthPass = "depth-pass", "Depth test is correct", "A fragment that passed the depth test lies on the correct side of the fragment that it replaced, with a tolerance of 8 steps of the depth buffer. A test that passes everything is checked as if nearer wins.";
+        DepthPass = "depth-pass", "Depth test is correct", "A fragment that passed the depth test lies on the correct side of the fragment that it replaced, with a tolerance of 8 steps of the depth buffer. The test “Always” is checked as if the nearer fragment had to win.";
         Attributes = "attributes", "Attributes finite", "No texture coordinate, normal, vertex colour or light is NaN or infinite.";
-        BlendOrder = "blend-order", "Blended from far to near", "No fragment is blended over a nearer blended fragment, by the stored depths.";
+        BlendOrder = "blend-order", "Blended from far to near", "No fragment is blended over a nearer blended fragment, according to their depths.";
         Normal = "normal", "Normal exists", "Every lit fragment has a normal whose length is not zero.";
         Junctions = "t-junctions", "No T-junctions", "No vertex in the picture lies within the open edge of another triangle (T-junction) or close to a vertex that it should be welded with.";
     }
@@ -102,8 +102,8 @@ const PIXELS_AT_ONCE: u64 = 1 << 20;
 /// Number of rows drawn between two checks of the stop flag if fragments are sorted by depth.
 const ROWS_AT_ONCE: usize = 32;
 
-/// Checks assertions on every fragment of a frame, at the sample at the centre of each drawn pixel. Calls `tell` with
-/// the progress, in [0, 1]. Returns `None` once `stop` is set.
+/// Checks assertions on every fragment of a frame, sampled at the centre of each drawn pixel. Calls `tell` with the
+/// progress, in [0, 1]. Returns `None` once `stop` is set.
 ///
 /// # Examples
 /// ```
@@ -188,7 +188,7 @@ fn drawn_at_once(triangles: &[ScreenTriangle], viewport: Viewport) -> usize {
     last.map_or(most, |last| last + 1)
 }
 
-/// Returns the approximate number of picture pixels in a triangle's bounding box, at least 1.
+/// Returns the approximate number of pixels in the part of a triangle's bounding box inside the picture, at least 1.
 fn box_pixels(triangle: &ScreenTriangle, viewport: Viewport) -> u64 {
     let [left, right, top, bottom] = box_around(triangle.corners_px());
     let side = |least: f32, greatest: f32, size: u32| (greatest.min(size as f32) - least.max(0.0)).max(0.0) as u64 + 1;

@@ -1,4 +1,4 @@
-//! Members of a bin of triangles or fragments, and a text filter for them.
+//! Triangles in each fate bin, and a text filter for them.
 
 use super::{Fates, FragmentFate, ObjectFates, TriangleFate};
 use crate::pipeline::settings::Choice as _;
@@ -23,23 +23,24 @@ impl Bin {
     }
 }
 
-/// Conditions for members of a bin. An empty filter accepts every triangle.
+/// Filter for the triangles of a bin. An empty filter accepts every triangle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct FateFilter {
-    /// Required number of the triangle; `None` accepts any triangle.
+    /// Required triangle number; `None` accepts every number.
     id: Option<u32>,
-    /// Lower and upper bound of the triangle's screen area, in px².
+    /// Lower bound (inclusive) and upper bound (exclusive) of the triangle's screen area, in px².
     area: [Option<f64>; 2],
-    /// Whether the triangle must have been clipped by a frustum plane.
+    /// Whether only triangles that were clipped by a frustum plane are accepted.
     is_cut: bool,
-    /// Whether the triangle must have a NaN or infinite normal or texture coordinate.
+    /// Whether only triangles with a NaN or infinite normal or texture coordinate are accepted.
     is_broken: bool,
-    /// Text in lower case that the name of the object or of its material must contain.
+    /// Text in lower case that the name of the object or of its material must contain; empty accepts every name.
     name: String,
 }
 
 impl FateFilter {
-    /// Parses words such as `tri 123`, `area<1`, `area>=20`, `is:cut`, `is:broken` and parts of a name, in any order.
+    /// Parses a filter from words such as `tri 123`, `area<1`, `area>=20`, `is:cut`, `is:broken` and parts of a name,
+    /// in any order.
     pub(crate) fn parse(text: &str) -> Self {
         let mut filter = Self::default();
         // Joins a spaced bound into one word. “area” without a bound may be part of a name.

@@ -1,8 +1,9 @@
-//! Fates of all triangles of a scene and all fragments of a frame. Each is in exactly one bin, so the sums must match.
+//! Fates of all triangles of a scene and of all fragments of a frame. Each has exactly one fate, so the counts must add
+//! up to the totals.
 //!
-//! The frame is drawn again with observers, starting at its first stage; the frame itself has no overhead. Fragments
-//! are counted at the drawn samples, one at the centre of each pixel; further samples of anti-aliasing are not counted.
-//! A clipped triangle counts once, regardless of its number of pieces.
+//! The frame is drawn again with observers, starting at its first stage; normal drawing has no overhead. Fragments are
+//! counted at the drawn samples, one at the centre of each pixel; further samples of anti-aliasing are not counted. A
+//! clipped triangle counts once, regardless of its number of pieces.
 
 mod account;
 
@@ -37,32 +38,33 @@ use places::{ScreenShape, shapes};
 use tally::FateTally;
 
 choice! {
-    /// Fate of a triangle. A rasterized triangle has the best fate of its fragments, the last one in this order.
+    /// Fate of a triangle. The fate of a rasterized triangle is the best fate of its fragments, that is, the last in
+    /// this order.
     TriangleFate {
-        Unaccounted = "unaccounted", "Unaccounted for", "Neither rejected nor rasterized. Always 0; any other number is a bug in this program.";
-        Outside = "outside", "Outside the view", "All corners lie beyond the same plane of the view: left, right, top, bottom, near or far.";
-        NotFinite = "not-finite", "Non-finite corner", "A corner is NaN or infinite, in the model or after the transform.";
-        ClippedAway = "clipped-away", "Clipped away", "It crosses several planes of the view, and clipping leaves nothing of it.";
-        ZeroArea = "zero-area", "Zero area", "Its corners are collinear on the screen: there is no area to rasterize.";
-        BackFacing = "back-facing", "Back-facing", "It is back-facing and removed by culling. To show it, set culling to none.";
-        FrontFacing = "front-facing", "Front-facing", "It is front-facing and removed by culling. To show it, set culling to none.";
-        NoCentre = "no-centre", "No pixel centre", "It lies between pixel centres or outside the picture and covers no pixel centre.";
-        LostDepth = "lost-depth", "Depth failed", "All of its fragments failed the depth test.";
-        AlphaRejected = "cut-out", "Alpha failed", "None of its fragments was written: those that passed the depth test failed the alpha test.";
-        Overwritten = "overwritten", "Overwritten", "It was drawn, but later fragments cover all of it.";
-        BlendedOver = "seen-through", "Seen through", "It is visible only through blended surfaces in front of it.";
-        Visible = "visible", "Visible", "It is the front surface of at least one pixel.";
+        Unaccounted = "unaccounted", "Unaccounted for", "The triangle was neither rejected nor rasterized. Always 0; any other number is a bug in this program.";
+        Outside = "outside", "Outside the view", "All corners of the triangle lie beyond the same plane of the view: left, right, top, bottom, near or far.";
+        NotFinite = "not-finite", "Non-finite corner", "A corner of the triangle is NaN or infinite, in the model or after the transform.";
+        ClippedAway = "clipped-away", "Clipped away", "The triangle crosses several planes of the view, and clipping leaves nothing of it.";
+        ZeroArea = "zero-area", "Zero area", "The corners of the triangle are collinear on the screen: there is no area to rasterize.";
+        BackFacing = "back-facing", "Back-facing", "The triangle is back-facing and removed by culling. To show it, set culling to none.";
+        FrontFacing = "front-facing", "Front-facing", "The triangle is front-facing and removed by culling. To show it, set culling to none.";
+        NoCentre = "no-centre", "No pixel centre", "The triangle lies between pixel centres or outside the picture and covers no pixel centre.";
+        LostDepth = "lost-depth", "Depth failed", "All fragments of the triangle failed the depth test.";
+        AlphaRejected = "cut-out", "Alpha failed", "No fragment of the triangle was written: those that passed the depth test failed the alpha test.";
+        Overwritten = "overwritten", "Overwritten", "The triangle was drawn, but later fragments cover all of it.";
+        BlendedOver = "seen-through", "Seen through", "The triangle is visible only through blended surfaces in front of it.";
+        Visible = "visible", "Visible", "The triangle is the front surface of at least one pixel.";
     }
 }
 
 choice! {
     /// Fate of a fragment that the rasterizer generated, from worst to best.
     FragmentFate {
-        LostDepth = "lost-depth", "Depth failed", "It failed the depth test.";
-        AlphaRejected = "cut-out", "Alpha failed", "It failed the alpha test.";
-        Overwritten = "overwritten", "Overwritten", "It was written, but a later fragment covered it: wasted work.";
-        BlendedOver = "seen-through", "Seen through", "It was written and is visible through later blended fragments.";
-        Visible = "visible", "Visible", "It is the front surface in the finished picture.";
+        LostDepth = "lost-depth", "Depth failed", "The fragment failed the depth test.";
+        AlphaRejected = "cut-out", "Alpha failed", "The fragment failed the alpha test.";
+        Overwritten = "overwritten", "Overwritten", "The fragment was written, but a later fragment covered it: wasted work.";
+        BlendedOver = "seen-through", "Seen through", "The fragment was written and is visible through later blended fragments.";
+        Visible = "visible", "Visible", "The fragment is the front surface in the finished picture.";
     }
 }
 
@@ -166,7 +168,7 @@ pub struct Fates {
     pub broken: TriangleSelection,
     /// Triangle written last at each drawn sample, in the packed layout of the frame's framebuffer.
     top_triangle: Image<TriangleId>,
-    /// Shapes of all triangles on the screen, including culled ones, in scene order.
+    /// Screen-space shapes of all triangles, including culled ones, in scene order.
     shapes: Vec<ScreenShape>,
     recipe: Recipe,
     sampling: Sampling,
@@ -177,8 +179,8 @@ pub struct Fates {
 }
 
 impl Fates {
-    /// Computes the fates of all triangles of `scene` and of their fragments when drawn by `recipe`. Includes triangles
-    /// that were left out of `frame` because it draws only the first few.
+    /// Computes the fates of all triangles of `scene` and of their fragments when drawn by `recipe`. Includes the
+    /// triangles that `frame` omits if it is limited to the first few.
     ///
     /// # Examples
     /// ```

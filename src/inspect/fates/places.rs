@@ -38,7 +38,7 @@ impl ScreenShape {
     }
 }
 
-/// Returns the shapes of all triangles on the screen, in scene order.
+/// Returns the screen-space shapes of all triangles, in scene order.
 pub(super) fn shapes(geometry: &Geometry, arithmetic: Arithmetic) -> Vec<ScreenShape> {
     let mut shapes: Vec<_> = geometry.triangles.iter().map(|triangle| ScreenShape::new(triangle, arithmetic)).collect();
     shapes.sort_by_key(|shape| shape.id);
@@ -52,7 +52,7 @@ pub(crate) enum SelectionVisibility {
     None,
     /// A selected triangle lies at the pixel, but is occluded or not drawn.
     Hidden,
-    /// A selected triangle is on top.
+    /// A selected triangle is the top triangle at the pixel.
     Shown,
 }
 
@@ -107,7 +107,8 @@ impl Fates {
         &self.shapes[first..first + count]
     }
 
-    /// Returns the samples that the shapes cover without a depth test, as columns and rows of the packed framebuffer.
+    /// Returns the samples that the shapes cover, regardless of occlusion, as columns and rows of the packed
+    /// framebuffer.
     fn covered_by(&self, shapes: &[ScreenShape]) -> Vec<(u32, u32)> {
         let settings = &self.recipe.pipeline;
         let how = (settings.rasterizer, settings.arithmetic, settings.fill_rule);

@@ -1,4 +1,4 @@
-//! An observer that records the triangles that the geometry stages reject, with the reasons, or clip.
+//! Observer that records which triangles the geometry stages reject, and why, and which they clip.
 
 use crate::pipeline::observe::{Fate, Observer};
 use crate::pipeline::prepare;
@@ -17,7 +17,7 @@ pub(crate) enum GeometryOutcome {
     Rejected(Fate),
 }
 
-/// An observer that records the triangles that the geometry stages rejected or clipped.
+/// Observer that records which triangles the geometry stages reject, and why, and which they clip.
 #[derive(Clone, Debug)]
 pub(crate) struct Rejections {
     /// Reason for rejection of each triangle of the scene; `None` if it was not rejected.

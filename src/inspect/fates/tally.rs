@@ -14,7 +14,7 @@ use crate::scene::{Scene, Transparency, TriangleId};
 /// Sentinel index that ends the list of layers of a sample.
 const NO_LAYER: u32 = u32::MAX;
 
-/// A written fragment below later blended fragments.
+/// A written fragment over which later fragments were blended.
 #[derive(Debug)]
 struct WrittenFragment {
     triangle: TriangleId,
@@ -22,16 +22,18 @@ struct WrittenFragment {
     below: u32,
 }
 
-/// Numbers of fragments by triangle and fate, and the top triangle of every sample, collected while a frame is drawn.
+/// Observer that counts fragments by triangle and fate, and tracks the top triangle of every sample, while a frame is
+/// drawn.
 pub(super) struct FateTally<'a> {
     shaders: Vec<Shader<'a>>,
-    /// Counts for each triangle of the scene. Fragments on top are counted only by [`FateTally::finish`].
+    /// Fragment counts of each triangle of the scene. The topmost fragments are not counted until
+    /// [`FateTally::finish`].
     pub(super) fragments: Vec<FragmentCounts>,
     /// Number of fragments that the rasterizer generated, counted independently of their fates.
     pub(super) generated: u64,
     /// Triangle written last at each sample, or [`TriangleId::NONE`].
     pub(super) top_triangle: Image<TriangleId>,
-    /// Index of the first layer below the top triangle of each sample.
+    /// Index of the first layer below the top triangle of each sample, or [`NO_LAYER`].
     below: Image<u32>,
     layers: Vec<WrittenFragment>,
 }
@@ -50,7 +52,8 @@ impl<'a> FateTally<'a> {
         }
     }
 
-    /// Counts the fragments that remain visible after the last triangle, including those seen through blended ones.
+    /// Counts the fragments that remain visible after the last triangle, including those visible through blended
+    /// fragments.
     pub(super) fn finish(&mut self) {
         for place in 0..self.top_triangle.pixels().len() {
             let top = self.top_triangle.pixels()[place];

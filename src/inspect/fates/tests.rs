@@ -61,7 +61,7 @@ fn every_sum_matches_in_every_scene_with_every_setting() {
     });
 }
 
-/// Compares the fates of fragments with the outcomes of the replays of all pixels.
+/// Compares the fates of fragments with the outcomes found by replaying every pixel.
 #[test]
 fn fragment_fates_match_the_replays_of_all_pixels() {
     for id in ["stained-glass", "cubes", "near-plane", "interpenetrating"] {

@@ -5,9 +5,9 @@ use crate::chain::{Frame, Recipe};
 use crate::inspect::vertices::{ObjectVertices, plane_name};
 use crate::scene::Scene;
 
-/// Parses "vertex 12 of knot", "v12 of knot" or "v12". Without a name, the vertex belongs to the object with the number
-/// `near`, or to the only object. Returns `None` if the text does not name a vertex; the error states what was not
-/// found.
+/// Parses text such as "vertex 12 of knot", "v12 of knot" or "v12". Without a name, the vertex belongs to the object
+/// with the number `near`, or to the only object. Returns `None` if the text does not have this form. The error states
+/// which object or vertex does not exist.
 pub(super) fn parse(text: &str, scene: &Scene, near: Option<u32>) -> Option<Result<(u32, u32), String>> {
     let text = text.trim().to_lowercase();
     let (number, name) = text.split_once(" of ").map_or((text.as_str(), None), |(number, name)| (number, Some(name)));
@@ -70,7 +70,7 @@ pub(super) fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, (object, numbe
     SearchResult::At(pixel, told)
 }
 
-/// Returns the distance from the eye of the surface that a pixel shows, along the line of sight, in world units. `None`
+/// Returns the distance from the eye to the visible surface at a pixel, along the view axis, in world units; `None`
 /// without a stored depth.
 fn shown_distance(frame: &Frame, (x, y): (u32, u32)) -> Option<f64> {
     let (column, row) = frame.sample_at(x, y)?;

@@ -1,8 +1,8 @@
 //! The history of a pixel: its fragments, and the triangles without a fragment there, each with its reason.
 //!
-//! A replay records only the fragments of a pixel. Most questions concern absent triangles: back-facing, clipped by the
-//! near plane, or with an edge that misses the pixel's centre by a hundredth of a pixel. A [`Survey`] runs the geometry
-//! stages of a frame again and stores the triangles that they dropped. [`explain`] combines the survey and the
+//! A replay records only the fragments of a pixel. Most questions are about triangles without a fragment: they are
+//! back-facing, clipped by the near plane, or miss the pixel's centre by a hundredth of a pixel. A [`Survey`] runs the
+//! geometry stages of a frame again and stores the triangles that they dropped. [`explain`] combines the survey and the
 //! rasterized triangles for one pixel.
 
 mod clipped;
@@ -68,15 +68,16 @@ pub(crate) enum Cause {
     BackFacing,
     /// The triangle covers the pixel but is front-facing, and front faces are culled.
     FrontFacing,
-    /// The triangle would cover the pixel closer to the eye than the near plane.
+    /// The triangle would cover the pixel, but lies in front of the near plane there.
     NearPlane,
     /// The triangle covers the pixel but comes after the last drawn triangle.
     NotDrawnYet,
     /// The pixel's centre lies on an edge that the fill rule does not assign to the triangle.
     Tie,
-    /// The pixel's centre lies inside the triangle, but the rasterizer skips it, by its algorithm or by rounding.
+    /// The pixel's centre lies inside the triangle, but the rasterizer skips it because of its algorithm or of
+    /// rounding.
     LeftOut,
-    /// The triangle would cover the pixel beyond the far plane.
+    /// The triangle would cover the pixel, but lies beyond the far plane there.
     FarPlane,
     /// A corner of the triangle is NaN or infinite, so the triangle is not drawn at any pixel.
     NotFinite,
@@ -129,8 +130,9 @@ pub struct Absent {
     pub reason: String,
     /// Corners that determine coverage, in px; `None` if the triangle has no position on the screen.
     pub(crate) corners_px: Option<[[f32; 2]; 3]>,
-    /// Distance from the pixel's centre to the triangle in px, if the centre is outside. In fixed point, uses the
-    /// snapped corners: numerator and denominator are exact integers, so only the root and the quotient are rounded.
+    /// Distance from the pixel's centre to the triangle, in px; `None` if the triangle was not rasterized. In fixed
+    /// point, the distance to the snapped corners: numerator and denominator are exact integers, so only the root and
+    /// the quotient are rounded.
     pub(crate) distance_px: Option<f64>,
     /// Edge function values at the pixel's centre, in the unit of the arithmetic; `None` if the triangle was not
     /// rasterized.

@@ -15,7 +15,7 @@ use crate::pipeline::settings::{Arithmetic, Choice as _, Settings};
 use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::{Scene, TriangleId};
 
-/// Maximum distance in px from a pixel's centre to the bounding box of a triangle that counts as near.
+/// Maximum distance from a pixel's centre to the bounding box of a triangle that counts as near, in px.
 const NEAR_PX: f64 = 1.0;
 
 /// Maximum number of reported near misses; a corner of a fine mesh may have thousands.
@@ -28,8 +28,8 @@ struct Miss {
     distance_px: f64,
 }
 
-/// Returns the rasterized triangles near a drawn pixel, except those in `there`, nearest first. If no triangle is near
-/// and `there` is empty, returns the nearest triangle of the frame.
+/// Returns the rasterized triangles near a drawn pixel, nearest first, without the triangles in `there`, which have a
+/// fragment at the pixel. If no triangle is near and `there` is empty, returns the nearest triangle of the frame.
 pub(super) fn at(
     scene: &Scene,
     recipe: &Recipe,
@@ -66,7 +66,8 @@ pub(super) fn at(
     near.into_iter().filter_map(|miss| absent(scene, settings, &triangles[miss.place], miss, pixel)).collect()
 }
 
-/// Returns the corners that determine coverage, in px: snapped in fixed point, otherwise unsnapped.
+/// Returns the corners that determine coverage, in px: snapped to the subpixel grid in fixed point, otherwise
+/// unsnapped.
 fn corners(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> [DVec2; 3] {
     decided_by(triangle, arithmetic).map(|[x, y]| DVec2::new(x.into(), y.into()))
 }
@@ -94,8 +95,8 @@ pub(super) fn distance_px(corners: [DVec2; 3], point: DVec2) -> f64 {
     edges.iter().zip(sides).map(|((from, to), side)| segment_distance(*from, *to, side, point)).fold(f64::MAX, f64::min)
 }
 
-/// Returns the distance from a point to a segment. `side` is the cross product of the segment and the vector from its
-/// start to the point.
+/// Returns the distance from a point to a line segment. `side` is the cross product of the vector along the segment and
+/// the vector from its start to the point.
 fn segment_distance(from: DVec2, to: DVec2, side: f64, point: DVec2) -> f64 {
     let (along, way) = (to - from, point - from);
     let (reach, length_squared) = (along.dot(way), along.length_squared());
@@ -143,14 +144,14 @@ fn absent(
     })
 }
 
-/// Describes the edge with the most negative value, or all edge values if none is negative.
+/// Describes the edge with the most negative edge function value, or all three values if none is negative.
 fn failed_edge(edges: [f64; 3]) -> String {
     let least = (0..3).min_by(|a, b| edges[*a].total_cmp(&edges[*b])).unwrap_or(0);
     let value = edges[least];
     if value < 0.0 { format!("edge opposite to v{least} is {value} < 0") } else { format!("edge values {edges:?}") }
 }
 
-/// Formats a distance in px with about two significant digits, or as whole pixels from 10 px.
+/// Formats a distance in px with about two significant digits, or rounded to whole pixels if it is 10 px or more.
 pub(in crate::inspect) fn px(distance: f64) -> String {
     match distance {
         0.0..0.01 => format!("{distance:.4}"),
@@ -170,7 +171,8 @@ mod tests {
         corners.map(|[x, y]| DVec2::new(x as f64 / 256.0, y as f64 / 256.0))
     }
 
-    /// Returns the squared distance as a fraction of integers in (1/256 px)², computed in integer arithmetic only.
+    /// Returns the squared distance from a point to a triangle as numerator and denominator, in (1/256 px)², computed
+    /// in integer arithmetic only.
     fn exact_squared(corners: [[i64; 2]; 3], [x, y]: [i64; 2]) -> (i128, i128) {
         let edge = |from: usize, to: usize| {
             let [[ax, ay], [bx, by]] = [corners[from], corners[to]].map(|c| c.map(i128::from));

@@ -1,5 +1,5 @@
-//! Screen positions of a frame's triangles, and the triangles that its geometry stages dropped, for lookups at any
-//! pixel.
+//! Survey of a frame's triangles: their screen positions, and which of them the geometry stages dropped, for lookups at
+//! any pixel.
 //!
 //! The stages run again on all threads, with the matrices, plans and arithmetic of the frame. The survey takes about
 //! 5 MB for 100 000 triangles. It is valid for every pixel of the frame and every position of the triangle slider.
@@ -25,11 +25,11 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::seams::Seams;
 use crate::scene::{Camera, Projection, Scene, TriangleId};
 
-/// Maximum distance in px from a pixel's centre to a snapped sliver that covered the centre before snapping. Snapping
-/// moves each corner by at most 1/512 px along each axis.
+/// Maximum distance in px at which a triangle with collinear snapped corners counts as passing through a pixel's
+/// centre. Snapping moves each corner by at most 1/512 px along each axis.
 const SNAPPED_BY_PX: f64 = 1.0 / 256.0;
 
-/// Minimum number of triangles or vertices that one thread processes at a time.
+/// Minimum number of triangles or vertices in a parallel task.
 const CHUNK: usize = 4096;
 
 /// The triangles of one frame, with the reasons why they may have no fragment at a pixel.
@@ -62,7 +62,8 @@ impl SurveyedTriangles {
     }
 }
 
-/// A triangle projected to the screen, or a piece of one, with the cause for its absence at pixels that it would cover.
+/// A screen-space triangle, or a piece of a clipped one, with the reason why it may have no fragment at a pixel that it
+/// covers.
 #[derive(Clone, Copy, Debug)]
 struct PlacedTriangle {
     id: TriangleId,
@@ -190,14 +191,15 @@ impl<'a> SurveyedDraw<'a> {
     }
 }
 
-/// Returns the screen position of a vertex before snapping, in px, with the operations of [`Viewport::project`].
+/// Returns the screen position of a vertex before snapping, in px, computed by the same operations as in
+/// [`Viewport::project`].
 fn position_px(raster: Viewport, vertex: &ClipVertex) -> [f32; 2] {
     let inv_w = 1.0 / vertex.position.w;
     raster.pixels_from_ndc(vertex.position.truncate() * inv_w).into()
 }
 
 impl Survey {
-    /// Surveys the triangles of a frame that `recipe` draws of `scene`.
+    /// Surveys the triangles of `frame`, which was drawn from `scene` with `recipe`.
     pub(crate) fn of(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Self {
         let camera = frame.drawn_from(recipe);
         let mut triangles = SurveyedTriangles::default();
@@ -213,8 +215,8 @@ impl Survey {
         self.camera == frame.drawn_from(recipe) && self.raster == frame.raster
     }
 
-    /// Counts the triangles that would cover each sample of the frame but were culled by facing. The image has the
-    /// packed layout of the framebuffer.
+    /// Returns the number of triangles that would cover each sample but were culled as back-facing or front-facing. The
+    /// image has the packed layout of the framebuffer.
     pub(crate) fn culled_coverage(&self, settings: &Settings, frame: &Frame) -> Image<u32> {
         let (width, height) = frame.drawn.color.size();
         let mut counts = Image::filled(width, height, 0);
@@ -278,8 +280,8 @@ impl Survey {
             .collect()
     }
 
-    /// Returns the near or far plane that clips a triangle away at a pixel, with the reason. Returns `None` if neither
-    /// plane does, or if the triangle would be culled anyway.
+    /// Returns the cause and a description of it if the near or far plane clips a triangle away at a pixel. Returns
+    /// `None` if neither plane does, or if the triangle would be culled anyway.
     fn cut_away(
         &self,
         triangle: &CrossingTriangle,
@@ -310,7 +312,7 @@ impl Survey {
         Some((cause, reason))
     }
 
-    /// Returns the distance from the eye to the intersection along the line of sight, in world units.
+    /// Returns the distance from the eye to the intersection along the view axis, in world units.
     fn distance(&self, met: Meeting, settings: &Settings) -> f64 {
         let Camera { near, far, .. } = self.camera;
         let (near, far) = (f64::from(near), f64::from(far));

@@ -6,10 +6,12 @@ use crate::pipeline::raster::{AnyTriangle, doubled_area};
 use crate::pipeline::settings::{Arithmetic, FillRule};
 
 /// Maximum distance by which a rasterizer moves an edge, in px. The published rasterizers test the pixel's corner
-/// instead of its centre. They also round both ends of a row towards its start, and a middle corner to whole pixels.
+/// instead of its centre. They also round both ends of a span towards the start of the row, and the middle corner of a
+/// triangle to whole pixels.
 const REACH_PX: f64 = 2.0;
 
-/// Key of an edge: its instance, and the bit patterns of its ends in an order that does not depend on the triangle.
+/// Key of an edge: its instance, and the bit patterns of its endpoints in an order that does not depend on the
+/// triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct EdgeEnds {
     instance: u32,
@@ -53,8 +55,8 @@ fn edge(instance: u32, corners_px: [[f32; 2]; 3], opposite: usize) -> Option<Sid
     Some(SidedEdge { ends: EdgeEnds { instance, bits: [bits(from), bits(to)] }, side })
 }
 
-/// Returns the edge of a triangle nearest to a pixel's centre inside it; two edges if the centre lies on a corner.
-/// Returns no edge if all are farther away than any rasterizer moves an edge.
+/// Returns the edge of a triangle that is nearest to a pixel's centre, or several edges if they are equally near. The
+/// centre must lie inside the triangle. Returns no edge if all are farther away than [`REACH_PX`].
 pub(super) fn edges_near(instance: u32, corners_px: [[f32; 2]; 3], pixel: (u32, u32)) -> Vec<SidedEdge> {
     let Some(triangle) = AnyTriangle::new(Arithmetic::Exact, corners_px, FillRule::TopLeft) else { return Vec::new() };
     let sample = triangle.sample(pixel);
@@ -68,7 +70,7 @@ pub(super) fn edges_near(instance: u32, corners_px: [[f32; 2]; 3], pixel: (u32, 
     (0..3).filter(|i| distances_px[*i] <= nearest_px).filter_map(|i| edge(instance, corners_px, i)).collect()
 }
 
-/// Map from edges to the first triangle on each side.
+/// Map from edges to the first recorded triangle on each side.
 #[derive(Default)]
 pub(super) struct EdgeTriangles(HashMap<EdgeEnds, [Option<usize>; 2]>);
 
@@ -78,25 +80,25 @@ impl EdgeTriangles {
         self.0.is_empty()
     }
 
-    /// Records an edge without triangles, unless it is already recorded.
+    /// Records an edge with no triangle on either side, unless it is already recorded.
     pub(super) fn expect(&mut self, edge: SidedEdge) {
         self.0.entry(edge.ends).or_default();
     }
 
-    /// Records an edge and the triangle on its side of the edge.
+    /// Records a triangle on its side of an edge, and the edge itself if necessary.
     pub(super) fn add(&mut self, edge: SidedEdge, triangle: usize) {
         self.expect(edge);
         self.add_expected(edge, triangle);
     }
 
-    /// Adds a triangle only if its edge is recorded.
+    /// Records a triangle on its side of an edge, but only if the edge is already recorded.
     pub(super) fn add_expected(&mut self, edge: SidedEdge, triangle: usize) {
         if let Some(sides) = self.0.get_mut(&edge.ends) {
             sides[edge.side as usize].get_or_insert(triangle);
         }
     }
 
-    /// Returns the first recorded triangle on the other side of an edge.
+    /// Returns the first triangle recorded on the other side of an edge; `None` if there is none.
     pub(super) fn across(&self, edge: SidedEdge) -> Option<usize> {
         self.0.get(&edge.ends)?[edge.side.opposite() as usize]
     }

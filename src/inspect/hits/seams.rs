@@ -23,7 +23,7 @@ use crate::pipeline::viewport::{Viewport, divided};
 use crate::scene::seams::{Junction, Seam, Seams, TriangleCorner, TriangleEdge};
 use crate::scene::{Camera, Scene, TriangleId};
 
-/// Minimum number of seams that one thread processes at a time.
+/// Minimum number of seams in a parallel task.
 const CHUNK: usize = 256;
 
 /// Finds the faults along open seams in a frame, within a scissor rectangle of the drawn picture, in reading order.
@@ -52,8 +52,8 @@ pub(super) fn faults(scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seam
     FaultSearch::of(frame, &recipe.pipeline, scissor).seam_faults(found)
 }
 
-/// Returns the pixel of the full picture that contains the vertex of each junction. The pixel is `None` if the vertex
-/// is outside the picture, or if the triangle of the edge was not rasterized.
+/// Returns the pixel of the full picture at each junction's vertex. The pixel is `None` if the vertex is outside the
+/// picture, or if the triangle with the open edge was not rasterized.
 pub(in crate::inspect) fn junction_pixels(
     scene: &Scene,
     recipe: &Recipe,
@@ -79,7 +79,8 @@ pub(in crate::inspect) fn border_in_picture(scene: &Scene, recipe: &Recipe, fram
 pub(super) type FaultMap = BTreeMap<(u32, u32), (FaultKind, [TriangleId; 2], Junction)>;
 
 impl FaultSearch<'_> {
-    /// Completes faults with the triangles that hit each faulty sample, and those that should hit it.
+    /// Builds the faults at the given samples, with the triangles that hit each sample and the triangles that should
+    /// hit it.
     fn seam_faults(&self, found: FaultMap) -> Vec<Fault> {
         if found.is_empty() {
             return Vec::new();
@@ -106,7 +107,7 @@ impl FaultSearch<'_> {
 /// A triangle edge projected to the screen.
 #[derive(Clone, Copy)]
 struct ScreenEdge {
-    /// Ends that determine coverage, in px, in the winding order of the triangle.
+    /// Endpoints that determine coverage, in px, in the winding order of the triangle.
     ends_px: [[f32; 2]; 2],
     /// Facing of the edge's triangle; [`Facing::Edge`] if the drawn part of the triangle is a line.
     facing: Facing,
@@ -119,7 +120,7 @@ struct Placing<'a> {
     first_triangles: Vec<TriangleId>,
     matrices: Vec<DrawMatrices>,
     raster: Viewport,
-    /// Wanted triangles that the frame rasterizes, ascending.
+    /// Requested triangles that the frame rasterizes, ascending.
     drawn: Vec<TriangleId>,
 }
 
@@ -154,7 +155,8 @@ impl<'a> Placing<'a> {
         self.drawn.binary_search(&triangle).is_ok()
     }
 
-    /// Returns the corners of a triangle in clip space, each with its source weight set to 1.
+    /// Returns the corners of a triangle in clip space. The source weights of each corner are 1 for itself and 0 for
+    /// the others.
     fn corners(&self, triangle: TriangleId) -> Option<[ClipVertex; 3]> {
         let index = self.first_triangles.partition_point(|first| *first <= triangle).checked_sub(1)?;
         let mesh = self.scene.library.mesh(self.scene.instances.get(index)?.mesh);
@@ -178,8 +180,8 @@ impl<'a> Placing<'a> {
         Some(((x as u32).min(width - 1), (y as u32).min(height - 1)))
     }
 
-    /// Returns the part of an edge that remains after clipping. Returns `None` if that part has no length, or if its
-    /// triangle was not drawn for a reason other than zero area.
+    /// Returns the part of an edge that remains after clipping. Returns `None` if that part has no length, or if the
+    /// triangle was not drawn. A triangle that was culled for zero area counts as drawn.
     fn edge(&self, TriangleEdge { triangle, opposite }: TriangleEdge) -> Option<ScreenEdge> {
         let corners = self.corners(triangle)?;
         let mut polygon = Polygon::default();
@@ -219,7 +221,7 @@ struct Gap {
 /// One edge of a gap, and the side on which its surface lies.
 struct GapSide {
     ends_px: [[f64; 2]; 2],
-    /// Triangle on the side of the surface; its edge opposite to the last corner is this edge.
+    /// Triangle on the side of the surface. The edge of the gap lies opposite to its last corner.
     triangle: AnyTriangle,
 }
 
@@ -233,15 +235,15 @@ impl GapSide {
         Some(Self { ends_px: ends_px.map(|end| end.map(f64::from)), triangle })
     }
 
-    /// Whether a pixel's centre lies on the side of the surface, or on the edge if the fill rule assigns it to the
-    /// triangle.
+    /// Whether a pixel's centre lies on the surface's side of the edge, or exactly on the edge if the fill rule
+    /// includes it.
     fn covers(&self, pixel: (u32, u32)) -> bool {
         let value = self.triangle.sample(pixel).edges[2];
         value > 0.0 || value == 0.0 && self.triangle.owned()[2]
     }
 
-    /// Returns the point of the edge's line whose coordinate on `axis` is `along`, as its coordinate on the other axis,
-    /// in px.
+    /// Evaluates the line of the edge: returns its coordinate on the other axis, in px, where its coordinate on `axis`
+    /// is `along`.
     fn across(&self, axis: usize, along: f64) -> f64 {
         let [from, to] = self.ends_px;
         let t = (along - from[axis]) / (to[axis] - from[axis]);

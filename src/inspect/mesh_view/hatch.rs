@@ -1,6 +1,6 @@
-//! Hatching: parallel lines over one convex polygon, except where another polygon covers it.
+//! Hatching: parallel lines over a convex polygon, except where another polygon covers it.
 
-/// A point of a picture, in px.
+/// A point in a picture, in px.
 pub(super) type ScreenPoint = [f32; 2];
 
 /// Maximum number of hatching lines in a polygon; a polygon that needs more is not hatched.

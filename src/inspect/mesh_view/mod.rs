@@ -46,7 +46,7 @@ choice! {
     }
 }
 
-/// The render camera, which the second camera looks at, with its settings and picture size.
+/// The render camera that the second camera looks at, with its settings and picture size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Inner {
     /// Camera that renders the inspected frame.

@@ -9,7 +9,8 @@ use crate::scene::{Camera, Scene};
 /// Initial direction from the target to the second camera, in the render camera's right, up and backward axes.
 const FROM: Vec3 = Vec3::new(1.0, 0.6, 0.45);
 
-/// Minimum ratio of the near to the far distance. Reversed depth has sufficient precision for this ratio.
+/// Minimum ratio of the near plane's distance to the far plane's distance. Reversed depth has sufficient precision for
+/// this ratio.
 const MIN_NEAR: f32 = 1e-5;
 
 /// Returns the bounding box that encloses the scene and the eye of the render camera.
@@ -17,8 +18,8 @@ fn bounds(scene: &Scene, inner: &Camera) -> Aabb {
     scene.bounds().union(Aabb::around(std::iter::once(inner.eye)))
 }
 
-/// Returns a view of the whole scene and the render camera, from beside and above it. `aspect` is width over height of
-/// the picture.
+/// Returns a view of the whole scene and the render camera, from beside and above the camera. `aspect` is the width of
+/// the picture divided by its height.
 pub(crate) fn first_view(scene: &Scene, inner: &Inner, aspect: f32) -> Camera {
     let (right, forward) = (inner.camera.right(), inner.camera.forward());
     let up = right.cross(forward);

@@ -12,11 +12,11 @@ use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, DepthMapping, Projection, Scene, TriangleId};
 
-/// Maximum number of clipped or culled triangles for marking all of them. If there are more, only the selected triangle
-/// is marked.
+/// Maximum number of clipped or culled triangles that are all marked. If there are more, only the selected triangle is
+/// marked.
 const MAX_MARKED: usize = 200;
 
-/// Distance between the lines of a hatching along an axis, in px.
+/// Distance between neighbouring hatching lines along each axis, in px.
 const HATCH_PX: f32 = 7.0;
 
 /// Minimum clip-space w of a projected point, as a fraction of the second camera's near distance.
@@ -46,7 +46,7 @@ pub(crate) enum MarkKind {
     /// A vertex created by clipping, as a dot. The value is its position along an edge of the triangle, in [0, 1];
     /// `None` if it does not lie on an edge.
     NewVertex(Option<f32>),
-    /// Outline of a triangle that was culled for its facing.
+    /// Outline of a triangle that was culled as back-facing or front-facing.
     Culled,
     /// The tracked vertex, as a dot.
     Vertex,
@@ -66,7 +66,7 @@ pub(crate) struct MeshMark {
 pub(crate) struct OverlayInputs {
     /// Picked pixel of the render camera's picture.
     pub(crate) pixel: Option<(u32, u32)>,
-    /// Distance along the line of sight to the surface at the picked pixel, in world units; `None` for the background.
+    /// Distance along the view axis to the surface at the picked pixel, in world units; `None` for the background.
     pub(crate) hit_distance: Option<f64>,
     /// Selected triangle, marked as a polygon.
     pub(crate) selected: Option<TriangleId>,
@@ -174,7 +174,8 @@ impl MarkProjector {
 /// The render camera's frustum and ray in world space.
 struct CameraFrustum<'a> {
     inner: &'a Inner,
-    /// Distance at which the drawn frustum ends, in world units: the far plane, or the end of the scene if nearer.
+    /// Distance at which the drawn frustum ends, in world units: the far plane, or the farthest point of the scene if
+    /// nearer.
     far: f64,
 }
 
@@ -187,8 +188,8 @@ impl<'a> CameraFrustum<'a> {
         Self { inner, far: end.min(f64::from(camera.far)) }
     }
 
-    /// Returns the world-space point at a picture position, in [−1, 1] with y up, and a distance along the line of
-    /// sight.
+    /// Returns the world-space point at a picture position, in [−1, 1] with y up, and a distance from the eye along the
+    /// view axis, in world units.
     fn at(&self, [x, y]: [f64; 2], distance: f64) -> DVec3 {
         let camera = &self.inner.camera;
         let (right, forward) = (camera.right().as_dvec3(), camera.forward().as_dvec3());
@@ -274,8 +275,8 @@ fn cut(scene: &Scene, inner: &Inner, id: TriangleId, canvas: &mut MarkProjector)
     }
 }
 
-/// Clips a triangle with the pipeline's own function. Returns the remaining polygon, and the corners of the triangle in
-/// world space.
+/// Clips a triangle with the pipeline's own clipper. Returns the remaining polygon in clip space, and the corners of
+/// the whole triangle in world space.
 fn clipped(scene: &Scene, inner: &Inner, id: TriangleId) -> Option<(Vec<ClipVertex>, [DVec3; 3])> {
     let (instance, indices) = crate::inspect::vertices::corners_of(scene, id)?;
     let instance = scene.instances.get(instance)?;
@@ -297,8 +298,8 @@ fn clipped(scene: &Scene, inner: &Inner, id: TriangleId) -> Option<(Vec<ClipVert
     Some((left, corners))
 }
 
-/// Returns the position of a new vertex along its edge, in [0, 1], from the corner with the lower number. Returns
-/// `None` if the vertex lies inside the triangle.
+/// Returns how far along an edge a vertex created by clipping lies, in [0, 1] from the corner with the lower index.
+/// Returns `None` if the vertex lies inside the triangle.
 fn along_edge(weights: Vec3) -> Option<f32> {
     match weights.to_array() {
         [0.0, _, t] | [_, 0.0, t] | [_, t, 0.0] => Some(t),

@@ -35,7 +35,7 @@ const MIN_LIGHT: f32 = 0.38;
 /// Brightness factor of unselected triangles.
 const DIM: f32 = 0.35;
 
-/// Grey of a triangle seen head-on (sRGB codes).
+/// Colour of a triangle that directly faces the second camera in the flat style, in sRGB codes.
 const FLAT: Rgba8 = [196, 198, 202, 255];
 
 struct MeshOwnerRecorder(Image<TriangleId>);
@@ -98,7 +98,7 @@ impl MeshNormals {
     }
 }
 
-/// Renders the scene for the second camera `outside`.
+/// Renders the mesh view: the scene as seen by the second camera `outside`.
 pub(crate) fn paint(scene: &Scene, inner: &Inner, outside: Camera, size: Viewport, painting: &Painting) -> MeshPicture {
     let Painting { style, explode: apart, selection, backdrop, normals } = painting;
     let (style, apart) = (*style, *apart);
@@ -152,7 +152,7 @@ pub(crate) fn shown_at(owner: &Image<TriangleId>, triangle: TriangleId) -> Optio
     places().min_by_key(|(x, y)| u64::from(*x).abs_diff(middle.0).pow(2) + u64::from(*y).abs_diff(middle.1).pow(2))
 }
 
-/// Returns the colour of each triangle before lighting; empty if all have the same colour.
+/// Returns the unlit colour of each triangle, in scene order; empty if all have the same colour.
 fn colors(scene: &Scene, inner: &Inner, style: MeshStyle) -> Vec<Rgba8> {
     match style {
         MeshStyle::Flat => Vec::new(),
@@ -192,7 +192,7 @@ fn lit([r, g, b, a]: Rgba8, light: f32) -> Rgba8 {
     [channel(r), channel(g), channel(b), a]
 }
 
-/// Draws the edges of all triangles, those of front-facing triangles on top.
+/// Draws the edges of all triangles, with the edges of front-facing triangles on top.
 fn wires(geometry: &Geometry, colors: &[Rgba8], is_dim: impl Fn(TriangleId) -> bool, image: &mut Image<Rgba8>) {
     let front = met_color(GeometryOutcome::Drawn);
     let color = |triangle: &ScreenTriangle| colors.get(triangle.id.0 as usize).copied().unwrap_or(FLAT);

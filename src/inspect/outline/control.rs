@@ -7,15 +7,15 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 /// Progress callback and cancellation flag of a vector drawing.
 #[derive(Clone, Copy)]
 pub(crate) struct OutlineControl<'a> {
-    /// Receives the progress, in [0, 1], at most once per percent. With several threads, reports may arrive out of
-    /// order.
+    /// Callback that receives the progress, in [0, 1], at most once per percent. With several threads, reports may
+    /// arrive out of order.
     pub(crate) progress: &'a (dyn Fn(f32) + Sync),
     /// Flag that cancels the drawing once it is `true`.
     pub(crate) cancel: &'a AtomicBool,
 }
 
 impl OutlineControl<'_> {
-    /// Returns `None` once the drawing is cancelled.
+    /// Returns `Some(())`, or `None` once the drawing is cancelled.
     pub(super) fn check(self) -> Option<()> {
         (!self.cancel.load(Ordering::Relaxed)).then_some(())
     }

@@ -13,7 +13,7 @@ pub(super) struct BoundaryPoint {
     /// Position of the point on the screen, in samples.
     pub(super) place: DVec2,
     /// Unit normal of the straight line that the boundary follows at the point. `None` if the boundary follows no line,
-    /// as at the border of a texture's transparent part.
+    /// such as at the border of a transparent part of a texture.
     pub(super) normal: Option<DVec2>,
 }
 
@@ -25,8 +25,8 @@ pub(super) struct Surfaces<'a> {
 }
 
 impl Surfaces<'_> {
-    /// Adds the point between two sample positions, in samples, where the stack of visible surfaces changes. Adds two
-    /// points if one surface ends and the other begins elsewhere.
+    /// Adds the point between two samples at which the stack of visible surfaces changes. Adds two points if one
+    /// surface ends and the other begins elsewhere. All positions are in samples.
     pub(super) fn find_crossings(&self, path: [DVec2; 2], stacks: [StackId; 2], found: &mut Vec<BoundaryPoint>) {
         let [first, second] = self.changing(stacks).map(|index| index.map(|index| self.side(index, path)));
         let events = match (first, second) {
@@ -44,9 +44,10 @@ impl Surfaces<'_> {
         found.extend(events.map(|Event { along, normal }| crossing(along.clamp(0.0, 1.0), normal.try_normalize())));
     }
 
-    /// Returns the surface that only the first sample shows, and the surface that replaces it at the second sample.
-    /// These are the opaque surfaces if they differ. Otherwise they are the first blended surface that is in one stack
-    /// only, and the opaque surface below on the other side.
+    /// Returns the surface of each sample that changes between the two samples. These are the opaque surfaces if they
+    /// differ. Otherwise they are the topmost surfaces that only one of the stacks contains; a stack without such a
+    /// surface contributes its opaque surface. If the stacks differ only in order, they are the topmost surfaces that
+    /// differ.
     fn changing(&self, [first, second]: [StackId; 2]) -> [Option<u32>; 2] {
         let [first, second] = [first, second].map(|stack| self.visibility.surfaces(stack).collect::<Vec<_>>());
         let opaque = |stack: &[u32]| stack.last().copied().filter(|index| !self.is_blended(*index));
@@ -96,12 +97,12 @@ impl Surfaces<'_> {
     }
 }
 
-/// A point on the path between two samples where it crosses a triangle's boundary or the intersection of two triangles.
+/// Point at which the path between two samples crosses a triangle's boundary or the intersection line of two triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Event {
     /// Position along the path, in [0, 1].
     along: f64,
-    /// Normal of the crossed line, of any length.
+    /// Normal of the crossed line, not normalised.
     normal: DVec2,
 }
 
@@ -147,7 +148,7 @@ fn change(first: &PathTriangle, second: &PathTriangle) -> [Option<Event>; 2] {
     [(at_begin > 0.0 && at_end < 0.0).then(intersection), None]
 }
 
-/// Returns the points where a path enters and leaves a triangle. An end of the path on an edge counts as outside.
+/// Returns the points where a path enters and leaves a triangle. An endpoint of the path on an edge counts as outside.
 fn events(corners: [DVec2; 3], [from, to]: [DVec2; 2]) -> [Option<Event>; 2] {
     let turn = (corners[1] - corners[0]).perp_dot(corners[2] - corners[0]).signum();
     let (mut enter, mut exit) = (None::<Event>, None::<Event>);

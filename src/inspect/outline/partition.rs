@@ -3,9 +3,9 @@
 //!
 //! Between two neighbouring samples of different regions lies one *crossing*, computed exactly with the line that the
 //! boundary follows there. Four samples form a *cell*. A cell with crossings has one *vertex*, at the point of the cell
-//! nearest to all of its lines. This is on the line if there is only one, and at the corner if there are several.
-//! Vertices of neighbouring cells are connected across the crossing between them. By construction, regions meet without
-//! gaps or overlaps, and boundaries are as straight as the triangles' edges at any zoom.
+//! nearest to all of its lines. With one line, the vertex lies on it; with several, it lies at the corner where they
+//! meet. Vertices of neighbouring cells are connected across the crossing between them. By construction, regions meet
+//! without gaps or overlaps, and boundaries are as straight as the triangles' edges at any zoom.
 
 use std::ops::Range;
 
@@ -17,16 +17,16 @@ use super::crossing::{BoundaryPoint, Surfaces};
 use super::visible::{RegionId, StackId};
 use crate::drawing::PartitionRegion;
 
-/// Maximum deviation of a boundary by simplification, in px.
+/// Maximum distance by which simplification may move a boundary, in px.
 const STRAIGHT_PX: f64 = 0.01;
 
-/// Threshold for the squared sine of half the angle between two lines, below which they count as one line.
+/// Threshold for the squared sine of half the angle between two lines. Below it, they count as one line.
 const PARALLEL: f64 = 1e-5;
 
-/// Part of a drawing's progress for finding the vertices, in percent.
+/// Range of the drawing's overall progress in which the vertices are found, in percent.
 const VERTICES_PERCENT: Range<usize> = 50..80;
 
-/// Part of a drawing's progress for tracing the boundaries, in percent.
+/// Range of the drawing's overall progress in which the boundaries are traced, in percent.
 const BOUNDARIES_PERCENT: Range<usize> = 80..100;
 
 /// A vertex on the boundary of regions, in the cell between four samples.
@@ -73,8 +73,8 @@ impl BoundaryVertices {
     }
 }
 
-/// Returns the regions of a picture with their boundaries; `None` if cancelled. Coordinates are in pixels, each with
-/// `samples_per_px` samples along a side.
+/// Divides a picture into regions and returns their boundaries in pixels; returns `None` if cancelled. `samples_per_px`
+/// is the number of samples along each side of a pixel.
 pub(super) fn partition(
     surfaces: &Surfaces<'_>,
     samples_per_px: u32,
@@ -202,14 +202,14 @@ fn nearest(crossings: &[BoundaryPoint], [low, high]: [DVec2; 2]) -> DVec2 {
     on_sides.chain(on_ends).min_by(|a, b| error(*a).total_cmp(&error(*b))).unwrap_or(mean)
 }
 
-/// The boundaries of regions, traced around their samples.
+/// State of tracing the boundaries of regions around their samples.
 struct Outlines<'a> {
     surfaces: &'a Surfaces<'a>,
     vertices: &'a BoundaryVertices,
     kept: Simplification<'a>,
 }
 
-/// A side of a sample, traversed with the sample on the right.
+/// A side of the unit square around a sample, traversed with the sample on the right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct SampleSide {
     sample: [u32; 2],
@@ -218,7 +218,7 @@ struct SampleSide {
 }
 
 impl SampleSide {
-    /// Returns the unit step from the sample across the side.
+    /// Returns the unit step from the sample to its neighbour across the side.
     fn outward(self) -> [i32; 2] {
         [self.step[1], -self.step[0]]
     }
@@ -299,7 +299,7 @@ impl Outlines<'_> {
 /// the regions on both sides.
 struct Simplification<'a> {
     vertices: &'a [BoundaryVertex],
-    /// Maximum distance of a removed vertex from the boundary, in samples.
+    /// Maximum distance of a removed vertex from the simplified boundary, in samples.
     tolerance: f64,
     decided: Vec<Option<bool>>,
 }
@@ -331,7 +331,7 @@ impl Simplification<'_> {
         boundary
     }
 
-    /// Decides which inner vertices of a chain are kept; both ends are always kept.
+    /// Decides which inner vertices of a chain are kept; the first and last vertices are always kept.
     fn decide(&mut self, chain: &[usize]) {
         let [first, inner @ .., last] = chain else { return };
         self.decided[*first] = Some(true);
@@ -353,7 +353,7 @@ impl Simplification<'_> {
     }
 }
 
-/// Returns the squared distance of a point from the segment between two points, which may coincide.
+/// Returns the squared distance from `point` to the segment between two points, which may coincide.
 fn distance_squared(point: DVec2, from: DVec2, to: DVec2) -> f64 {
     let along = to - from;
     let share = ((point - from).dot(along) / along.length_squared()).clamp(0.0, 1.0);

@@ -14,7 +14,7 @@ use crate::scene::obj;
 
 const SIZE: Viewport = Viewport { width: 200, height: 150 };
 
-/// Draws a view without progress reports or cancellation.
+/// Draws a view as vector shapes, without progress reports or cancellation.
 fn outline(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, viewport: Viewport, kind: OutlineKind) -> Drawing {
     let control = OutlineControl { progress: &|_| {}, cancel: &AtomicBool::new(false) };
     super::outline(&OutlineRequest { scene, camera, recipe, viewport, kind }, control).unwrap()
@@ -92,7 +92,7 @@ fn an_edge_that_reaches_far_outside_the_picture_is_hidden_with_pixel_accuracy() 
     assert!((hidden - 40.5).abs() <= 1.0 && (shown - 49.5).abs() <= 1.0, "{ends:?}");
 }
 
-/// Returns a camera that looks along −z at the square from −1 to 1.
+/// Returns a camera that looks along −z at the square from −1 to 1 in x and y.
 fn front() -> Camera {
     Camera::look_at(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO)
 }
@@ -135,7 +135,7 @@ fn rendered(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, zoom: u32) -> 
 }
 
 /// Returns two pixel counts of the magnified drawing: pixels that differ from the rendered image, and all pixels. Both
-/// exclude pixels with an edge within `margin` pixels. Edges come from a finer image.
+/// exclude pixels with an edge within `margin` pixels. Edges are detected in a finer image.
 fn differing(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, [zoom, margin]: [u32; 2]) -> [usize; 2] {
     let drawing = outline(scene, camera, recipe, SIZE, OutlineKind::Polygons);
     let drawn = bitmap(&drawing, zoom.into());

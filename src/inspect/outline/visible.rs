@@ -22,7 +22,7 @@ use crate::scene::{Scene, TriangleId};
 /// small enough that every thread gets several bands.
 const ROWS: u32 = 64;
 
-/// Part of a drawing's progress for finding the visible surfaces, in percent.
+/// Range of the drawing's overall progress in which the visible surfaces are found, in percent.
 const VISIBILITY_PERCENT: Range<usize> = 0..50;
 
 /// Index of a stack of surfaces in [`Stacks`].
@@ -79,11 +79,11 @@ pub(super) struct Visibility {
     pub(super) height: u32,
     /// Stack of each sample, row by row.
     labels: Vec<StackId>,
-    /// Stacks of indices into [`Geometry::triangles`].
+    /// Stacks of visible surfaces, given as indices into [`Geometry::triangles`].
     stacks: Stacks<u32>,
     /// Region of each stack; pieces of one clipped triangle belong to the same region.
     regions: Vec<RegionId>,
-    /// Mean colour of each region.
+    /// Mean colour of each region, in sRGB codes.
     colors: Vec<Rgb>,
 }
 
@@ -158,7 +158,7 @@ impl Visibility {
     }
 }
 
-/// Sum of the sRGB codes of some samples.
+/// Sums of the red, green and blue sRGB codes of a set of samples, and the number of samples.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sum {
     codes: [u64; 3],

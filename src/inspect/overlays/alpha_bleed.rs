@@ -16,7 +16,8 @@ fn difference(a: Rgba8, b: Rgba8) -> u8 {
     a.iter().zip(b).map(|(a, b)| a.abs_diff(b)).max().unwrap_or(0)
 }
 
-/// Computes the difference from premultiplied filtering at each pixel, in sRGB codes.
+/// Computes the difference between the recipe's texture filtering and premultiplied filtering at each pixel, in sRGB
+/// codes.
 pub(super) fn alpha_bleed(context: &OverlayContext<'_>) -> Sheet {
     let OverlayContext { scene, recipe, frame, .. } = context;
     let pipeline = Settings { alpha: AlphaMode::Premultiplied, ..recipe.pipeline };

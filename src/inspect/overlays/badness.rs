@@ -19,18 +19,19 @@ const CLIPPED: [PixelKind; 3] = [
     PixelKind { name: "below and above", color: [210, 60, 220, 255], striped: true },
 ];
 
-/// Returns the index in [`BAD`] of the most severe defect of any channel: NaN, then infinite, then negative.
+/// Returns the index in [`BAD`] of the most severe defect among the channels: NaN, then infinite, then negative.
+/// Returns `None` without a defect.
 fn badness(value: Value) -> Option<usize> {
     let tests: [fn(f32) -> bool; 3] = [f32::is_nan, f32::is_infinite, |number| number < 0.0];
     tests.iter().position(|test| channels(value).any(test))
 }
 
-/// Marks NaN, infinite and negative values of the displayed quantity.
+/// Marks the pixels at which the displayed quantity is NaN, infinite or negative.
 pub(super) fn bad_numbers(context: &OverlayContext<'_>) -> Sheet {
     sheet(Overlay::BadNumbers, context, &BAD, badness)
 }
 
-/// Marks values of the displayed quantity outside its range.
+/// Marks the pixels at which the displayed quantity lies outside its range.
 pub(super) fn clipped(context: &OverlayContext<'_>) -> Sheet {
     let Some(range) = context.range else {
         return Sheet::absent(Overlay::Clipped, context.frame.image().size(), "the displayed quantity has no range");

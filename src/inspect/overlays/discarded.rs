@@ -14,7 +14,7 @@ const REASONS: [PixelKind; 3] = [
     PixelKind { name: "face culling", color: [60, 120, 235, 255], striped: false },
 ];
 
-/// Colours each pixel by the reason that discarded most fragments there.
+/// Colours each pixel by the most frequent reason for which fragments were discarded there.
 pub(super) fn discarded(context: &OverlayContext<'_>) -> Sheet {
     let OverlayContext { scene, recipe, frame, .. } = context;
     let watched = context.stats();
@@ -35,7 +35,7 @@ fn most_frequent(counts: [u32; 3]) -> Option<usize> {
     counts.iter().position(|count| *count == most)
 }
 
-/// Returns the totals of all reasons over all drawn samples.
+/// Returns the number of discarded fragments for each reason and in total, and the number of affected pixels.
 fn totals(packed: &Image<u32>, counts: impl Fn(u32, u32) -> [u32; 3]) -> Vec<Total> {
     let (width, height) = packed.size();
     let (mut sums, mut touched) = ([0_u64; 3], 0_u64);

@@ -12,7 +12,7 @@ use crate::pipeline::wireframe::line_pixels;
 use crate::scene::Scene;
 use crate::upscale::Sampling;
 
-/// Draws the edges of all rasterized triangles, between exact or snapped corners.
+/// Draws the edges of all rasterized triangles, between unsnapped or snapped corners depending on `overlay`.
 pub(super) fn wireframe(overlay: Overlay, context: &OverlayContext<'_>) -> Sheet {
     let OverlayContext { scene, recipe, frame, .. } = context;
     let size = frame.image().size();
@@ -51,7 +51,7 @@ pub(super) fn each_triangle(scene: &Scene, recipe: &Recipe, frame: &Frame, sink:
 /// An edge of a triangle, with its inner side and ownership.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct EdgeMarks {
-    /// Ends in px, at the corners that the rasterizer uses.
+    /// Endpoints in px, at the corners that the rasterizer uses.
     pub(crate) ends_px: [[f32; 2]; 2],
     /// Unit vector from the edge into the triangle, y down.
     pub(crate) inward: [f32; 2],
@@ -59,9 +59,9 @@ pub(crate) struct EdgeMarks {
     pub(crate) owned: bool,
 }
 
-/// Returns the edges of rasterized triangles whose bounding box meets a rectangle (left, top, right, bottom in px of
-/// the picture). Stops after the triangle that reaches `most` edges. Returns no edges for lattice sampling, which does
-/// not rasterize at the full resolution.
+/// Returns the edges of rasterized triangles whose bounding boxes overlap a rectangle (left, top, right, bottom in px
+/// of the picture). Stops after the triangle that reaches `most` edges. Returns no edges for lattice sampling, which
+/// does not rasterize at the full resolution.
 pub(crate) fn edge_marks(
     frame: &Frame,
     recipe: &Recipe,
@@ -98,7 +98,7 @@ pub(crate) fn edge_marks(
     marks
 }
 
-/// Returns the unit vector across a line towards a point beside it; zero for a line of zero length.
+/// Returns the unit normal of a line, on the side of the point `inside`; zero for a line of zero length.
 fn inward(from: [f32; 2], to: [f32; 2], inside: [f32; 2]) -> [f32; 2] {
     let (along, down) = (to[0] - from[0], to[1] - from[1]);
     let length = along.hypot(down);

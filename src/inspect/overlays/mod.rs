@@ -1,8 +1,8 @@
 //! Overlays over any picture of a frame: edges, counts, sizes, faults. They stack in any order. Each has a legend,
 //! totals, and an exact value at every pixel; the picture below never changes.
 //!
-//! Each group has its own file. All overlays that need an observer share one additional drawing of the frame
-//! ([`watch`]), which is made on demand.
+//! Each group of overlays has its own module. All overlays that need an observer share one additional drawing of the
+//! frame ([`watch`]), which is made on demand.
 
 mod alpha_bleed;
 
@@ -60,25 +60,25 @@ use crate::scene::seams::Seams;
 choice! {
     /// An overlay that can be drawn over any picture of a frame.
     Overlay {
-        Wireframe = "wireframe", "Wireframe", "Edges of all rasterized triangles after projection, before snapping; light on dark and dark on light.";
-        SnappedWireframe = "wireframe-snapped", "Wireframe, snapped", "The same edges between the corners that the rasterizer uses: snapped to 1/256 px in fixed point.";
+        Wireframe = "wireframe", "Wireframe", "Edges of all rasterized triangles after projection, before snapping: light lines over dark pixels, dark lines over light ones.";
+        SnappedWireframe = "wireframe-snapped", "Wireframe, snapped", "Edges of all rasterized triangles between the corners that the rasterizer uses: in fixed point, snapped to 1/256 px.";
         VertexNormals = "vertex-normals", "Vertex normals", "Normals of all vertices of rasterized triangles as lines, not hidden by surfaces.";
         FaceNormals = "face-normals", "Face normals", "Normals of all rasterized triangles as lines from their centroids, not hidden by surfaces.";
         Facing = "facing", "Facing", "Whether the visible triangle is front-facing or back-facing.";
-        DepthTest = "depth-test", "Depth test", "Whether all fragments of a pixel passed the depth test when they were drawn, or some or all failed.";
-        Discarded = "discarded", "Discarded fragments", "The most frequent reason for discarding fragments of a pixel: depth test, alpha test, or face culling. Hover a pixel for the counts.";
+        DepthTest = "depth-test", "Depth test", "Whether all, some or none of the fragments of a pixel passed the depth test when they were drawn.";
+        Discarded = "discarded", "Discarded fragments", "The most frequent reason for discarding fragments of a pixel: depth test, alpha test, or face culling. Hover over a pixel to see the counts.";
         Rasterized = "rasterized", "Overdraw: rasterized", "Number of fragments of each pixel, drawn or not.";
         Passed = "passed", "Overdraw: passed", "Number of fragments of each pixel that passed the depth test when they were drawn.";
         Visible = "visible", "Overdraw: visible", "Number of fragments that contribute to the finished picture: one for opaque surfaces, more where blended surfaces lie in front.";
-        TriangleSize = "triangle-size", "Triangle size", "Area of the visible triangle, in px², from a hundredth of a pixel to the whole picture.";
+        TriangleSize = "triangle-size", "Triangle size", "Area of the visible triangle in px², on a logarithmic scale from 0.01 px² to the area of the picture.";
         Sliver = "sliver", "Slivers", "Smallest height of the visible triangle, in px: rounding decides the coverage of thin triangles.";
-        TexelDensity = "texel-density", "Texel density", "Texels per pixel along a side: above 1 texels are skipped, below 1 they are magnified.";
-        AlphaBleed = "alpha-bleed", "Colour bleeding", "Difference in codes from premultiplied filtering: straight filtering takes colour from texels with alpha 0.";
-        Faults = "faults", "Cracks and double hits", "Pixels along shared edges and at T-junctions that no triangle covers (crack) or more triangles than should (double hit), without depth test.";
+        TexelDensity = "texel-density", "Texel density", "Texels per pixel along one axis (square root of the area that a pixel covers on the texture): above 1 texels are skipped, below 1 they are magnified.";
+        AlphaBleed = "alpha-bleed", "Colour bleeding", "Difference from premultiplied filtering, in sRGB codes: straight filtering takes colour from texels with alpha 0.";
+        Faults = "faults", "Cracks and double hits", "Pixels along shared edges and at T-junctions that too few triangles cover (crack) or too many (double hit), without depth test.";
         Junctions = "t-junctions", "T-junctions", "Vertices within the open edge of another triangle, and vertices that lie close together but are not welded.";
         BadNumbers = "bad-numbers", "NaN, infinite, negative", "Values of the displayed quantity that are NaN, infinite, or negative.";
         Clipped = "clipped", "Clipped", "Values of the displayed quantity outside its range; for colours also the codes 0 and 255.";
-        ExactOwner = "exact-owner", "Owner vs. exact", "Pixels whose triangle differs from exact arithmetic on unsnapped corners: missing if only exact arithmetic draws one, extra if only this frame does.";
+        ExactOwner = "exact-owner", "Owner vs. exact", "Pixels whose visible triangle differs from that of exact arithmetic on unsnapped corners: missing if only exact arithmetic draws one, extra if only this frame does.";
         BlendOrder = "blend-order", "Wrong blending order", "Pixels where a blended fragment was drawn over a nearer one, and whether the exact order gives a different colour.";
         TileLoad = "tile-load", "Tile load", "Number of triangles binned to each 64-px tile in tiled execution.";
     }
@@ -94,7 +94,7 @@ pub(crate) struct OverlayContext<'a> {
     pub(crate) frame: &'a Frame,
     /// Whether all triangles of the frame were drawn.
     pub(crate) is_whole: bool,
-    /// Cache of the data recorded while drawing the frame again; filled on first use.
+    /// Cache of the fragment statistics, which are recorded by drawing the frame again on first use.
     pub(crate) stats_cache: &'a OnceLock<FragmentStats>,
     /// Open seams of the scene; `None` until the search for them is complete.
     pub(crate) seams: Option<&'a Seams>,
@@ -105,7 +105,7 @@ pub(crate) struct OverlayContext<'a> {
 }
 
 impl OverlayContext<'_> {
-    /// Returns the data recorded while drawing the frame again; computes it on first use.
+    /// Returns the fragment statistics of the frame. On first use, draws the frame again to record them.
     pub(crate) fn stats(&self) -> &FragmentStats {
         self.stats_cache.get_or_init(|| watch::watch(self.scene, self.recipe, self.frame))
     }

@@ -21,7 +21,7 @@ pub(crate) struct PixelKind {
 /// Mapping of an overlay's numbers to colours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ColorScale {
-    /// Numbers at both ends of the colour map.
+    /// Range of numbers that the colour map spans.
     pub(crate) range: Range,
     /// Whether the scale is logarithmic.
     pub(crate) logarithmic: bool,
@@ -45,7 +45,7 @@ impl ColorScale {
         if self.reversed { 1.0 - position } else { position }
     }
 
-    /// Returns the number at a position `share` in [0, 1] of the unreversed scale.
+    /// Returns the number at `share`, a position in [0, 1] on the unreversed scale.
     pub(crate) fn number_at(&self, share: f32) -> f32 {
         let Range { low, high } = self.range;
         if self.logarithmic { (low.ln() + (high.ln() - low.ln()) * share).exp() } else { low + (high - low) * share }
@@ -86,8 +86,8 @@ pub(crate) struct Sheet {
     pub(crate) overlay: Overlay,
     /// Value at each pixel of the full picture: a number, the index of a kind, or 1 on a line; NaN if there is none.
     pub(crate) values: Image<f32>,
-    /// Count of each kind at each pixel of the full picture, if a pixel can have several and shows the most frequent;
-    /// otherwise empty.
+    /// Count of each kind at each pixel of the full picture. Empty unless a pixel can have several kinds; such a pixel
+    /// shows the most frequent one.
     pub(crate) counts: Vec<Image<f32>>,
     /// Legend of the colours.
     pub(crate) key: SheetLegend,

@@ -1,4 +1,4 @@
-//! Properties of the visible triangle at each pixel: facing, area, least height, texel density.
+//! Properties of the visible triangle at each pixel: facing, area, minimum height, texel density.
 
 use super::sheet::{ColorScale, PixelKind, Sheet, SheetLegend, Total};
 use super::watch::{VisibleSurface, area_and_height, corners_px};
@@ -51,7 +51,7 @@ pub(super) fn size(context: &OverlayContext<'_>) -> Sheet {
     Sheet::new(Overlay::TriangleSize, values, key, triangles(context, 0, "smaller than 1 px²", "px²"))
 }
 
-/// Shows the least height of the visible triangle at each pixel, in px.
+/// Shows the minimum height of the visible triangle at each pixel, in px.
 pub(super) fn sliver(context: &OverlayContext<'_>) -> Sheet {
     let surfaces = &context.stats().surface;
     let values = context.spread(|column, row| surfaces.at(column, row).height_px);
@@ -84,7 +84,8 @@ fn log_scale(range: Range, map: ColorMap, reversed: bool, unit: &'static str) ->
     ColorScale { range, logarithmic: true, map, reversed, unit }
 }
 
-/// Returns totals of the areas (`which` = 0) or least heights (1) of all rasterized triangles, visible or not.
+/// Returns the number, minimum, median and maximum of the areas (`which` = 0) or minimum heights (`which` = 1) of all
+/// rasterized triangles, visible or not.
 fn triangles(context: &OverlayContext<'_>, which: usize, small: &'static str, unit: &'static str) -> Vec<Total> {
     let arithmetic = context.recipe.pipeline.arithmetic;
     let triangles = &context.frame.geometry.triangles;

@@ -35,7 +35,7 @@ pub(crate) struct FragmentStats {
 pub(crate) struct VisibleSurface {
     /// Area of the triangle as rasterized, in px²; for a clipped triangle, the area of the visible piece.
     pub(crate) area_px2: f32,
-    /// Least height of the triangle in px: its doubled area divided by its longest side.
+    /// Minimum height of the triangle in px: its doubled area divided by its longest side.
     pub(crate) height_px: f32,
     /// Whether the triangle is front-facing.
     pub(crate) is_front: bool,
@@ -134,7 +134,7 @@ impl FragmentStatsRecorder<'_> {
         self.recipe.pipeline.shading.reads_material() && shader.is_some_and(|shader| shader.alpha(fragment) < 1.0)
     }
 
-    /// Returns the texels per pixel along one axis: the square root of the area of a pixel in the texture, in texels.
+    /// Returns the texels per pixel along one axis: the square root of a pixel's area on the texture, in texels.
     fn texels_per_px(&self, triangle: &ScreenTriangle, sample: RasterSample, texels: f32) -> f32 {
         if texels == 0.0 {
             return f32::NAN;
@@ -180,7 +180,8 @@ fn increase(counts: &mut Image<u32>, sample: &RasterSample) {
     counts.set(sample.column, sample.row, counts.at(sample.column, sample.row) + 1);
 }
 
-/// Returns the corners with which a triangle is rasterized, in px: snapped in fixed point.
+/// Returns the corners with which a triangle is rasterized, in px: snapped to the subpixel grid in fixed point,
+/// otherwise unsnapped.
 pub(crate) fn corners_px(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> [[f32; 2]; 3] {
     match arithmetic {
         Arithmetic::Fixed => triangle.snapped_px(),
@@ -188,7 +189,7 @@ pub(crate) fn corners_px(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> [
     }
 }
 
-/// Returns the area of a triangle in px² and its least height in px.
+/// Returns the area of a triangle in px² and its minimum height in px.
 pub(crate) fn area_and_height(corners_px: &[[f32; 2]; 3]) -> [f64; 2] {
     let [a, b, c] = corners_px.map(|[x, y]| [f64::from(x), f64::from(y)]);
     let doubled = ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])).abs();

@@ -28,7 +28,7 @@ pub(super) struct FragmentRecorder<'a> {
     records: Vec<FragmentRecord>,
     /// Colour and depth of the sample before the first fragment.
     pub(super) clear: SampleState,
-    /// Colour and depth of the sample after the fragments so far.
+    /// Colour and depth of the sample after the fragments recorded so far.
     state: SampleState,
 }
 
@@ -53,8 +53,8 @@ impl<'a> FragmentRecorder<'a> {
         }
     }
 
-    /// Returns the recorded fragments with their final outcomes. The last written fragment is visible. An earlier one
-    /// is overwritten if any later one covers it completely, or else blended over.
+    /// Returns the recorded fragments with their final outcomes. The last written fragment is visible. Each earlier one
+    /// is overwritten if a later one covers it completely, otherwise blended over.
     pub(super) fn finish(mut self) -> Vec<FragmentRecord> {
         let written: Vec<usize> = (0..self.records.len()).filter(|i| self.records[*i].outcome.is_written()).collect();
         let mut is_covered = false;

@@ -1,4 +1,4 @@
-//! Drawing of a picture together with the owner of every pixel, for comparison between probe runs.
+//! Drawing of a probed view, with the triangle that owns each pixel, for comparison between probe runs.
 
 use super::{Probe, ProbedView, jitter};
 use crate::image::{Image, Rgba8};

@@ -1,7 +1,7 @@
 //! Jitter of positions by a few units in the last place.
 //!
-//! The unit is that of the position's largest coordinate, which is the size of the rounding error of computing the
-//! position. A zero coordinate therefore moves by as much as the others.
+//! The unit is one unit in the last place of the position's largest coordinate, about the rounding error of computing
+//! the position. A zero coordinate therefore moves by as much as the others.
 
 use glam::Vec3;
 
@@ -9,8 +9,8 @@ use super::Probe;
 use crate::scene::mesh::MeshData;
 use crate::scene::{Camera, Mesh, Scene};
 
-/// Returns the jittered camera of run `run`. Eye and target move independently, in units of the largest coordinate of
-/// both.
+/// Returns the jittered camera of run `run`. Eye and target move independently, by multiples of one unit in the last
+/// place of the largest coordinate of both.
 pub(super) fn camera(camera: &Camera, probe: Probe, run: u16) -> Camera {
     let mut random = fastrand::Rng::with_seed(mixed(probe.seed, u64::from(run)));
     let unit = unit_of(camera.eye.abs().max(camera.target.abs()));
@@ -52,7 +52,8 @@ fn unit_of(magnitudes: Vec3) -> f32 {
     largest.next_up() - largest
 }
 
-/// Moves each coordinate by a random integer number of units, uniform in −k … k with k = `ulps`.
+/// Moves each coordinate by a random multiple of `unit`, with an integer factor uniformly distributed from −`ulps` to
+/// `ulps`.
 fn moved(position: Vec3, unit: f32, ulps: u32, random: &mut fastrand::Rng) -> Vec3 {
     let most = i64::from(ulps);
     // In f64 the sum is rounded only once, and is exact for the largest coordinate.

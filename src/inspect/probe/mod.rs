@@ -34,8 +34,8 @@ pub(crate) use heat::picture;
 choice! {
     /// Part of a view that the stability probe moves.
     JitterTarget {
-        Camera = "camera", "Camera", "Eye and target move along x, y and z by up to k units in the last place of their largest coordinate: the whole picture is recomputed.";
-        Vertices = "vertices", "Vertices", "Every vertex moves along x, y and z by up to k units in the last place of its largest coordinate; vertices at the same position move together.";
+        Camera = "camera", "Camera", "Eye and target move along x, y and z by up to the given number of units in the last place of their largest coordinate: the whole picture is recomputed.";
+        Vertices = "vertices", "Vertices", "Every vertex moves along x, y and z by up to the given number of units in the last place of its largest coordinate; vertices at the same position move together.";
     }
 }
 
@@ -72,7 +72,7 @@ pub(crate) struct ProbedView {
 }
 
 impl ProbedView {
-    /// Whether both views give the same picture.
+    /// Whether both views have the same scene, camera, settings and size, so that they give the same picture.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.scene, &other.scene)
             && (self.camera, self.settings, self.viewport) == (other.camera, other.settings, other.viewport)
@@ -86,7 +86,8 @@ pub(crate) struct Fragile {
     pub(crate) triangle: TriangleId,
     /// Number of pixels that the triangle gained or lost, summed over all runs.
     pub(crate) changes: u64,
-    /// Column and row of the gained or lost pixel that changed its owner most often.
+    /// Column and row of the pixel whose owner changed in the most runs, among the pixels that the triangle gained or
+    /// lost.
     pub(crate) worst_pixel: (u32, u32),
     /// Number of runs in which `worst_pixel` had a different owner.
     pub(crate) worst_changes: u16,
@@ -102,9 +103,10 @@ pub(crate) struct ProbeResult {
     /// Number of runs in which the owner of each pixel differed from the picture without jitter. A missing or
     /// additional owner counts as a difference.
     pub(crate) owner_changes: Image<u16>,
-    /// Number of runs in which the stored depth of each pixel differed, even by one step; `None` without a depth test.
+    /// Number of runs in which the stored depth of each pixel differed from that without jitter, even by one step;
+    /// `None` without a depth test.
     pub(crate) depth_changes: Option<Image<u16>>,
-    /// Number of runs in which the colour of each pixel differed.
+    /// Number of runs in which the colour of each pixel differed from that without jitter.
     pub(crate) color_changes: Image<u16>,
     /// Triangle that owns each pixel in the picture without jitter.
     #[cfg_attr(not(test), expect(dead_code, reason = "tests compare it with the exact owners"))]
@@ -120,7 +122,7 @@ pub(crate) struct ProbeResult {
 pub(crate) struct Changed {
     /// Number of pixels that changed in at least one run.
     pub(crate) pixels: u64,
-    /// Maximum number of changed runs of any pixel.
+    /// Number of changed runs of the pixel that changed most often.
     pub(crate) most: u16,
 }
 
@@ -155,7 +157,7 @@ impl ProbeResult {
         }
     }
 
-    /// Returns the number of changed runs of each pixel in one aspect; `None` for depth without a depth test.
+    /// Returns, for each pixel, the number of runs in which one aspect changed; `None` for depth without a depth test.
     pub(crate) fn counts(&self, heat: Heat) -> Option<&Image<u16>> {
         match heat {
             Heat::Owner => Some(&self.owner_changes),

@@ -15,13 +15,14 @@ const TRIANGLE_COST_PX: f64 = 60.0;
 /// Checkpoints of one frame: their positions, and the framebuffer copies made so far.
 #[derive(Debug)]
 pub(super) struct Checkpoints {
-    /// Number of triangles drawn before each checkpoint, ascending from 0, and the copy once it was made.
+    /// Number of triangles drawn before each checkpoint, ascending from 0, and its framebuffer copy; `None` until it is
+    /// made.
     copies: Vec<(usize, Option<Framebuffer>)>,
 }
 
 impl Checkpoints {
-    /// Distributes checkpoints so that the estimated drawing cost between neighbours is about equal. `cleared` is the
-    /// framebuffer before the first triangle; `budget` is in bytes.
+    /// Distributes checkpoints so that the estimated drawing cost between neighbouring checkpoints is about equal.
+    /// `cleared` is the framebuffer before the first triangle; `budget` is in bytes.
     pub(super) fn new(geometry: &Geometry, raster: Viewport, cleared: &Framebuffer, budget: usize) -> Self {
         let count = (budget / bytes(cleared).max(1)).clamp(2, MAX_COPIES);
         let costs = || geometry.triangles.iter().map(|triangle| cost(triangle, raster));
@@ -37,8 +38,8 @@ impl Checkpoints {
         Self { copies }
     }
 
-    /// Restores the last copy at or before `triangles` triangles into `frame`, unless `frame` is closer. `frame`
-    /// contains `at` triangles. Returns the number of triangles in the restored copy.
+    /// Restores `frame` from the last stored copy with at most `triangles` triangles, and returns its number of
+    /// triangles. If `frame`, with `at` triangles, is at least as close, leaves it unchanged and returns `None`.
     pub(super) fn restore_before(&self, triangles: usize, at: usize, frame: &mut Framebuffer) -> Option<usize> {
         let before = &self.copies[..self.copies.partition_point(|(place, _)| *place <= triangles)];
         let (place, copy) = before.iter().rev().find_map(|(place, copy)| Some((*place, copy.as_ref()?)))?;
@@ -59,7 +60,8 @@ impl Checkpoints {
         self.copies.get(next).map_or(usize::MAX, |(place, _)| *place)
     }
 
-    /// Stores a copy of `frame` if `at` is the position of a checkpoint without a copy.
+    /// Stores a copy of `frame`, which contains `at` triangles, if there is a checkpoint at this position without a
+    /// copy.
     pub(super) fn store_checkpoint(&mut self, at: usize, frame: &Framebuffer) {
         if let Ok(found) = self.copies.binary_search_by_key(&at, |(place, _)| *place) {
             self.copies[found].1.get_or_insert_with(|| frame.clone());

@@ -2,7 +2,7 @@
 //!
 //! Triangles are drawn one by one in the order of the frame, regardless of how the frame itself was drawn. Checkpoints
 //! of the framebuffer make steps backwards as fast as steps forwards: drawing starts at the last checkpoint before the
-//! requested moment. The result is bit-identical to drawing from the start.
+//! requested position. The result is bit-identical to drawing from the start.
 
 pub(crate) mod timeline;
 
@@ -32,7 +32,7 @@ use checkpoints::Checkpoints;
 /// Memory budget for framebuffer checkpoints, in bytes: enough for 16 copies at 1920 × 1080.
 pub(crate) const BUDGET: usize = 256 << 20;
 
-/// Moment in the drawing of a frame: after a number of triangles and fragments.
+/// Playback position in the drawing of a frame: the numbers of triangles and fragments drawn so far.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct Moment {
     /// Number of rasterized triangles drawn, including a partially drawn last one.
@@ -42,18 +42,18 @@ pub(crate) struct Moment {
 }
 
 impl Moment {
-    /// Returns the moment after `triangles` complete triangles.
+    /// Returns the playback position after `triangles` complete triangles.
     pub(crate) fn after(triangles: usize) -> Self {
         Self { triangles, fragments: None }
     }
 
-    /// Returns a sort key that orders moments by time.
+    /// Returns a sort key that orders playback positions by time.
     pub(crate) fn key(self) -> (usize, usize) {
         (self.triangles, self.fragments.unwrap_or(usize::MAX))
     }
 }
 
-/// Player that redraws one frame as it was at arbitrary moments of its drawing.
+/// Player that shows one frame at any position of its drawing.
 #[derive(Debug)]
 pub(crate) struct Scrubber {
     scene: Arc<Scene>,
@@ -93,7 +93,7 @@ impl Scrubber {
         &self.geometry
     }
 
-    /// Draws the frame as it was at `moment`. Moments past the end give the complete frame.
+    /// Draws the frame as it was at a playback position. Positions past the end give the complete frame.
     pub(crate) fn frame_at(&mut self, moment: Moment) -> Framebuffer {
         let all = self.geometry.triangles.len();
         let triangles = moment.triangles.min(all);
@@ -112,8 +112,8 @@ impl Scrubber {
         drawn
     }
 
-    /// Draws a moment with depth-sorted fragments: sorts the triangles from `first` up to the moment and ignores later
-    /// ones.
+    /// Draws the frame at a playback position if fragments are sorted by depth. Sorts the fragments of the triangles
+    /// from `first` up to the position, without those of later triangles.
     fn draw_sorted(&mut self, moment: Moment, first: usize) -> Framebuffer {
         self.seek(first);
         let mut drawn = self.framebuffer.clone();
@@ -124,7 +124,8 @@ impl Scrubber {
         drawn
     }
 
-    /// Returns the triangles drawn up to a moment; the last one may be partial. They share memory with the full list.
+    /// Returns the geometry drawn up to a playback position; its last triangle may be partial. The triangles share
+    /// memory with the full list.
     pub(crate) fn geometry_at(&self, moment: Moment) -> Geometry {
         let mut first = Geometry { partial: self.first_samples(moment), ..self.geometry.clone() };
         first.triangles.truncate(moment.triangles);
@@ -146,14 +147,14 @@ impl Scrubber {
         triangle.map_or_else(Vec::new, |t| partial::samples_of(t, &self.recipe.pipeline, (self.grid, self.raster)))
     }
 
-    /// Returns the drawn samples of the last triangle at a moment; `None` if all of them are drawn.
+    /// Returns the drawn samples of the last triangle at a playback position; `None` if all of its samples are drawn.
     fn first_samples(&self, Moment { triangles, fragments }: Moment) -> Option<Vec<Span>> {
         let (place, most) = (triangles.checked_sub(1)?, fragments?);
         let samples = self.samples_of(place);
         (most < partial::count(&samples)).then(|| partial::first(&samples, most))
     }
 
-    /// Moves the framebuffer to the moment after exactly `triangles` complete triangles.
+    /// Brings the framebuffer to the state after exactly `triangles` complete triangles.
     fn seek(&mut self, triangles: usize) {
         if let Some(at) = self.checkpoints.restore_before(triangles, self.completed_triangles, &mut self.framebuffer) {
             self.completed_triangles = at;

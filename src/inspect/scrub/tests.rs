@@ -13,7 +13,7 @@ fn scene(id: &str) -> Arc<Scene> {
     Arc::new(builtin::by_id(id).unwrap().build())
 }
 
-/// Draws the first `triangles` triangles from the start in a plain loop.
+/// Draws the first `triangles` triangles of a frame from the start, without checkpoints.
 fn from_the_start(scene: &Scene, recipe: &Recipe, frame: &Frame, triangles: usize) -> Framebuffer {
     let mut geometry = prepare_again(scene, recipe, frame, &mut ());
     geometry.triangles.truncate(triangles);
@@ -154,8 +154,8 @@ fn checkpoints_stay_within_their_memory_budget() {
     assert!((3..=5).contains(&count) && bytes <= 5 * one, "{count} copies, {bytes} bytes");
 }
 
-/// Returns a timeline of three draws with 2, 3 and 1 triangles of 4 fragments each. The third fragments of triangles 1
-/// and 4 touch the picked pixel.
+/// Returns a timeline of three draws with 2, 3 and 1 triangles; every triangle has 4 fragments. The third fragment of
+/// triangle 1 and that of triangle 4 lie at the picked pixel.
 fn timeline() -> Timeline {
     let touch = |place: usize| Touch {
         triangle: crate::scene::TriangleId(place as u32),
@@ -165,7 +165,7 @@ fn timeline() -> Timeline {
     Timeline { triangles: 6, draws: vec![(0, 0), (2, 1), (5, 2)], fragments: [4, 4], touches: vec![touch(1), touch(4)] }
 }
 
-/// Returns all moments of a traversal from one end to the other.
+/// Returns the playback positions visited by stepping from one end of the timeline to the other.
 fn walk(unit: Unit, forwards: bool, touching: bool) -> Vec<(usize, Option<usize>)> {
     let timeline = timeline();
     let mut moments = vec![Moment::after(if forwards { 0 } else { timeline.triangles })];

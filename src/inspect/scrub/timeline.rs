@@ -1,4 +1,4 @@
-//! Steps forwards and backwards between the moments of a frame's drawing.
+//! Steps forwards and backwards through the drawing of a frame.
 
 use super::{Moment, Touch};
 use crate::pipeline::Geometry;
@@ -14,7 +14,8 @@ choice! {
     }
 }
 
-/// Positions of draws and touches in a frame, with the triangle and fragment counts needed for stepping.
+/// Positions of a frame's draws and of the fragments at the picked pixel, with the triangle and fragment counts needed
+/// for stepping.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Timeline {
     /// Number of rasterized triangles in the frame.
@@ -28,7 +29,8 @@ pub(crate) struct Timeline {
 }
 
 impl Timeline {
-    /// Creates the timeline of a frame from its complete geometry, without fragment counts and touches.
+    /// Creates the timeline of a frame from its complete geometry. Fragment counts and fragments at the picked pixel
+    /// are missing.
     pub(crate) fn new(geometry: &Geometry) -> Self {
         let mut draws: Vec<(usize, u32)> = Vec::new();
         for (place, triangle) in geometry.triangles.iter().enumerate() {
@@ -39,15 +41,16 @@ impl Timeline {
         Self { triangles: geometry.triangles.len(), draws, ..Self::default() }
     }
 
-    /// Returns the instance of the last triangle drawn at a moment; `None` before the first triangle.
+    /// Returns the index of the instance whose triangle was drawn last at a playback position; `None` before the first
+    /// triangle.
     pub(crate) fn instance_at(&self, moment: Moment) -> Option<u32> {
         let place = moment.triangles.checked_sub(1)?;
         let after = self.draws.partition_point(|(start, _)| *start <= place);
         self.draws[..after].last().map(|(_, instance)| *instance)
     }
 
-    /// Returns the moment one step after or before `now`. With `touching`, steps by triangle or fragment stop only at
-    /// moments that touch the picked pixel. [`Unit::Stage`] does not change the moment.
+    /// Returns the playback position one step after or before `now`. With `touching`, steps by triangle or fragment
+    /// stop only at positions that touch the picked pixel. [`Unit::Stage`] does not change the position.
     pub(crate) fn step(&self, now: Moment, unit: Unit, forwards: bool, touching: bool) -> Moment {
         let now = if now.triangles > self.triangles { Moment::after(self.triangles) } else { now };
         match unit {
@@ -62,8 +65,8 @@ impl Timeline {
         }
     }
 
-    /// Returns the moment `steps` steps after `now`, or before it if negative. Stops early at either end of the frame,
-    /// or where the number of fragments is unknown.
+    /// Returns the playback position `steps` steps after `now`, or before it if negative. Stops early at either end of
+    /// the frame, or where the number of fragments is unknown.
     pub(crate) fn steps(&self, now: Moment, unit: Unit, steps: i64, touching: bool) -> Moment {
         let forwards = steps > 0;
         if unit == Unit::Triangle && !touching && now.fragments.is_none() {

@@ -1,4 +1,4 @@
-//! Moments of a frame's drawing at which a triangle touches a given pixel.
+//! Playback positions at which a triangle has a fragment at a given pixel.
 
 use super::Moment;
 use crate::chain::Recipe;
@@ -12,25 +12,25 @@ use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::{Extent, Geometry, LastStage, draw, partial};
 use crate::scene::{Scene, TriangleId};
 
-/// Precision with which the moments of touches are located.
+/// Precision with which the fragments at a pixel are located in the drawing order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TouchPrecision {
-    /// Each touch is located by its triangle only.
+    /// Each fragment is located only by its triangle.
     Triangles,
-    /// Each touch is located by its fragment, until the traversed triangles have more than [`MAX_FRAGMENTS`] fragments
-    /// in total.
+    /// Each fragment is located exactly, until the traversed triangles have more than [`MAX_FRAGMENTS`] fragments in
+    /// total.
     Fragments,
 }
 
-/// Maximum number of fragments traversed to locate touches, which takes a fraction of a second.
+/// Maximum number of fragments traversed to locate the fragments at a pixel, which takes a fraction of a second.
 pub(crate) const MAX_FRAGMENTS: usize = 8_000_000;
 
-/// Fragment that touches the picked pixel.
+/// Fragment at the picked pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Touch {
     /// Triangle that produced the fragment.
     pub(crate) triangle: TriangleId,
-    /// Moment immediately after the fragment.
+    /// Playback position immediately after the fragment.
     pub(crate) moment: Moment,
     /// Whether the fragment was written to the framebuffer.
     pub(crate) written: bool,

@@ -89,8 +89,8 @@ fn gradient(subject: &TracedFragment<'_>, arithmetic: Arithmetic, scribe: &mut T
     }
 }
 
-/// Returns the formula for the change of an edge value per pixel: the opposite side rotated by 90°, in the unit of edge
-/// values.
+/// Returns the formula for the change of an edge value per pixel in one direction: a component of the opposite side
+/// rotated by 90°, in the unit of edge values.
 fn edge_change(subject: &TracedFragment<'_>, arithmetic: Arithmetic, direction: usize, corner: usize) -> Formula {
     let corners = subject.triangle.corners_in(arithmetic);
     let coordinate = |corner: usize, axis: usize| given(format!("{}{corner}", ["x", "y"][axis]), corners[corner][axis]);

@@ -146,7 +146,8 @@ fn exact<'s>(
     scribe.compute(format!("{name} · value"), value, &formula)
 }
 
-/// Writes whether the pixel's centre is inside or outside an edge. For a centre on the edge, the fill rule decides.
+/// Writes on which side of an edge the pixel's centre lies, inside or outside. For a centre on the edge, the fill rule
+/// decides.
 fn decide(name: &str, steps: &EdgeSteps, value: Number, scribe: &mut TraceRecorder) {
     let value = value.to_f64();
     let kind = edge_kind(steps.inward);

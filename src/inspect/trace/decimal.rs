@@ -6,17 +6,17 @@ use num_traits::{Signed as _, Zero as _};
 
 use super::exact::ExactNumber;
 
-/// Maximum number of digits of a short fraction, numerator and denominator together.
+/// Maximum total number of digits in the numerator and denominator of a fraction that is shown.
 const SHORT_DIGITS: usize = 12;
 
-/// Maximum number of bits of a fraction that is worth reducing, numerator and denominator together.
+/// Maximum total number of bits in the numerator and denominator of a fraction that is worth reducing.
 const SHORT_BITS: u64 = 256;
 
 impl ExactNumber {
     /// Returns the number as decimal text with at most `significant` digits, and whether the text is exact. Further
     /// digits are truncated.
     pub(crate) fn decimal(&self, significant: u32) -> (String, bool) {
-        /// Decimal exponents that are written without exponent notation.
+        /// Range of decimal exponents that are written without exponent notation.
         const PLAIN: std::ops::Range<i64> = -6..22;
         let Some(magnitude) = self.floor_log2() else { return ("0".to_owned(), true) };
         let significant = i64::from(significant);
@@ -47,7 +47,7 @@ impl ExactNumber {
         (format!("{sign}{text}"), complete)
     }
 
-    /// Returns the digits of the integer part of |x| · 10^`power`, and whether the remainder is zero.
+    /// Returns the digits of the integer part of |x| · 10^`power` for the number x, and whether the remainder is zero.
     fn digits(&self, power: i64) -> (String, bool) {
         let (mut numerator, mut denominator) = self.parts();
         let ten = BigInt::from(10).pow(power.unsigned_abs() as u32);

@@ -24,7 +24,7 @@ impl ExactNumber {
     pub(crate) fn from_f64(value: f64) -> Option<Self> {
         /// Width of the fraction field of an f64, in bits.
         const FRACTION_BITS: u32 = 52;
-        /// Binary exponent of the last place of subnormal numbers.
+        /// Binary exponent of the least significant bit of subnormal f64 numbers.
         const MIN_EXPONENT: i64 = -1074;
         if !value.is_finite() {
             return None;
@@ -129,7 +129,7 @@ impl ExactNumber {
         (0..exponent).fold(Self::whole(1), |product, _| &product * self)
     }
 
-    /// Returns e with 2^e ≤ |x| < 2^(e + 1); `None` for 0.
+    /// Returns the exponent e of the number x for which 2^e ≤ |x| < 2^(e + 1); `None` for 0.
     pub(crate) fn floor_log2(&self) -> Option<i64> {
         if self.is_zero() {
             return None;

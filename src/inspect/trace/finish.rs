@@ -37,7 +37,7 @@ fn code_lines(what: &str, words: &str, color: Rgba8, scribe: &mut TraceRecorder)
     }
 }
 
-/// Writes the samples of a drawn pixel and their mean.
+/// Writes the anti-aliasing samples of a drawn pixel and their mean.
 fn resolve(frame: &Frame, report: &PixelReport, scribe: &mut TraceRecorder) {
     let (count, light) = (report.samples.len(), frame.antialias.light);
     if count == 0 {

@@ -37,7 +37,7 @@ pub(crate) enum Op {
     Max,
     /// The minimum of a and b.
     Min,
-    /// a to the power of b, evaluated with the precision of an f64.
+    /// The power a^b, evaluated with the precision of an f64.
     Power,
 }
 
@@ -48,9 +48,9 @@ pub(crate) enum Function {
     Negate,
     /// The square root √x.
     SquareRoot,
-    /// x to the power of 5/12 = 1/2.4, for sRGB encoding.
+    /// The power x^(5/12) = x^(1/2.4), for sRGB encoding.
     SrgbRoot,
-    /// x to the power of 12/5 = 2.4, for sRGB decoding.
+    /// The power x^(12/5) = x^2.4, for sRGB decoding.
     SrgbPower,
     /// The floor ⌊x⌋.
     Floor,
@@ -67,17 +67,17 @@ pub(crate) struct Evaluated {
     pub(crate) lost_bits: u32,
 }
 
-/// Creates a formula that is a named number of the pipeline.
+/// Creates a formula that consists of one named number of the pipeline.
 pub(crate) fn given(name: impl Into<Cow<'static, str>>, number: impl Into<Number>) -> Formula {
     Formula::Given(name.into(), number.into())
 }
 
-/// Creates a formula that is an integer constant, with its text.
+/// Creates a formula that consists of one integer constant, displayed as `text`.
 pub(crate) fn whole(text: &'static str, value: i64) -> Formula {
     Formula::Constant(text, ExactNumber::whole(value))
 }
 
-/// Creates a formula that is a fractional constant, with its decimal text. The denominator must not be 0.
+/// Creates a formula that consists of one fractional constant, displayed as `text`. The denominator must not be 0.
 pub(crate) fn fraction(text: &'static str, numerator: i64, denominator: i64) -> Formula {
     Formula::Constant(text, ExactNumber::ratio(numerator, denominator).unwrap_or_else(|| ExactNumber::whole(0)))
 }
@@ -129,7 +129,7 @@ impl Formula {
         .0
     }
 
-    /// Returns the number of rounding operations if every operation is performed separately.
+    /// Returns the number of roundings if every operation is performed separately; a power counts as two.
     pub(crate) fn operations(&self) -> usize {
         match self {
             Self::Given(..) | Self::Constant(..) => 0,
@@ -142,7 +142,7 @@ impl Formula {
         }
     }
 
-    /// Returns the type names of all inputs, including repetitions.
+    /// Returns the type name of every number in the formula, such as "f32", including repetitions.
     pub(crate) fn kinds(&self) -> Vec<&'static str> {
         match self {
             Self::Given(_, number) => vec![number.kind()],
@@ -236,8 +236,8 @@ enum Precedence {
     Atom,
 }
 
-/// Returns the number of leading bits that a sum or difference of two numbers cancelled: the difference between the
-/// binary exponents of the larger operand and the result. 0 for a result of 0, where equal numbers cancel without
+/// Returns the number of leading bits cancelled in `result`, the sum or difference of `a` and `b`: the binary exponent
+/// of the larger operand minus that of the result. Returns 0 if the result is 0, where equal numbers cancel without
 /// error.
 fn cancelled_bits(a: &ExactNumber, b: &ExactNumber, result: &ExactNumber) -> u32 {
     let Some(left) = result.floor_log2() else { return 0 };

@@ -20,8 +20,8 @@ pub(super) struct NamedVertex {
     pub(super) vertex: ClipVertex,
 }
 
-/// Writes the stages from model to clip. Returns the corners of the fragment's triangle, or of its piece after
-/// clipping, in clip space. Returns no corners if no piece matches the fragment, which cannot happen if the frame
+/// Writes the trace lines from model space to clipping. Returns the corners of the fragment's triangle, or of its piece
+/// after clipping, in clip space. Returns no corners if no piece matches the fragment, which cannot happen if the frame
 /// belongs to the scene.
 pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) -> Vec<NamedVertex> {
     scribe.enter(TraceStage::Model);
@@ -303,7 +303,8 @@ fn write_cut(
     }
 }
 
-/// Returns the formula for a component that clipping sets exactly onto the plane; `None` for the other components.
+/// Returns the formula for a component of a new vertex that clipping sets exactly to its value on the plane; `None` for
+/// the other components.
 fn pinned(cut: &EdgeCut, axis: usize, widening: f32) -> Option<Formula> {
     let w = || given("w", cut.vertex.position.w);
     let side = || w() * given("guard band", widening);

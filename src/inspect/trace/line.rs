@@ -12,17 +12,17 @@ choice! {
     TraceStage {
         Model = "model", "Model", "The corners of the triangle as stored in the mesh.";
         Transform = "transform", "Transform", "One matrix per draw transforms corners from model space through world and view to clip space.";
-        Clip = "clip", "Clip", "Parts outside the view are clipped away before the division by w.";
-        Project = "project", "Project", "Divided by w, scaled to pixels, snapped to the grid.";
+        Clip = "clip", "Clip", "Parts of the triangle outside the view are clipped away before the division by w.";
+        Project = "project", "Project", "The corners are divided by w, scaled to pixels and snapped to the grid.";
         Coverage = "coverage", "Coverage", "Three edge values decide on which side of each edge the pixel's centre lies.";
-        Weights = "weights", "Weights", "From edge values to the weights of the three corners, on the screen and in space.";
+        Weights = "weights", "Weights", "The weights of the three corners, from the edge values: in screen space and for attributes.";
         Depth = "depth", "Depth", "The depth of the fragment, compared with the stored depth.";
         Attributes = "attributes", "Attributes", "The attributes of the corners, interpolated by the weights.";
         Texture = "texture", "Texture", "The texels that are read, and their weights.";
         Light = "light", "Light", "The light that the surface receives.";
         Colour = "colour", "Colour", "Surface colour times light, encoded as bytes, and blended for transparency.";
         Resolve = "resolve", "Resolve", "The mean of the samples of the pixel.";
-        Upscale = "upscale", "Upscale", "From drawn samples to the pixel of the full picture.";
+        Upscale = "upscale", "Upscale", "The pixel of the full picture, reconstructed from drawn samples.";
     }
 }
 
@@ -30,7 +30,7 @@ choice! {
     /// Notable property of a trace line, such as a tie.
     Notable {
         NotFinite = "not-finite", "NaN or infinite", "The result is NaN or infinite.";
-        Tie = "tie", "Tie", "A value lies exactly on a border: a rule decides.";
+        Tie = "tie", "Tie", "A value lies exactly on a boundary, so a rule decides.";
         Cancellation = "cancellation", "Cancellation", "Nearly equal numbers were subtracted: at least a third of the digits are lost, and earlier rounding errors grow accordingly.";
         DepthEqual = "depth-equal", "Equal depth", "The fragment has exactly the stored depth.";
         Subnormal = "subnormal", "Subnormal", "The result is so small that it has fewer significant digits than its type normally holds.";
@@ -94,10 +94,10 @@ pub struct TraceLine {
     pub(crate) kind: &'static str,
     /// Bit pattern of the number in hexadecimal; empty for decisions.
     pub(crate) bits: String,
-    /// Exact result of the formula for the inputs of this line.
+    /// Exact result of the formula for the inputs of this line; `None` without a formula or for non-finite inputs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exact: Option<ExactText>,
-    /// Value minus exact value, in units in the last place of the value's type.
+    /// Rounding error: value minus exact value, in units in the last place of the value's type.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rounding_ulp: Option<f64>,
     /// Whether the value results from at most one correctly rounded operation, with an error of at most half an ulp.
@@ -105,11 +105,11 @@ pub struct TraceLine {
     /// Maximum number of leading bits cancelled by any sum or difference in the formula.
     #[serde(skip_serializing_if = "is_zero")]
     pub(crate) lost_bits: u32,
-    /// Whether the line is only explanatory and not computed by the pipeline.
+    /// Whether the line is only explanatory: the pipeline does not compute its value.
     pub(crate) aside: bool,
     /// Notable properties of the line.
     pub(crate) flags: Vec<Flag>,
-    /// Buffer that shows the quantity over the whole picture.
+    /// Buffer that shows the quantity over the whole picture, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub buffer: Option<Intermediate>,
 }
@@ -221,7 +221,7 @@ impl TraceRecorder {
         line
     }
 
-    /// Records a decision; `words` contains its reason.
+    /// Records a decision of the pipeline; `words` states the reason.
     pub(super) fn decide(
         &mut self,
         what: impl Into<String>,
@@ -267,7 +267,7 @@ impl TraceRecorder {
 }
 
 impl TraceLine {
-    /// Adds a flag of this kind if `holds`.
+    /// Flags the line as `kind` if `holds` is true.
     pub(super) fn flag(&mut self, kind: Notable, holds: bool) -> &mut Self {
         if holds {
             self.flags.push(Flag { kind, lost_bits: None });
@@ -275,7 +275,7 @@ impl TraceLine {
         self
     }
 
-    /// Sets the buffer that shows the quantity over the whole picture.
+    /// Links the line to the buffer that displays its quantity for every pixel of the picture.
     pub(super) fn shown_by(&mut self, buffer: Intermediate) -> &mut Self {
         self.buffer = Some(buffer);
         self
@@ -287,10 +287,10 @@ fn is_zero(bits: &u32) -> bool {
     *bits == 0
 }
 
-/// Number of significant digits written for exact numbers, more than an f64 has.
+/// Number of significant decimal digits of exact results, more than the 17 that identify an f64.
 const EXACT_DIGITS: u32 = 20;
 
-/// Cancellation is flagged if it loses at least the type's precision in bits divided by this number.
+/// Divisor of the type's precision in bits: a loss of at least precision / 3 leading bits is flagged as cancellation.
 const CANCELLATION_DIVISOR: u32 = 3;
 
 /// Whether a number results from at most one operation on inputs of its own type, or from one conversion.

@@ -1,8 +1,9 @@
-//! Trace of the arithmetic of one fragment, line by line: from the corners of its triangle to the final pixel.
+//! Trace of the arithmetic of one fragment, line by line, from the vertices of its triangle to the final pixel.
 //!
-//! Every value is the pipeline's own: the trace calls the pipeline's functions again on the same inputs, and shares the
-//! code of intermediate steps with drawing. Next to each value is the exact result of its formula ([`exact`]) for the
-//! inputs of that line. The difference is therefore the rounding error of that line alone, without earlier errors.
+//! Every value is the pipeline's own: the trace calls the pipeline's functions again on the same inputs, and
+//! intermediate values come from the code that draws the frame. Next to each value is the exact result of its formula
+//! ([`exact`]) for the inputs of that line. The difference is therefore the rounding error of that line alone, without
+//! earlier errors.
 //!
 //! Geometry is replayed for one triangle only, so the cost of a trace does not depend on the size of the scene.
 
@@ -44,24 +45,24 @@ use crate::scene::{Scene, TriangleId};
 pub struct Trace {
     /// Column and row of the inspected pixel in the full picture.
     pub pixel: [u32; 2],
-    /// Drawn pixel that contains the fragment; equal to `pixel` if the inspected pixel was drawn.
+    /// Column and row of the drawn pixel that contains the fragment; equal to `pixel` if the inspected pixel was drawn.
     pub(crate) drawn_at: [u32; 2],
-    /// Index of the fragment at the drawn pixel, in drawing order; `None` if the pixel has no fragments.
+    /// Index of the fragment among those of the drawn pixel, in drawing order; `None` if the pixel has no fragments.
     pub fragment: Option<usize>,
     /// Number of fragments at the drawn pixel.
     pub(crate) fragments: usize,
-    /// Triangle that produced the fragment; `None` without a fragment.
+    /// Triangle that produced the fragment; `None` if there is no fragment.
     pub triangle: Option<TriangleId>,
-    /// Name of the instance that contains the triangle; empty without a fragment.
+    /// Name of the instance that contains the triangle; empty if there is no fragment.
     pub(crate) instance: String,
     /// Lines of the trace, in pipeline order.
     pub lines: Vec<TraceLine>,
 }
 
 impl Trace {
-    /// Traces a fragment of a replayed pixel. `fragment` is an index into [`PixelReport::fragments`]; `None` selects
-    /// the visible fragment, or else the last. Without any fragment, the trace contains only the steps from drawn
-    /// samples to the pixel.
+    /// Traces a fragment of a replayed pixel. `fragment` is an index into [`PixelReport::fragments`]. `None` selects
+    /// the visible fragment, or the last fragment if none is visible. If the pixel has no fragments, the trace contains
+    /// only the steps from drawn samples to the pixel.
     ///
     /// # Examples
     /// ```
@@ -113,13 +114,13 @@ impl Trace {
         }
     }
 
-    /// Returns the index of the nearest line after or before `from` with a flag of this kind, or with any flag for
-    /// `None`. Skips asides, which are not part of the pipeline.
+    /// Returns the index of the nearest line before or after line `from` that has the flag `kind`; `None` as `kind`
+    /// accepts any flag. Skips asides, because they are not part of the pipeline.
     pub(crate) fn next(&self, from: usize, kind: Option<Notable>, direction: StepDirection) -> Option<usize> {
         self.find(from, direction, |line| !line.aside && kind.map_or(!line.flags.is_empty(), |kind| line.has(kind)))
     }
 
-    /// Returns the index of the first line of the next or previous stage, relative to the stage of the line `from`.
+    /// Returns the index of the first line of the stage before or after that of line `from`.
     pub(crate) fn next_stage(&self, from: usize, direction: StepDirection) -> Option<usize> {
         let stage = self.lines.get(from)?.stage;
         let place = self.find(from, direction, |line| line.stage != stage)?;
@@ -135,7 +136,7 @@ impl Trace {
         }
     }
 
-    /// Returns the lines of each non-empty stage, in order.
+    /// Returns each stage that has lines, with these lines, in pipeline order.
     pub(crate) fn stages(&self) -> impl Iterator<Item = (TraceStage, &[TraceLine])> {
         self.lines.chunk_by(|a, b| a.stage == b.stage).filter_map(|lines| Some((lines.first()?.stage, lines)))
     }
@@ -150,7 +151,7 @@ pub(crate) enum StepDirection {
     Back,
 }
 
-/// Returns the index of the visible fragment, or else of the last fragment.
+/// Returns the index of the visible fragment, or of the last fragment if none is visible.
 fn main_fragment(report: &PixelReport) -> Option<usize> {
     let visible = report.visible();
     let place = visible.and_then(|visible| report.fragments.iter().position(|record| std::ptr::eq(record, visible)));

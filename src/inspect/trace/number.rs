@@ -1,4 +1,4 @@
-//! Numbers as the pipeline stores them: value, type, bit pattern, and rounding error relative to an exact number.
+//! Numbers as the pipeline stores them: value, type, bit pattern, and rounding error.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 
 use super::exact::ExactNumber;
 
-/// Number as the pipeline stores it, with its type.
+/// Number in the type in which the pipeline stores it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Number {
     /// Single-precision float.
@@ -17,7 +17,7 @@ pub enum Number {
     I64(i64),
     /// Unsigned 32-bit integer.
     U32(u32),
-    /// 8-bit colour code.
+    /// 8-bit value of a colour channel.
     U8(u8),
 }
 
@@ -44,12 +44,12 @@ impl Number {
         }
     }
 
-    /// Whether the number is a float.
+    /// Whether the type is `f32` or `f64`.
     pub(crate) fn is_float(self) -> bool {
         matches!(self, Self::F32(_) | Self::F64(_))
     }
 
-    /// Converts the number to an exact number; `None` for NaN and the infinities.
+    /// Returns the exact value; `None` for NaN and the infinities.
     pub(crate) fn exact(self) -> Option<ExactNumber> {
         match self {
             Self::I64(value) => Some(ExactNumber::whole(value)),
@@ -95,8 +95,8 @@ impl Number {
         }
     }
 
-    /// Returns the number minus an exact result, in units in the last place of the type at that magnitude (1 for
-    /// integers). `None` if the number is not finite.
+    /// Returns the rounding error: the number minus the exact result, in ulps of the number's type at the magnitude of
+    /// `exact`. Integer types have an ulp of 1. Returns `None` if the number is not finite.
     pub(crate) fn rounding_ulp(self, exact: &ExactNumber) -> Option<f64> {
         let error = &self.exact()? - exact;
         Some(error.shifted(-self.last_place(exact)).approximate())

@@ -81,7 +81,8 @@ fn depth_formula(subject: &TracedFragment<'_>, vertex: &ClipVertex, screen: &Scr
     depth.max(whole("0", 0)).min(whole("1", 1))
 }
 
-/// Writes 1/w of each corner relative to the largest 1/w, from which the weights are computed.
+/// Writes the trace lines of each corner's 1/w divided by the largest 1/w. Interpolation weights are computed from
+/// these quotients.
 fn relative(subject: &TracedFragment<'_>, corners: &[NamedVertex], scribe: &mut TraceRecorder) {
     if let PlanStep::LeftOut(reason) = subject.plan.step(PipelinePart::PerspectiveDivision) {
         scribe.decide("relative 1/w", reason, "1 at all corners");

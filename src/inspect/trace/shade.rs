@@ -1,4 +1,4 @@
-//! Trace of the light, colour and blending of a fragment.
+//! Trace of the lighting, colour and blending of a fragment.
 
 use glam::Vec3;
 
@@ -54,7 +54,7 @@ fn unit_normal(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     }
 }
 
-/// Writes the normal from the normal map, which replaces the interpolated normal.
+/// Writes the trace lines of the normal from the normal map, which replaces the interpolated normal.
 fn mapped_normal(subject: &TracedFragment<'_>, map: &NormalMap<'_>, smooth: Vec3, scribe: &mut TraceRecorder) {
     let fragment = &subject.fragment;
     let vector = map.vector(fragment);
@@ -88,7 +88,7 @@ fn mapped_normal(subject: &TracedFragment<'_>, map: &NormalMap<'_>, smooth: Vec3
     }
 }
 
-/// Writes the computation of N·L and the light factor.
+/// Writes the trace lines of N·L, of the light factor, and of the specular reflection.
 fn light(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     let (shader, fragment) = (&subject.shader, &subject.fragment);
     let factor = shader.light(fragment);
@@ -117,7 +117,7 @@ fn light(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     }
 }
 
-/// Writes the halfway vector H, N·H, and the factor of the specular colour.
+/// Writes the trace lines of the halfway vector H, of N·H, and of the specular factor max(0, N·H)^Ns.
 fn write_highlight(subject: &TracedFragment<'_>, highlight: &Highlight<'_>, cosine: f32, scribe: &mut TraceRecorder) {
     let (shader, fragment) = (&subject.shader, &subject.fragment);
     let factor = shader.highlight_factor(fragment);
@@ -159,7 +159,7 @@ pub(super) fn lambert_formula(normal: [f32; 3], direction: [f32; 3], ambient: f3
     share() + (whole("1", 1) - share()) * dot(normal, direction).max(whole("0", 0))
 }
 
-/// Writes the alpha of the fragment and the alpha test.
+/// Writes the trace lines of the fragment's alpha and of the alpha test.
 fn opacity(subject: &TracedFragment<'_>, alpha: f32, scribe: &mut TraceRecorder) {
     let own = given("opacity", subject.shader.opacity());
     let formula = match subject.shader.texture_for(&subject.fragment) {
@@ -194,7 +194,7 @@ fn opacity(subject: &TracedFragment<'_>, alpha: f32, scribe: &mut TraceRecorder)
     }
 }
 
-/// Writes the computation of the surface colour: material × texture × light, blended with the colour below if the
+/// Writes the trace lines of the surface colour: material × texture × light, blended with the colour below if the
 /// material is transparent.
 fn material(subject: &TracedFragment<'_>, below: Option<Rgba8>, code: Rgba8, scribe: &mut TraceRecorder) {
     let (shader, fragment) = (&subject.shader, &subject.fragment);
@@ -236,7 +236,8 @@ fn material(subject: &TracedFragment<'_>, below: Option<Rgba8>, code: Rgba8, scr
     }
 }
 
-/// Returns the sum of diffuse light, highlight and emission, and writes a line for each of the latter two.
+/// Returns the formula of the sum of diffuse, specular and emitted light. Writes a trace line for each of the latter
+/// two.
 fn added(subject: &TracedFragment<'_>, channel: usize, diffuse: Formula, scribe: &mut TraceRecorder) -> Formula {
     let (shader, fragment, name) = (&subject.shader, &subject.fragment, CHANNELS[channel]);
     let mut all = diffuse;
@@ -267,7 +268,7 @@ fn behind_formula(subject: &TracedFragment<'_>, code: u8) -> Formula {
     }
 }
 
-/// Returns a function from channel to the formula of the filtered texture colour; `None` if no texture is read.
+/// Returns a function that maps a channel to the formula of its filtered texture colour; `None` if no texture is read.
 fn texture_color<'a>(subject: &'a TracedFragment<'_>) -> Option<impl Fn(usize) -> Formula + 'a> {
     let texture = subject.shader.texture_for(&subject.fragment)?;
     let (levels, count) = texture.levels(&subject.fragment);
@@ -299,14 +300,15 @@ fn texture_color<'a>(subject: &'a TracedFragment<'_>) -> Option<impl Fn(usize) -
     })
 }
 
-/// Returns the formula that encodes a value as an 8-bit code: the sRGB curve in linear light, or else 255 equal steps.
+/// Returns the formula that encodes a value as an 8-bit code: by the sRGB curve if shading works in linear light,
+/// otherwise in 255 equal steps.
 fn code_formula(value: f32, space: ColorSpace) -> Formula {
     encoded(&given("value", value), space)
 }
 
 /// Returns the formula that encodes the value of another formula as an 8-bit code.
 pub(super) fn encoded(value: &Formula, space: ColorSpace) -> Formula {
-    /// End of the linear segment of the sRGB curve.
+    /// Largest linear value on the straight segment of the sRGB curve.
     const STRAIGHT: f64 = 0.003_130_8;
     let is_straight = value.evaluate().is_none_or(|exact| exact.value.approximate() <= STRAIGHT);
     let within = value.clone().max(whole("0", 0)).min(whole("1", 1));
@@ -321,7 +323,7 @@ pub(super) fn encoded(value: &Formula, space: ColorSpace) -> Formula {
     }
 }
 
-/// Writes the colours of shading modes that show a single quantity without lighting.
+/// Writes the trace lines of the colour in shading modes that show a single quantity without lighting.
 fn quantity(subject: &TracedFragment<'_>, code: Rgba8, scribe: &mut TraceRecorder) {
     let fragment = &subject.fragment;
     let bytes = |value: f32| code_formula(value, ColorSpace::Bytes);

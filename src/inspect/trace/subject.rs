@@ -1,4 +1,4 @@
-//! Subject of a trace: a fragment with all inputs of its drawing, collected without processing the geometry again.
+//! Fragment to be traced, with all inputs from which it was drawn. Collecting them does not process the geometry again.
 
 use crate::chain::{Frame, Recipe};
 use crate::inspect::pixel::{FragmentRecord, PixelReport};
@@ -25,9 +25,10 @@ pub(super) struct TracedFragment<'a> {
     pub(super) plan: &'a DrawPlan,
     pub(super) shader: Shader<'a>,
     pub(super) frame: &'a Frame,
-    /// Camera used for drawing. It differs slightly from the frame's camera if samples lie between pixels.
+    /// Camera used for rasterization, shifted by a subpixel offset if samples do not lie at the pixel centres of the
+    /// full picture.
     pub(super) camera: Camera,
-    /// Size of the drawn picture, in pixels.
+    /// Size of the rasterized picture, before upscaling, in pixels.
     pub(super) raster: Viewport,
     pub(super) steps: [EdgeSteps; 3],
     pub(super) sample: RasterSample,
@@ -35,7 +36,8 @@ pub(super) struct TracedFragment<'a> {
 }
 
 impl<'a> TracedFragment<'a> {
-    /// Collects the inputs of the fragment in `record`; `None` if the record belongs to another frame.
+    /// Collects the inputs from which the fragment of `record` was drawn. Returns `None` if the record belongs to
+    /// another frame.
     pub(super) fn of(
         scene: &'a Scene,
         recipe: &'a Recipe,
@@ -73,14 +75,14 @@ impl<'a> TracedFragment<'a> {
         })
     }
 
-    /// Returns the matrices of the fragment's draw.
+    /// Returns the transformation matrices of the fragment's draw.
     pub(super) fn matrices(&self) -> DrawMatrices {
         let mapping = self.settings.depth_format.mapping();
         DrawMatrices::new(self.instance, self.camera.clip_from_world_f64(self.raster.aspect(), mapping))
     }
 
-    /// Maps a clip-space plane to the plane of the view. Near and far are swapped if the view has z = 0 at its far
-    /// plane.
+    /// Returns the plane of the view frustum that a clip-space plane represents. Near and far are swapped if z = 0 is
+    /// the far plane.
     pub(super) fn plane_of_view(&self, plane: ClipPlane) -> ClipPlane {
         plane.of_view(self.camera.has_zero_at_far(self.settings.depth_format.mapping()))
     }

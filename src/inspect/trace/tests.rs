@@ -25,7 +25,7 @@ fn all(id: &str, recipe: &Recipe, mut check: impl FnMut(&PixelReport, &Frame, &T
     }
 }
 
-/// Returns recipes that together cover every path through the pipeline.
+/// Returns recipes that together exercise every path through the pipeline.
 fn recipes() -> Vec<Recipe> {
     let with = |change: fn(&mut Recipe)| {
         let mut recipe = Recipe::default();
@@ -82,7 +82,7 @@ fn every_trace_matches_the_frame_and_its_formulas() {
     }
 }
 
-/// Asserts that lines with a counterpart in the frame or the report match it bit for bit.
+/// Asserts that each line whose value is also part of the frame or the report matches that value bit for bit.
 fn agrees(report: &PixelReport, frame: &Frame, trace: &Trace) {
     for (channel, name) in attributes::CHANNELS.into_iter().enumerate() {
         let code = f64s(trace, &format!("pixel {name}"));
@@ -129,9 +129,9 @@ fn single_operation(line: &TraceLine) -> bool {
     line.rounded_once
 }
 
-/// Asserts that a line is near its formula. Errors add up over operations and double with each cancelled leading bit,
-/// but a formula that differs from the pipeline's has far larger errors. Exact results of 0 are skipped, because they
-/// have no last place.
+/// Asserts that a line's value is close to the exact result of its formula. Errors add up over operations and double
+/// with each cancelled leading bit, but a formula that differs from the pipeline's has far larger errors. Exact results
+/// of 0 are skipped, because they have no ulp.
 fn is_near_its_formula(line: &TraceLine) {
     const MOST_ULP: f64 = 16.0;
     let Some(ulps) = line.rounding_ulp.filter(|_| line.exact.as_ref().is_some_and(|exact| exact.decimal != "0")) else {

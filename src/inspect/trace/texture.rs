@@ -1,4 +1,4 @@
-//! Trace of the texels that a fragment reads, with their weights and mean.
+//! Trace of the texels that a fragment reads, with their weights and weighted mean.
 
 use super::attributes::CHANNELS;
 use super::formula::{Formula, Function, fraction, given, sum, whole};
@@ -8,7 +8,7 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::sample::TexelTap;
 use crate::pipeline::settings::{AddressMode, Choice as _, ColorSpace, TexelFilter};
 
-/// Writes the trace lines of the texels in every mip level that is read; nothing without a texture.
+/// Writes the trace lines of the texels read from each mip level. Writes none if no texture is read.
 pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Texture);
     let Some(texture) = subject.shader.texture_for(&subject.fragment) else { return };
@@ -25,7 +25,7 @@ pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     }
 }
 
-/// Writes the addressing, weights and texels of one mip level.
+/// Writes the trace lines of the addressing, weights and texels of one mip level.
 fn read(
     subject: &TracedFragment<'_>,
     (image, is_premultiplied): (&Image<Rgba8>, bool),
@@ -59,7 +59,7 @@ fn read(
     colors(subject, (image, is_premultiplied), &taps[..count], name, scribe);
 }
 
-/// Returns the formula by which the address mode maps a texture coordinate into [0, 1].
+/// Returns the formula by which the address mode maps a texture coordinate to [0, 1].
 fn in_unit(coordinate: f32, part: &'static str, address: AddressMode) -> Formula {
     let given_part = || given(part, coordinate);
     match address {
@@ -74,7 +74,7 @@ fn in_unit(coordinate: f32, part: &'static str, address: AddressMode) -> Formula
     }
 }
 
-/// Writes the texel that the point filter selects.
+/// Writes the trace lines of the texel that the point filter selects.
 fn nearest(tap: &TexelTap, (unit, lengths): ([f64; 2], [u32; 2]), name: &str, scribe: &mut TraceRecorder) {
     for (axis, value) in [tap.x, tap.y].into_iter().enumerate() {
         let texels = given(["u", "v"][axis], unit[axis]) * given(["width", "height"][axis], lengths[axis]);
@@ -102,7 +102,7 @@ fn weight(tap: &TexelTap, place: usize, (shares, count): ([f32; 2], usize), name
     scribe.compute(what, tap.weight, &(part(0, place % 2 == 1) * part(1, place / 2 == 1)));
 }
 
-/// Writes the codes of the texels, their decoded values, and the weighted mean.
+/// Writes the trace lines of the texels' codes, their decoded values, and the weighted mean.
 fn colors(
     subject: &TracedFragment<'_>,
     (image, is_premultiplied): (&Image<Rgba8>, bool),
@@ -156,9 +156,10 @@ fn colors(
     }
 }
 
-/// Returns the formula that decodes a colour code: the sRGB curve for linear light, or else the code itself.
+/// Returns the formula that decodes an 8-bit colour code: by the sRGB curve if shading works in linear light, otherwise
+/// the code itself.
 pub(super) fn number_formula(code: u8, space: ColorSpace) -> Formula {
-    /// Last code on the linear segment of the sRGB curve: 0.04045 · 255 = 10.3.
+    /// Largest code on the straight segment of the sRGB curve: 0.04045 · 255 = 10.3.
     const LAST_STRAIGHT: u8 = 10;
     let share = || given("code", code) / whole("255", 255);
     match space {

@@ -1,4 +1,4 @@
-//! Trace from edge values to screen-space and perspective-correct weights.
+//! Trace of the interpolation weights: from edge values to screen-space and perspective-correct weights.
 
 use super::formula::{Formula, given, sum, whole};
 use super::line::{TraceRecorder, TraceStage};
@@ -36,7 +36,7 @@ pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     asides(subject, lambda, scribe);
 }
 
-/// Writes the attribute weights, computed from edge values times relative 1/w.
+/// Writes the trace lines of the attribute weights: edge values × relative 1/w, divided by their sum.
 fn in_space(subject: &TracedFragment<'_>, (edges, weights): ([f32; 3], [f32; 3]), scribe: &mut TraceRecorder) {
     let WeightTerms { q, sum: total, inverse_sum } = weight_terms(subject.triangle, &subject.sample);
     let relative = subject.triangle.relative_inv_w;
@@ -53,7 +53,7 @@ fn in_space(subject: &TracedFragment<'_>, (edges, weights): ([f32; 3], [f32; 3])
     }
 }
 
-/// Writes the computation of the weights by the published formula, which divides by the width of one edge.
+/// Writes the trace lines of the weights by the published formula, which divides by the width of one edge.
 fn published(subject: &TracedFragment<'_>, weights: [f32; 3], scribe: &mut TraceRecorder) {
     let corners = subject.triangle.corners_px();
     let coordinate = |corner: usize, axis: usize| given(format!("{}{corner}", ["x", "y"][axis]), corners[corner][axis]);
@@ -69,7 +69,7 @@ fn published(subject: &TracedFragment<'_>, weights: [f32; 3], scribe: &mut Trace
     scribe.compute("weight 0", first, &rest).shown_by(WEIGHTS[0]);
 }
 
-/// Writes 1/w and w at the sample as explanatory lines, because the pipeline does not compute them.
+/// Writes 1/w and w at the sample as asides, because the pipeline does not compute them.
 fn asides(subject: &TracedFragment<'_>, lambda: [f32; 3], scribe: &mut TraceRecorder) {
     let inv_w = subject.triangle.vertices.each_ref().map(|vertex| vertex.inv_w);
     let at_sample = inv_w_at(subject.triangle, &subject.sample);

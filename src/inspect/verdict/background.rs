@@ -1,11 +1,11 @@
-//! Explanation of a pixel that shows the background: rejected fragments, absent triangles, or the nearest miss.
+//! Explanation of a pixel that shows the background: its fragments were rejected, or no triangle covers it.
 
 use super::count_triangles;
 use crate::inspect::history::{Absent, Cause, px};
 use crate::inspect::pixel::{FragmentOutcome, FragmentRecord};
 
-/// Explains a pixel that shows none of its fragments. If the pixel has no fragments, names the most relevant absent
-/// triangle, if known.
+/// Explains a pixel whose fragments are all invisible. If the pixel has no fragments, names the most relevant triangle
+/// that does not cover it, if known.
 pub(super) fn verdict(fragments: &[FragmentRecord], absent: &[Absent]) -> String {
     let with = |outcome| count_triangles(fragments.iter().filter(|f| f.outcome == outcome));
     match (with(FragmentOutcome::DepthRejected), with(FragmentOutcome::CutOut)) {
@@ -36,7 +36,7 @@ fn absence(absent: &[Absent]) -> String {
         [] => String::new(),
         [only] => format!(" But {} {}.", name(only), only.reason),
         [first, ..] => format!(
-            " But {} triangles have a NaN or infinite corner and are never drawn, {} first.",
+            " But {} triangles have a NaN or infinite corner and are never drawn; the first is {}.",
             never.len(),
             name(first)
         ),
@@ -53,7 +53,7 @@ fn absence(absent: &[Absent]) -> String {
     }
 }
 
-/// Returns a reason without the trailing area in parentheses, which is only relevant in the pixel history.
+/// Returns `reason` without the triangle area in parentheses at its end, which matters only in the pixel history.
 fn without_area(reason: &str) -> &str {
     reason.split_once(" (doubled area").map_or(reason, |(words, _)| words)
 }

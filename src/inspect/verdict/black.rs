@@ -12,7 +12,7 @@ use crate::pipeline::settings::{ColorSpace, Settings, Shading};
 use crate::pipeline::shade::{CEL_THRESHOLD, to_working_space};
 use crate::scene::{Instance, Scene};
 
-/// Explains a black pixel; `None` if it is not black, or if its visible fragment is partly transparent.
+/// Explains a black pixel. Returns `None` if it is not black, or if its visible fragment is partly transparent.
 pub(super) fn why(report: &PixelReport, scene: &Scene, recipe: &Recipe) -> Option<String> {
     let visible = report.visible().filter(|fragment| fragment.covers_all())?;
     let shading = visible.shading.as_ref().filter(|shading| is_black(shading.color))?;
@@ -36,7 +36,7 @@ fn is_nothing(factor: f32, settings: &Settings) -> bool {
     factor <= limit
 }
 
-/// Describes the factors of the pixel's colour that are black by themselves, each with its value.
+/// Describes each factor of the pixel's colour that is black by itself, with its value.
 fn factors(
     scene: &Scene,
     settings: &Settings,
@@ -72,7 +72,8 @@ fn factors(
     found
 }
 
-/// Explains why a fragment receives no light. `lost` names the corners of its triangle without a valid normal.
+/// Explains why a fragment receives no light. `lost` names the corners of its triangle whose normals the loader
+/// discarded.
 fn darkness(settings: &Settings, shading: &ShadingRecord, lost: &[&str]) -> String {
     let ambient = settings.light.ambient;
     let has_none = shading.normal == Some([0.0; 3]) || settings.shading == Shading::Gouraud;
@@ -115,7 +116,7 @@ fn product(scene: &Scene, settings: &Settings, instance: &Instance, shading: &Sh
     format!("a product of dark factors: {}", factors.join(" × "))
 }
 
-/// Explains a black pixel of a shading mode that shows a quantity as a colour.
+/// Explains a black pixel in a shading mode that shows a quantity as a colour.
 fn number_shown(settings: &Settings, visible: &FragmentRecord) -> String {
     match settings.shading {
         Shading::Depth => format!("Black: the shading shows depth, which is {} here.", visible.depth),
@@ -123,7 +124,7 @@ fn number_shown(settings: &Settings, visible: &FragmentRecord) -> String {
     }
 }
 
-/// Formats a colour as three numbers, rounded to three decimals.
+/// Formats a colour as its three components in parentheses, rounded to three decimals.
 fn numbers(color: Vec3) -> String {
     let [r, g, b] = color.to_array().map(|c| (c * 1000.0).round() / 1000.0);
     format!("({r}, {g}, {b})")

@@ -1,4 +1,4 @@
-//! Flaws of the scene file that affect a pixel. The loader repaired them, but the cause remains.
+//! Defects of the scene file that affect a pixel. The loader worked around them, but the file still contains them.
 
 use glam::Vec3;
 
@@ -8,7 +8,7 @@ use crate::inspect::pixel::{FragmentRecord, PixelReport};
 use crate::pipeline::plan::PipelinePart;
 use crate::scene::Scene;
 
-/// Phrase for a normal that the loader discarded because it was not finite.
+/// Predicate of a sentence about a normal that the loader discarded because it was not finite.
 pub(super) const LOST_NORMALS: &str = "is not finite (NaN) in the model";
 
 /// Returns the names of the corners of the fragment's triangle whose normals were not finite in the model.
@@ -25,8 +25,8 @@ pub(super) fn lost_normals(visible: &FragmentRecord, scene: &Scene) -> Vec<&'sta
     lost().unwrap_or_default()
 }
 
-/// Describes repaired or missing data of the visible surface that the shading reads. `None` if there is none, or if
-/// `said` already mentions it.
+/// Describes defects of the scene file in data that shading the visible surface reads. Returns `None` if there are
+/// none, or if the text `said` already mentions them.
 pub(super) fn describe_flaws(
     report: &PixelReport,
     scene: &Scene,

@@ -5,8 +5,8 @@ use crate::inspect::blending::{is_nearer, sorted};
 use crate::inspect::pixel::{FragmentRecord, PixelReport, centre_color};
 use crate::scene::{Scene, Transparency};
 
-/// Reports a fragment that was blended over a nearer one, with the colour in the exact order and the remedy; `None` if
-/// there is no such fragment.
+/// Reports a fragment that was blended over a nearer one. Adds the colour that the exact blending order gives, and the
+/// setting that selects this order. Returns `None` if there is no such fragment.
 pub(super) fn verdict(report: &PixelReport, scene: &Scene, recipe: &Recipe, frame: &Frame) -> Option<String> {
     let blended = |f: &&FragmentRecord| f.transparency == Transparency::Blended && f.outcome.is_written();
     let blended: Vec<_> = report.fragments.iter().filter(blended).collect();

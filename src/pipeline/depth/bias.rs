@@ -17,7 +17,7 @@ use crate::math::fixed::SUBPIXELS;
 use crate::pipeline::settings::{Arithmetic, DepthBias, Settings};
 use crate::pipeline::viewport::ScreenVertex;
 
-/// Depth-bias settings of a view, from which the bias of each triangle is computed.
+/// Depth-bias settings of a view, which determine the bias of each triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct BiasRule {
     factors: DepthBias,
@@ -53,7 +53,7 @@ impl BiasRule {
         self.factors.constant == 0.0 && self.factors.slope == 0.0
     }
 
-    /// Returns the corner positions from which slopes are computed, in pixels.
+    /// Returns the corner positions from which depth slopes are computed, in pixels.
     #[inline(always)]
     pub(super) fn positions_px(&self, corners: &[ScreenVertex; 3]) -> [[f64; 2]; 3] {
         corners.each_ref().map(|corner| {
@@ -75,7 +75,7 @@ impl BiasRule {
     }
 }
 
-/// Returns ∂z/∂x and ∂z/∂y of the plane through three corners, or 0 if they are collinear.
+/// Returns ∂z/∂x and ∂z/∂y, per pixel, of the plane through three corners. Both are 0 if the corners are collinear.
 fn gradient([origin, first, second]: [[f64; 2]; 3], [z, z1, z2]: [f64; 3]) -> [f64; 2] {
     let [x1, y1] = [first[0] - origin[0], first[1] - origin[1]];
     let [x2, y2] = [second[0] - origin[0], second[1] - origin[1]];

@@ -1,10 +1,10 @@
-//! Depth as a function of the sample, set up once per triangle.
+//! Depth as a function of the sample, which is set up once per triangle.
 //!
-//! z/w is an affine function of the screen, so it is interpolated with the edge values themselves, never with
-//! perspective-correct weights. A depth that is linear in space is interpolated with perspective-correct weights. Both
-//! are computed as the smallest corner depth plus each corner's rise above it, weighted by a non-negative weight. So
-//! nothing cancels, a constant depth is returned exactly, and no sample inside leaves the range of the corners. A depth
-//! bias is added to the smallest depth. Depth is computed in f64 and rounded once.
+//! z/w is an affine function of the screen position, so it is interpolated with the edge values themselves, never with
+//! perspective-correct weights. A depth that is linear in world space is interpolated with perspective-correct weights.
+//! Both are computed as the smallest corner depth plus the weighted rise of each corner above it, with non-negative
+//! weights. So nothing cancels, a constant depth is returned exactly, and no sample inside the triangle leaves the
+//! range of the corner depths. A depth bias is added to the smallest depth. Depth is computed in f64 and rounded once.
 
 use super::DepthEncoding;
 use crate::pipeline::raster::RasterSample;
@@ -17,8 +17,8 @@ pub struct DepthFunction {
     encoding: DepthEncoding,
     /// Smallest corner depth, after the depth bias.
     min_depth: f64,
-    /// Rise of each corner's depth above the smallest. If depth is affine on the screen, it is per unit of the edge
-    /// value.
+    /// Difference of each corner's depth from the smallest corner depth. If depth is affine in screen space, it is
+    /// divided by the triangle's doubled area, because edge values serve as weights.
     rises: [f64; 3],
 }
 
@@ -32,14 +32,14 @@ enum Interpolant {
 }
 
 impl DepthFunction {
-    /// Returns a depth function that is affine on the screen, from the corner depths. `doubled_area` is in the unit of
-    /// edge values.
+    /// Returns a depth function that is affine in screen space, from the corner depths. `doubled_area` is in the unit
+    /// of edge values.
     pub(crate) fn affine_on_screen(corners: [f64; 3], doubled_area: f64, encoding: DepthEncoding) -> Self {
         let (min_depth, rises) = rises(corners);
         Self { course: Interpolant::Screen, encoding, min_depth, rises: rises.map(|rise| rise / doubled_area) }
     }
 
-    /// Returns a depth function that is linear in space, from the corner depths.
+    /// Returns a depth function that is linear in world space, from the corner depths.
     pub(crate) fn linear_in_space(corners: [f64; 3], encoding: DepthEncoding) -> Self {
         let (min_depth, rises) = rises(corners);
         Self { course: Interpolant::Space, encoding, min_depth, rises }
@@ -51,20 +51,20 @@ impl DepthFunction {
         Self { min_depth: self.min_depth + offset, ..self }
     }
 
-    /// Returns whether depth is linear in space rather than on the screen.
+    /// Returns whether depth is linear in world space rather than in screen space.
     pub(crate) fn is_linear_in_space(&self) -> bool {
         self.course == Interpolant::Space
     }
 
     /// Returns the smallest depth, and one factor per corner. Each factor multiplies the corner's edge value or, if
-    /// depth is linear in space, its weight.
+    /// depth is linear in world space, its perspective-correct weight.
     #[inline(always)]
     pub(crate) fn terms(&self) -> (f64, [f64; 3]) {
         (self.min_depth, self.rises)
     }
 }
 
-/// Returns the smallest corner depth, and the rise of each corner above it.
+/// Returns the smallest corner depth, and the difference of each corner depth from it.
 fn rises(corners: [f64; 3]) -> (f64, [f64; 3]) {
     let least = corners[0].min(corners[1]).min(corners[2]);
     (least, corners.map(|depth| depth - least))

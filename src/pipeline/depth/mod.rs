@@ -25,7 +25,7 @@ pub use scale::DepthScale;
 
 use super::settings::{DepthTest, Settings};
 
-/// Comparison by which a new depth passes the test against the stored one.
+/// Comparison that a new depth must satisfy against the stored depth to pass the depth test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum DepthComparison {
     /// Always passes.
@@ -64,7 +64,7 @@ impl DepthComparison {
         }
     }
 
-    /// Returns the symbol to display between the new and the stored depth of a fragment that passed.
+    /// Returns the comparison operator to display between the new and the stored depth of a fragment that passed.
     pub(crate) fn symbol(self) -> &'static str {
         match self {
             Self::Always => "always",

@@ -1,20 +1,20 @@
 //! Conversion between distances and depths: the depth of a vertex, and the world-space distance between two depths.
 //!
-//! In perspective the depth of a point depends on its distance alone, which is w. So it is computed from w, in f64, and
-//! not as the quotient of a z and a w that were both rounded to f32. Rounded to f32, the result is the nearest float in
-//! all but about one case in a hundred million.
+//! In perspective, the depth of a point depends only on its distance, which is w. Depth is therefore computed from w,
+//! in f64, and not as the quotient of a z and a w that were both rounded to f32. Rounded to f32, the result is the
+//! nearest float in all but about one case in a hundred million.
 //!
 //! Depth preserves order: of two vertices in perspective, the one with the larger w is never stored as nearer.
 //! Difference, quotient and product with a constant are each correctly rounded, so they are monotonic in exact
-//! operands. Only the difference of w and a plane more than 2²⁹ times as far, or as near, may itself be rounded. With
-//! reversed depth, neighbouring values of w then differ in stored depth by far more than that rounding. Otherwise all
-//! of them are stored as the far end.
+//! operands. The difference of w and a plane's distance is itself rounded only if one is more than 2²⁹ times the other.
+//! With reversed depth, neighbouring values of w then differ in stored depth by far more than that rounding. Otherwise
+//! all of them get the stored depth of the far plane.
 //!
 //! This guarantee has limits:
-//! - w is a rounded sum, so points closer together than its rounding error may already have changed places.
-//! - Vertices made by clipping get the depth that clipping gives them.
-//! - Inside triangles depth is interpolated, in each triangle from its own corners.
-//! - Without perspective, depth is the z that the matrix gave, with all of its rounding.
+//! - w is a rounded sum, so points closer together than its rounding error may already be in the wrong order.
+//! - Vertices created by clipping get the depth of the near or far plane, or a depth computed from an interpolated w.
+//! - Inside a triangle, depth is interpolated from the triangle's own corners.
+//! - In orthographic views, depth is clip-space z over w, with all rounding of the matrix product.
 
 use super::DepthEncoding;
 use super::bias::{BiasRule, TriangleBias};
@@ -37,12 +37,12 @@ pub struct DepthScale {
     encoding: DepthEncoding,
     near: f64,
     far: f64,
-    /// Factor of the formulas in [`DepthScale::depth`], the same for all vertices.
+    /// Constant factor in the formulas of [`DepthScale::depth`].
     factor: f64,
     bias: BiasRule,
 }
 
-/// Relation between distance and depth, and the source of a vertex's depth.
+/// Relation between distance and depth, which also determines how the depth of a vertex is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum DepthLaw {
     /// Perspective projection: the distance is w, and depth is computed from it.
@@ -63,7 +63,7 @@ impl DepthScale {
         Self { bias: BiasRule::new(settings), ..Self::new(settings.depth_format, camera) }
     }
 
-    /// Returns the mapping of a view drawn with the given depth format and without depth bias.
+    /// Returns the mapping of a view with the given depth format, without depth bias.
     pub(crate) fn new(format: DepthFormat, camera: &Camera) -> Self {
         let law = match camera.projection {
             Projection::Perspective { .. } => DepthLaw::Perspective(format.mapping()),
@@ -108,8 +108,7 @@ impl DepthScale {
         self.law
     }
 
-    /// Returns the distances of the near and the far plane, and the factor of [`DepthScale::depth`], which is computed
-    /// once per view.
+    /// Returns the distances of the near and the far plane, and the constant factor of [`DepthScale::depth`].
     pub(crate) fn planes_and_factor(&self) -> [f64; 3] {
         [self.near, self.far, self.factor]
     }
@@ -125,8 +124,8 @@ impl DepthScale {
         self.encoding.quantize(self.depth(distance.into()).clamp(0.0, 1.0))
     }
 
-    /// Returns the distance that a stored depth represents, up to rounding. Infinite for the depth of points at
-    /// infinity.
+    /// Returns the distance that a stored depth represents, up to rounding. The result is infinite for the depth of
+    /// points at infinity.
     pub(crate) fn distance_of(&self, stored: f32) -> f64 {
         let Self { near, far, factor, .. } = *self;
         let [depth, _] = self.encoding.depth_and_next(stored);
@@ -141,7 +140,8 @@ impl DepthScale {
         }
     }
 
-    /// Replaces each stored depth by its [`DepthScale::distance_of`], rounded to the nearest float.
+    /// Replaces each stored depth by the distance that it represents ([`DepthScale::distance_of`]), rounded to the
+    /// nearest float.
     pub(crate) fn replace_by_distances(&self, lanes: Lanes, depths: &mut [f32]) {
         let (eights, rest) = depths.as_chunks_mut();
         on_lanes!(lanes, simd => {
@@ -154,7 +154,7 @@ impl DepthScale {
         }
     }
 
-    /// Computes [`DepthScale::distance_of`] for eight depths.
+    /// Returns the distances that eight stored depths represent, with the arithmetic of [`DepthScale::distance_of`].
     #[inline(always)]
     fn distances_of<S: Simd>(&self, simd: S, stored: F32<S>) -> F64<S> {
         let Self { near, far, factor, .. } = *self;
@@ -171,8 +171,8 @@ impl DepthScale {
         }
     }
 
-    /// Returns the distance between a stored depth and the next storable one; surfaces closer than that may tie.
-    /// Infinite if the next depth represents infinity.
+    /// Returns the distance between the points that a stored depth and the next storable one represent; surfaces closer
+    /// than that may tie. The result is infinite if the next depth represents infinity.
     pub fn resolution(&self, stored: f32) -> f64 {
         let Self { near, far, .. } = *self;
         let [a, b] = self.encoding.depth_and_next(stored);
@@ -203,7 +203,8 @@ impl DepthScale {
         depth.clamp(0.0, 1.0) + 0.0
     }
 
-    /// Computes [`DepthScale::of_vertex`] for eight unclipped vertices, from their z and w.
+    /// Returns the depths in [0, 1] of eight unclipped vertices from their z and w, before quantisation. The arithmetic
+    /// is that of [`DepthScale::of_vertex`].
     #[inline(always)]
     pub(crate) fn of_lanes<S: Simd>(&self, simd: S, z: F32<S>, w: F32<S>) -> F64<S> {
         let Self { near, far, factor, .. } = *self;
@@ -218,12 +219,13 @@ impl DepthScale {
         clamp_f64(depth, 0.0, 1.0) + 0.0
     }
 
-    /// Returns whether depth is linear in space rather than on the screen.
+    /// Returns whether depth is linear in world space rather than in screen space.
     pub(crate) fn is_linear_in_space(&self) -> bool {
         self.law == DepthLaw::Perspective(DepthMapping::Linear)
     }
 
-    /// Returns the distance of a corner: w in perspective, else the distance that corresponds to its depth.
+    /// Returns the distance of a corner from the eye: w in perspective, otherwise the distance that its depth
+    /// represents.
     pub(crate) fn distance(&self, corner: &ScreenVertex) -> f64 {
         let range = self.far - self.near;
         match self.law {
@@ -245,15 +247,14 @@ impl DepthScale {
         self.is_biased().then(|| self.bias.of(self.bias.positions_px(corners), depths, self.encoding))
     }
 
-    /// Returns the offset that the depth bias adds to a triangle's depths, from its snapped corners in pixels and its
-    /// corner depths; 0 without a bias.
+    /// Returns the offset that the depth bias adds to a triangle's depths; 0 without a bias. The arguments are the
+    /// snapped corners in pixels and the corner depths.
     #[inline(always)]
     pub(in crate::pipeline) fn offset(&self, snapped_px: [[f64; 2]; 3], depths: [f64; 3]) -> f64 {
         if self.is_biased() { self.bias.of(snapped_px, depths, self.encoding).offset } else { 0.0 }
     }
 
-    /// Returns depth as a function over the samples of a triangle, with depth bias. `doubled_area` is in the unit of
-    /// edge values.
+    /// Returns the depth function of a triangle, including depth bias. `doubled_area` is in the unit of edge values.
     pub(crate) fn over(&self, corners: &[ScreenVertex; 3], doubled_area: f64) -> DepthFunction {
         let function = self.function(corners.each_ref().map(|v| v.depth), doubled_area);
         match self.bias_of(corners) {
@@ -263,7 +264,7 @@ impl DepthScale {
     }
 
     /// Returns the smallest corner depth of a triangle, and one factor per corner, both without depth bias. Each factor
-    /// multiplies the corner's edge value or, if depth is linear in space, its weight.
+    /// multiplies the corner's edge value or, if depth is linear in world space, its perspective-correct weight.
     #[inline(always)]
     pub(in crate::pipeline) fn terms(&self, depths: [f64; 3], doubled_area: f64) -> (f64, [f64; 3]) {
         self.function(depths, doubled_area).terms()
@@ -277,7 +278,8 @@ impl DepthScale {
         }
     }
 
-    /// Returns the depth at a distance. It lies outside [0, 1] for distances beyond the planes.
+    /// Returns the depth that corresponds to a distance. It lies outside [0, 1] for distances in front of the near
+    /// plane or beyond the far plane.
     #[inline]
     fn depth(&self, distance: f64) -> f64 {
         let Self { near, far, factor, .. } = *self;

@@ -3,19 +3,20 @@
 //! its slope, and the row is filled between pairs of them.
 //!
 //! The algorithm is designed for polygons with any number of edges; a triangle has two active ones at a time. In
-//! integers the step is Bresenham's and exact. In floats it accumulates the slope, which drifts.
+//! integers, the step from row to row is Bresenham's and exact. In floats, adding the slope accumulates rounding
+//! errors, so the edge drifts.
 
 use super::numbers::{BoundaryWalk, Numbers, RasterEdge};
 use super::{PixelRange, RasterTarget, RasterTriangle};
 
-/// Entry of the edge table: an edge, and the rows on which it is active.
+/// Entry of the edge table: an edge with the rows on which it is active.
 #[derive(Clone, Copy)]
 struct EdgeEntry<E> {
     edge: E,
     rows: PixelRange,
 }
 
-/// Active edge: its walk, its side and its last row.
+/// Active edge: its row-by-row walk, whether it is a left edge, and its last row.
 struct Active<W> {
     walk: W,
     is_left: bool,

@@ -1,12 +1,12 @@
-//! Triangle in an arithmetic that is chosen at run time, for callers that examine a few of its pixels.
+//! Triangle set up in an arithmetic that is chosen at run time, for callers that examine a few of its pixels.
 
 use super::numbers::RasterEdge;
 use super::steps::EdgeSteps;
 use super::{Exact, Fixed, Floating, RasterSample, RasterTriangle, within_fixed_point};
 use crate::pipeline::settings::{Arithmetic, FillRule};
 
-/// [`RasterTriangle`] in an arithmetic chosen at run time. Its edge values decide the coverage that [`super::cover`]
-/// returns.
+/// [`RasterTriangle`] in an arithmetic that is chosen at run time. Its edge values agree with the coverage that
+/// [`super::cover`] returns.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum AnyTriangle {
     /// Triangle in fixed point.
@@ -15,11 +15,11 @@ pub(crate) enum AnyTriangle {
     F32(RasterTriangle<Floating<f32>>),
     /// Triangle in double precision.
     F64(RasterTriangle<Floating<f64>>),
-    /// Triangle in exact arithmetic. Also used beyond the range of fixed point, on the snapped vertices.
+    /// Triangle in exact arithmetic. Also used for snapped vertices beyond the range of fixed point.
     Exact(RasterTriangle<Exact>),
 }
 
-/// Runs `$body` with `$triangle` bound to the triangle in its arithmetic.
+/// Evaluates `$body` with `$triangle` bound to the triangle in its arithmetic.
 macro_rules! each {
     ($any:expr, $triangle:ident => $body:expr) => {
         match $any {
@@ -32,7 +32,7 @@ macro_rules! each {
 }
 
 impl AnyTriangle {
-    /// Sets up the edges of a triangle from its vertices in pixels, which may lie anywhere. Returns `None` if a
+    /// Sets up the edges of a triangle. Its vertices are given in pixels and may lie anywhere. Returns `None` if a
     /// coordinate is not finite or if the triangle has no area.
     pub(crate) fn new(arithmetic: Arithmetic, corners_px: [[f32; 2]; 3], rule: FillRule) -> Option<Self> {
         let (corners_px, arithmetic) = within_fixed_point(corners_px, arithmetic);
@@ -44,7 +44,7 @@ impl AnyTriangle {
         })
     }
 
-    /// Returns the sample at a pixel's centre with its edge values, inside the triangle or not.
+    /// Returns the sample at a pixel's centre with its edge values, whether or not it lies inside the triangle.
     pub(crate) fn sample(&self, pixel: (u32, u32)) -> RasterSample {
         each!(self, triangle => triangle.sample(pixel, pixel))
     }

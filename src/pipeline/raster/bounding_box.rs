@@ -1,7 +1,7 @@
 //! Bounding-box rasterizer: tests every sample of a triangle's bounding box against the three edges.
 //!
-//! It is the simplest algorithm, and the reference for all others. It visits two samples for each covered one of a
-//! large triangle, and many more for diagonal slivers. Clamping to the scissor bounds the work by the picture's size.
+//! It is the simplest algorithm, and the reference for all others. For a large triangle it visits two samples per
+//! covered one, and many more for diagonal slivers. Clamping to the scissor bounds the work by the picture's size.
 
 use super::numbers::Numbers;
 use super::{RasterTarget, RasterTriangle};

@@ -1,8 +1,9 @@
 //! Edge walking: follows the longest edge down and scans every row from there towards the other two edges.
 //!
-//! The simple form walks the *pixels* of the long edge as a line. A flat edge has several pixels on a row, so rows are
-//! filled repeatedly, and a rounded start may lie outside. This version walks rows, and starts each at the first pixel
-//! inside the long edge. The end of a row is found by testing: one sample beyond the triangle is visited per row.
+//! The simple form walks the *pixels* of the long edge as a line. A nearly horizontal edge has several pixels in a row,
+//! so rows are filled repeatedly, and a rounded start may lie outside the triangle. This version walks rows, and starts
+//! each row at the first pixel inside the long edge. The end of a row is found by testing, which visits one sample
+//! beyond the triangle per row.
 
 use super::numbers::{Numbers, RasterEdge};
 use super::{RasterTarget, RasterTriangle};

@@ -1,10 +1,10 @@
-//! Exact decisions on unsnapped vertices: Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust
-//! Geometric Predicates" (1997), from the crate `robust`.
+//! Exact coverage decisions on unsnapped vertices: Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast
+//! Robust Geometric Predicates" (1997), from the crate `robust`.
 //!
-//! Vertices are f32, so expansions neither overflow nor underflow, and every sign is right. Most signs are certain
+//! Vertices are f32, so expansions neither overflow nor underflow, and every sign is correct. Most signs are certain
 //! without expansions: each edge has a bound of the f64 rounding error anywhere in a picture (a static filter, as in
-//! Shewchuk's chapter 4). Only a smaller value is decided exactly. The crossing of a row is estimated in f64 and then
-//! corrected by exact signs, in doubling steps and by bisection.
+//! Shewchuk's chapter 4). Only a smaller edge value is decided exactly. The intersection of an edge with a row is
+//! estimated in f64 and then corrected by exact signs, in doubling steps and by bisection.
 
 use robust::{Coord, orient2d};
 
@@ -18,14 +18,14 @@ use crate::pipeline::viewport::MAX_SIDE_PX;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Exact;
 
-/// Edge of a triangle in exact arithmetic, given by its ends in pixels.
+/// Edge of a triangle in exact arithmetic, given by its endpoints in pixels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ExactEdge {
     from: [f64; 2],
     to: [f64; 2],
     /// Vector from `from` to `to`, rounded.
     along: [f64; 2],
-    /// Magnitude above which an edge value computed in f64 has the right sign at every pixel of a picture.
+    /// Magnitude above which an edge value computed in f64 has the correct sign at every pixel of a picture.
     certain_beyond: f64,
     sign: f64,
     scale: f64,
@@ -73,8 +73,8 @@ fn oriented(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
 }
 
 /// Returns a bound on the error of along × (p − from), computed in f64, for every pixel centre p in a picture. Each
-/// product has two factors that are rounded once. With the rounding of the products and of their difference the error
-/// is at most 4 half ulps of the magnitude. The bound is twice that, for safety.
+/// product has two factors that are rounded once. Together with the rounding of the products and of their difference,
+/// the error is at most 4 half ulps of the magnitude. The bound is twice that, for safety.
 fn rounding_bound(from: [f64; 2], along: [f64; 2]) -> f64 {
     let farthest = from.map(|c| c.abs() + f64::from(MAX_SIDE_PX));
     4.0 * f64::EPSILON * (along[0].abs() * farthest[1] + along[1].abs() * farthest[0])
@@ -106,19 +106,22 @@ impl ExactEdge {
         sign * self.sign
     }
 
-    /// Returns the exact sign of the edge function by adaptive predicates, which is the slow path.
+    /// Returns a number with the exact sign of the edge function at a position in pixels, computed by adaptive
+    /// predicates. This is the slow path.
     #[cold]
     #[inline(never)]
     fn exact_sign(&self, centre: [f64; 2]) -> f64 {
         orient2d(coord(self.from), coord(self.to), coord(centre))
     }
 
-    /// Returns whether a column lies beyond the edge on a row.
+    /// Returns whether the centre of a pixel lies to the right of the edge. The fill rule decides for a centre exactly
+    /// on it.
     fn is_beyond(&self, column: i64, row: i64) -> bool {
         self.contains(column, row) == (self.inward.right > 0)
     }
 
-    /// Returns an estimate of the x, in pixels, at which a row crosses the edge.
+    /// Returns the x coordinate, in pixels, at which the centre line of a row crosses the edge, with f64 rounding
+    /// errors.
     fn estimate(&self, row: i64) -> f64 {
         let t = (row as f64 + 0.5 - self.from[1]) / (self.to[1] - self.from[1]);
         self.from[0] * (1.0 - t) + self.to[0] * t
@@ -190,7 +193,8 @@ impl RasterEdge for ExactEdge {
     }
 }
 
-/// Walk down an edge that computes the boundary of every row anew, because there is no exact incremental step.
+/// Row-by-row walk down an edge. It recomputes the boundary column for every row, because exact arithmetic has no
+/// incremental step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ExactWalk {
     edge: ExactEdge,

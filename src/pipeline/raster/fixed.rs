@@ -1,8 +1,8 @@
 //! 24.8 fixed point: vertices are snapped to 1/256 px, and all later arithmetic is in exact integers.
 //!
-//! Edge functions are Pineda's, "A Parallel Algorithm for Polygon Rasterization" (SIGGRAPH 1988): e(p) = (b − a) × (p −
-//! a) for the edge a → b. The sign is chosen so that the inside is positive for either winding. The two triangles of a
-//! shared edge compute exactly opposite values, so no cracks appear.
+//! The edge functions follow Pineda, "A Parallel Algorithm for Polygon Rasterization" (SIGGRAPH 1988): e(p) = (b − a) ×
+//! (p − a) for the edge a → b. The sign is chosen so that the inside is positive for either winding. The two triangles
+//! that share an edge compute exactly opposite values, so no cracks appear.
 //!
 //! ```text
 //!   A > 0  the inside lies to the right: a left edge        e(x, y) = A·x + B·y + C
@@ -17,14 +17,14 @@ use super::steps::{EdgeNumbers, EdgeSteps};
 use crate::math::fixed::{HALF_PIXEL, SUBPIXELS, snap};
 use crate::pipeline::settings::FillRule;
 
-/// Largest magnitude of a coordinate in pixels for which all integers fit into 64 bits.
+/// Largest magnitude of a coordinate, in pixels, for which all intermediate integers fit into 64 bits.
 pub(super) const LIMIT_PX: f32 = 1_048_576.0;
 
 /// Fixed-point arithmetic in grid steps of 1/256 px.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fixed;
 
-/// Edge of a triangle in fixed point: an affine function of the position in grid steps.
+/// Triangle edge in fixed point: the edge function a·x + b·y + c, with x and y in grid steps of 1/256 px.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct FixedEdge {
     a: i64,
@@ -69,8 +69,8 @@ impl FixedEdge {
         self.a * centre(column) + self.b * centre(row) + self.c
     }
 
-    /// Returns the fraction whose ceiling is the boundary column of a row. It solves A·x ≥ −(B·y + C), or > if a pixel
-    /// centre on the edge does not count as beyond it.
+    /// Returns the fractional column at which a row crosses the edge. Its ceiling is [`RasterEdge::boundary`]: if a
+    /// pixel centre exactly on the edge does not count as right of it, the fraction is increased by its smallest step.
     fn crossing(&self, row: i64) -> Ratio {
         let tie = i64::from(!self.inward().tie_is_beyond(self.owned));
         let numerator = -(self.b * centre(row) + self.c) * self.a.signum() + tie - HALF_PIXEL * self.a.abs();
@@ -78,7 +78,7 @@ impl FixedEdge {
     }
 }
 
-/// Returns the centre of a pixel along one axis, in grid steps.
+/// Returns the coordinate of a pixel's centre along one axis, in grid steps of 1/256 px.
 #[inline]
 fn centre(pixel: i64) -> i64 {
     pixel * SUBPIXELS + HALF_PIXEL
@@ -137,11 +137,13 @@ impl RasterEdge for FixedEdge {
     }
 }
 
-/// Walk down an edge by Bresenham's algorithm: integer columns and an exact remainder, without drift.
+/// Row-by-row walk down an edge by Bresenham's algorithm: an integer column and an exact remainder, so no error
+/// accumulates.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FixedWalk {
     boundary: i64,
-    /// Distance from the crossing to the boundary, in 1/denominator of a column: 0 ≤ shortfall < denominator.
+    /// Distance from the fractional crossing to the boundary column, in units of 1/`denominator` of a column: 0 ≤
+    /// shortfall < denominator.
     shortfall: i64,
     denominator: i64,
     whole_step: i64,

@@ -1,9 +1,10 @@
 //! Floating point, f32 or f64, on unsnapped vertices: the arithmetic of most tutorials, made as robust as possible.
 //!
-//! Both triangles of a shared edge compute from its upper end. They get exactly opposite values and agree on the side,
-//! even where rounding makes it wrong. The crossing of a row is a weighted mean of the edge's ends, so it stays within
-//! their range even for a vanishing height. Rounding remains: a pixel centre closer to a line than the numbers resolve
-//! may fall on the wrong side. A walk that adds the slope row by row drifts.
+//! Both triangles that share an edge evaluate it from its upper endpoint. They therefore get exactly opposite values,
+//! and agree on which side a pixel centre lies, even where rounding makes the result wrong. The crossing of a row is a
+//! weighted mean of the edge's endpoints, so it stays within their range even for an edge of vanishing height. Rounding
+//! errors remain: a pixel centre closer to an edge than the floats resolve may fall on the wrong side. A walk that adds
+//! the slope row by row accumulates error (drift).
 
 use num_traits::Float;
 
@@ -11,23 +12,23 @@ use super::numbers::{BoundaryWalk, Inward, Numbers, RasterEdge};
 use super::steps::{EdgeNumbers, EdgeSteps, FloatSteps};
 use crate::pipeline::settings::FillRule;
 
-/// Arithmetic in IEEE floats of type `F`.
+/// Rasterization arithmetic in IEEE 754 floats of type `F`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Floating<F>(std::marker::PhantomData<F>);
 
-/// Edge of a triangle in float arithmetic, given by its ends in pixels. Of two ends at equal height, the left one
-/// counts as the upper.
+/// Triangle edge in float arithmetic, given by its endpoints in pixels. Of two endpoints at equal height, the left one
+/// is `upper`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FloatEdge<F> {
     upper: [F; 2],
     lower: [F; 2],
-    /// Whether the inside lies where (lower − upper) × (p − upper) is negative.
+    /// Whether the cross product (lower − upper) × (p − upper) is negative for points p inside the triangle.
     negated: bool,
     owned: bool,
     scale: f64,
 }
 
-/// Float type with a variant of its own in [`EdgeNumbers`].
+/// Float type for which [`EdgeNumbers`] has a variant.
 pub(crate) trait Explained: Sized {
     /// Wraps the intermediate values of an edge function in the variant of this type.
     fn numbers(steps: FloatSteps<Self>) -> EdgeNumbers;
@@ -75,13 +76,14 @@ impl<F: Float + Default + Into<f64> + Explained> Numbers for Floating<F> {
     }
 }
 
-/// Returns the power of two that brings the magnitude of `area` into [1, 2), so that weights neither overflow nor
+/// Returns the power of two that scales the magnitude of `area` into [1, 2). Weights scaled by it neither overflow nor
 /// underflow in f32.
 pub(super) fn unit_scale(area: f64) -> f64 {
     if area.is_normal() { 2.0_f64.powi(-(area.abs().log2().floor() as i32)) } else { 1.0 }
 }
 
-/// Limit of pixel coordinates: outside any picture, and far from overflow when a pixel is added or subtracted.
+/// Magnitude to which pixel coordinates are clamped: outside any picture, and far from overflow when a pixel is added
+/// or subtracted.
 const FARTHEST_PIXEL: f64 = 1e9;
 
 fn to_pixel<F: Into<f64>>(whole: F) -> i64 {
@@ -123,7 +125,8 @@ impl<F: Float + Default + Into<f64> + Explained> FloatEdge<F> {
         self.upper[0] * (F::one() - t) + self.lower[0] * t
     }
 
-    /// Returns the first column whose centre is beyond `x`.
+    /// Returns the first column whose centre lies right of `x`, in pixels. The fill rule decides for a centre exactly
+    /// at `x`.
     fn column_beyond(&self, x: F) -> i64 {
         let before = x - half();
         if self.inward().tie_is_beyond(self.owned) { to_pixel(before.ceil()) } else { to_pixel(before.floor()) + 1 }
@@ -170,8 +173,9 @@ impl<F: Float + Default + Into<f64> + Explained> RasterEdge for FloatEdge<F> {
         self.column_beyond(self.crossing(row))
     }
 
-    /// Starts a walk on `row`. It takes the crossing of the edge's first row within the picture and adds the slope for
-    /// every row from there, even if `row` lies below. The result for a row must not depend on which rows are visited.
+    /// Starts a walk down the edge at `row`. The walk computes the crossing of the edge's first row within the picture
+    /// and adds the slope for every row from there, even if `row` lies further down. The result for a row therefore
+    /// does not depend on which rows are visited.
     fn walk(&self, row: i64) -> FloatWalk<F> {
         let first = Floating::<F>::first_centre(self.upper[1]).max(0).min(row);
         let slope = (self.lower[0] - self.upper[0]) / (self.lower[1] - self.upper[1]);
@@ -183,7 +187,7 @@ impl<F: Float + Default + Into<f64> + Explained> RasterEdge for FloatEdge<F> {
     }
 }
 
-/// Walk down an edge by the textbook method: x += dx/dy for every row.
+/// Row-by-row walk down an edge by the textbook method: x += dx/dy for every row.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FloatWalk<F> {
     edge: FloatEdge<F>,

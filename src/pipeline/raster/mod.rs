@@ -47,64 +47,66 @@ use crate::math::fixed::{snap, to_pixels};
 /// Sample of a triangle: its position and its three edge values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RasterSample {
-    /// Column in the packed picture.
+    /// Column of the sample in the packed picture, which holds only the drawn samples.
     pub column: u32,
-    /// Row in the packed picture.
+    /// Row of the sample in the packed picture, which holds only the drawn samples.
     pub row: u32,
     /// Column of the sample's pixel in the full picture.
     pub x: u32,
     /// Row of the sample's pixel in the full picture.
     pub y: u32,
-    /// Values of the edge functions, each belonging to the vertex opposite the edge. Up to rounding they sum to the
-    /// doubled area. In fixed point they are integers in units of 1/2¹⁶ px². Otherwise they are in px² times a power of
-    /// two that brings the doubled area near 1.
+    /// Values of the three edge functions, in the order of the vertices opposite the edges. Up to rounding they sum to
+    /// the doubled area. In fixed point they are integers in units of 1/2¹⁶ px². In the other arithmetics they are in
+    /// px², times a power of two that brings the doubled area near 1.
     pub edges: [f64; 3],
 }
 
-/// Run of adjacent covered samples on a row of the packed picture.
+/// Run of adjacent covered samples in a row of the packed picture, which holds only the drawn samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub(crate) struct Span {
-    /// Row of the run in the packed picture.
+    /// Row of the run in the packed picture of drawn samples.
     pub(crate) row: u32,
-    /// First column of the run in the packed picture.
+    /// First column of the run in the packed picture of drawn samples.
     pub(crate) left: u32,
-    /// One past the last column of the run.
+    /// One past the last column of the run in the packed picture of drawn samples.
     pub(crate) right: u32,
 }
 
-/// Rectangle of pixels of the full picture. Pixels outside of it are not visited.
+/// Scissor rectangle, in pixels of the full picture. Pixels outside are not visited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Scissor {
-    /// First column of pixels inside.
+    /// First pixel column inside the rectangle.
     pub(crate) left: u32,
-    /// First row of pixels inside.
+    /// First pixel row inside the rectangle.
     pub(crate) top: u32,
-    /// One past the last column of pixels inside.
+    /// One past the last pixel column inside the rectangle.
     pub(crate) right: u32,
-    /// One past the last row of pixels inside.
+    /// One past the last pixel row inside the rectangle.
     pub(crate) bottom: u32,
 }
 
 impl Scissor {
-    /// Returns the scissor of a whole picture.
+    /// Returns the scissor that contains a whole picture of `width` × `height` px.
     pub(crate) fn full(width: u32, height: u32) -> Self {
         Self { left: 0, top: 0, right: width, bottom: height }
     }
 
-    /// Returns the scissor of one pixel.
+    /// Returns the scissor that contains only pixel (x, y).
     pub(crate) fn pixel(x: u32, y: u32) -> Self {
         Self { left: x, top: y, right: x + 1, bottom: y + 1 }
     }
 
-    /// Returns whether the bounding box of a triangle is near enough for any rasterizer to find samples inside. This
-    /// avoids the setup of distant triangles: nearly all of them if a single pixel is drawn.
+    /// Returns whether any rasterizer may find covered samples of a triangle inside the scissor, judged by the
+    /// triangle's bounding box. This avoids the setup of distant triangles: nearly all of them when a single pixel is
+    /// drawn.
     pub(crate) fn may_overlap(&self, corners_px: [[f32; 2]; 3]) -> bool {
         self.may_overlap_box(box_around(corners_px))
     }
 
-    /// Returns the result of [`Scissor::may_overlap`] for the bounding box of a triangle.
+    /// Returns whether a triangle with this bounding box, in pixels, may cover samples inside the scissor.
     pub(crate) fn may_overlap_box(&self, [left, right, top, bottom]: PixelBox) -> bool {
-        /// Margin in pixels: snapping moves vertices by a fraction of a pixel, published rasterizers by a whole one.
+        /// Margin around the scissor, in pixels: snapping moves vertices by a fraction of a pixel, and the rasterizers
+        /// "as published" shift them by up to a whole one.
         const MARGIN_PX: f32 = 2.0;
         let meets = |[least, greatest]: [f32; 2], first: u32, end: u32| {
             greatest >= first as f32 - MARGIN_PX && least <= end as f32 + MARGIN_PX
@@ -113,7 +115,7 @@ impl Scissor {
     }
 }
 
-/// Range of pixel columns or rows, both ends included; empty if the last is before the first.
+/// Inclusive range of pixel columns or rows; empty if `last` is less than `first`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PixelRange {
     first: i64,
@@ -134,7 +136,7 @@ impl PixelRange {
     }
 }
 
-/// Input and output of a rasterizer: the samples that may be covered, and the list of covered spans.
+/// Target of a rasterizer: the sample grid and the scissor that limit it, and the list that receives the covered spans.
 #[derive(Debug)]
 pub(crate) struct RasterTarget<'a> {
     grid: SampleGrid,
@@ -144,27 +146,27 @@ pub(crate) struct RasterTarget<'a> {
 }
 
 impl RasterTarget<'_> {
-    /// Returns the packed rows whose samples lie in a range of pixel rows, clamped to the scissor.
+    /// Returns the rows of the packed picture whose samples lie in a range of pixel rows, clamped to the scissor.
     fn rows(&self, rows: PixelRange) -> std::ops::Range<u32> {
         let (top, bottom) = (self.scissor.top, self.scissor.bottom);
         let clamp = |row: i64| row.clamp(top.into(), bottom.into()) as u32;
         self.grid.rows(clamp(rows.first), clamp(rows.last.saturating_add(1)))
     }
 
-    /// Returns the pixel row of a packed row.
+    /// Returns the pixel row of the full picture that corresponds to a row of the packed picture.
     fn pixel_row(&self, row: u32) -> i64 {
         self.grid.pixel(0, row).1.into()
     }
 
-    /// Returns the packed columns of a packed row whose samples lie in the pixel columns `left..right`, clamped to the
-    /// scissor.
+    /// Returns the columns of row `row` of the packed picture whose samples lie in the pixel columns `left..right`,
+    /// clamped to the scissor.
     fn columns(&self, row: u32, left: i64, right: i64) -> std::ops::Range<u32> {
         let clamp = |column: i64| column.clamp(self.scissor.left.into(), self.scissor.right.into()) as u32;
         let (left, right) = (clamp(left), clamp(right));
         self.grid.columns(row, left, right.max(left))
     }
 
-    /// Returns the columns and the rows of the scissor.
+    /// Returns the pixel columns and the pixel rows inside the scissor.
     fn scissor(&self) -> [PixelRange; 2] {
         let Scissor { left, top, right, bottom } = self.scissor;
         [(left, right), (top, bottom)].map(|(first, end)| PixelRange { first: first.into(), last: i64::from(end) - 1 })
@@ -175,7 +177,7 @@ impl RasterTarget<'_> {
         self.visited += samples as u64;
     }
 
-    /// Appends a span of covered samples; does nothing if it is empty.
+    /// Appends a span of covered samples to the output; does nothing if `columns` is empty.
     fn emit(&mut self, row: u32, columns: std::ops::Range<u32>) {
         if !columns.is_empty() {
             self.spans.push(Span { row, left: columns.start, right: columns.end });
@@ -183,8 +185,8 @@ impl RasterTarget<'_> {
     }
 }
 
-/// Appends every sample of `grid` within `scissor` that the triangle covers to `spans`, each once. Returns the number
-/// of visited samples. Spans come in the algorithm's own order.
+/// Rasterizes a triangle: appends the samples of `grid` within `scissor` that it covers to `spans`, each once. The
+/// order of the spans depends on the algorithm. Returns the number of visited samples.
 pub(super) fn cover_samples<N: Numbers>(
     rasterizer: Rasterizer,
     triangle: &RasterTriangle<N>,
@@ -205,7 +207,7 @@ pub(super) fn cover_samples<N: Numbers>(
     canvas.visited
 }
 
-/// Runs `$body` with `$numbers` bound to the arithmetic type of the setting `$chosen`.
+/// Evaluates `$body` with the type alias `$numbers` for the arithmetic that the setting `$chosen` selects.
 macro_rules! with_arithmetic {
     ($chosen:expr, $numbers:ident => $body:expr) => {
         match $chosen {
@@ -231,14 +233,15 @@ macro_rules! with_arithmetic {
 
 pub(crate) use with_arithmetic;
 
-/// Returns the doubled signed area of a triangle in an arithmetic, and the scale of its edge values. The area is
-/// positive if the triangle is clockwise for the viewer (y down), and 0 if a vertex is not finite.
+/// Returns the doubled signed area of a triangle, computed in `arithmetic`, and the scale of its edge values. The area
+/// is positive if the triangle is clockwise for the viewer (y down), and 0 if a vertex is not finite.
 pub(crate) fn doubled_area(arithmetic: settings::Arithmetic, corners_px: [[f32; 2]; 3]) -> (f64, f64) {
     with_arithmetic!(arithmetic, N => triangle::doubled_area::<N>(corners_px)).unwrap_or((0.0, 1.0))
 }
 
-/// Returns the pixels of a picture that one triangle covers, for case files and reports. Vertices are in pixels and may
-/// lie anywhere in the range of f32; a vertex that is not finite covers nothing. Both facings are drawn.
+/// Returns the spans of pixels that one triangle covers in a picture, for case files and reports. Vertices are in
+/// pixels and may be any finite f32; a triangle with a vertex that is not finite covers nothing. Front- and back-facing
+/// triangles are both drawn.
 pub(crate) fn cover(
     rasterizer: Rasterizer,
     arithmetic: settings::Arithmetic,
@@ -252,12 +255,13 @@ pub(crate) fn cover(
     spans
 }
 
-/// Height of a band of [`cover_in_bands`] in rows: a multiple of the largest square side of the tiled rasterizer.
+/// Height in rows of the bands that [`cover_in_bands`] processes: a multiple of the side of the tiled rasterizer's
+/// largest squares.
 const BAND_ROWS: u32 = 64;
 
-/// Works like [`cover`], but in bands of rows from the top, with the same spans in the same order. `take` receives the
-/// spans of each band and the first row below it. Stops at the first error of `take`. Bands far from the triangle are
-/// skipped.
+/// Rasterizes a triangle like [`cover`], but in bands of rows from top to bottom; the spans and their order are the
+/// same. `take` receives the spans of each band and the first row below the band. Bands far from the triangle are
+/// skipped. Stops at the first error that `take` returns.
 pub(crate) fn cover_in_bands<E>(
     how: (Rasterizer, settings::Arithmetic, FillRule),
     corners_px: [[f32; 2]; 3],
@@ -281,7 +285,8 @@ pub(crate) fn cover_in_bands<E>(
     Ok(())
 }
 
-/// Works like [`cover`], but for the samples of a grid within a rectangle, which are appended to `spans`.
+/// Rasterizes a triangle like [`cover`], but only the samples of a grid within a scissor, and appends the covered spans
+/// to `spans`.
 pub(crate) fn cover_within(
     (rasterizer, arithmetic, rule): (Rasterizer, settings::Arithmetic, FillRule),
     corners_px: [[f32; 2]; 3],
@@ -296,8 +301,9 @@ pub(crate) fn cover_within(
     });
 }
 
-/// Returns vertices and an arithmetic with the same decisions for the triangle. Beyond the range of 64-bit integers,
-/// exact predicates on the snapped vertices replace fixed point.
+/// Returns vertices and an arithmetic that give the same coverage without integer overflow. Fixed point is replaced by
+/// exact predicates on the snapped vertices if a coordinate exceeds [`fixed::LIMIT_PX`]; all other input is returned
+/// unchanged.
 fn within_fixed_point(
     corners_px: [[f32; 2]; 3],
     arithmetic: settings::Arithmetic,

@@ -1,8 +1,8 @@
 //! Arithmetic interface of the rasterizers: each algorithm is written once and runs in every arithmetic.
 //!
-//! A rasterizer knows columns and rows of pixels, and three operations of an edge: whether a pixel's centre is inside,
-//! at which column a row crosses the edge, and the edge value at a pixel's centre. The arithmetic decides how vertices
-//! are represented and whether results are exact.
+//! A rasterizer deals with columns and rows of pixels, and with three operations on an edge: whether a pixel's centre
+//! is inside, at which column a row crosses the edge, and the edge value at a pixel's centre. The arithmetic decides
+//! how vertices are represented and whether results are exact.
 
 use super::steps::EdgeSteps;
 use crate::pipeline::settings::FillRule;
@@ -18,52 +18,54 @@ pub(crate) trait Numbers: Copy {
     fn coordinate(px: f32) -> Self::Coordinate;
 
     /// Returns the doubled signed area of a triangle, positive if clockwise for the viewer (y down), and the scale of
-    /// edge values. The scale is a power of two that brings the area near 1, or 1 if the arithmetic has its own unit.
-    /// The area is NaN if the arithmetic cannot decide it.
+    /// edge values. The scale is a power of two that brings the magnitude of the area near 1, or 1 in fixed point. The
+    /// area is NaN if an overflow leaves it undefined.
     fn doubled_area(corners: [[Self::Coordinate; 2]; 3]) -> (f64, f64);
 
-    /// Returns the edge between two consecutive vertices of a triangle. `sign` is the sign of its area; `scale`
-    /// multiplies edge values.
+    /// Returns the edge between two consecutive vertices of a triangle. `sign` is the sign of the triangle's area, and
+    /// `scale` the factor of its edge values.
     fn edge(ends: [[Self::Coordinate; 2]; 2], sign: f64, scale: f64, rule: FillRule) -> Self::Edge;
 
-    /// Returns the first pixel, along one axis, whose centre does not lie before a coordinate.
+    /// Returns the index of the first pixel along one axis whose centre lies at or after a coordinate.
     fn first_centre(coordinate: Self::Coordinate) -> i64;
 
-    /// Returns the last pixel, along one axis, whose centre does not lie after a coordinate.
+    /// Returns the index of the last pixel along one axis whose centre lies at or before a coordinate.
     fn last_centre(coordinate: Self::Coordinate) -> i64;
 }
 
-/// Edge of a triangle. Edge values are positive inside the triangle and zero on the line.
+/// Edge of a triangle. Values of its edge function are positive inside the triangle and zero on the edge.
 pub(crate) trait RasterEdge: Copy {
-    /// Type of a walk down the rows that the edge crosses.
+    /// Type that steps down the edge from row to row.
     type Walk: BoundaryWalk;
 
-    /// Returns the direction from the edge to the inside.
+    /// Returns the direction from the edge to the inside of the triangle.
     fn inward(&self) -> Inward;
 
-    /// Returns whether pixel centres on the line belong to the triangle.
+    /// Returns whether pixel centres exactly on the edge belong to the triangle, according to the fill rule.
     fn owned(&self) -> bool;
 
-    /// Returns the edge value at the centre of a pixel, scaled as the doubled area is.
+    /// Returns the value of the edge function at the centre of a pixel, in the unit of the triangle's doubled area.
     fn value(&self, column: i64, row: i64) -> f64;
 
-    /// Returns whether the centre of a pixel is inside, or on the line and owned.
+    /// Returns whether the centre of a pixel lies on the inner side of the edge, or exactly on the edge if the triangle
+    /// owns it.
     fn contains(&self, column: i64, row: i64) -> bool;
 
     /// Returns the intermediate values of the edge function at the centre of a pixel.
     fn steps(&self, column: i64, row: i64) -> EdgeSteps;
 
-    /// Returns the first column of a row that lies beyond the edge: inside for a left edge, outside for a right one.
-    /// Not defined for horizontal edges. Exact arithmetic clamps it to the columns that a picture can have.
+    /// Returns the first column of a row whose pixel centre lies to the right of the edge: the first column inside for
+    /// a left edge, the first one outside for a right edge. Not defined for horizontal edges. Exact arithmetic clamps
+    /// the result to the columns that a picture can have.
     fn boundary(&self, row: i64) -> i64;
 
-    /// Starts a walk down the edge on `row`.
+    /// Starts a row-by-row walk down the edge, at `row`.
     fn walk(&self, row: i64) -> Self::Walk;
 }
 
-/// Walk down an edge, with its boundary on each row.
+/// Row-by-row walk down an edge, which gives the edge's boundary column on each row.
 pub(crate) trait BoundaryWalk {
-    /// Returns the boundary of the edge on the current row: see [`RasterEdge::boundary`].
+    /// Returns the boundary column of the edge on the current row: see [`RasterEdge::boundary`].
     fn boundary(&self) -> i64;
 
     /// Advances to the next row.
@@ -80,13 +82,14 @@ pub(crate) struct Inward {
 }
 
 impl Inward {
-    /// Returns the direction for the derivatives of the edge function by x and y, of which only the signs count.
+    /// Creates the direction from the derivatives of the edge function with respect to x and y. Only their signs
+    /// matter.
     pub(crate) fn new<T: PartialOrd + Default>(by_x: T, by_y: T) -> Self {
         let sign = |v: T| i8::from(v > T::default()) - i8::from(v < T::default());
         Self { right: sign(by_x), down: sign(by_y) }
     }
 
-    /// Returns whether the fill rule assigns pixel centres on such an edge to the triangle.
+    /// Returns whether the fill rule assigns pixel centres exactly on an edge with this direction to the triangle.
     pub(crate) fn owned(self, rule: FillRule) -> bool {
         let Self { right, down } = self;
         match rule {
@@ -99,8 +102,8 @@ impl Inward {
         }
     }
 
-    /// Returns whether a pixel centre exactly on the edge counts as beyond it. This holds for a left edge that owns it,
-    /// and for a right edge that does not.
+    /// Returns whether a pixel centre exactly on the edge counts as right of it: on a left edge if the triangle owns
+    /// the edge, on a right edge if it does not.
     pub(crate) fn tie_is_beyond(self, owned: bool) -> bool {
         (self.right > 0) == owned
     }

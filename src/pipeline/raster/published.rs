@@ -1,15 +1,16 @@
-//! Two rasterizers as tutorials commonly publish them, kept to demonstrate their faults. Nothing else uses them.
+//! Two rasterizers as tutorials commonly publish them, kept only to demonstrate their faults.
 //!
-//! They compute in f64 whatever the arithmetic, so that visible errors are faults of the method and not of rounding.
+//! They compute in f64 whichever arithmetic is selected, so that visible errors are faults of the method and not of
+//! rounding.
 
 use super::{PixelRange, RasterTarget};
 
 /// Height in pixels below which a side counts as horizontal.
 const FLAT_PX: f64 = 1e-6;
 
-/// Emits the samples found by the bounding-box test with three faults. Samples lie at the pixels' top-left corners,
-/// which shifts the triangle by half a pixel. Samples on a shared edge are drawn by both triangles. Clockwise triangles
-/// are not drawn.
+/// Rasterizes by the bounding-box test as commonly published, with three faults. Samples lie at the pixels' top-left
+/// corners, which shifts the triangle by half a pixel. Samples on a shared edge are drawn by both triangles. Clockwise
+/// triangles are not drawn.
 pub(super) fn bounding_box(corners_px: [[f32; 2]; 3], canvas: &mut RasterTarget<'_>) {
     let [a, b, c] = corners_px.map(|corner| corner.map(f64::from));
     let range = |axis: usize| PixelRange {
@@ -33,9 +34,9 @@ pub(super) fn bounding_box(corners_px: [[f32; 2]; 3], canvas: &mut RasterTarget<
     }
 }
 
-/// Emits the samples found by scan conversion with three faults. A rounded fourth vertex bends the long edge. Sides
-/// start at the vertex instead of at the first row's centre, which shifts rows by up to a pixel times the slope. Both
-/// ends of a row are drawn.
+/// Rasterizes by scan conversion as commonly published, with three faults. A rounded fourth vertex bends the long edge.
+/// Sides start at the vertex instead of at the first row's centre, which shifts rows by up to a pixel times the slope.
+/// The pixels at both ends of a row are drawn.
 pub(super) fn scanline(corners_px: [[f32; 2]; 3], canvas: &mut RasterTarget<'_>) {
     let mut corners = corners_px.map(|corner| corner.map(f64::from));
     corners.sort_by(|a, b| a[1].total_cmp(&b[1]));
@@ -46,7 +47,8 @@ pub(super) fn scanline(corners_px: [[f32; 2]; 3], canvas: &mut RasterTarget<'_>)
     half(canvas, [middle, bottom], [fourth, bottom]);
 }
 
-/// Fills the rows between two sides that start and end at the same heights.
+/// Fills one half of the split triangle: the rows between two sides whose upper endpoints have the same y, as do their
+/// lower endpoints.
 fn half(canvas: &mut RasterTarget<'_>, one: [[f64; 2]; 2], other: [[f64; 2]; 2]) {
     let height = one[1][1] - one[0][1];
     if height <= FLAT_PX {

@@ -1,34 +1,35 @@
-//! Intermediate values of an edge function at one pixel's centre, for explanations. The final value decides coverage.
+//! Intermediate values of an edge function at one pixel's centre, for explaining the coverage of a pixel. The sign of
+//! the final value decides coverage.
 
 use super::numbers::Inward;
 
 /// Edge function evaluated at one pixel's centre, with its intermediate values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct EdgeSteps {
-    /// Direction from the edge to the inside.
+    /// Direction from the edge to the inside of the triangle.
     pub(crate) inward: Inward,
-    /// Whether pixel centres on the line belong to the triangle.
+    /// Whether pixel centres exactly on the edge belong to the triangle, according to the fill rule.
     pub(crate) owned: bool,
-    /// Whether this pixel centre is inside, or on the line and owned.
+    /// Whether this pixel centre lies on the inner side of the edge, or exactly on the edge if the triangle owns it.
     pub(crate) contains: bool,
-    /// Factor that converts the computed value to an edge value.
+    /// Factor by which the computed value is multiplied to give the edge value.
     pub(crate) scale: f64,
-    /// Intermediate values in the edge's arithmetic.
+    /// Intermediate values, in the arithmetic that was used.
     pub(crate) numbers: EdgeNumbers,
 }
 
-/// Intermediate values of an edge function, by arithmetic.
+/// Intermediate values of an edge function, with one variant per arithmetic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum EdgeNumbers {
-    /// Fixed point: A·x + B·y + C in grid steps.
+    /// Intermediate values in fixed point: the terms of A·x + B·y + C, with x and y in grid steps of 1/256 px.
     Fixed {
-        /// Coefficient A of x.
+        /// Coefficient A of x, in grid steps of 1/256 px.
         a: i64,
-        /// Coefficient B of y.
+        /// Coefficient B of y, in grid steps of 1/256 px.
         b: i64,
-        /// Constant term C.
+        /// Constant term C, in units of 1/2¹⁶ px².
         c: i64,
-        /// Position of the pixel's centre, in grid steps.
+        /// Position of the pixel's centre, in grid steps of 1/256 px.
         centre: [i64; 2],
         /// Edge value in units of 1/2¹⁶ px².
         value: i64,
@@ -39,37 +40,37 @@ pub(crate) enum EdgeNumbers {
     F64(FloatSteps<f64>),
     /// Intermediate values of an exact predicate.
     Exact {
-        /// Start of the edge, in pixels.
+        /// Start point of the edge, in pixels.
         from: [f64; 2],
-        /// End of the edge, in pixels.
+        /// End point of the edge, in pixels.
         to: [f64; 2],
         /// Position of the pixel's centre, in pixels.
         centre: [f64; 2],
         /// Sign of the triangle's area: 1 or −1.
         sign: f64,
-        /// Value before scaling, in px². Its sign is exact.
+        /// Edge value before scaling, in px². Its sign is exact.
         value: f64,
     },
 }
 
-/// Intermediate values of a float edge: `along` × (`centre` − `upper`), negated where the inside lies on the other
-/// side.
+/// Intermediate values of an edge function in float arithmetic: the cross product `along` × `to_centre`, negated if it
+/// would otherwise be negative inside the triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FloatSteps<F> {
-    /// Upper end of the edge, in pixels.
+    /// Upper endpoint of the edge, in pixels.
     pub(crate) upper: [F; 2],
-    /// Lower end of the edge, in pixels.
+    /// Lower endpoint of the edge, in pixels.
     pub(crate) lower: [F; 2],
     /// Position of the pixel's centre, in pixels.
     pub(crate) centre: [F; 2],
-    /// Vector from the upper to the lower end, in pixels.
+    /// Vector from the upper to the lower endpoint, in pixels.
     pub(crate) along: [F; 2],
-    /// Vector from the upper end to the pixel's centre, in pixels.
+    /// Vector from the upper endpoint to the pixel's centre, in pixels.
     pub(crate) to_centre: [F; 2],
-    /// The two products whose difference is the value, in px².
+    /// Two products whose difference is the edge value, in px².
     pub(crate) products: [F; 2],
-    /// Whether the difference is negated, because the inside lies on the other side.
+    /// Whether the difference of the products is negated to make it positive inside the triangle.
     pub(crate) negated: bool,
-    /// Value before scaling, in px².
+    /// Edge value before scaling, in px².
     pub(crate) value: F,
 }

@@ -7,7 +7,7 @@ const PICTURE: Viewport = Viewport { width: SIDE, height: SIDE };
 /// Number of grid steps per pixel in the reference: fine enough for all vertices of these tests, and for pixel centres.
 const STEPS: f32 = 65_536.0;
 
-/// Returns the covered pixels, by three integer cross products per pixel.
+/// Returns the pixels that a triangle covers, computed by three integer cross products per pixel.
 fn truth(corners_px: [[f32; 2]; 3], rule: FillRule) -> Vec<(u32, u32)> {
     let corners = corners_px.map(|corner| corner.map(|c| (c * STEPS) as i128));
     let cross =
@@ -34,7 +34,7 @@ fn truth(corners_px: [[f32; 2]; 3], rule: FillRule) -> Vec<(u32, u32)> {
     if area == 0 { Vec::new() } else { all.filter(|(x, y)| inside(*x, *y)).collect() }
 }
 
-/// Returns the covered pixels in reading order. Panics if one is covered twice.
+/// Returns the pixels of the spans in row-major order. Panics if a pixel is covered twice.
 fn pixels(spans: &[Span]) -> Vec<(u32, u32)> {
     let mut pixels: Vec<_> = spans.iter().flat_map(|s| (s.left..s.right).map(|x| (x, s.row))).collect();
     pixels.sort_unstable_by_key(|(x, y)| (*y, *x));
@@ -44,7 +44,8 @@ fn pixels(spans: &[Span]) -> Vec<(u32, u32)> {
     pixels
 }
 
-/// Returns triangles whose vertices lie on a grid of `step` px: the coarser it is, the more centres lie on edges.
+/// Returns random triangles whose vertices lie on a grid of `step` px. On a coarser grid, more pixel centres lie
+/// exactly on edges.
 fn triangles(seed: u64, count: usize, step: f32) -> impl Iterator<Item = [[f32; 2]; 3]> {
     let mut random = fastrand::Rng::with_seed(seed);
     std::iter::repeat_with(move || {

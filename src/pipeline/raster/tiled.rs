@@ -9,10 +9,10 @@
 use super::numbers::{Numbers, RasterEdge};
 use super::{PixelRange, RasterTarget, RasterTriangle};
 
-/// Sides of the squares in pixels, from coarse to fine.
+/// Side lengths of the squares in pixels, from coarse to fine.
 const SIDES_PX: [i64; 2] = [64, 8];
 
-/// Square of pixels, given by its top-left pixel and its side in pixels.
+/// Square of pixels, given by its top-left pixel and its side length in pixels.
 #[derive(Clone, Copy)]
 struct Square {
     column: i64,
@@ -75,7 +75,7 @@ fn descend<N: Numbers>(
     }
 }
 
-/// Returns the squares of the lattice that overlap a rectangle.
+/// Returns the squares of `side` × `side` px, aligned to multiples of `side`, that overlap a rectangle of pixels.
 fn squares(columns: PixelRange, rows: PixelRange, side: i64) -> impl Iterator<Item = Square> {
     let along =
         move |range: PixelRange| (range.first.div_euclid(side)..=range.last.div_euclid(side)).map(move |i| i * side);

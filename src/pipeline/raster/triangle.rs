@@ -1,4 +1,4 @@
-//! Triangle as rasterizers use it: three edges, and the rows and columns that they enclose.
+//! Triangle set up for rasterization: its three edges, and the rows and columns that they enclose.
 
 use super::numbers::{Numbers, RasterEdge};
 use super::{PixelRange, RasterSample};
@@ -8,7 +8,7 @@ use crate::pipeline::settings::FillRule;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RasterTriangle<N: Numbers> {
     corners: [[N::Coordinate; 2]; 3],
-    /// Edges, each opposite to the vertex of the same index.
+    /// Edges, in the order of the vertices opposite them.
     edges: [N::Edge; 3],
     doubled_area: f64,
 }
@@ -24,7 +24,7 @@ impl<N: Numbers> RasterTriangle<N> {
         Some(Self { corners, edges, doubled_area: (area * scale).abs() })
     }
 
-    /// Returns the doubled area, > 0, in the unit of edge values.
+    /// Returns the doubled area of the triangle, which is positive, in the unit of its edge values.
     pub(crate) fn doubled_area(&self) -> f64 {
         self.doubled_area
     }
@@ -35,14 +35,15 @@ impl<N: Numbers> RasterTriangle<N> {
         self.edges.iter().all(|edge| edge.contains(column, row))
     }
 
-    /// Returns the packed sample at a pixel with its edge values, covered or not.
+    /// Returns the sample at pixel (x, y) with its edge values, whether or not it is covered. `packed` is its column
+    /// and row in the packed picture of drawn samples.
     #[inline]
     pub(crate) fn sample(&self, packed: (u32, u32), (x, y): (u32, u32)) -> RasterSample {
         let edges = self.edges.each_ref().map(|edge| edge.value(x.into(), y.into()));
         RasterSample { column: packed.0, row: packed.1, x, y, edges }
     }
 
-    /// Returns the three edges, each opposite to the vertex of the same index.
+    /// Returns the three edges, in the order of the vertices opposite them.
     pub(super) fn edges(&self) -> &[N::Edge; 3] {
         &self.edges
     }
@@ -60,7 +61,7 @@ impl<N: Numbers> RasterTriangle<N> {
         })
     }
 
-    /// Returns the triangle as two sides, between which rows are filled.
+    /// Returns the two sides between which rows are filled: the long edge, and the two short edges.
     pub(super) fn sides(&self) -> Sides<N::Edge> {
         let mut order = [0, 1, 2];
         let y = |corner: usize| self.corners[corner][1];
@@ -96,18 +97,18 @@ pub(super) fn doubled_area<N: Numbers>(corners_px: [[f32; 2]; 3]) -> Option<(f64
     (area != 0.0 && !area.is_nan()).then_some((area, scale))
 }
 
-/// Long edge of a triangle, which spans all of its rows, and the two short edges on the other side.
+/// Two sides of a triangle: the long edge, which spans all rows, and the two short edges opposite it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sides<E> {
     /// Edge from the top to the bottom vertex.
     pub(super) long: E,
-    /// Edge from the top to the middle vertex; horizontal if no row belongs to it.
+    /// Edge from the top to the middle vertex. It bounds no row if it is horizontal.
     pub(super) upper: E,
-    /// Edge from the middle to the bottom vertex; horizontal if no row belongs to it.
+    /// Edge from the middle to the bottom vertex. It bounds no row if it is horizontal.
     pub(super) lower: E,
-    /// Rows that may contain covered samples.
+    /// Pixel rows that may contain covered samples.
     pub(super) rows: PixelRange,
-    /// Last row that is bounded by the upper short edge.
+    /// Last pixel row that is bounded by the upper short edge.
     pub(super) last_upper: i64,
 }
 

@@ -1,5 +1,5 @@
-//! Highlight of Blinn–Phong shading: Ks·max(0, N·H)^Ns (Blinn, "Models of Light Reflection for Computer Synthesized
-//! Pictures", 1977).
+//! Specular highlight of Blinn–Phong shading: Ks·max(0, N·H)^Ns (Blinn, "Models of Light Reflection for Computer
+//! Synthesized Pictures", 1977).
 //!
 //! H is the unit vector halfway between the directions to the light and to the eye. There is no highlight where N·L ≤
 //! 0, as in OpenGL's fixed-function pipeline. The power is computed by `libm`, so it has the same bits on every
@@ -31,7 +31,7 @@ impl Viewpoint {
         }
     }
 
-    /// Returns the vector from a world-space position to the eye, of any length.
+    /// Returns a vector from a world-space position towards the eye, not normalised.
     pub(crate) fn vector_from(self, position: Vec3) -> Vec3 {
         match self {
             Self::At(eye) => eye - position,
@@ -40,7 +40,7 @@ impl Viewpoint {
     }
 }
 
-/// Inputs for computing the highlight of a draw.
+/// Inputs for computing the specular highlights of a draw.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Highlight<'a> {
     /// Specular colour Ks, in the working colour space.
@@ -52,13 +52,14 @@ pub(crate) struct Highlight<'a> {
 }
 
 impl Highlight<'_> {
-    /// Returns the unit vector from a fragment towards the eye.
+    /// Returns the world-space unit vector from a fragment towards the eye.
     pub(crate) fn eye_direction(&self, fragment: &Fragment) -> Vec3 {
         let position = self.mesh.position(fragment).unwrap_or_default();
         unit_or(self.eye.vector_from(position).as_dvec3(), Vec3::ZERO)
     }
 
-    /// Returns the unit vector halfway between the directions to the light and to the eye; zero if they are opposite.
+    /// Returns the half vector H: the unit vector halfway between the directions to the light and to the eye; zero if
+    /// they are opposite.
     pub(crate) fn halfway(&self, to_light: Vec3, fragment: &Fragment) -> Vec3 {
         unit_or((to_light + self.eye_direction(fragment)).as_dvec3(), Vec3::ZERO)
     }

@@ -1,10 +1,11 @@
 //! Tangent-space normal maps.
 //!
 //! A texel (r, g, b) encodes the vector 2·(r, g, b) − 1 in the frame of tangent, bitangent and normal. x points along
-//! growing u, y points up the picture (OpenGL convention; along falling v, which runs down here), and z along the
-//! interpolated normal. The tangent of the fragment's triangle is orthogonalised against that normal (Gram–Schmidt).
-//! The bitangent is their cross product with the sign of the texture coordinates, so mirrored coordinates work. Texels
-//! are data, not light, so codes are filtered without decoding.
+//! growing u, y points up in the texture (OpenGL convention), along decreasing v, because v points down here. z points
+//! along the interpolated normal. The tangent of the fragment's triangle is orthogonalised against that normal
+//! (Gram–Schmidt). The bitangent is the cross product of normal and tangent; its sign follows the orientation of the
+//! texture coordinates, so mirrored coordinates work. Texels are data, not light, so codes are filtered without
+//! decoding.
 
 use glam::{Vec2, Vec3};
 
@@ -30,7 +31,7 @@ impl<'a> NormalMap<'a> {
         (self.texture, self.sampler)
     }
 
-    /// Returns the scaled tangent-space vector of the map at a fragment.
+    /// Returns the tangent-space vector that the map holds at a fragment, with x and y scaled; not normalised.
     pub(crate) fn vector(&self, fragment: &Fragment) -> Vec3 {
         let [x, y, z] = (self.texture.color(self.sampler, fragment) * 2.0 - 1.0).to_array();
         Vec3::new(x * self.scale, y * self.scale, z)
@@ -46,7 +47,8 @@ impl<'a> NormalMap<'a> {
         Some([tangent, bitangent * up])
     }
 
-    /// Returns the unit normal that replaces the interpolated unit `normal`, or `normal` itself if there is no tangent.
+    /// Returns the interpolated unit `normal` of a fragment, perturbed by the map and normalised. Returns `normal`
+    /// itself if the fragment's triangle has no tangent.
     pub(crate) fn apply(&self, normal: Vec3, fragment: &Fragment) -> Vec3 {
         let Some([tangent, bitangent]) = self.frame(normal, fragment) else { return normal };
         let vector = self.vector(fragment);

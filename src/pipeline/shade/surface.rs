@@ -41,8 +41,8 @@ impl<'a> PlacedMesh<'a> {
         Some(a + (b - a) * fragment.source_weights.y + (c - a) * fragment.source_weights.z)
     }
 
-    /// Returns the directions in which u and v grow on a triangle, in world space and of any length. Returns `None` if
-    /// its texture coordinates, times `uv_scale`, have no area.
+    /// Returns the world-space directions in which u and v increase on a triangle, not normalised. Returns `None` if
+    /// the triangle has no area in texture space after scaling by `uv_scale`.
     ///
     /// Source: Lengyel, "Computing Tangent Space Basis Vectors for an Arbitrary Mesh", 2001.
     pub(crate) fn tangents(&self, triangle: TriangleId, uv_scale: Vec2) -> Option<[Vec3; 2]> {

@@ -1,4 +1,5 @@
-//! SIMD mapping of texture coordinates to texels along one axis, bit for bit equal to [`crate::pipeline::sample`].
+//! SIMD mapping of texture coordinates to texels along one axis. Results equal those of [`crate::pipeline::sample`] bit
+//! for bit.
 
 use crate::math::lanes::*;
 use crate::pipeline::settings::AddressMode;
@@ -80,18 +81,19 @@ pub(super) fn neighbours<S: Simd>(
     }
 }
 
-/// Returns the lower of the two texels around each position in a repeating texture, and the weight of the upper one.
+/// Finds the two texels around each position in a repeating texture. Returns, for each axis, the index of the lower
+/// texel and the weight of the upper one; `None` if a position is outside the range of this fast path.
 ///
 /// Positions are in texels, along axes whose lengths are powers of two. Texel indices may be off by multiples of the
-/// length. At the exact centre of a texel, the result may be the texel before it; the upper one then has all the
-/// weight. Returns `None` if a position is outside the range of this fast path.
+/// length. At the exact centre of a texel, the index may be that of the texel before it; the upper texel then has all
+/// the weight.
 #[inline(always)]
 pub(super) fn below_repeated<S: Simd>([x, y]: [f32x16<S>; 2]) -> Option<[(i32x16<S>, f32x16<S>); 2]> {
     let are_exact = (are_small(x) & are_small(y)) || (are_moderate(x) & are_moderate(y));
     if are_exact { Some(each!(position in [x, y] => below(position))) } else { None }
 }
 
-/// Returns `true` if all positions are non-negative and small enough to have fraction bits.
+/// Returns `true` if all positions, in texels, are non-negative and less than [`ALL_INTEGERS`].
 #[inline(always)]
 fn are_small<S: Simd>(position: f32x16<S>) -> bool {
     // As unsigned integers, the bits of non-negative floats are ordered like their values. Those of negative floats are
@@ -99,8 +101,8 @@ fn are_small<S: Simd>(position: f32x16<S>) -> bool {
     position.bitcast::<u32x16<S>>().simd_lt(ALL_INTEGERS.to_bits()).all_true()
 }
 
-/// Returns `true` if all positions are small enough to have fraction bits, and none is so close below zero that
-/// [`neighbours`] rounds it.
+/// Returns `true` if the magnitudes of all positions, in texels, are less than [`ALL_INTEGERS`], and no position is so
+/// close below zero that [`neighbours`] would round it.
 #[inline(always)]
 fn are_moderate<S: Simd>(position: f32x16<S>) -> bool {
     let least_below_zero = (-LEAST_BELOW_ZERO).to_bits() as i32;
@@ -109,21 +111,22 @@ fn are_moderate<S: Simd>(position: f32x16<S>) -> bool {
     (position.abs().simd_lt(ALL_INTEGERS) & far_enough).all_true()
 }
 
-/// Computes [`neighbours`] for positions in a repeating texture whose size is a power of two. Positions are in texels.
-/// The texel index may be off by multiples of the size.
+/// Returns the index of the lower of the two texels around each position, and the weight of the upper one, as
+/// [`neighbours`] computes them for a repeating texture. Positions are in texels, along an axis whose length is a power
+/// of two. The index may be off by multiples of the length.
 ///
 /// Every step is exact in f32 except the last sum, which rounds like the final conversion from f64 in [`neighbours`].
 /// The position is exact, because it is a product with a power of two. So is its distance from the nearest integer,
-/// which whole repeats do not change. Halfway between two integers either may be chosen: the texel then has all the
-/// weight, as the first or as the second of the two.
+/// which whole repeats do not change. If the position is halfway between two integers, rounding may choose either: both
+/// choices give all the weight to the same texel.
 #[inline(always)]
 fn below<S: Simd>(position: f32x16<S>) -> (i32x16<S>, f32x16<S>) {
     let nearest = position.round_ties_even();
     (nearest.to_int::<i32x16<S>>() - 1, (position - nearest) + 0.5)
 }
 
-/// Magnitude below which a negative position has bits that f64 cannot hold in a sum with 1, in textures of up to 2¹⁶
-/// texels.
+/// Least magnitude, in texels, of a negative position whose texture coordinate plus 1 is exact in f64, along axes of up
+/// to 2¹⁶ texels.
 pub(super) const LEAST_BELOW_ZERO: f32 = 1.0 / 16384.0;
 
 /// Magnitude at and above which every f32 is an integer: 2²³.

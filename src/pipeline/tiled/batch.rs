@@ -16,7 +16,7 @@ struct EdgeArrays<E> {
     a: [[E; LANES]; 3],
     b: [[E; LANES]; 3],
     c: [[E; LANES]; 3],
-    /// Least edge value that counts as inside the triangle.
+    /// Inside threshold: the least edge value that counts as inside the triangle.
     inside: [[E; LANES]; 3],
 }
 
@@ -28,9 +28,9 @@ pub(super) struct TriangleBatch {
     integers: EdgeArrays<i32>,
     /// Bit mask of the triangles whose edge values fit into 32-bit integers in the whole tile.
     fit: u64,
-    /// Least vertex depth of each triangle, with the depth bias.
+    /// Least vertex depth of each triangle, including the depth bias.
     least: [f64; LANES],
-    /// Greatest vertex depth of each triangle, with the depth bias.
+    /// Greatest vertex depth of each triangle, including the depth bias.
     greatest: [f64; LANES],
     /// Depth terms of each edge (see [`Setup::rises`]): first in the edge order of `doubles`, then in that of
     /// `integers`.
@@ -166,7 +166,7 @@ impl TriangleBatch {
         }
     }
 
-    /// Counts the triangles selected by `alive` whose last column or row is at least `least` greater than the first.
+    /// Counts the triangles selected by `alive` that span more than `least` columns or rows of samples.
     pub(super) fn count_large(&self, alive: u64, least: i32) -> u32 {
         let reaches = |range: &[[i32; LANES]; 2], lane: usize| range[1][lane] - range[0][lane] >= least;
         let is_large = |lane: &usize| reaches(&self.columns, *lane) || reaches(&self.rows, *lane);
@@ -182,8 +182,8 @@ impl TriangleBatch {
     }
 
     /// Translates the batch to a lattice with another sample offset. Returns the bit mask of the triangles that may
-    /// cover a sample of the tile, and the translated batch. It differs only in the constant terms of the edge
-    /// functions and in the sample ranges.
+    /// cover a sample of the tile, and the translated batch. The translated batch differs from this one only in the
+    /// constant terms of the edge functions and in the sample ranges.
     #[inline(always)]
     pub(super) fn moved<S: Simd>(&self, simd: S, lattice: &TileLattice, first: [f32; 2]) -> (u64, MovedBatch<'_>) {
         let boxes = each!(axis in [0, 1] => each!(end in [0, 1] => F32::load_array_ref(simd, &self.boxes[axis][end])));
@@ -295,14 +295,14 @@ impl Triangles for MovedBatch<'_> {
     }
 }
 
-/// Returns the three values, one per edge or vertex, of the triangle in a lane.
+/// Returns the three values (one per edge or per vertex) of the triangle in lane `lane`.
 #[inline(always)]
 fn of_lane<T: Copy>(values: &[[T; LANES]; 3], lane: usize) -> [T; 3] {
     each!(i in [0, 1, 2] => values[i][lane])
 }
 
-/// Rotates three values in each lane. The first value moves to the end in lanes selected by the first mask; otherwise
-/// the second value does in lanes selected by the second mask. All other lanes are unchanged.
+/// Rotates three values in each lane. In lanes selected by the first mask, the first value becomes the last; in other
+/// lanes selected by the second mask, the second value does. All other lanes are unchanged.
 #[inline(always)]
 fn rotated<S: Simd, V: SimdBase<S>>([first, second]: [V::Mask; 2], [a, b, c]: [V; 3]) -> [V; 3] {
     each!((of_first, of_second, of_third) in [(b, c, a), (c, a, b), (a, b, c)] => {
@@ -337,8 +337,8 @@ fn ranges_lanes<S: Simd>(
     alive
 }
 
-/// Returns a, b and c of the edge functions of eight triangles, and their doubled areas, all as the low 32 bits of
-/// integers. Vertex positions are in steps of 1/256 px.
+/// Returns a, b and c of the edge functions of eight triangles, and their doubled areas, all as the low 32 bits of the
+/// exact integers. Vertex positions are in steps of 1/256 px.
 #[inline(always)]
 fn integer_edges<S: Simd>(
     simd: S,

@@ -17,7 +17,8 @@ use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::{ClipSpaceDraw, Geometry, finish_draw};
 use crate::scene::TriangleId;
 
-/// Key of a triangle within a frame: its identifier, or a piece made by clipping if the highest bit is set.
+/// Key of a triangle within a frame: the identifier of a scene triangle or, if the highest bit is set, the chunk and
+/// the index of a piece made by clipping.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct TriangleKey(pub(super) u32);
 
@@ -30,7 +31,7 @@ impl TriangleKey {
         Self(Self::PIECE | (chunk as u32) << Self::PIECE_BITS | index as u32)
     }
 
-    /// Returns the chunk of a piece and its index there; `None` for a whole triangle.
+    /// Returns the chunk of a piece made by clipping and its index in that chunk; `None` for an unclipped triangle.
     #[inline(always)]
     pub(super) fn as_piece(self) -> Option<(usize, usize)> {
         let index = self.0 & !Self::PIECE;
@@ -54,7 +55,7 @@ pub(super) struct Chunk {
     /// Ranges of triangle identifiers: index of the draw, first identifier, one past the last.
     parts: Vec<(usize, u32, u32)>,
     survivors: Survivors,
-    /// Start of each tile's entries in `keys`, followed by the end of the last tile's entries.
+    /// Index in `keys` of each tile's first entry, followed by the end of the last tile's entries.
     starts: Vec<u32>,
     keys: Vec<TriangleKey>,
     /// Pieces of clipped triangles.
@@ -67,8 +68,8 @@ pub(super) struct Chunk {
 
 /// Range of tiles that a triangle's bounding box overlaps, packed into 32 bits.
 ///
-/// Bits 0 to 15 hold the number of the first tile. Bits 16 to 23 hold the number of columns from there to the last
-/// tile, and bits 24 to 31 the number of rows.
+/// Bits 0 to 15 hold the index of the first tile in the picture. Bits 16 to 23 hold the number of columns from there to
+/// the last tile, and bits 24 to 31 the number of rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct TileRange(u32);
 
@@ -82,13 +83,14 @@ impl TileRange {
         Self((y0 * row as u32 + x0) | (x1 - x0) << Self::COLUMNS | (y1 - y0) << Self::ROWS)
     }
 
-    /// Packs the ranges of eight triangles like [`TileRange::new`]. The result has the bits of each range.
+    /// Packs the ranges of eight triangles like [`TileRange::new`]. Returns the bits of each range.
     #[inline(always)]
     fn of_lanes<S: Simd>([x0, y0]: [i32x8<S>; 2], [x1, y1]: [i32x8<S>; 2], row: usize) -> i32x8<S> {
         (y0 * row as i32 + x0) | (x1 - x0) << Self::COLUMNS | (y1 - y0) << Self::ROWS
     }
 
-    /// Calls `visit` with the number of each tile in the range. `row` is the number of tiles in a row of the picture.
+    /// Calls `visit` with the index in the picture of each tile in the range. `row` is the number of tiles in a row of
+    /// the picture.
     #[inline(always)]
     fn for_each(self, row: usize, mut visit: impl FnMut(usize)) {
         let first = (self.0 & ((1 << Self::COLUMNS) - 1)) as usize;
@@ -184,9 +186,9 @@ pub(super) struct Binning<'a> {
     pub(super) viewport: Viewport,
     pub(super) scale: DepthScale,
     pub(super) lattice: TileLattice,
-    /// Width and height of the packed picture, in samples.
+    /// Width and height, in samples, of the packed picture, which holds only the drawn samples.
     pub(super) packed: (u32, u32),
-    /// Number of columns and of rows of tiles.
+    /// Number of tiles in a row and in a column of the picture.
     pub(super) tiles: (usize, usize),
 }
 
@@ -282,8 +284,8 @@ impl Binning<'_> {
         }
     }
 
-    /// Culls those of eight triangles that `whole` selects. Returns two bit masks, and the tile range of each triangle.
-    /// The masks select the triangles that pass face culling, and those among them that may be visible.
+    /// Culls the triangles selected by `whole` among eight. Returns the bit mask of the triangles that pass face
+    /// culling, the bit mask of those that may also contain a sample, and the tile range of each triangle.
     #[inline(always)]
     fn cull_lanes<S: Simd>(
         &self,
@@ -388,7 +390,8 @@ impl Binning<'_> {
     }
 }
 
-/// Returns two bit masks: the triangles that lie entirely within the guard band, and those that must be clipped.
+/// Returns two bit masks: the triangles that need no clipping, and those that must be clipped. Triangles that are
+/// entirely outside the frustum are in neither.
 #[inline(always)]
 fn crossings(outcodes: &[Outcode], triangles: &[[u32; 3]]) -> (u64, u64) {
     let codes = triangles.as_flattened().iter().map(|corner| outcodes[*corner as usize]);

@@ -7,9 +7,9 @@
 //! anyway.
 //!
 //! **Outside**: all vertices are beyond the same plane. Computed coordinates differ from the exact ones by rounding.
-//! Let u = 2⁻²⁴, half of a float's last place. A clip-space component of a vertex v is a sum of four terms. Each term
-//! is rounded once as a product and at most three times in sums. The component is off by at most 4u (1 + O(u)) · M,
-//! where M = Σ |mᵢ| |vᵢ| is that sum with every term positive. If products underflow, it is off by 3 · 2⁻¹⁵⁰ more. The
+//! Let u = 2⁻²⁴ be the unit roundoff of f32. A clip-space component of a vertex v is a sum of four terms. Each term is
+//! rounded once as a product and at most three times in sums. The component is off by at most 4u (1 + O(u)) · M, where
+//! M = Σ |mᵢ| |vᵢ| is that sum with every term positive. If products underflow, it is off by 3 · 2⁻¹⁵⁰ more. The
 //! distance from a plane is the difference of two components, or a single one, in doubles: its sign is that of the
 //! exact difference. So if the exact distance is less than −(8u · max M + 2⁻¹⁴⁷) for every point of a box, the pipeline
 //! computes every vertex in the box as outside. [`ROUNDING`] and [`UNDERFLOW`] exceed these terms by at least a factor
@@ -17,14 +17,14 @@
 //! is greatest at the corner that the signs of its coefficients select. M is greatest at the largest magnitudes on each
 //! axis.
 //!
-//! **Back-facing**: the doubled area of the snapped vertices has the sign of the culled side, or is zero. The exact
-//! doubled area on the screen, before snapping, is S = −(W·H/4) · D / (w₀ w₁ w₂). D is the determinant of the
-//! clip-space x, y and w of the three vertices. By the Cauchy–Binet formula, D = 2A · (n·e + d·f) for a triangle of
-//! area A in the plane n·p = d. (e, f) are the minors of the three rows of the matrix: the homogeneous position of the
-//! eye, if there is one. Bounds of n and d give a lower bound of |n·e + d·f| over a cluster. Snapped vertices differ
-//! from the exact ones by at most δ on each axis: half a step of 1/256 px plus rounding. This changes S by at most √2 δ
-//! times the perimeter plus 8δ². An edge of length ℓ is at most κℓ/w px long on the screen. With the longest edge ℓ and
-//! the altitude h = 2A/ℓ, the sign is certain if
+//! **Back-facing**: the doubled area of the snapped vertices has the sign of the culled side, or is zero. In a picture
+//! of W × H px, the exact doubled area on the screen, before snapping, is S = −(W·H/4) · D / (w₀ w₁ w₂). D is the
+//! determinant of the clip-space x, y and w of the three vertices. By the Cauchy–Binet formula, D = 2A · (n·e + d·f)
+//! for a triangle of area A in the plane n·p = d. (e, f) are the minors of the three rows of the matrix: the
+//! homogeneous position of the eye, if there is one. Bounds of n and d give a lower bound of |n·e + d·f| over a
+//! cluster. Snapped vertices differ from the exact ones by at most δ on each axis: half a step of 1/256 px plus
+//! rounding. This changes S by at most √2 δ times the perimeter plus 8δ². An edge of length ℓ is at most κℓ/w px long
+//! on the screen. With the longest edge ℓ and the altitude h = 2A/ℓ, the sign is certain if
 //!
 //! ```text
 //! (W·H/4) · h · |n·e + d·f| / w_max³  >  3 √2 δ κ / w_min + 8δ² / h
@@ -73,7 +73,7 @@ impl Ranges {
 #[derive(Clone, Debug)]
 pub(super) struct VisibleClusters {
     pub(super) triangles: Ranges,
-    /// Ranges that contain all vertices of the triangles, and possibly others.
+    /// Ranges of vertices that include all vertices of the remaining triangles, and possibly others.
     pub(super) vertices: Ranges,
 }
 
@@ -120,8 +120,8 @@ enum ClusterFate {
     BackFacing,
 }
 
-/// Returns the union of ranges of blocks as ranges of vertices, in a mesh of `len` vertices. The given ranges may
-/// overlap. The running time is proportional to the number of ranges plus the number of blocks in the mesh.
+/// Merges ranges of vertex blocks, which may overlap, into disjoint ranges of vertices. The mesh has `len` vertices.
+/// The running time is proportional to the number of ranges plus the number of blocks in the mesh.
 fn union(ranges: impl Iterator<Item = Range<usize>>, len: usize) -> Vec<Range<usize>> {
     // For each block, the number of ranges that begin at it minus the number of ranges that end before it.
     let mut changes = vec![0_i32; len.div_ceil(BLOCK) + 1];
@@ -156,8 +156,8 @@ struct Affine {
 }
 
 impl Affine {
-    /// Creates the distance from a clip plane. `widening`, a power of two, is the factor by which the side planes are
-    /// moved outward.
+    /// Creates the function that gives the signed distance from a clip plane. `widening`, a power of two, is the factor
+    /// by which the side planes are moved outward.
     fn distance(plane: ClipPlane, clip_from_model: Mat4, widening: f32) -> Self {
         let columns: [Vec4; 4] = std::array::from_fn(|column| clip_from_model.col(column));
         let factor = f64::from(widening);
@@ -167,7 +167,7 @@ impl Affine {
         }
     }
 
-    /// Creates the clip-space coordinate of an axis: 0 to 3 for x, y, z and w.
+    /// Creates the function that gives a clip-space coordinate, selected by `axis`: 0 to 3 for x, y, z and w.
     fn component(axis: usize, clip_from_model: Mat4) -> Self {
         let row = clip_from_model.row(axis).as_dvec4();
         Self { coefficients: row.to_array(), magnitudes: row.abs().to_array() }
@@ -190,8 +190,8 @@ impl Affine {
         self.greatest(simd, &[*greatest, *least])
     }
 
-    /// Returns the sum of the magnitudes of all terms. `farthest` has the largest magnitude of the coordinates in each
-    /// of eight boxes.
+    /// Returns an upper bound on the sum of the magnitudes of the function's terms in each of eight boxes. `farthest`
+    /// has the largest magnitude of each coordinate in these boxes.
     #[inline(always)]
     fn magnitude<S: Simd>(&self, simd: S, farthest: &[F64<S>; 3]) -> F64<S> {
         let [x, y, z, one] = self.magnitudes;
@@ -199,7 +199,8 @@ impl Affine {
         far_x * x + far_y * y + far_z * z + F64::splat(simd, one)
     }
 
-    /// Returns a bound on the difference between the value that the pipeline computes and the exact one.
+    /// Returns, for each of eight boxes, a bound on the difference between the function value that the pipeline
+    /// computes and the exact one.
     #[inline(always)]
     fn slack<S: Simd>(&self, simd: S, farthest: &[F64<S>; 3]) -> F64<S> {
         self.magnitude(simd, farthest) * ROUNDING + UNDERFLOW
@@ -246,13 +247,14 @@ const DOUBLE_ROUNDING: f64 = 1e-12;
 /// Back-facing test of the clusters of one mesh in one view.
 #[derive(Clone, Debug)]
 struct BackFacingTest {
-    /// Distances from the clip planes with the sides moved outward. No triangle inside all of them is clipped.
+    /// Signed distances from the clip planes, with the side planes moved outward. Triangles inside all of these planes
+    /// are never clipped.
     distances: [Affine; PLANES.len()],
     x: Affine,
     y: Affine,
     w: Affine,
-    /// Coefficients of D / 2A as a function of n and d, positive on the culled side, and the sum of the magnitudes of
-    /// the terms of each. The symbols are those of the module documentation.
+    /// Coefficients of D / 2A as a linear function of n and d, positive for culled triangles; then, for each
+    /// coefficient, the sum of the magnitudes of its terms. The module documentation explains the symbols.
     seen_from: ([f64; 4], [f64; 4]),
     /// Factor κ: an edge of model-space length ℓ is at most κℓ/w px long on the screen.
     stretch: f64,
@@ -263,7 +265,8 @@ struct BackFacingTest {
 }
 
 impl BackFacingTest {
-    /// Creates the test. `sign` is the sign of the determinant D for culled triangles.
+    /// Creates the back-facing test of a mesh in one view. `sign` is the sign that the determinant D of the module
+    /// documentation has for culled triangles.
     fn new(clip_from_model: Mat4, Viewport { width, height }: Viewport, sign: f64) -> Self {
         let (width, height) = (f64::from(width), f64::from(height));
         let rows = [0, 1, 3].map(|row| clip_from_model.row(row).as_dvec4().to_array());
@@ -297,7 +300,7 @@ impl BackFacingTest {
         }
     }
 
-    /// Returns the bit mask of those of eight clusters whose triangles all show the culled side.
+    /// Returns the bit mask that selects, among eight clusters, those whose triangles are all culled by their facing.
     #[inline(always)]
     fn back_facing<S: Simd>(
         &self,
@@ -346,10 +349,10 @@ impl BackFacingTest {
     }
 }
 
-/// Lower bound of w for clusters that the back-facing test may cull.
+/// Lower limit of clip-space w for clusters that the back-facing test may cull.
 const MIN_W: f64 = 1e-20;
 
-/// Upper bound of w for clusters that the back-facing test may cull.
+/// Upper limit of clip-space w for clusters that the back-facing test may cull.
 const MAX_W: f64 = 1e20;
 
 /// Bound on the rounding error of a screen position, relative to the longer side of the picture and to the magnitudes
@@ -377,8 +380,8 @@ fn fates(clusters: &Clusters, view: &ClusterCulling, lanes: Lanes) -> Vec<Cluste
     out
 }
 
-/// Returns two bit masks of eight clusters: those that the pipeline computes as entirely beyond one clip plane, and
-/// those that are back-facing.
+/// Returns two bit masks over eight clusters: those whose vertices all lie beyond one clip plane, as the pipeline
+/// computes them, and those that are back-facing.
 #[inline(always)]
 fn eight_fates<S: Simd>(simd: S, boxes: &Boxes, planes: &ClusterPlanes, view: &ClusterCulling) -> [u64; 2] {
     let bounds = each!(end in [0, 1] => {
@@ -571,7 +574,7 @@ mod tests {
 
     #[test]
     fn blocks_are_joined() {
-        /// Returns the union of ranges of blocks. All ranges are pairs of start and end.
+        /// Calls [`union`] with ranges given as pairs of start and end, and returns the result in the same form.
         fn joined<const N: usize>(ranges: [[usize; 2]; N], len: usize) -> Vec<[usize; 2]> {
             let joined = union(ranges.into_iter().map(|[start, end]| start..end), len);
             joined.into_iter().map(|range| [range.start, range.end]).collect()

@@ -23,7 +23,7 @@ pub(super) struct DepthRules {
 }
 
 impl DepthRules {
-    /// Creates the rules of a frame. `asked_for` is `true` if the caller reads its depths.
+    /// Creates the depth rules of a frame. `asked_for` is `true` if the caller reads the depths of the frame.
     pub(super) fn new(settings: &Settings, scale: &DepthScale, asked_for: bool) -> Self {
         let comparison = DepthComparison::of(settings);
         Self {
@@ -36,8 +36,8 @@ impl DepthRules {
         }
     }
 
-    /// Returns the rules with compile-time constants if `COMMON`, which removes branches. `COMMON` requires
-    /// [`DepthRules::are_common`].
+    /// Returns the rules. If `COMMON` is `true`, compile-time constants replace the rules that are tested, which
+    /// removes branches; [`DepthRules::are_common`] must then be `true`.
     #[inline(always)]
     pub(super) fn known<const COMMON: bool>(self) -> Self {
         if COMMON {
@@ -116,7 +116,7 @@ fn quantize<S: Simd>(simd: S, depth: F64<S>, encoding: DepthEncoding) -> F32<S> 
 /// 23 operations of 2⁻⁵³ each.
 const ROUNDING: f64 = 1.0 / (1_u64 << 48) as f64;
 
-/// Depth of a triangle as a plane over the samples of a tile, without rounding.
+/// Depth of a triangle as a linear function of the sample position in a tile, before quantisation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DepthPlane {
     /// Depth of the plane at the tile's first sample.
@@ -126,9 +126,9 @@ pub(super) struct DepthPlane {
     /// Largest difference between the plane and the depth of a sample, before quantisation. Infinite if depth is linear
     /// in view space, because it is then not a plane on the screen.
     slack: f64,
-    /// Lower bound of all depths of the triangle, in [0, 1].
+    /// Lower bound on all depths of the triangle, in [0, 1].
     least: f64,
-    /// Upper bound of all depths of the triangle, in [0, 1].
+    /// Upper bound on all depths of the triangle, in [0, 1].
     greatest: f64,
 }
 
@@ -154,8 +154,9 @@ impl DepthPlane {
         self.at_first
     }
 
-    /// Returns bounds of the stored depths in eight rectangles. `x` and `y` are the positions of their first samples.
-    /// Width and height are the distances to their last samples, in steps of 1/256 px.
+    /// Returns a lower and an upper bound on the stored depths in each of eight rectangles of samples. `x` and `y` are
+    /// the positions of the first samples, and width and height the distances from these to the last samples, all in
+    /// steps of 1/256 px.
     ///
     /// For rectangles that the triangle does not cover anywhere, the bounds may lie outside its range of depths.
     #[inline(always)]
@@ -197,13 +198,14 @@ pub(super) fn compare_bounds<S: Simd>(
     }
 }
 
-/// Returns the sum of the magnitudes of the least and the greatest depth. No term of a depth exceeds it.
+/// Returns the sum of the magnitudes of a triangle's least and greatest depth. No term in the computation of a sample's
+/// depth exceeds it.
 #[inline(always)]
 fn magnitude<E>(triangle: &Setup<E>) -> f64 {
     triangle.min_depth.abs() + triangle.max_depth.abs()
 }
 
-/// Returns bounds of the stored depths at all samples of a triangle.
+/// Returns a lower and an upper bound on the stored depths at all samples of a triangle.
 #[inline(always)]
 pub(super) fn whole_depths<E: EdgeNumber>(triangle: &Setup<E>, rules: &DepthRules) -> [f32; 2] {
     let slack = ROUNDING * magnitude(triangle);

@@ -1,7 +1,7 @@
 //! Number types for the edge values of a triangle within a tile.
 //!
-//! All edge values are integers. Doubles can hold those of every triangle, and 32-bit integers those of most triangles.
-//! A register holds twice as many integers as doubles.
+//! All edge values are integers. A double can hold the edge values of any triangle; a 32-bit integer can hold those of
+//! most triangles. A register holds twice as many 32-bit integers as doubles.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -18,8 +18,8 @@ pub(super) trait EdgeNumber: Copy + Add<Output = Self> + Mul<Output = Self> {
         + Mul<Output = Self::Eight<S>>
         + Mul<Self, Output = Self::Eight<S>>;
 
-    /// Whether the last edge is opposite a vertex of least depth, so that its depth term is zero. This does not hold if
-    /// depth is linear in view space.
+    /// Whether edges are ordered so that the last one is opposite the vertex of least depth, and its depth term is
+    /// therefore zero. Edges are not reordered if depth is linear in view space.
     const LAST_HAS_MIN_DEPTH: bool;
 
     /// Converts an integer to this type.
@@ -34,7 +34,7 @@ pub(super) trait EdgeNumber: Copy + Add<Output = Self> + Mul<Output = Self> {
     /// Returns the sample distances of a lattice as numbers of this type.
     fn steps(lattice: &TileLattice) -> &LatticeSteps<Self>;
 
-    /// Returns the array that has this type: `doubles` or `integers`.
+    /// Returns whichever of the two arrays has elements of this type.
     fn pick<'a>(doubles: &'a [[f64; LANES]; 3], integers: &'a [[i32; LANES]; 3]) -> &'a [[Self; LANES]; 3];
 
     /// Loads eight numbers into a vector.

@@ -139,15 +139,15 @@ const LARGE: i32 = 2 * BLOCK as i32;
 /// Returns `true` if a tile with this number of triangles uses hierarchical Z, that is, keeps depth bounds of its
 /// blocks.
 ///
-/// Decides by the sizes of the `first` triangles that were set up. `alive` selects those that may cover a sample of the
-/// tile.
+/// The decision depends on the sizes of the first triangles of the tile, which are set up in `first`. `alive` selects
+/// the triangles that may cover a sample of the tile.
 #[inline(always)]
 pub(super) fn uses_hiz(triangles: usize, first: &[TriangleBatch; BATCHES], alive: &[u64; BATCHES]) -> bool {
     let large = || first.iter().zip(alive).map(|(batch, alive)| batch.count_large(*alive, LARGE)).sum::<u32>();
     triangles < HIZ_MAX_TRIANGLES || 2 * large() > alive.iter().map(|alive| alive.count_ones()).sum()
 }
 
-/// Fills the normals and the colours of eight surface records, each only if the frame reads it.
+/// Fills the normals of eight surface records if the frame reads normals, and the colours if it reads colours.
 #[inline(never)]
 fn fill_parts<S: Simd>(
     simd: S,

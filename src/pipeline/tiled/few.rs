@@ -1,5 +1,5 @@
-//! Triangle data for sixteen samples of only a few triangles: data is loaded once per triangle and permuted to its
-//! samples.
+//! Triangle data for sixteen samples that belong to only a few triangles: data is loaded once per triangle and permuted
+//! to its samples.
 
 use super::record::{Record, Slot, TileBin, TriangleSource};
 use crate::math::lanes::*;
@@ -7,7 +7,7 @@ use crate::math::lanes::*;
 /// Maximum number of distinct triangles for which [`Few`] is used.
 const FEW: usize = LANES;
 
-/// Source of the triangle data for sixteen samples of at most [`FEW`] distinct triangles.
+/// Source of the triangle data for sixteen samples that belong to at most [`FEW`] distinct triangles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Few<'a> {
     records: [&'a Record; FEW],
@@ -22,8 +22,8 @@ pub(super) struct Few<'a> {
 struct TriangleIndices([u32; WIDE]);
 
 impl<'a> Few<'a> {
-    /// Finds the distinct triangles of the samples selected by `mine`; all other samples are assigned any of these.
-    /// Returns `None` if there are more than [`FEW`] triangles, or if the processor has no AVX-512.
+    /// Finds the distinct triangles of the samples selected by `mine`; all other samples are assigned an arbitrary one
+    /// of these. Returns `None` if there are more than [`FEW`] triangles, or if the processor has no AVX-512.
     #[inline(always)]
     pub(super) fn find<S: Simd>(simd: S, entrants: &'a TileBin, slots: &[u32; WIDE], mine: u32) -> Option<Self> {
         let (slots, which) = distinct(simd, slots, mine)?;
@@ -31,8 +31,8 @@ impl<'a> Few<'a> {
         Some(Self { records, bin: entrants, slots, which })
     }
 
-    /// Permutes a quad of numbers of each distinct triangle to the samples. Returns the four numbers of each sample's
-    /// triangle.
+    /// Distributes one quad of numbers per distinct triangle to the sixteen samples. Returns four vectors, one for each
+    /// number of the quad, with the values of each sample's triangle.
     #[inline(always)]
     fn deal<S: Simd>(self, rows: [f32x4<S>; FEW]) -> [f32x16<S>; 4] {
         let simd = rows[0].simd;
@@ -55,8 +55,8 @@ impl<'a> Few<'a> {
 }
 
 impl TriangleSource for Few<'_> {
-    /// Prefetches for every fifth sample. The texels of few triangles lie close together, so prefetching them for all
-    /// samples takes longer than the cache misses that it avoids.
+    /// Prefetches the texels of every fifth sample only. The texels of few triangles lie close together, so prefetching
+    /// them for all samples takes longer than the cache misses that it avoids.
     const PREFETCH_STEP: Option<usize> = Some(5);
 
     #[inline(always)]

@@ -9,9 +9,9 @@ pub(super) struct Taps {
     /// Indices of up to four texels per sample. For quads, the first array has the upper left texels, and the others
     /// are unused.
     pub(super) index: [[u32; WIDE]; 4],
-    /// Weights of the right texels.
+    /// Bilinear weights of the right texels, in [0, 1].
     pub(super) right: [f32; WIDE],
-    /// Weights of the lower texels.
+    /// Bilinear weights of the lower texels, in [0, 1].
     pub(super) down: [f32; WIDE],
 }
 

@@ -30,15 +30,15 @@ pub(super) struct PackedVertex {
 }
 
 impl PackedVertex {
-    /// Index of the snapped x coordinate in steps of 1/256 px, pointing right: an integer below 2²⁴.
+    /// Index of the snapped x coordinate, which points right: an integer below 2²⁴, in steps of 1/256 px.
     pub(super) const X: usize = 0;
-    /// Index of the snapped y coordinate in steps of 1/256 px, pointing down.
+    /// Index of the snapped y coordinate, which points down, in steps of 1/256 px.
     pub(super) const Y: usize = 1;
     /// Index of the lower 32 bits of the depth, an f64. The upper 32 bits follow.
     const DEPTH: usize = 2;
     /// Index of 1/w, the reciprocal of clip-space w.
     pub(super) const INV_W: usize = 4;
-    /// Index of the light at the vertex, for Gouraud shading only.
+    /// Index of the light intensity at the vertex, for Gouraud shading only.
     pub(super) const LIGHT: usize = 5;
     /// Indices of the texture coordinates u and v, with v pointing down.
     pub(super) const UV: [usize; 2] = [6, 7];
@@ -126,7 +126,7 @@ pub(super) struct InstanceDraw<'a> {
     pub(super) first: TriangleId,
     /// Index of the draw's first vertex in [`Arrays`].
     pub(super) first_vertex: usize,
-    /// Ranges of the mesh that remain after cluster culling. Nothing else is transformed or processed.
+    /// Triangles and vertices of the mesh that remain after cluster culling. Only these are processed.
     pub(super) kept: VisibleClusters,
 }
 
@@ -142,7 +142,7 @@ impl<'a> InstanceDraw<'a> {
         Self { instance, mesh, plan, matrices, first, first_vertex, kept }
     }
 
-    /// Returns `true` if triangles of the draw may cross the frustum.
+    /// Returns `true` if triangles of the draw may cross the boundary of the frustum, so that clipping is needed.
     pub(super) fn may_cross(&self) -> bool {
         self.plan.runs(PipelinePart::Clipping)
     }
@@ -190,7 +190,7 @@ pub(super) struct Arrays {
     pub(super) vertices: Vec<PackedVertex>,
     /// World-space normals and vertex colours; empty if no draw of the frame reads them per pixel.
     pub(super) surfaces: Vec<PackedSurface>,
-    /// Outcode of each vertex: the frustum planes that it is beyond. Empty if no triangle may cross the frustum.
+    /// Outcode of each vertex: the frustum planes that it is beyond. Empty if no triangle can need clipping.
     pub(super) outcodes: Vec<Outcode>,
     /// For each draw, whether any of its transformed vertices lies outside the frustum.
     pub(super) leaves_frustum: Vec<bool>,
@@ -208,7 +208,7 @@ impl Arrays {
 
 /// Batch of a draw's vertices that one task transforms.
 struct VertexBatch<'a, 'b> {
-    /// Index of the draw in the list of draws.
+    /// Index of the batch's draw in the frame's list of draws.
     number: usize,
     draw: &'b InstanceDraw<'a>,
     /// Index of the batch's first vertex in the mesh.
@@ -480,7 +480,7 @@ fn clip_positions<S: Simd>(simd: S, draw: &InstanceDraw<'_>, positions: &[Vec3; 
     each!(row in [0, 1, 2, 3] => x * columns[0][row] + y * columns[1][row] + z * columns[2][row] + columns[3][row])
 }
 
-/// Computes [`lambert`] for one unit normal per lane.
+/// Computes the light intensity for one unit normal per lane, like [`lambert`].
 ///
 /// [`lambert`]: crate::pipeline::shade::lambert
 #[inline(always)]

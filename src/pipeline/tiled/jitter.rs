@@ -20,7 +20,7 @@ use crate::pipeline::grid::SampleGrid;
 /// Number of candidate positions of each sample.
 pub(crate) const JITTER_POSITIONS: usize = 16;
 
-/// Colour sums of sixteen pixels over their samples: red, green and blue.
+/// Sums of the sample colours of sixteen pixels: red, green and blue.
 pub(crate) type Sums = [[f32; WIDE]; 3];
 
 /// Function that chooses the position of a sample in each pixel.
@@ -42,7 +42,8 @@ pub(crate) struct SumOfSamples<'a> {
 /// Jittered supersampling: positions of the samples, and their combination into pixels.
 #[derive(Clone, Copy)]
 pub(crate) struct Jittering<'a> {
-    /// Candidate positions of each sample: offsets right of and below the pixel centre, in steps of 1/256 px.
+    /// Candidate positions of each sample, as offsets from the pixel centre to the right and down, in steps of 1/256
+    /// px.
     pub(crate) places: &'a [[[i32; 2]; JITTER_POSITIONS]],
     /// Function that chooses one of the candidate positions in each pixel.
     pub(crate) chosen: JitterChoice<'a>,
@@ -59,7 +60,7 @@ pub(super) struct TileJitter<'a> {
 
 /// Lattice and candidate offsets of one sample of every pixel.
 struct JitteredSample {
-    /// Lattice of reference points, one per pixel. The sample lies right of and below its point.
+    /// Lattice of reference points, one per pixel. The offset of the sample from its reference point is never negative.
     lattice: TileLattice,
     /// Candidate offsets from the reference point along each axis, in steps of 1/256 px.
     offsets: [[f32; JITTER_POSITIONS]; 2],
@@ -110,9 +111,9 @@ pub(super) struct JitterMemory {
 #[derive(Clone, Debug, Default)]
 struct TriangleGroup {
     batches: [TriangleBatch; BATCHES],
-    /// Bit mask of each batch: triangles that may cover a sample of the tile.
+    /// For each batch, the bit mask of the triangles that may cover a sample of the tile.
     alive: [u64; BATCHES],
-    /// Bit mask of each batch: triangles whose edge values may exceed 32 bits.
+    /// For each batch, the bit mask of the triangles whose edge values may exceed 32 bits.
     large: [u64; BATCHES],
 }
 

@@ -48,7 +48,7 @@ impl Patch {
 /// Bit mask of all eight samples in a row of a block.
 pub(super) const ALL: u32 = (1 << LANES) - 1;
 
-/// Shades samples that belong to one triangle and lie on the lattice points.
+/// Shades samples that all belong to one triangle and lie exactly on the points of the tile's lattice.
 #[inline(never)]
 pub(super) fn shade_uniform<S: Simd>(
     simd: S,
@@ -110,7 +110,7 @@ pub(super) fn shade_rows<S: Simd>(
     }
 }
 
-/// Shades rows like [`shade_rows`], with a plan that may be a compile-time constant.
+/// Shades rows like [`shade_rows`], with a shading plan that may be a compile-time constant.
 #[inline(always)]
 fn shade_blocks<S: Simd>(
     simd: S,
@@ -132,8 +132,8 @@ fn shade_blocks<S: Simd>(
     }
 }
 
-/// Interpolates all attributes in the rows of a block. The first row is written at index `start`, and each following
-/// row `stride` further on.
+/// Interpolates all attributes in the rows of a block. The colours of the first row will be written at index `start` of
+/// the picture, and those of each following row `stride` further on.
 ///
 /// The weights of all rows are computed first. Each is a dependency chain with a division, and the chains of several
 /// rows overlap.
@@ -268,8 +268,8 @@ pub(super) fn one_by_one(
     }
 }
 
-/// Returns the edge values of any triangle at positions right of and below the centre of the tile's first pixel, in
-/// steps of 1/256 px.
+/// Returns edge values that are computed in f64, and so are valid for any triangle. Positions are relative to the
+/// centre of the tile's first pixel, to the right and down, in steps of 1/256 px.
 #[inline(always)]
 pub(super) fn exact_at<S: Simd>(simd: S, edges: &EdgeFunctions, places: [i32x16<S>; 2]) -> [f32x16<S>; 3] {
     // Offsets are small enough for floats to hold them exactly.
@@ -286,7 +286,7 @@ pub(super) fn exact_at<S: Simd>(simd: S, edges: &EdgeFunctions, places: [i32x16<
 pub(super) struct AttributeWeights<S: Simd> {
     /// Weights of the second and third vertex.
     pub(super) of_corners: [f32x16<S>; 2],
-    /// Reciprocal of the sum over the vertices of edge value × relative 1/w.
+    /// Reciprocal of the sum of edge value × relative 1/w over the three vertices.
     inverse_sum: f32x16<S>,
 }
 
@@ -295,7 +295,8 @@ pub(super) struct AttributeWeights<S: Simd> {
 #[repr(align(64))]
 pub(super) struct StoredWeights {
     of_corners: [[f32; WIDE]; 2],
-    /// Only valid if the texture is mip-mapped.
+    /// Reciprocal of the sum of edge value × relative 1/w over the three vertices. Only valid if the texture is
+    /// mip-mapped.
     inverse_sum: [f32; WIDE],
 }
 
@@ -321,8 +322,8 @@ impl StoredWeights {
 }
 
 impl<S: Simd> AttributeWeights<S> {
-    /// Sets the weights of samples that `mine` does not select to those of the first vertex, so that meaningless values
-    /// do no harm.
+    /// Replaces the weights of samples that `mine` does not select, which may be infinite or NaN, with the weights of
+    /// the first vertex.
     #[inline(always)]
     pub(super) fn of_some(self, simd: S, mine: u32) -> Self {
         let (wanted, nothing) = (mask32x16::from_bitmask(simd, mine.into()), f32x16::splat(simd, 0.0));
@@ -413,7 +414,7 @@ pub(super) fn interpolate_pair<S: Simd>(
     locate_texels(simd, shader, plan, source, weights, taps);
 }
 
-/// Computes Lambertian light for normals of any length. Normals of zero length get only ambient light.
+/// Computes Lambertian light for normals that need not have unit length. Normals of length zero get only ambient light.
 #[inline(always)]
 fn lambert<S: Simd>(simd: S, normal: [f32x16<S>; 3], direction: Vec3, ambient: f32) -> f32x16<S> {
     let [x, y, z] = normal;

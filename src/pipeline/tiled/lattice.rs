@@ -1,4 +1,4 @@
-//! Lattice of a tile's samples: the sample positions of a [`SampleGrid`], as distances for SIMD code.
+//! Lattice of a tile's samples: the sample positions of a [`SampleGrid`], as tables of distances for SIMD code.
 
 use super::edge_number::EdgeNumber;
 use crate::math::fixed::{HALF_PIXEL, SUBPIXELS};
@@ -17,7 +17,7 @@ pub(super) const BLOCK: usize = LANES;
 /// Number of blocks in a row and in a column of a tile.
 pub(super) const BLOCKS: usize = TILE / BLOCK;
 
-/// Number of rows after which the horizontal shifts of rows repeat.
+/// Period, in rows, after which the horizontal shifts of a checkerboard's rows repeat.
 const SHIFTS: usize = 4;
 
 /// Sample positions in a tile relative to its first sample, in steps of 1/256 px.
@@ -42,9 +42,10 @@ pub(super) struct TileLattice {
 pub(super) struct LatticeSteps<T> {
     /// Vertical distance between adjacent rows, in steps of 1/256 px.
     row_step: T,
-    /// Vertical distance to the next row, repeated in all lanes so that it can be loaded as a vector.
+    /// Vertical distance to the next row, in steps of 1/256 px, repeated in all lanes so that it can be loaded as a
+    /// vector.
     pub(super) next_row: [T; LANES],
-    /// Vertical distance to the row after the next, repeated in all lanes.
+    /// Vertical distance to the row after the next, in steps of 1/256 px, repeated in all lanes.
     pub(super) row_after_next: [T; LANES],
     /// Whether the samples of all rows are vertically aligned.
     pub(super) are_straight: bool,
@@ -52,14 +53,16 @@ pub(super) struct LatticeSteps<T> {
     pub(super) lanes: [T; LANES],
     /// Vertical distances of eight adjacent rows from the first of them, in steps of 1/256 px.
     pub(super) rows: [T; LANES],
-    /// Horizontal shifts of eight rows relative to the leftmost rows, indexed by the first of the eight rows.
+    /// Horizontal shifts of eight adjacent rows relative to the leftmost rows, in steps of 1/256 px. The index is the
+    /// first of the eight rows modulo [`SHIFTS`].
     shifts: [[T; LANES]; SHIFTS],
-    /// Distances of four samples of a row and of the four below from the first: horizontal, then vertical.
+    /// Horizontal and vertical distances from the first sample, for four samples of a row and the four below, in steps
+    /// of 1/256 px.
     pub(super) two_rows: [[T; LANES]; 2],
-    /// Horizontal distances of the blocks in a row of blocks from the first of them.
+    /// Horizontal distances of the blocks in a row of blocks from the first of them, in steps of 1/256 px.
     pub(super) blocks: [T; BLOCKS],
-    /// Width and height of a block, from its first to its last sample. The width includes the shift between rows. Both
-    /// include the offsets of samples from the lattice points.
+    /// Width and height of a block, from its first to its last sample, in steps of 1/256 px. The width includes the
+    /// shift between rows. Both include the offsets of samples from the lattice points.
     pub(super) block: [T; 2],
 }
 
@@ -140,8 +143,8 @@ impl TileLattice {
         Self { offset, reach: offset.map(|along| [along as f32; 2]), ..self }
     }
 
-    /// Returns the lattice of pixels that have samples at all of these offsets from the centre, in steps of 1/256 px.
-    /// Its points are the pixel centres; its ranges include all samples.
+    /// Returns the lattice, extended to pixels with several samples at these offsets from the centre, in steps of 1/256
+    /// px. Its points stay at the pixel centres; [`TileLattice::range`] includes all samples.
     pub(super) fn with_samples(self, offsets: &[[i32; 2]]) -> Self {
         let reach = [0, 1].map(|axis| {
             let along = || offsets.iter().map(|offset| offset[axis]);
@@ -150,8 +153,8 @@ impl TileLattice {
         Self { reach, ..self }
     }
 
-    /// Returns the lattice of pixels whose samples are jittered between a least and a greatest offset from the centre,
-    /// in steps of 1/256 px. Its points are at the least offset; its blocks extend to the greatest.
+    /// Returns the lattice, extended to samples that are jittered between a least and a greatest offset from the pixel
+    /// centre, in steps of 1/256 px. Its points are at the least offset; its blocks extend to the greatest.
     pub(super) fn spread(mut self, [least, greatest]: [[i32; 2]; 2]) -> Self {
         for axis in 0..2 {
             let spread = greatest[axis] - least[axis];
@@ -172,7 +175,7 @@ impl TileLattice {
         across.max(down).into()
     }
 
-    /// Returns the position of a tile's first sample, in steps of 1/256 px.
+    /// Returns the position of a tile's first sample in the full picture, in steps of 1/256 px.
     pub(super) fn origin(&self, tile: (usize, usize)) -> [f64; 2] {
         let (x, y) = self.grid.pixel((tile.0 * TILE) as u32, (tile.1 * TILE) as u32);
         let x = x - self.grid.pixel(0, 0).0;
@@ -213,7 +216,7 @@ impl TileLattice {
         [rows, i32x8::load_array_ref(simd, self.integers.shifts(first))]
     }
 
-    /// Returns the position of a sample, given by column and row, relative to the tile's first one, in steps of
+    /// Returns the position of a sample, given by column and row, relative to the tile's first sample, in steps of
     /// 1/256 px.
     #[inline(always)]
     pub(super) fn place(&self, (column, row): (usize, usize)) -> [i32; 2] {
@@ -221,10 +224,10 @@ impl TileLattice {
         [steps.column(column) + steps.shift(row), steps.row(row)]
     }
 
-    /// Returns the first and the last column or row of the packed picture with samples from `least` to `greatest`, in
-    /// steps of 1/256 px.
+    /// Returns the first and the last column (axis 0) or row (axis 1) of the packed picture whose samples lie between
+    /// the positions `least` and `greatest`, in steps of 1/256 px.
     ///
-    /// Both may lie outside the picture. The range never misses a sample, and is seldom too large.
+    /// Both may lie outside the picture. The range never omits a sample, and is rarely larger than necessary.
     #[inline(always)]
     pub(super) fn range(&self, axis: usize, least: f32, greatest: f32) -> [f32; 2] {
         let half = HALF_PIXEL as f32;

@@ -25,7 +25,7 @@ pub(super) struct CoarseTaps {
     pub(super) is_read: bool,
 }
 
-/// A mip level of the texture for each of sixteen samples, one per lane.
+/// Mip level that each of sixteen samples reads, one per lane.
 struct LevelOfEach<S: Simd> {
     /// Index of the first texel of each level.
     first: i32x16<S>,

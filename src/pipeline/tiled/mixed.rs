@@ -24,14 +24,15 @@ use crate::pipeline::settings::FillRule;
 pub(super) struct MixedPixels {
     /// Column and row of each pixel within the tile.
     places: Vec<(usize, usize)>,
-    /// Indices into `colors` of the samples of sixteen pixels, one entry per sample.
+    /// For sixteen pixels at a time, the index into `colors` of each sample's colour. There is one entry per sample of
+    /// a pixel.
     picks: Vec<Picks>,
     fragments: Fragments,
     /// Colours that samples refer to: the background, and from index [`FIRST`] on the fragments.
     colors: Vec<Rgba8>,
     /// Combined colour of the samples of each pixel.
     means: Vec<Rgba8>,
-    /// Slots of eight adjacent pixels, one entry per sample.
+    /// Slots of the triangles that are visible in eight adjacent pixels, one entry per sample of a pixel.
     slots: Vec<[u32; LANES]>,
 }
 
@@ -52,7 +53,7 @@ impl MixedPixels {
     }
 
     /// Finds the mixed pixels of a tile. If all samples of a pixel show the same triangle, stores it in `agreed`.
-    /// Otherwise stores no triangle there and lists the pixel.
+    /// Otherwise stores no triangle there and adds the pixel to the list of mixed pixels.
     ///
     /// `columns` and `rows` are the numbers of the tile's columns and rows that lie within the picture.
     #[inline(always)]
@@ -94,7 +95,7 @@ impl MixedPixels {
         }
     }
 
-    /// Adds the pixels that `mixed` selects among eight adjacent pixels of a row to the list.
+    /// Adds to the list the pixels that `mixed` selects among eight adjacent pixels of a row.
     #[inline(always)]
     fn list<S: Simd>(
         &mut self,
@@ -137,7 +138,8 @@ impl MixedPixels {
         }
     }
 
-    /// Shades the fragments and combines them into the colours of the pixels. Returns the shading work.
+    /// Shades the fragments and combines them into the colours of the pixels. Returns the number of samples shaded and
+    /// texels read.
     #[inline(always)]
     pub(super) fn shade<S: Simd>(
         &mut self,
@@ -164,8 +166,8 @@ impl MixedPixels {
         shaded
     }
 
-    /// Writes the colour of each sample of the mixed pixels. `samples` has all pixels of the tile for each sample in
-    /// turn.
+    /// Writes the colour of each sample of the mixed pixels to `samples`, which holds the first sample of all pixels of
+    /// the tile, then the second, and so on.
     pub(super) fn spread(&self, samples: &mut [Rgba8]) {
         let count = samples.len() / TILE_SAMPLES;
         for (pixel, (column, row)) in self.places.iter().enumerate() {
@@ -195,11 +197,11 @@ struct Fragments {
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(super) struct SixteenFragments {
-    /// Slot of each fragment's triangle; unused lanes have that of the tile's first triangle.
+    /// Slot of each fragment's triangle; unused lanes hold the slot of the tile's first triangle.
     slots: [u32; WIDE],
     /// Column and row of each fragment's pixel within the tile.
     pixels: [(u8, u8); WIDE],
-    /// Pixel centres right of and below that of the tile's first pixel, in steps of 1/256 px.
+    /// Pixel centres relative to that of the tile's first pixel, to the right and down, in steps of 1/256 px.
     centres: [[i32; WIDE]; 2],
 }
 
@@ -209,8 +211,8 @@ impl Fragments {
         self.len = 0;
     }
 
-    /// Returns the index of the colour of a triangle in a pixel. Adds the fragment if it is new. `first` is the index
-    /// of the pixel's first fragment.
+    /// Returns the index, in the list of colours, of a triangle's fragment in a pixel. Adds the fragment if it is new.
+    /// `first` is the index of the pixel's first fragment.
     fn pick(&mut self, first: usize, slot: u32, (column, row): (usize, usize), [x, y]: [i32; 2]) -> u32 {
         let known = (first..self.len).find(|place| self.list[place / WIDE].slots[place % WIDE] == slot);
         let place = known.unwrap_or_else(|| {
@@ -230,8 +232,8 @@ impl Fragments {
 }
 
 impl ShadingJob<'_, &TileLattice> {
-    /// Shades the fragments selected by `open`, each at the first position of `offsets` in its pixel that its triangle
-    /// covers. Writes their colours from index `start` on.
+    /// Shades the fragments selected by `open`, each at the first of the candidate positions `offsets` in its pixel
+    /// that its triangle covers. Writes their colours from index `start` on.
     #[inline(always)]
     fn fragments<S: Simd>(
         &mut self,
@@ -264,8 +266,8 @@ impl ShadingJob<'_, &TileLattice> {
         }
     }
 
-    /// Returns the shading positions of fragments right of and below the centre of the tile's first pixel, in steps of
-    /// 1/256 px.
+    /// Returns the shading positions of fragments relative to the centre of the tile's first pixel, to the right and
+    /// down, in steps of 1/256 px.
     #[inline(always)]
     fn shading_places<S: Simd>(
         &mut self,

@@ -340,7 +340,8 @@ pub(crate) fn plans(scene: &Scene, camera: &Camera, settings: &Settings, viewpor
     plan(scene, camera, settings, viewport, Lanes::best()).1
 }
 
-/// Plans all instances of a scene. Returns the draws of those that may be visible, and the plan of every instance.
+/// Creates the draw plan of every instance of a scene. Returns the draws of the instances that may be visible, and all
+/// plans.
 fn plan<'a>(
     scene: &'a Scene,
     camera: &Camera,
@@ -386,7 +387,7 @@ fn shaders<'a>(scene: &'a Scene, settings: &'a Settings, draws: &[InstanceDraw<'
 }
 
 impl TiledFrame<'_> {
-    /// Draws all tiles into the picture, on all threads. `rows` are its rows of tiles.
+    /// Draws all tiles into the picture, on all threads. `rows` holds the picture, split into rows of tiles.
     fn draw_tiles(
         &self,
         lanes: Lanes,
@@ -576,7 +577,7 @@ impl TiledFrame<'_> {
         (lattice.origin(place), [(place.0 * TILE) as f32, (place.1 * TILE) as f32])
     }
 
-    /// Returns a function that repeats the setup of a triangle of the tile's bin.
+    /// Returns a function that sets up a triangle of the tile's bin again, given its slot.
     #[inline(always)]
     fn owner(
         &self,

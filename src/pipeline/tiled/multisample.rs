@@ -33,14 +33,14 @@ pub(crate) type MeanOfSamples<'a> = &'a (dyn Fn(&[Rgba8], &[Picks], &mut [Rgba8]
 /// Multisampling: positions of the samples, and their combination into pixels.
 #[derive(Clone, Copy)]
 pub(crate) struct Multisampling<'a> {
-    /// Sample positions: offsets right of and below the pixel centre, in steps of 1/256 px. Their mean is the centre,
-    /// and they are not collinear.
+    /// Sample positions, as offsets from the pixel centre to the right and down, in steps of 1/256 px. Their mean is
+    /// the centre, and they are not collinear.
     pub(crate) offsets: &'a [[i32; 2]],
     /// Function that combines the samples of a pixel into one colour.
     pub(crate) mean: MeanOfSamples<'a>,
 }
 
-/// Sample planes of a frame. Each tile of the picture is drawn once per plane.
+/// Sample planes of a multisampled frame, one per sample of a pixel. Each tile of the picture is drawn once per plane.
 pub(super) struct SamplePlanes<'a> {
     pub(super) samples: Multisampling<'a>,
     /// Lattice of each sample, followed by that of the pixel centres if depths are kept.

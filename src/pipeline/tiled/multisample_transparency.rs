@@ -29,7 +29,7 @@ pub(super) struct TransparencyMemory {
     pub(super) blended: Vec<Slot>,
     /// Colours of all samples of the tile: all pixels of the first sample, then those of the second, and so on.
     colors: Vec<Rgba8>,
-    /// Indices into `colors` of the samples of sixteen pixels, one entry per sample.
+    /// For sixteen pixels, the index into `colors` of each sample's colour. There is one entry per sample of a pixel.
     picks: Vec<Picks>,
 }
 
@@ -57,7 +57,7 @@ impl TransparencyMemory {
 }
 
 impl TiledFrame<'_> {
-    /// Draws an alpha-tested triangle into the tile of one sample, which is given with its lattice.
+    /// Draws an alpha-tested triangle into the tile of one sample. `lattice` is the lattice of that sample.
     #[inline(always)]
     pub(super) fn draw_alpha_tested_sample<S: Simd>(
         &self,
@@ -74,7 +74,7 @@ impl TiledFrame<'_> {
     }
 
     /// Blends the blended triangles of a tile over its picture, in which the opaque triangles are already shaded.
-    /// Returns the shading work.
+    /// Returns the number of samples shaded and texels read.
     #[inline(always)]
     pub(super) fn blend_samples<S: Simd>(
         &self,
@@ -137,7 +137,7 @@ impl TiledFrame<'_> {
     }
 
     /// Blends the triangles of a tile over the colours of all samples, with fragments sorted by depth in each sample.
-    /// Returns the shading work.
+    /// Returns the number of samples shaded and texels read.
     ///
     /// `place` is the column and row of the tile, and `size` the number of its columns and rows that lie within the
     /// picture.

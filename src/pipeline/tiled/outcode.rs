@@ -1,4 +1,5 @@
-//! Outcodes of vertices and clipping verdicts of triangles: the tests of [`clip`] for eight vertices at a time.
+//! Outcodes of vertices and clipping decisions for triangles: the tests of [`clip`], performed for eight vertices at a
+//! time.
 //!
 //! [`clip`]: crate::pipeline::clip
 
@@ -48,7 +49,7 @@ impl Outcode {
         (codes, true)
     }
 
-    /// Returns the clipping verdict of a triangle, given the outcodes of its vertices.
+    /// Decides from the outcodes of a triangle's vertices whether it is dropped, clipped or drawn whole.
     #[inline(always)]
     pub(super) fn verdict(corners: [Self; 3]) -> ClipVerdict {
         let [a, b, c] = corners;

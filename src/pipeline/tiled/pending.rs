@@ -1,4 +1,4 @@
-//! Shading of samples of several triangles, sixteen at a time.
+//! Shading of samples that belong to several triangles, sixteen at a time.
 //!
 //! Shading sixteen samples is a long dependency chain: it loads triangle data, divides, and computes texel indices.
 //! Samples are therefore collected until there are four groups of sixteen. Each step is done for all groups before the
@@ -19,7 +19,8 @@ use crate::math::lanes::*;
 
 /// Positions of sixteen samples, and destinations of their colours.
 pub(super) trait SampleTargets: Copy {
-    /// Returns the sample positions right of and below the centre of the tile's first pixel, in steps of 1/256 px.
+    /// Returns the sample positions relative to the centre of the tile's first pixel, to the right and down, in steps
+    /// of 1/256 px.
     fn positions<S: Simd>(self, simd: S) -> [i32x16<S>; 2];
 
     /// Returns the destinations of the samples selected by `mine`, as two rows of eight.
@@ -52,7 +53,7 @@ impl<L: SamplePositions> SampleTargets for RowPair<'_, L> {
 /// Samples at arbitrary positions, whose colours are stored one after the other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scattered<'a> {
-    /// Sample positions right of and below the centre of the tile's first pixel, in steps of 1/256 px.
+    /// Sample positions relative to the centre of the tile's first pixel, to the right and down, in steps of 1/256 px.
     pub(super) places: [&'a [i32; WIDE]; 2],
     /// Index at which the first colour is stored.
     pub(super) start: usize,
@@ -92,7 +93,7 @@ pub(super) struct Pending {
 struct SixteenSamples {
     /// Slot of each sample's triangle in the tile's bin.
     slots: [u32; WIDE],
-    /// Sample positions right of and below the centre of the tile's first pixel, in steps of 1/256 px.
+    /// Sample positions relative to the centre of the tile's first pixel, to the right and down, in steps of 1/256 px.
     places: [[i32; WIDE]; 2],
     /// Bit mask of the samples to shade.
     mine: u32,
@@ -105,14 +106,14 @@ impl Pending {
         size_of::<Self>() + self.large.capacity() * size_of::<(usize, u32, EdgeFunctions)>()
     }
 
-    /// Returns `true` if sixteen more samples of a shader do not fit: the list is full, or holds samples of another
-    /// shader.
+    /// Returns `true` if sixteen more samples that use the shader with index `shader` do not fit: the list is full, or
+    /// holds samples of another shader.
     #[inline(always)]
     pub(super) fn is_full(&self, shader: usize) -> bool {
         self.len == CAPACITY || self.len > 0 && self.shader != shader
     }
 
-    /// Adds sixteen samples of a shader, of which `mine` selects those to shade.
+    /// Adds sixteen samples that use the shader with index `shader`. `mine` selects the samples to shade.
     ///
     /// `large` has the edge functions of triangles whose edge values exceed 32 bits, each with the bit mask of its
     /// samples.
@@ -136,7 +137,7 @@ impl Pending {
         self.len += 1;
     }
 
-    /// Shades all pending samples into the queue, and removes them from the list.
+    /// Interpolates the attributes of all pending samples, moves the samples to the queue and clears the list.
     #[inline(never)]
     pub(super) fn shade<S: Simd>(
         &mut self,

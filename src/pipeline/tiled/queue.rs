@@ -24,10 +24,10 @@ pub(super) struct Queue {
     taps: [Taps; QUEUED],
     /// Texture taps of each pair in the coarser mip level. Allocated only in frames with mip-mapping.
     coarse: Vec<CoarseTaps>,
-    /// Number of texels read from coarser mip levels, until the caller resets it.
+    /// Number of texels read from coarser mip levels since the caller last reset it.
     pub(super) coarse_texels: u64,
     len: usize,
-    /// Index of the shader of all rows in the frame's list of shaders.
+    /// Index, in the frame's list of shaders, of the shader that all queued rows use.
     shader: usize,
 }
 
@@ -46,7 +46,7 @@ const QUEUED: usize = 4 * BLOCK / 2;
 #[repr(align(64))]
 pub(super) struct QueuedPair {
     pub(super) light: [f32; WIDE],
-    /// Surface colour without the texture, by channel. Only valid if vertices have colours.
+    /// Surface colour before it is multiplied by the texture, by channel. Only valid if the mesh has vertex colours.
     pub(super) color: [[f32; WIDE]; 3],
     pub(super) rows: [QueuedRow; 2],
 }
@@ -289,7 +289,8 @@ fn finish_pair<S: Simd>(
     }
 }
 
-/// Returns the surface colour and the opacity, without the texture, at the samples starting at `first`.
+/// Returns the surface colour and the opacity, before they are multiplied by the texture, of the samples starting at
+/// `first`.
 #[inline(always)]
 fn surface_color<S: Simd, F: SimdFloat<S, Element = f32>>(
     simd: S,
@@ -308,7 +309,7 @@ fn surface_color<S: Simd, F: SimdFloat<S, Element = f32>>(
     [r, g, b, alpha]
 }
 
-/// Multiplies surface colours by texels. Skips the product of the colours if the surface is white.
+/// Multiplies surface colours by texels. Skips the multiplication of the colours if the surface is white.
 #[inline(always)]
 fn textured<S: Simd, F: SimdFloat<S>>(plan: ShadingPlan, [r, g, b, alpha]: [F; 4], texel: [F; 4]) -> [F; 4] {
     let white = !plan.tinted && !plan.colored;

@@ -17,11 +17,11 @@ pub(super) struct Record {
 }
 
 impl Record {
-    /// Index of the quad with a, b and c of the first edge function and the doubled area, as the low 32 bits of
-    /// integers.
+    /// Index of the quad with a, b and c of the first edge function and the doubled area, as the low 32 bits of the
+    /// exact integers.
     const FIRST_EDGE: usize = 0;
-    /// Index of the quad with a, b and c of the second edge function, as the low 32 bits of integers, and the relative
-    /// 1/w of the first vertex, as a float.
+    /// Index of the quad with a, b and c of the second edge function, as the low 32 bits of the exact integers, and the
+    /// relative 1/w of the first vertex, as a float.
     const SECOND_EDGE: usize = 1;
     /// Index of the quad with the relative 1/w of the second and third vertex, and u and v at the first vertex.
     const INV_W_AND_UV: usize = 2;
@@ -32,7 +32,8 @@ impl Record {
     const LIGHT: usize = 4;
     const QUADS: usize = 5;
 
-    /// Returns a, b and c of the first two edge functions, and the doubled area, as the low 32 bits of integers.
+    /// Returns a, b and c of the first two edge functions, and the doubled area, as the low 32 bits of the exact
+    /// integers.
     #[inline(always)]
     pub(super) fn integer_edges(&self) -> ([i32; 3], [i32; 3], i32) {
         let [a0, b0, c0, area] = self.quads[Self::FIRST_EDGE].map(|bits| bits.to_bits() as i32);
@@ -42,8 +43,8 @@ impl Record {
 
     /// Fills the records of eight triangles.
     ///
-    /// `edges` are a, b and c of the first two edge functions. They and the doubled areas are the low 32 bits of
-    /// integers. `corners` are 1/w, light, u and v of each vertex. `divides_by_w` selects the triangles with
+    /// `edges` are a, b and c of the first two edge functions. They and the doubled areas are the low 32 bits of the
+    /// exact integers. `corners` are 1/w, light, u and v of each vertex. `divides_by_w` selects the triangles with
     /// perspective division.
     #[inline(always)]
     pub(super) fn fill_eight<S: Simd>(
@@ -80,8 +81,8 @@ impl Record {
     }
 }
 
-/// Returns [`crate::pipeline::viewport::relative_inv_w`] of eight triangles, or 1 for those that `divides_by_w` does
-/// not select.
+/// Returns 1/w of the three vertices divided by the largest of them, for eight triangles, like
+/// [`crate::pipeline::viewport::relative_inv_w`]. It is 1 for triangles that `divides_by_w` does not select.
 #[inline(always)]
 fn relative_inv_w<S: Simd>(simd: S, inv_w: [F32<S>; 3], divides_by_w: u64) -> [F32<S>; 3] {
     let largest = inv_w[0].max(inv_w[1]).max(inv_w[2]);
@@ -130,7 +131,7 @@ impl SurfaceRecord {
     }
 }
 
-/// Part of a [`SurfaceRecord`] that is filled on its own.
+/// Part of a [`SurfaceRecord`] that is filled separately: the normals or the colours.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum SurfacePart {
     Normal,
@@ -188,7 +189,7 @@ pub(super) trait TriangleSource: Copy {
     }
 
     /// Returns the edge values at positions relative to the tile's first sample, in steps of 1/256 px. Valid only if
-    /// they fit into 32 bits and the triangle covers its sample.
+    /// the edge values fit into 32 bits and each sample is covered by its triangle.
     #[inline(always)]
     fn edge_values<S: Simd>(self, simd: S, [x, y]: [i32x16<S>; 2]) -> [i32x16<S>; 3] {
         let (edges, area) = self.integer_edges(simd);
@@ -223,7 +224,7 @@ pub(super) trait TriangleSource: Copy {
         [Attribute(u, du1, du2), Attribute(v, dv1, dv2)]
     }
 
-    /// Returns the light of Gouraud shading, which is computed at the vertices.
+    /// Returns the light intensity of Gouraud shading, which is computed at the vertices.
     #[inline(always)]
     fn light<S: Simd>(self, simd: S) -> Attribute<S> {
         let [base, first, second, _] = self.quad(simd, Record::LIGHT);
@@ -392,13 +393,13 @@ impl TileBin {
         &self.list[first..(first + most).min(self.list.len())]
     }
 
-    /// Returns the records of eight triangles, starting at index `first`, to be filled.
+    /// Returns the records of eight triangles, starting at index `first`, for the caller to fill.
     #[inline(always)]
     pub(super) fn eight_records(&mut self, first: usize) -> Option<&mut [Record; LANES]> {
         eight(&mut self.records, first)
     }
 
-    /// Returns the surface records of eight triangles, starting at index `first`, to be filled.
+    /// Returns the surface records of eight triangles, starting at index `first`, for the caller to fill.
     #[inline(always)]
     pub(super) fn eight_surfaces(&mut self, first: usize) -> Option<&mut [SurfaceRecord; LANES]> {
         eight(&mut self.surfaces, first)

@@ -14,11 +14,11 @@ pub(super) trait SamplePositions: Copy {
     /// Whether all samples lie exactly on the lattice points.
     const ON_LATTICE: bool;
 
-    /// Returns the lattice. Its blocks are large enough to contain all their samples.
+    /// Returns the lattice. Its block size includes the jitter of the samples.
     fn lattice(&self) -> &TileLattice;
 
-    /// Converts the edge values at eight lattice points of a row to those at their samples. `first` is the column and
-    /// row of the first sample.
+    /// Converts the edge values at eight lattice points of a row to the edge values at the corresponding samples.
+    /// `first` is the column and row of the first sample.
     fn jittered<S: Simd, E: EdgeNumber>(
         self,
         simd: S,
@@ -36,8 +36,8 @@ pub(super) trait SamplePositions: Copy {
         first: (usize, usize),
     ) -> [E::Eight<S>; 3];
 
-    /// Returns the positions of eight samples in each of two rows, starting at `column`. They are right of and below
-    /// the centre of the tile's first pixel, in steps of 1/256 px.
+    /// Returns the positions of eight samples in each of two rows, starting at `column`. They are relative to the
+    /// centre of the tile's first pixel, to the right and down, in steps of 1/256 px.
     fn positions<S: Simd>(self, simd: S, column: usize, rows: [usize; 2]) -> [i32x16<S>; 2];
 }
 
@@ -82,8 +82,8 @@ impl SamplePositions for &TileLattice {
     }
 }
 
-/// Offsets of a tile's samples right of and below the lattice points, in steps of 1/256 px. The memory is reused from
-/// tile to tile.
+/// Offsets of a tile's samples from the lattice points, to the right and down, in steps of 1/256 px. The memory is
+/// reused from tile to tile.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Offsets {
     /// Offsets along each axis, in the memory layout of a [`super::tile::Tile`].
@@ -103,7 +103,7 @@ impl Offsets {
         }
     }
 
-    /// Returns the offsets of a row along each axis, to be filled.
+    /// Returns the offsets of the samples in a row along each axis, for the caller to fill.
     pub(super) fn row_mut(&mut self, row: usize) -> [&mut [f32]; 2] {
         self.along.each_mut().map(|offsets| &mut offsets[row * STRIDE..][..TILE])
     }
@@ -169,7 +169,8 @@ impl SamplePositions for JitteredPositions<'_> {
     }
 }
 
-/// Returns edge values after moving each sample by an offset. Their sum, the doubled area, is unchanged.
+/// Returns the edge values after each sample is moved to the right and down by an offset, in steps of 1/256 px. Their
+/// sum, the doubled area, is unchanged.
 #[inline(always)]
 fn moved<S: Simd, E: EdgeNumber>(
     simd: S,
@@ -192,7 +193,8 @@ pub(super) struct EdgeValueRows<S: Simd, E: EdgeNumber> {
 }
 
 impl<S: Simd, E: EdgeNumber> EdgeValueRows<S, E> {
-    /// Starts at row `first`. `x` has the horizontal positions of the points in an unshifted row, in steps of 1/256 px.
+    /// Creates the edge values, starting at row `first`. `x` has the horizontal positions of the lattice points in an
+    /// unshifted row, in steps of 1/256 px.
     #[inline(always)]
     pub(super) fn new(simd: S, edges: &EdgeFunctions<E>, x: E::Eight<S>, first: usize, lattice: &TileLattice) -> Self {
         let (steps, EdgeFunctions { a, b, c }) = (E::steps(lattice), edges);

@@ -85,7 +85,7 @@ impl EdgeFunctions {
         each!(i in [0, 1, 2] => self.a[i] * x + self.b[i] * y + self.c[i])
     }
 
-    /// Returns the first candidate position in a pixel that the triangle covers; there must be one.
+    /// Returns the first candidate position in a pixel that the triangle covers. It must cover at least one.
     ///
     /// `offsets` are the candidates, relative to the pixel centre. The centre and the result are relative to the
     /// origin. All are in steps of 1/256 px.
@@ -96,8 +96,8 @@ impl EdgeFunctions {
         offsets.iter().map(moved).find(covers).unwrap_or([x, y])
     }
 
-    /// Returns the inside threshold of each edge, the least value that is inside: 0 if the fill rule assigns the edge
-    /// to the triangle, otherwise 1.
+    /// Returns the inside threshold of each edge, the least edge value that counts as inside: 0 if the fill rule
+    /// assigns the edge to the triangle, otherwise 1.
     #[inline(always)]
     pub(super) fn inside(&self, rule: FillRule) -> [f64; 3] {
         each!(i in [0, 1, 2] => {
@@ -112,15 +112,15 @@ impl EdgeFunctions {
 pub(super) struct Setup<E = f64> {
     pub(super) slot: Slot,
     pub(super) edges: EdgeFunctions<E>,
-    /// Inside threshold of each edge, the least value that is inside: 0 if the fill rule assigns the edge to the
-    /// triangle, otherwise 1.
+    /// Inside threshold of each edge, the least edge value that counts as inside: 0 if the fill rule assigns the edge
+    /// to the triangle, otherwise 1.
     pub(super) inside: [E; 3],
-    /// Least vertex depth, with the depth bias. The depth at a sample is this plus the sum of `rises` times edge
-    /// values, or times weights if depth is linear in view space.
+    /// Least vertex depth, including the depth bias. The depth at a sample is `min_depth` plus the sum of `rises` times
+    /// edge values, or times weights if depth is linear in view space.
     pub(super) min_depth: f64,
-    /// Depth terms of the edges: factors of the edge values or weights in a depth.
+    /// Depth term of each edge: the factor of its edge value or weight in the sum that gives a sample's depth.
     pub(super) rises: [f64; 3],
-    /// Greatest vertex depth, with the depth bias.
+    /// Greatest vertex depth, including the depth bias.
     pub(super) max_depth: f64,
     /// 1/w of the vertices, for depth that is linear in view space.
     pub(super) inv_w: [f64; 3],

@@ -54,7 +54,7 @@ pub(super) struct ShadingTarget<'a, L> {
     pub(super) picture: ColorRows<'a>,
 }
 
-/// Shades all visible samples of a tile. Returns the shading work.
+/// Shades all visible samples of a tile. Returns the number of samples shaded and texels read.
 #[inline(always)]
 pub(super) fn shade_tile<S: Simd>(
     simd: S,
@@ -138,7 +138,8 @@ impl<'a, L: SamplePositions> ShadingJob<'a, L> {
         }
     }
 
-    /// Shades the pending samples and flushes the queue. Returns the shading work of the tile.
+    /// Shades the pending samples and flushes the queue. Returns the number of samples shaded and texels read in the
+    /// tile.
     #[inline(always)]
     pub(super) fn finish<S: Simd>(mut self, simd: S) -> ShadingWork {
         self.pending.shade(simd, self.frame, self.bin, self.queue, &mut self.picture);
@@ -250,7 +251,7 @@ impl<'a, L: SamplePositions> ShadingJob<'a, L> {
         }
     }
 
-    /// Adds those of sixteen samples that `mine` selects to the pending samples of a shader.
+    /// Adds the samples selected by `mine`, among sixteen, to the pending samples of a shader.
     #[inline(always)]
     pub(super) fn together<S: Simd>(
         &mut self,
@@ -268,7 +269,7 @@ impl<'a, L: SamplePositions> ShadingJob<'a, L> {
         self.pending.push(simd, shader, (slots, &self.large), (spots, mine), &self.picture);
     }
 
-    /// Returns the bit mask of the samples in `open` that are shaded by a shader.
+    /// Returns the bit mask of the samples in `open` that use the shader with index `shader`.
     pub(super) fn shaded_by(&self, shader: usize, mut open: u32, slots: &[u32; WIDE]) -> u32 {
         let mut mine = 0;
         while open != 0 {
@@ -280,7 +281,7 @@ impl<'a, L: SamplePositions> ShadingJob<'a, L> {
         mine
     }
 
-    /// Collects the triangles of samples in `mine` whose edge values exceed 32 bits.
+    /// Finds the triangles whose edge values exceed 32 bits, among the triangles of the samples selected by `mine`.
     #[inline(always)]
     pub(super) fn find_large<S: Simd>(&mut self, simd: S, mut mine: u32, slots: &[u32; WIDE]) {
         self.large.clear();
@@ -302,7 +303,7 @@ fn same<S: Simd>(simd: S, slots: &[u32; WIDE], slot: Slot) -> u32 {
     u32x16::load_array_ref(simd, slots).simd_eq(slot.0).to_bitmask() as u32
 }
 
-/// Splits a bit mask of sixteen samples into those of the first and of the second row.
+/// Splits a bit mask of sixteen samples into the masks of the first and the second row of eight.
 fn halves_of(lanes: u32) -> [u32; 2] {
     [lanes & ALL, lanes >> LANES]
 }

@@ -38,7 +38,7 @@ pub(super) enum LightSource {
 }
 
 impl ShadingPlan {
-    /// Most common plan, for which there is a specialised kernel without branches.
+    /// Most common shading plan, for which there is a specialised kernel without branches.
     pub(super) const COMMON: Self = Self {
         texture: Some(Layout::PowerOfTwoQuads),
         mipmapped: false,

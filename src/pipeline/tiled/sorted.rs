@@ -31,7 +31,7 @@ impl SortedFragments {
         self.fragments.len()
     }
 
-    /// Adds the fragments of a triangle, one for each sample that passed in `shading`.
+    /// Adds the fragments of a triangle, one for each sample selected by `shading.passed`.
     ///
     /// `shading` has the edge values at the shading positions, and `tested` those at the samples themselves. `number`
     /// is the index of the triangle, and `first` the index of the tile's first sample.

@@ -63,8 +63,8 @@ impl TestedRows {
         self.passed & inside
     }
 
-    /// Returns the samples with edge values at their shading positions: the first of `places` in each pixel that the
-    /// triangle covers.
+    /// Returns the samples with edge values at their shading positions. The shading position in a pixel is the first of
+    /// the candidates `places` that the triangle covers.
     ///
     /// `sample` is the current position of the samples, and must be among `places`. All positions are offsets from the
     /// pixel centre, in steps of 1/256 px.
@@ -102,8 +102,8 @@ impl TestedRows {
         )
     }
 
-    /// Computes interpolation weights. Samples that did not pass get the weights of the first vertex, so that
-    /// meaningless values do no harm.
+    /// Computes interpolation weights. Samples that did not pass get the weights of the first vertex, because weights
+    /// computed from their edge values may be infinite or NaN.
     #[inline(always)]
     fn weights<S: Simd>(&self, simd: S, subject: &ShadedTriangle<'_>) -> AttributeWeights<S> {
         let e = each!(i in [0, 1, 2] => {
@@ -114,7 +114,7 @@ impl TestedRows {
     }
 }
 
-/// Shades the samples that passed into the queue. Returns their number. A SIMD kernel must support the shader.
+/// Adds the samples that passed to the shading queue. Returns their number. A SIMD kernel must support the shader.
 #[inline(never)]
 pub(super) fn shade_tested<S: Simd>(
     simd: S,

@@ -1,4 +1,4 @@
-//! SIMD texture reads for sixteen samples, bit for bit equal to [`crate::pipeline::sample::Sampler`].
+//! SIMD texture reads for sixteen samples. Results equal those of [`crate::pipeline::sample::Sampler`] bit for bit.
 
 use super::axis::{TexelAxis, apply_address_mode, below_repeated, nearest, neighbours};
 use super::gather::{Taps, gather, quads};
@@ -388,8 +388,8 @@ mod tests {
         (0..steps.abs()).fold(u, |u, _| if steps < 0 { u.next_down() } else { u.next_up() })
     }
 
-    /// Returns the column and row of the first of a sample's four texels, each with the weight of the next texel as
-    /// bits. If the next texel has all the weight, it is returned instead, with a weight of zero for the one after it.
+    /// Returns, for each axis, the index of the first texel that a sample reads, and the weight of the next texel as
+    /// f32 bits. If the next texel has all the weight, its index is returned instead, with weight 0.
     fn first_with_weight(taps: &Taps, lane: usize, (width, height): (u32, u32)) -> [(u32, u32); 2] {
         let (x, y) = (taps.index[0][lane] % (width + 1), taps.index[0][lane] / (width + 1));
         let along =

@@ -120,13 +120,13 @@ impl Tile {
         (0..BLOCKS * BLOCKS).filter(move |block| plain >> block & 1 != 0).map(move |block| (block, Slot(owners[block])))
     }
 
-    /// Returns the slots of the visible triangles at eight samples of a row, whose block must not be uniform.
+    /// Returns the slots of the visible triangles at eight samples of a row. Their block must not be uniform.
     #[inline(always)]
     pub(super) fn slots(&self, column: usize, row: usize) -> &[u32] {
         &self.ids[row * STRIDE + column..][..LANES]
     }
 
-    /// Returns the slots of the visible triangles at eight samples of a row and the eight below, whose block must not
+    /// Returns the slots of the visible triangles at eight samples of a row and the eight below. Their block must not
     /// be uniform.
     #[inline(always)]
     pub(super) fn slots_of_two_rows<S: Simd>(&self, simd: S, column: usize, row: usize) -> u32x16<S> {
@@ -143,7 +143,7 @@ impl Tile {
         }
     }
 
-    /// Marks a block as uniform with the triangle of a slot, or as not uniform if there is none.
+    /// Marks a block as uniform, with `owner` as its only visible triangle, or as not uniform if `owner` is `None`.
     pub(super) fn set_owner(&mut self, block: usize, owner: Option<Slot>) {
         match owner {
             Some(slot) => {
@@ -165,10 +165,10 @@ impl Tile {
         &self.depths[row * STRIDE..][..TILE]
     }
 
-    /// Draws a triangle. `owner` repeats the setup of the triangle of a uniform block that must be expanded.
+    /// Draws a triangle. `owner` sets up the triangle of a uniform block again if that block must be expanded.
     ///
     /// The code is compiled separately for the [most common depth rules](DepthRules::are_common): branches on the rules
-    /// in every row are a tenth of the work.
+    /// in every row would take a tenth of the time.
     #[inline(always)]
     pub(super) fn draw<S: Simd, E: EdgeNumber>(
         &mut self,
@@ -283,7 +283,8 @@ impl Tile {
         self.counts.visited += ((row - top) * LANES / 2) as u64;
     }
 
-    /// Depth-tests the covered samples among four of a row and the four below, and stores those that pass.
+    /// Depth-tests the covered samples in a group of four samples of a row and the four below, and stores those that
+    /// pass.
     #[inline(always)]
     fn write_two<S: Simd, E: EdgeNumber>(
         &mut self,
@@ -497,7 +498,8 @@ impl Tile {
         }
     }
 
-    /// Depth-tests the covered samples among eight of a row, and stores those that pass. Returns `true` if any passed.
+    /// Depth-tests the covered samples in a group of eight samples of a row, and stores those that pass. Returns `true`
+    /// if any passed.
     #[inline(always)]
     fn write<S: Simd, E: EdgeNumber>(
         &mut self,

@@ -88,7 +88,8 @@ impl TiledFrame<'_> {
         sorted.into_iter().map(|(_, slot, triangle)| (slot, triangle)).collect()
     }
 
-    /// Blends the blended triangles of a tile, given in submission order, over its picture. Returns the shading work.
+    /// Blends the blended triangles of a tile, given in submission order, over its picture. Returns the number of
+    /// samples shaded and texels read.
     pub(super) fn blend<S: Simd>(
         &self,
         simd: S,
@@ -131,7 +132,8 @@ impl TiledFrame<'_> {
         shaded
     }
 
-    /// Blends triangles of a tile over its picture, with all fragments sorted by depth. Returns the shading work.
+    /// Blends triangles of a tile over its picture, with all fragments sorted by depth. Returns the number of samples
+    /// shaded and texels read.
     fn blend_sorted<S: Simd>(
         &self,
         simd: S,

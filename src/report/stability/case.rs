@@ -19,7 +19,7 @@ pub(crate) struct StabilityCase {
     pub(crate) id: String,
     /// Id of the class that the case belongs to.
     pub(crate) class: String,
-    /// Description of the special property of the case.
+    /// Description of the property that makes the case hard.
     #[serde(default)]
     pub(crate) note: String,
     /// Kind of the case and its data.
@@ -31,17 +31,17 @@ pub(crate) struct StabilityCase {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub(crate) enum Body {
-    /// Coverage of each of several screen-space triangles.
+    /// Coverage of one or more screen-space triangles, each drawn separately.
     TriCoverage(Coverage),
     /// Weights, depth and attributes at some pixels of a screen-space triangle.
     TriAttr(AttributeCase),
     /// Depths of two coplanar triangles that cover the same pixels.
     CoplanarPair(CoplanarPairCase),
-    /// Coverage of each of several clip-space triangles, with weights and depth.
+    /// Coverage, weights and depth of one or more clip-space triangles, each drawn separately.
     ClipTri(ClipSpace),
-    /// Depth buffer values of ascending distances.
+    /// Stored depths of a list of ascending distances.
     Depth(DepthCase),
-    /// Random pairs of close distances, whose order a depth buffer may lose.
+    /// Stored depths of random pairs of nearly equal distances, whose order a depth buffer may lose.
     DepthPairs(DepthPairs),
 }
 
@@ -94,7 +94,7 @@ pub(crate) struct CoplanarPairCase {
     pub(crate) eval: Vec<[u32; 2]>,
 }
 
-/// Clip-space triangles to clip, project and rasterize, with 0 ≤ z ≤ w inside the view and y up.
+/// Clip-space triangles to clip, project and rasterize. The view volume has 0 ≤ z ≤ w, and y points up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ClipSpace {
     /// Image width, in pixels.
@@ -113,10 +113,10 @@ pub(crate) struct DepthCase {
     pub(crate) mapping: DepthMapping,
     /// Storage format of the depth buffer.
     pub(crate) format: DepthStorage,
-    /// Distance of the near plane from the eye.
+    /// Distance of the near plane from the eye, in view-space units.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
     pub(crate) near: f32,
-    /// Distance of the far plane from the eye; `None` for infinity.
+    /// Distance of the far plane from the eye, in view-space units; `None` for infinity.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
     pub(crate) far: Option<f32>,
     /// View-space distances to store, in ascending order.
@@ -124,17 +124,18 @@ pub(crate) struct DepthCase {
     pub(crate) z: Vec<f32>,
 }
 
-/// Random pairs of distances z and z · (1 + gap), with z log-uniform between the planes, seen through random views.
+/// Random pairs of distances z and z · (1 + `gap`), seen through random views. z is log-uniform between the near and
+/// the far plane.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct DepthPairs {
     /// Mapping from a distance to a depth in [0, 1].
     pub(crate) mapping: DepthMapping,
     /// Storage format of the depth buffer.
     pub(crate) format: DepthStorage,
-    /// Distance of the near plane from the eye.
+    /// Distance of the near plane from the eye, in view-space units.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
     pub(crate) near: f32,
-    /// Distance of the far plane from the eye.
+    /// Distance of the far plane from the eye, in view-space units.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
     pub(crate) far: f32,
     /// Relative difference between the two distances of a pair.
@@ -169,7 +170,7 @@ impl StabilityCase {
         }
     }
 
-    /// Returns the same case with another depth mapping and format; other kinds of cases are returned unchanged.
+    /// Returns a depth case with its mapping and storage format replaced; other kinds of cases are returned unchanged.
     pub(crate) fn stored_as(mut self, mapping: DepthMapping, format: DepthStorage) -> Self {
         match &mut self.body {
             Body::Depth(depth) => {
@@ -182,8 +183,8 @@ impl StabilityCase {
         self
     }
 
-    /// Returns the case with only some of its parts, given by index: triangles, evaluated pixels, or distances. A part
-    /// of a mesh is no longer expected to cover the image.
+    /// Returns the case reduced to the parts with the given indices. Parts are triangles, evaluated pixels or
+    /// distances, depending on the kind of case. A partial mesh is no longer expected to cover the image.
     pub(crate) fn only(&self, parts: &[usize]) -> Self {
         let mut case = Self { id: format!("{}-part", self.id), ..self.clone() };
         match &mut case.body {

@@ -1,4 +1,4 @@
-//! Columns of the report: all configurations of the engine that a class can measure.
+//! Columns of the stability report: one for each configuration of the engine.
 
 use serde::Serialize;
 
@@ -10,9 +10,9 @@ use crate::pipeline::settings::{Choice as _, DepthFormat};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(untagged)]
 pub(crate) enum ReportColumn {
-    /// Rasterizer and its arithmetic.
+    /// Rasterizer and the arithmetic that it uses.
     Coverage(Configuration),
-    /// Interpolation formula and its arithmetic.
+    /// Interpolation formula and the arithmetic that it uses.
     Weights(Weighting),
     /// Depth buffer format.
     Depth(#[serde(serialize_with = "depth_format")] DepthFormat),

@@ -1,4 +1,4 @@
-//! Stability report as comma-separated values: one line per cell, one column per metric.
+//! Stability report as comma-separated values: one line per class and configuration, one column per metric.
 
 use super::metric::Metric;
 use super::sweep::{ClassReport, ReportCell, StabilityReport};
@@ -12,7 +12,7 @@ const KEYS: [&str; 10] =
 /// Headings of the columns after the metrics.
 const TIMES: [&str; 5] = ["ns_per_pixel", "ns_per_pixel_p10", "ns_per_pixel_p90", "ns_per_triangle", "rounds"];
 
-/// Formats the stability report with its header. Values that were not measured are left empty.
+/// Formats the stability report as CSV with a header line. Values that were not measured are left empty.
 pub(crate) fn csv(report: &StabilityReport) -> String {
     let metrics = Metric::ALL.iter().map(|metric| metric.id().replace('-', "_"));
     let head: Vec<String> =

@@ -8,7 +8,7 @@ use serde::{Serialize, Serializer};
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
-    /// Metric of error, cost or quantity.
+    /// Metric of the stability report: an error, a cost, or a count.
     Metric {
         Pixels = "pixels", "pixels", "Pixels that the exact answer covers.";
         Wrong = "wrong", "wrong",
@@ -51,7 +51,7 @@ enum Join {
     Derived,
 }
 
-/// Number of [`Measures::severity`] levels above 0.
+/// Number of severity levels above 0, which means no fault; see [`Measures::severity`].
 pub(crate) const LEVELS: usize = 6;
 
 impl Metric {
@@ -79,7 +79,8 @@ impl Metric {
         !matches!(self, Self::Pixels | Self::Samples | Self::Pairs | Self::IdealTies | Self::Stiffness)
     }
 
-    /// Returns the metric that counts the total, for metrics that count a part of it.
+    /// Returns the metric that counts the total, if this metric counts a part of it: for example, all pixels for wrong
+    /// pixels.
     fn whole(self) -> Option<Self> {
         match self {
             Self::Wrong | Self::WrongUnsnapped | Self::WrongStrict | Self::Seams | Self::Cracks | Self::Doubles => {
@@ -91,7 +92,8 @@ impl Metric {
         }
     }
 
-    /// Returns the thresholds between severity levels: values, or fractions of the total for partial counts.
+    /// Returns the thresholds between severity levels, in ascending order. For a metric that counts a part of a total,
+    /// they apply to the fraction of the total, otherwise to the value.
     pub(crate) fn thresholds(self) -> [f64; LEVELS] {
         match self {
             Self::AffineError | Self::WeightError | Self::SumError | Self::DepthError => {
@@ -106,7 +108,7 @@ impl Metric {
         }
     }
 
-    /// Formats a value in a few characters.
+    /// Formats a value of this metric in a few characters, with its unit if it has one.
     pub(crate) fn format(self, value: f64) -> String {
         match self {
             Self::Lost => format!("{} %", short(value)),
@@ -152,13 +154,13 @@ impl Measures {
         self.0[metric as usize]
     }
 
-    /// Returns the measures with the value of a metric set.
+    /// Sets the value of a metric and returns the measures.
     pub(crate) fn with(mut self, metric: Metric, value: f64) -> Self {
         self.0[metric as usize] = Some(value);
         self
     }
 
-    /// Adds `value` to a count, or raises a maximum to at least `value`.
+    /// Records a value of a metric: adds it to a count, or updates a maximum.
     pub(crate) fn note(&mut self, metric: Metric, value: f64) {
         let slot = &mut self.0[metric as usize];
         *slot = Some(match (*slot, metric.join()) {
@@ -168,7 +170,7 @@ impl Measures {
         });
     }
 
-    /// Adds the measures of more cases, and updates derived metrics such as the share of lost pairs.
+    /// Adds the measures of more cases, and updates derived metrics such as the percentage of lost pairs.
     pub(crate) fn join(&mut self, more: &Self) {
         for (metric, value) in more.iter() {
             if metric.join() != Join::Derived {
@@ -208,14 +210,14 @@ impl Serialize for Measures {
 /// Upper bound of a metric; a class passes if all its bounds hold.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct Bound {
-    /// Bounded metric.
+    /// Metric to which the bound applies.
     pub(crate) metric: Metric,
     /// Largest value of the metric that passes.
     pub(crate) most: f64,
 }
 
 impl Bound {
-    /// Creates a bound of at most `most`.
+    /// Creates a bound that is met by values up to `most`.
     pub(crate) const fn new(metric: Metric, most: f64) -> Self {
         Self { metric, most }
     }
@@ -244,9 +246,9 @@ impl Display for Bound {
 pub(crate) enum Verdict {
     /// All bounds of the class hold.
     Pass,
-    /// Some bounds do not hold; the numbers show by how much.
+    /// At least one bound does not hold; the measured values show by how much.
     Measured,
-    /// Some cases were not answered.
+    /// The engine produced no result for at least one case.
     Refused,
 }
 

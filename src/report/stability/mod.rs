@@ -1,4 +1,4 @@
-//! Stability report: the error of the engine on numerically hard cases, and the cost of being correct.
+//! Stability report: the errors of the engine on numerically hard test cases, and the run time of each configuration.
 //!
 //! ```text
 //! catalogue ── cases ──┬── oracle ─── expected answers ──┐
@@ -7,7 +7,7 @@
 //!                           (by column)                      timing ─────┘── tradeoff
 //! ```
 //!
-//! [`catalogue`] generates classes of stiff and extreme [`case`]s, and [`oracle`] solves them in exact arithmetic.
+//! [`catalogue`] generates classes of numerically hard [`case`]s, and [`oracle`] solves them in exact arithmetic.
 //! [`subject`] runs the engine and is the only part that calls it; [`measure`] compares. [`sweep`] runs and times
 //! classes against every [`mod@column`]. The report is plain data, which [`mod@text`], [`mod@csv`] and [`mod@html`]
 //! format and the window shows.

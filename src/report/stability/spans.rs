@@ -1,4 +1,4 @@
-//! Spans of pixels, and differences between sets of them.
+//! Operations on sets of pixels that are given as spans.
 
 use crate::pipeline::raster::Span;
 use crate::pipeline::viewport::Viewport;
@@ -26,7 +26,7 @@ pub(crate) fn normalized(spans: &[Span]) -> Vec<Span> {
     merged
 }
 
-/// Returns the pixels that are in exactly one of two sets, in order.
+/// Returns the symmetric difference of two sets of pixels, as sorted, disjoint spans.
 pub(crate) fn difference(a: &[Span], b: &[Span]) -> Vec<Span> {
     let (a, b) = (normalized(a), normalized(b));
     // A resulting span starts and ends where membership in one set changes; simultaneous changes in both cancel out.
@@ -46,7 +46,7 @@ pub(crate) fn difference(a: &[Span], b: &[Span]) -> Vec<Span> {
     normalized(&result)
 }
 
-/// Number of hits of each pixel in an image, in row-major order.
+/// Number of times that each pixel of an image is covered, in row-major order.
 #[derive(Clone, Debug)]
 pub(crate) struct HitCounts {
     viewport: Viewport,
@@ -54,12 +54,12 @@ pub(crate) struct HitCounts {
 }
 
 impl HitCounts {
-    /// Creates counters without hits.
+    /// Creates counters that are 0 for every pixel.
     pub(crate) fn none(viewport: Viewport) -> Self {
         Self { viewport, counts: vec![0; viewport.width as usize * viewport.height as usize] }
     }
 
-    /// Adds spans; pixels outside the image are ignored.
+    /// Increments the counters of all pixels in the spans; pixels outside the image are ignored.
     pub(crate) fn add(&mut self, spans: &[Span]) {
         let width = self.viewport.width as usize;
         for span in spans.iter().filter(|s| s.row < self.viewport.height) {
@@ -71,17 +71,17 @@ impl HitCounts {
         }
     }
 
-    /// Returns the number of pixels that were never hit.
+    /// Returns the number of pixels that are not covered.
     pub(crate) fn cracks(&self) -> u64 {
         self.counts.iter().filter(|count| **count == 0).count() as u64
     }
 
-    /// Returns the number of pixels that were hit more than once.
+    /// Returns the number of pixels that are covered more than once.
     pub(crate) fn doubles(&self) -> u64 {
         self.counts.iter().filter(|count| **count > 1).count() as u64
     }
 
-    /// Returns the column and row of the first pixel that was not hit exactly once.
+    /// Returns the column and row of the first pixel that is not covered exactly once.
     pub(crate) fn first_fault(&self) -> Option<(u32, u32)> {
         let at = self.counts.iter().position(|count| *count != 1)?;
         let width = self.viewport.width as usize;

@@ -1,4 +1,4 @@
-//! System under test: the only calls from the stability report into the engine.
+//! System under test: all calls from the stability report into the engine.
 //!
 //! Results use the report's own types; other modules decide whether they are correct.
 
@@ -48,7 +48,7 @@ impl Configuration {
 pub(crate) struct Weighting {
     /// Formula that computes the weights of the vertices.
     pub(crate) interpolation: Interpolation,
-    /// Number type in which edges are evaluated.
+    /// Number type in which edge functions are evaluated.
     pub(crate) arithmetic: Arithmetic,
 }
 
@@ -80,7 +80,7 @@ pub(crate) fn cover(by: Configuration, corners_px: [[f32; 2]; 3], rule: FillRule
 pub(crate) struct Sampled {
     /// Screen-space (affine) weights of the vertices.
     pub(crate) affine: [f64; 3],
-    /// Weights of the vertices for attributes.
+    /// Weights of the vertices for attribute interpolation.
     pub(crate) weights: [f64; 3],
     /// Interpolated depth.
     pub(crate) depth: f64,
@@ -104,7 +104,7 @@ pub(crate) struct Interpolator {
 }
 
 impl Interpolator {
-    /// Prepares a screen-space triangle. Returns `None` if the engine finds no area.
+    /// Prepares a screen-space triangle. Returns `None` if the triangle has no area in the engine's arithmetic.
     pub(crate) fn new(by: Weighting, corners: &[ScreenCorner; 3]) -> Option<Self> {
         let vertices = corners.map(|c| {
             let varyings = Varyings { uv: c.uv.into(), ..Varyings::default() };
@@ -122,7 +122,7 @@ impl Interpolator {
         attribute_weights(&self.triangle, &self.edges.sample((column, row)), self.interpolation)
     }
 
-    /// Returns the engine's values at a pixel centre.
+    /// Returns all values that the engine interpolates at a pixel centre.
     pub(crate) fn at(&self, column: u32, row: u32) -> Sampled {
         let sample = self.edges.sample((column, row));
         let fragment = interpolate(&self.triangle, sample, AttributeSelection::all(self.interpolation));
@@ -208,7 +208,8 @@ impl DepthBuffer {
     }
 }
 
-/// Computes the distance of a world-space point along the view axis, from the matrix row of w.
+/// Computes the distance of a world-space point from the eye along the view axis; `w_from_world` is the matrix row that
+/// yields w.
 pub(crate) fn distance(w_from_world: [f32; 4], point: [f32; 3]) -> f32 {
     let mut clip_from_world = Mat4::IDENTITY;
     for (axis, factor) in w_from_world.into_iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Runs classes of cases against all configurations.
 //!
-//! First, all cases are judged in parallel. Then the classes are timed one after the other, with nothing else running.
-//! The engine's answers, and therefore the errors, do not depend on timing or on the number of threads.
+//! First, all cases are evaluated in parallel. Then the classes are timed one after the other, with nothing else
+//! running. The engine's results, and therefore the errors, do not depend on timing or on the number of threads.
 
 use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -25,9 +25,9 @@ use crate::pipeline::settings::{Arithmetic, Choice as _, Rasterizer};
 pub(crate) struct StabilityPlan {
     /// Classes to run, in this order.
     pub(crate) classes: Vec<&'static Class>,
-    /// Rasterizers to run, in classes that vary them.
+    /// Rasterizers to run, in the classes that compare rasterizers.
     pub(crate) rasterizers: Vec<Rasterizer>,
-    /// Arithmetics to run, in classes that vary them.
+    /// Arithmetics to run, in the classes that compare arithmetics.
     pub(crate) arithmetics: Vec<Arithmetic>,
     /// Seed from which the random cases are generated.
     pub(crate) seed: u64,
@@ -78,7 +78,7 @@ pub(crate) struct StabilityProgress {
 /// Stages of a stability report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SweepStage {
-    /// Comparing the engine's answers with the exact ones.
+    /// Comparing the engine's results with the exact ones.
     Judging,
     /// Timing the classes, one after the other.
     Timing,
@@ -108,7 +108,7 @@ pub(crate) struct StabilityReport {
     pub(crate) timing_noise: Option<Noise>,
     /// Results of each class.
     pub(crate) classes: Vec<ClassReport>,
-    /// Whether the run was cancelled before all classes were judged and timed.
+    /// Whether the run was cancelled before all classes were evaluated and timed.
     pub(crate) partial: bool,
 }
 
@@ -130,7 +130,8 @@ pub(crate) struct ClassReport {
     pub(crate) units: u64,
     /// Results of each column.
     pub(crate) cells: Vec<ReportCell>,
-    /// Complete cases named by [`Worst::of`], without duplicates; the counts of the cells can be recomputed from them.
+    /// Complete cases to which [`Worst::of`] refers, without duplicates. The measures of these cases can be recomputed
+    /// from them.
     pub(crate) worst_cases: Vec<StabilityCase>,
 }
 
@@ -142,7 +143,7 @@ pub(crate) struct ReportCell {
     pub(crate) column: ReportColumn,
     /// Verdict that summarises the measures in one word.
     pub(crate) verdict: Verdict,
-    /// Number of cases without an answer.
+    /// Number of cases for which the engine produced no result.
     pub(crate) refused: usize,
     /// Measures combined over all cases.
     pub(crate) measures: Measures,
@@ -150,7 +151,7 @@ pub(crate) struct ReportCell {
     pub(crate) time: Option<Time>,
     /// Worst case, if there was any fault.
     pub(crate) worst: Option<Worst>,
-    /// Results per case, for depth classes, whose cases are separate experiments.
+    /// Results of each case, in depth classes, where every case is a separate experiment; empty in other classes.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) by_case: Vec<CaseMeasures>,
 }
@@ -160,9 +161,9 @@ pub(crate) struct ReportCell {
 pub(crate) struct CaseMeasures {
     /// Id of the case.
     pub(crate) id: String,
-    /// Description of the special property of the case.
+    /// Description of the property that makes the case hard.
     pub(crate) note: String,
-    /// Measures of the case; `None` if it was not answered.
+    /// Measures of the case; `None` if the engine produced no result.
     pub(crate) measures: Option<Measures>,
 }
 
@@ -171,14 +172,14 @@ pub(crate) struct CaseMeasures {
 pub(crate) struct Worst {
     /// Id of the complete case, which is in [`ClassReport::worst_cases`].
     pub(crate) of: String,
-    /// Measures of the complete case; `None` if it was not answered.
+    /// Measures of the complete case; `None` if the engine produced no result.
     pub(crate) measures: Option<Measures>,
     /// Reduced case, which can be opened in the window.
     pub(crate) case: StabilityCase,
 }
 
 /// Runs a plan. Calls `progress` after every step, from several threads. If `cancel` becomes `true`, returns the
-/// classes judged so far, or `None` if there are none.
+/// classes evaluated so far, or `None` if there are none.
 pub(crate) fn run(
     plan: &StabilityPlan,
     progress: &(dyn Fn(StabilityProgress) + Sync),
@@ -214,8 +215,9 @@ pub(crate) fn run(
     Some(StabilityReport { seed: plan.seed, machine, duration: start.elapsed(), timing_noise, classes, partial })
 }
 
-/// Compares the answers to all cases in all columns. Returns the report of each class, and the number of pixels,
-/// samples or depths of each of its cases. Classes that were incomplete on cancellation are `None`.
+/// Runs all cases in all configurations and compares the results with the exact ones. Returns the report of each class,
+/// with the number of pixels, samples or depths of each of its cases. A class that is incomplete due to cancellation is
+/// `None`.
 fn evaluate(
     plan: &StabilityPlan,
     cases: &[Vec<StabilityCase>],
@@ -290,7 +292,7 @@ fn join(class: &Class, column: ReportColumn, outcomes: &[(&StabilityCase, &Measu
     ReportCell { column, verdict: Verdict::Measured, refused, measures, time: None, worst, by_case }
 }
 
-/// Returns the severity of a case as numbers in order of importance.
+/// Returns a sort key for the severity of a case: its error metrics in descending order of importance.
 fn rank(class: &Class, outcome: &MeasureOutcome) -> [f64; 7] {
     use Metric::{DepthUlp, Doubles, NotFinite, WeightError, Wrong, WrongUnsnapped};
     let value = |metric| outcome.measures.map_or(f64::INFINITY, |measures| measures.get(metric).unwrap_or(0.0));
@@ -316,7 +318,8 @@ fn shown(case: &StabilityCase, culprits: &[usize], column: ReportColumn) -> Stab
     }
 }
 
-/// Times all columns of a class, and returns its A/A pairs.
+/// Times all configurations of a class. Returns the A/A pairs of the first configuration, which is timed twice per
+/// round, or `None` if cancelled.
 fn time(report: &mut ClassReport, cases: &[StabilityCase], units: &[u64], cancel: &AtomicBool) -> Option<Pairs> {
     let columns: Vec<ReportColumn> = report.cells.iter().map(|cell| cell.column).collect();
     let (times, pairs) = time_class(report.class, cases, units, &columns, cancel)?;

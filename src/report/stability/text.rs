@@ -1,4 +1,4 @@
-//! Stability report as plain text: one table of classes per family and arithmetic.
+//! Stability report as plain text: one table per family and arithmetic, with one row per class.
 
 use super::catalogue::Family;
 use super::column::ReportColumn;
@@ -37,7 +37,7 @@ pub(crate) fn text(report: &StabilityReport) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Groups columns by the heading of their table: the arithmetic, if there is a choice.
+/// Groups columns by the heading of their table: the arithmetic, "as published", or `None` for depth formats.
 fn groups(classes: &[&ClassReport]) -> Vec<(Option<&'static str>, Vec<ReportColumn>)> {
     let mut groups: Vec<(Option<&'static str>, Vec<ReportColumn>)> = Vec::new();
     for cell in classes.first().map(|class| &class.cells).into_iter().flatten() {

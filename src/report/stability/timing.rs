@@ -21,10 +21,10 @@ use crate::measure::timing::summarize;
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::Viewport;
 
-/// Minimum time between two clock reads.
+/// Minimum duration of a timed interval. Shorter work is repeated within the interval.
 const MIN_SPELL: Duration = Duration::from_micros(100);
 
-/// Time budget of a class for all its configurations.
+/// Time budget for all configurations of a class together.
 const CLASS_BUDGET: Duration = Duration::from_millis(900);
 
 /// Minimum number of rounds, however long they take.
@@ -33,7 +33,7 @@ const MIN_ROUNDS: usize = 5;
 /// Maximum number of rounds, however short they are.
 const MAX_ROUNDS: usize = 31;
 
-/// Number of distances timed in place of a case of random pairs.
+/// Number of distances that are timed instead of the random pairs of a case.
 const DISTANCES: usize = 2000;
 
 /// Median and spread of a quantity over the rounds.
@@ -50,24 +50,25 @@ pub(crate) struct Spread {
 /// Cost of one configuration on the cases of a class.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct Time {
-    /// Nanoseconds per pixel of the exact answer, per sample, or per stored depth; `None` if there are none.
+    /// Nanoseconds per pixel of the exact coverage, per sample, or per stored depth; `None` if there are none.
     pub(crate) ns_per_pixel: Option<Spread>,
     /// Median nanoseconds per triangle.
     pub(crate) ns_per_triangle: Option<f64>,
-    /// Time per pixel relative to that of compact triangles with as many pixels.
+    /// Time per pixel, as a multiple of the time per pixel of compact triangles that cover about as many pixels.
     pub(crate) stiffness: Option<f64>,
     /// Number of rounds measured.
     pub(crate) rounds: usize,
 }
 
-/// Timed work: runs all cases of a class once, or fewer if cancelled meanwhile.
+/// Function to be timed, which runs all cases of a class once. It stops early if the flag passed to it becomes `true`.
 type ClassWork<'a> = Box<dyn Fn(&AtomicBool) + 'a>;
 
-/// Timed work of one case.
+/// Function to be timed, which runs one case once.
 type CaseWork<'a> = Box<dyn Fn() + 'a>;
 
-/// Times every column of a class; there must be at least one. `units` holds the number of pixels, samples or depths of
-/// each case. Also returns the A/A pairs of the first column. Returns `None` if cancelled.
+/// Times every column of a class. `columns` must not be empty; `units` holds the number of pixels, samples or depths of
+/// each case. Also returns the A/A pairs of the first column, which is timed twice per round. Returns `None` if
+/// cancelled.
 pub(super) fn time_class(
     class: &Class,
     cases: &[StabilityCase],
@@ -104,14 +105,15 @@ pub(super) fn time_class(
     Some((times.collect(), pairs))
 }
 
-/// Summarizes the seconds of all rounds as nanoseconds per unit. Returns `None` if there are no units.
+/// Summarizes the times of all rounds, in seconds, as nanoseconds per unit. Returns `None` if there are no units.
 fn spread(seconds: &[f64], units: u64) -> Option<Spread> {
     let per_unit: Vec<f64> = seconds.iter().map(|s| s * 1e9 / units as f64).collect();
     let summary = summarize(&per_unit).filter(|_| units > 0)?;
     Some(Spread { median: summary.median, p10: summary.p10, p90: summary.p90 })
 }
 
-/// Returns the seconds per run of each work, one entry per round, or `None` if cancelled.
+/// Times all functions in a shuffled order, round after round. Returns the seconds per call of each function, with one
+/// entry per round, or `None` if cancelled.
 fn interleaved(works: &[ClassWork<'_>], cancel: &AtomicBool) -> Option<Vec<Vec<f64>>> {
     // The first run warms up; the second determines the number of repetitions.
     let mut repeats = Vec::new();
@@ -153,7 +155,7 @@ fn timed(work: &ClassWork<'_>, repeats: u32, cancel: &AtomicBool) -> Duration {
     start.elapsed()
 }
 
-/// Returns the work of running the engine on all cases.
+/// Returns a function that runs the engine on all cases in one configuration.
 fn work(cases: &[StabilityCase], column: ReportColumn) -> ClassWork<'_> {
     let parts: Vec<CaseWork<'_>> = cases.iter().filter_map(|case| case_work(case, column)).collect();
     Box::new(move |cancel| parts.iter().take_while(|_| !cancel.load(Ordering::Relaxed)).for_each(|part| part()))
@@ -198,7 +200,7 @@ fn case_work(case: &StabilityCase, column: ReportColumn) -> Option<CaseWork<'_>>
     })
 }
 
-/// Returns the work of computing weights at every pixel; triangle setup is not included.
+/// Returns a function that computes the weights at all evaluated pixels. Triangle setup is not timed.
 fn sampling<const N: usize>(triangles: [Option<Interpolator>; N], eval: &[[u32; 2]]) -> CaseWork<'_> {
     Box::new(move || {
         for triangle in triangles.iter().flatten() {
@@ -217,13 +219,13 @@ fn storing<'a>(buffer: DepthBuffer, distances: Vec<f32>) -> CaseWork<'a> {
     })
 }
 
-/// Returns the number of pixels, samples or depths in a run of [`work`], which differs from that of the case for random
-/// pairs.
+/// Returns the number of pixels, samples or depths that one call of [`work`] computes for a case. For random pairs, it
+/// is [`DISTANCES`] instead of the number in the case.
 fn timed_units(case: &StabilityCase, units: u64) -> u64 {
     if matches!(case.body, Body::DepthPairs(_)) { DISTANCES as u64 } else { units }
 }
 
-/// Identical compact triangles in an image: the benign counterpart of a case.
+/// Timing baseline for a case: identical compact triangles that cover about as many pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Twin {
     corners_px: [[f32; 2]; 3],
@@ -234,7 +236,7 @@ struct Twin {
 impl Twin {
     /// Creates right isosceles triangles with about `pixels` pixels in total, each as large as the image allows.
     fn new(pixels: u64, viewport: Viewport) -> Self {
-        /// Offset from the pixel corner, so that no pixel centre lies on an edge.
+        /// Offset of the vertices from pixel corners, in pixels, so that no pixel centre lies on an edge.
         const AT: f32 = 0.3;
         let room = f64::from(viewport.width.min(viewport.height)) - 1.0;
         let leg = (2.0 * pixels as f64).sqrt().min(room).max(1.0) as f32;
@@ -249,7 +251,8 @@ impl Twin {
     }
 }
 
-/// Returns one twin per case that covers any pixel, for families of screen-space triangles.
+/// Returns one timing baseline for each case that covers a pixel. Only families of screen-space triangles have
+/// baselines.
 fn twins(class: &Class, cases: &[StabilityCase], pixels: &[u64]) -> Vec<Twin> {
     if !matches!(class.family, Family::Coverage | Family::Mesh | Family::Throughput) {
         return Vec::new();

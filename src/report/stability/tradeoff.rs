@@ -1,7 +1,7 @@
 //! Trade-off of error against time.
 //!
-//! There is one point per configuration. Its time is the geometric mean over classes of the time per pixel, so that
-//! classes with expensive pixels have no more weight. Its error is the mean fraction of wrong pixels, or the largest
+//! There is one point per configuration. Its time is the geometric mean over all classes of the time per pixel, so that
+//! classes with a high cost per pixel do not dominate. Its error is the mean fraction of wrong pixels, or the largest
 //! error of a weight.
 
 use super::catalogue::Family;
@@ -19,18 +19,18 @@ pub(crate) struct TradeoffPoint {
     pub(crate) column: ReportColumn,
     /// Time per pixel or sample, in nanoseconds.
     pub(crate) ns: Spread,
-    /// Error of the answers; 0 if every answer is correct.
+    /// Error of the results, as a fraction of wrong pixels or as a weight error; 0 if every result is correct.
     pub(crate) error: f64,
-    /// Number of non-finite answers, which the error does not include.
+    /// Number of non-finite results, which the error does not include.
     pub(crate) not_finite: f64,
-    /// Whether the point is on the Pareto front; a lead in time within noise does not count.
+    /// Whether the point is on the Pareto front of time and error, accounting for timing noise.
     pub(crate) optimal: bool,
-    /// Class id, nanoseconds and error per class.
+    /// Id, nanoseconds per pixel, and error of each class.
     pub(crate) by_class: Vec<(&'static str, f64, f64)>,
 }
 
-/// Returns the points of rasterizers × arithmetics. The error is the fraction of wrong pixels for unsnapped vertices,
-/// averaged over the classes of single triangles and meshes.
+/// Returns one trade-off point for each combination of rasterizer and arithmetic. The error is the fraction of wrong
+/// pixels relative to unsnapped vertices, averaged over the classes of single triangles and meshes.
 pub(crate) fn coverage(report: &StabilityReport) -> Vec<TradeoffPoint> {
     let share = |cell: &ReportCell| {
         let pixels = cell.measures.get(Metric::Pixels).filter(|pixels| *pixels > 0.0)?;
@@ -40,15 +40,16 @@ pub(crate) fn coverage(report: &StabilityReport) -> Vec<TradeoffPoint> {
     points(report, &[Family::Coverage, Family::Mesh], share, mean)
 }
 
-/// Returns the points of interpolation formulas × arithmetics. The error is the largest error of a weight.
+/// Returns one trade-off point for each combination of interpolation formula and arithmetic. The error is the largest
+/// error of a weight.
 pub(crate) fn weights(report: &StabilityReport) -> Vec<TradeoffPoint> {
     let error = |cell: &ReportCell| cell.measures.get(Metric::WeightError);
     let largest = |errors: &[f64]| errors.iter().copied().fold(0.0, f64::max);
     points(report, &[Family::Weights], error, largest)
 }
 
-/// Returns the points of all timed columns. `error` returns the error of a cell, `join` combines the errors of all
-/// classes.
+/// Returns one trade-off point for each timed column. `error` returns the error of a cell; `join` combines the errors
+/// of all classes.
 fn points(
     report: &StabilityReport,
     families: &[Family],

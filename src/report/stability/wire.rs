@@ -56,17 +56,17 @@ impl<T: Wire, const N: usize> Wire for [T; N] {
     }
 }
 
-/// Serialises a value; the function for `serialize_with`.
+/// Serialises a value to the number format, for serde's `serialize_with`.
 pub(super) fn serialize<T: Wire, S: Serializer>(value: &T, serializer: S) -> Result<S::Ok, S::Error> {
     value.write().serialize(serializer)
 }
 
-/// Deserialises a value; the function for `deserialize_with`.
+/// Deserialises a value from the number format, for serde's `deserialize_with`.
 pub(super) fn deserialize<'de, T: Wire, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
     T::read(&Value::deserialize(deserializer)?).map_err(D::Error::custom)
 }
 
-/// Serialisation of vertices with attributes as objects with x, y, z, w, u and v.
+/// Serialisation of vertices as JSON objects with the fields x, y, z, w, u and v.
 pub(super) mod corners {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 

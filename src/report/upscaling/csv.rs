@@ -10,7 +10,7 @@ const HEAD: &str = "scene,triangles,width,height,threads,reference,method,scale,
     turn_degrees,motion_frames,motion_mse,motion_psnr_db,motion_ssim,motion_flip,worst_psnr_db,worst_flip,dominated_by,within_noise_of,\
     native_within_noise,noise,noise_pairs";
 
-/// Formats the upscaling report with its header. Text is quoted; values that do not apply are left empty.
+/// Formats the upscaling report as CSV with a header line. Text is quoted; values that do not apply are left empty.
 pub(crate) fn csv(report: &UpscalingReport) -> String {
     let rows = report.scenes.iter().flat_map(|scene| scene.rows.iter().map(move |row| (scene, row)));
     let lines = rows.map(|(scene, row)| line(report, scene, row));

@@ -1,4 +1,4 @@
-//! Upscaling report, error against run time: the savings of drawing fewer samples, and the loss of image quality.
+//! Upscaling report: the run time that drawing fewer samples saves, and the resulting loss of image quality.
 //!
 //! ```text
 //! recipes × scenes ── sweep ──┬── errors against a named reference ──┐
@@ -7,8 +7,8 @@
 //! ```
 //!
 //! [`sweep`] draws each recipe over a sequence of frames, and measures errors and times. [`tradeoff`] finds the recipes
-//! that are dominated in both. [`skipping`] draws fewer pixels in the naive way, by skipping them inside the loop, for
-//! comparison with visiting fewer. The report is plain data, which [`page`] and [`csv`] format.
+//! that others dominate in time and error. [`skipping`] compares two ways to draw fewer pixels: skipping them inside
+//! the pixel loop, and visiting only the wanted ones. The report is plain data, which [`page`] and [`csv`] format.
 
 pub(crate) mod csv;
 

@@ -79,7 +79,8 @@ fn section(report: &UpscalingReport, scene: &SceneReport) -> io::Result<String> 
     ))
 }
 
-/// Returns a sentence that lists the methods by anchor, or an empty string if all anchors are equal.
+/// Returns a sentence that lists the upscaling methods by anchor, the position of a sample in its block; empty if all
+/// anchors are equal.
 fn anchors(rows: &[UpscalingRow]) -> String {
     let names = |anchor: Anchor| {
         let mut names: Vec<_> = Vec::new();
@@ -110,7 +111,8 @@ fn shares(shares: &[PixelShareTimes]) -> String {
     )
 }
 
-/// Compares the rows that draw at most 1/16 of the pixels with native rendering; empty if there are none.
+/// Returns an HTML section that compares recipes that draw at most 1/16 of the pixels with native rendering; empty if
+/// there are none.
 fn sixteenth(rows: &[UpscalingRow], native: &UpscalingRow) -> String {
     /// Largest fraction of drawn pixels that counts as 1/16. The tolerance covers block sizes that do not divide the
     /// image and therefore draw slightly more.
@@ -164,7 +166,7 @@ fn table(report: &UpscalingReport, rows: &[UpscalingRow], native: Option<&Upscal
     )
 }
 
-/// Describes the camera motion during the error measurement.
+/// Returns a sentence that describes the camera motion during the error measurement.
 fn motion(report: &UpscalingReport) -> String {
     let Turn { degrees, frames } = report.turn;
     if report.turn.is_still() {
@@ -219,7 +221,8 @@ fn line(row: &UpscalingRow, native: Option<&UpscalingRow>) -> String {
     )
 }
 
-/// Returns the speed-up relative to native rendering; greyed out and labelled if the difference is within noise.
+/// Returns the speed-up relative to native rendering as HTML, greyed out and labelled if the difference is within
+/// noise.
 fn faster(native: &UpscalingRow, row: &UpscalingRow) -> String {
     let text = format!("{:.2}×", native.frame_ms.median / row.frame_ms.median.max(f64::MIN_POSITIVE));
     if row.native_within_noise { format!("<span class=\"noise\">{text} {WITHIN}</span>") } else { text }
@@ -242,7 +245,7 @@ fn crops(rows: &[UpscalingRow]) -> io::Result<String> {
     Ok(format!("<div class=\"crops\">\n{figures}</div>\n"))
 }
 
-/// Encodes an image as PNG in base64.
+/// Encodes an image as a PNG file in base64.
 fn png(picture: &Image<Rgba8>) -> io::Result<String> {
     Ok(base64(&encode_png(picture)?))
 }

@@ -77,7 +77,7 @@ fn drawn(plot: &Plot, row: &UpscalingRow) -> String {
     )
 }
 
-/// Returns the labels that fit beside their markers. Labels on the Pareto front are placed first.
+/// Returns the labels that fit beside their markers. Labels of points on the Pareto front are placed first.
 fn labels(plot: &Plot, rows: &[UpscalingRow]) -> String {
     let mut taken: Vec<[f64; 4]> = Vec::new();
     for row in rows {
@@ -110,11 +110,11 @@ fn labels(plot: &Plot, rows: &[UpscalingRow]) -> String {
     svg
 }
 
-/// One of two ways to draw fewer pixels: its CSS class and an accessor of its times.
+/// One of two compared ways to draw fewer pixels: its CSS class, and a function that returns its times.
 type SkippingVariant = (&'static str, fn(&PixelShareTimes) -> Split);
 
-/// Returns an SVG plot of time against the fraction of pixels drawn, for both ways, split into rasterization and
-/// shading.
+/// Returns an SVG plot of time against the fraction of pixels drawn, split into rasterization and shading. It compares
+/// skipping pixels inside the loop with visiting only the wanted ones.
 pub(super) fn shares(shares: &[PixelShareTimes]) -> String {
     let x = PlotAxis { low: 0.0, high: 1.04, is_log: false };
     let y = PlotAxis::from_zero(shares.iter().flat_map(|share| [share.skipping.whole.p90, share.visiting.whole.p90]));

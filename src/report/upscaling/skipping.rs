@@ -32,7 +32,7 @@ const GRIDS: [SampleGrid; 5] = [
     SampleGrid::Block { step: 4 },
 ];
 
-/// Times at one fraction of the pixels, in milliseconds.
+/// Times of both ways to draw a given fraction of the pixels, in milliseconds.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct PixelShareTimes {
     /// Fraction of the pixels that are drawn, in (0, 1].
@@ -46,9 +46,9 @@ pub(crate) struct PixelShareTimes {
 /// Frame time split into rasterization and shading, in milliseconds.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Split {
-    /// Time to clear the framebuffer, find samples and test their depth.
+    /// Time to clear the framebuffer, find samples and test their depth, in milliseconds.
     pub(crate) raster: Summary,
-    /// Time of the whole frame, up to shaded samples. The difference from `raster` is shading.
+    /// Time of the whole frame, including shading, in milliseconds. The difference from `raster` is the shading time.
     pub(crate) whole: Summary,
 }
 
@@ -59,19 +59,19 @@ impl Split {
     }
 }
 
-/// Whether the naive loop can draw this scene: it does not support transparency.
+/// Whether the naive loop can draw this view. It supports only opaque surfaces.
 pub(crate) fn applies(scene: &Scene, recipe: &Recipe, camera: &Camera, viewport: Viewport) -> bool {
     let geometry = prepare(scene, camera, &settings(recipe), viewport, &mut ());
     geometry.plans.iter().all(|plan| plan.transparency() == Transparency::Opaque)
 }
 
-/// Returns the settings for both ways; the naive loop supports only this rasterizer and arithmetic.
+/// Returns the settings of the recipe with the only rasterizer and arithmetic that the naive loop supports.
 fn settings(recipe: &Recipe) -> Settings {
     Settings { rasterizer: Rasterizer::BoundingBox, arithmetic: Arithmetic::Fixed, ..recipe.pipeline }
 }
 
-/// Times both ways at every fraction, in rounds that run everything once, after one warm-up round. Returns `None` if
-/// cancelled.
+/// Times both ways to draw fewer pixels, with every sample grid, in interleaved rounds after one warm-up round. Returns
+/// `None` if cancelled.
 pub(crate) fn measure(
     scene: &Scene,
     camera: &Camera,
@@ -181,7 +181,7 @@ mod tests {
     use crate::image::Image;
     use crate::scene::builtin;
 
-    /// Packs the wanted pixels of a full image.
+    /// Returns an image of only those pixels of `full` that the grid samples.
     fn packed<T: Copy>(full: &Image<T>, grid: SampleGrid) -> Image<T> {
         let (width, height) = grid.packed_size(full.width(), full.height());
         Image::from_fn(width, height, |column, row| {

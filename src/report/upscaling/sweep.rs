@@ -1,4 +1,4 @@
-//! Draws every recipe on every scene: first for its errors at rest and in motion, then in rounds for its time.
+//! Measures every recipe on every scene: first its errors at rest and in motion, then its time in interleaved rounds.
 //!
 //! The rounds time the same frames whose error in motion is measured; see [`crate::measure::rounds`]. File access and
 //! error metrics are not timed.
@@ -25,7 +25,7 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 use crate::upscale::Upscaling;
 
-/// Scene to measure, with its view.
+/// Scene to measure, with its name and camera.
 #[derive(Clone, Debug)]
 pub struct NamedView {
     /// Display name of the scene.
@@ -53,7 +53,7 @@ pub struct UpscalingPlan {
     pub turn: Turn,
 }
 
-/// Returns copies of the recipe with every upscaler at every scale.
+/// Returns one copy of the recipe for each upscaler at each of its scales.
 pub fn every_upscaler(recipe: Recipe) -> Vec<Recipe> {
     Upscaling::every().map(|upscaler| Recipe { upscaler, ..recipe }).collect()
 }
@@ -122,18 +122,18 @@ pub struct UpscalingRow {
     pub(crate) frame_ms: Summary,
     /// Median times of the parts of a frame, in milliseconds.
     pub(crate) parts_ms: Parts,
-    /// Error of the still view.
+    /// Error of the image in the still view.
     pub(crate) error: ErrorMetrics,
-    /// Error over the frames of the moving view, by which methods are ranked. Equal to that of the still view if there
-    /// is no motion.
+    /// Error over the frames of the moving view, by which methods are ranked. Without motion, it equals the error in
+    /// the still view.
     pub(crate) motion: MotionError,
-    /// Label of a recipe that dominates this one in time and FLIP in motion; a lead in time counts only beyond noise.
-    /// `None` if there is none.
+    /// Label of a recipe that dominates this one in time and in FLIP in motion, or `None`. A shorter time counts only
+    /// if the difference exceeds the noise.
     pub(crate) dominated_by: Option<String>,
-    /// Label of a recipe with a smaller error, or an equal error and a shorter time, whose time differs within noise.
-    /// Set only if no recipe clearly dominates this one.
+    /// Label of a recipe whose time differs within noise and whose error is smaller, or equal at a shorter time. `None`
+    /// if there is no such recipe, or if a recipe clearly dominates this one.
     pub(crate) within_noise_of: Option<String>,
-    /// Whether the difference from the native time is within noise.
+    /// Whether the frame time differs from that of native rendering only within noise.
     pub(crate) native_within_noise: bool,
     /// Image of the recipe, cropped to the region of the largest errors.
     #[serde(skip)]
@@ -161,8 +161,8 @@ pub(crate) struct Parts {
 /// Maximum width and height of a crop, in pixels.
 const CROP: (u32, u32) = (160, 110);
 
-/// Runs all measurements. If cancelled, returns the complete scenes, the last one with its complete rounds, or `None`
-/// if there are none.
+/// Runs all measurements. If cancelled, returns the scenes measured so far, or `None` if there are none. The last one
+/// may have fewer rounds.
 pub fn run(
     plan: &UpscalingPlan,
     tell: &dyn Fn(UpscalingProgress),
@@ -254,11 +254,12 @@ fn of_scene(
     })
 }
 
-/// Maximum number of rounds for the comparison of two ways to draw fewer pixels; each draws 20 images on one thread.
+/// Maximum number of rounds for the comparison of two ways to draw fewer pixels. Each round draws 20 images on one
+/// thread.
 const SHARE_ROUNDS: usize = 9;
 
-/// Measures the error of all recipes over a sequence. `look` receives each frame with the FLIP error of every pixel.
-/// Returns `None` if cancelled.
+/// Measures the errors of all recipes over a frame sequence. `look` receives each frame and the FLIP error of each of
+/// its pixels. Returns `None` if cancelled.
 fn measure_errors(
     plan: &UpscalingPlan,
     shot: &FrameSequence<'_>,
@@ -279,7 +280,7 @@ fn measure_errors(
     Some(judge)
 }
 
-/// Times all recipes. If cancelled, returns the complete rounds, or `None` if there are none.
+/// Times all recipes. If cancelled, returns the rounds completed so far, or `None` if there are none.
 fn time(
     plan: &UpscalingPlan,
     shot: &FrameSequence<'_>,
@@ -347,7 +348,8 @@ fn rank(rows: &mut [UpscalingRow], noise: &Noise) {
     }
 }
 
-/// Returns the rectangle with the largest total error over all recipes, among positions in steps of half its size.
+/// Returns the crop rectangle with the largest total error over all recipes. Candidate positions are half a rectangle
+/// apart.
 fn crop_of(judged: &[MeasuredImage]) -> PixelRegion {
     let (width, height) = judged.first().map_or((1, 1), |judged| judged.picture.size());
     let (across, down) = (CROP.0.min(width), CROP.1.min(height));

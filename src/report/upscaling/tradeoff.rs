@@ -1,4 +1,4 @@
-//! Dominance of methods in time and error, with the noise of the times taken into account.
+//! Dominance of methods in time and error, accounting for timing noise.
 
 use crate::measure::noise::Noise;
 
@@ -7,15 +7,16 @@ use crate::measure::noise::Noise;
 pub(crate) enum Standing<M> {
     /// On the Pareto front: every other method has a clearly longer time or a larger error.
     Front,
-    /// The other method has a smaller error, or an equal error and a shorter time, and the times differ within noise.
+    /// Within noise of the Pareto front: the given method has a smaller error, or an equal error and a shorter time,
+    /// and the times differ only within noise.
     WithinNoise(M),
-    /// The other method is at least as good in both time and error, and better in one; a lead in time counts only
-    /// beyond noise.
+    /// Dominated: the given method is at least as good in both time and error, and better in one. A shorter time counts
+    /// only if the difference exceeds the noise.
     Beaten(M),
 }
 
 impl<M> Standing<M> {
-    /// Converts the identifier of the other method with `name`.
+    /// Replaces the identifier of the other method, if there is one, by the result of `name`.
     pub(crate) fn map<N>(self, name: impl FnOnce(M) -> N) -> Standing<N> {
         match self {
             Self::Front => Standing::Front,
@@ -25,8 +26,8 @@ impl<M> Standing<M> {
     }
 }
 
-/// Returns the standing of each method, given as (time in ms, error); other methods are identified by index. If several
-/// methods beat one, the one with the smallest error is reported.
+/// Returns the standing of each method. `points` holds the time, in milliseconds, and the error of each; other methods
+/// are identified by index. If several methods dominate one, the one with the smallest error is reported.
 pub(crate) fn standings(points: &[(f64, f64)], noise: &Noise) -> Vec<Standing<usize>> {
     let beats = |(time, error): (f64, f64), (other_time, other_error): (f64, f64)| {
         let is_faster = time < other_time && !noise.covers(time, other_time);

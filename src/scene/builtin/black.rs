@@ -1,4 +1,4 @@
-//! Five scenes with a black spot, each with a different cause, for practising to find out why a pixel is black.
+//! Five scenes with a black spot, each with a different cause, for practising how to find out why a pixel is black.
 //!
 //! Each scene is minimal and resembles a user's bug report: a missing panel, a floor that ends too early, stripes on a
 //! poster, a dark patch on a ball, and a crate without its picture.
@@ -53,10 +53,10 @@ pub(super) const MISSING_TEXTURE: Builtin = Builtin {
     draft: draft_missing_texture,
 };
 
-/// Background of the scenes whose black spot is a hole, as sRGB codes.
+/// Background colour of the scenes whose black spot is a hole, as sRGB codes.
 const NIGHT: [u8; 3] = [0, 0, 0];
 
-/// Background of the scenes whose black spot is a surface, as sRGB codes.
+/// Background colour of the scenes whose black spot is a surface, as sRGB codes.
 const DUSK: [u8; 3] = [30, 32, 36];
 
 fn draft_back_facing() -> SceneDraft {

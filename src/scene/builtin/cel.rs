@@ -140,13 +140,14 @@ fn fir_color(v: f32) -> Vec3 {
     }
 }
 
-/// Returns the colour at `along` in a pattern of `main` with one stripe of `other` per unit. `share` is the fraction of
-/// the unit that the stripe covers.
+/// Returns the colour at position `along` of a striped pattern: one stripe of `other` per unit, on `main`. `share` is
+/// the width of a stripe as a fraction of the unit.
 fn stripes(along: f32, main: Vec3, other: Vec3, share: f32) -> Vec3 {
     if along.fract() < share { other } else { main }
 }
 
-/// Returns a position on a ball around the origin, from angles in degrees to the right of and above its front.
+/// Returns the position on a ball around the origin that lies `right` degrees to the right of its front (+z) and `up`
+/// degrees above it.
 fn on_ball(radius: f32, right: f32, up: f32) -> Vec3 {
     let (right, up) = (right.to_radians(), up.to_radians());
     Vec3::new(right.sin() * up.cos(), up.sin(), right.cos() * up.cos()) * radius

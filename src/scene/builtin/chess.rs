@@ -1,9 +1,9 @@
 //! The default scene: solids and pawns on a chess floor that extends to the horizon.
 //!
-//! The floor has four by four large cells under a repeated texture. It immediately exposes errors of wrapping,
+//! The floor is a grid of 4 × 4 large quads with a repeated texture. It immediately exposes errors of wrapping,
 //! filtering and especially interpolation without perspective correction. The solids have textures, plain colours and
-//! vertex colours, and occlude each other. The floor begins below the bottom edge of the picture and beyond the near
-//! plane, so nothing is clipped.
+//! vertex colours, and occlude each other. The front edge of the floor lies below the picture and beyond the near
+//! plane, so no triangle is clipped against the near plane.
 
 use glam::{Mat4, Quat, Vec2, Vec3, Vec3Swizzles as _};
 
@@ -24,10 +24,10 @@ pub(super) const CHESS: Builtin = Builtin {
 
 const BACKGROUND: [u8; 3] = [62, 68, 78];
 
-/// Size of the floor along x and z, in world units. The floor spans a wide picture at the horizon.
+/// Size of the floor along x and z, in world units. At the horizon, the floor is at least as wide as a wide picture.
 const FLOOR_SIZE: Vec2 = Vec2::new(104.0, 62.0);
 
-/// World z of the front edge of the floor: below the bottom of the picture, but beyond the near plane.
+/// World-space z of the floor's front edge, which lies below the bottom of the picture but beyond the near plane.
 const FLOOR_FRONT_Z: f32 = 6.9;
 
 /// Edge length of one tile, in world units.
@@ -64,7 +64,7 @@ fn floor_uv(world: Vec3) -> Vec2 {
     Vec2::from_angle(-TILE_TURN).rotate(world.xz()) / (TILE * TILES_PER_TEXTURE) + 0.5
 }
 
-/// Returns the world position of the centre of a tile, with column and row counted from the origin.
+/// Returns the world position of the centre of a floor tile, with column and row counted from the origin.
 fn on_tile(column: i32, row: i32) -> Vec3 {
     let middle = (Vec2::new(column as f32, row as f32) + 0.5) * TILE;
     let turned = Vec2::from_angle(TILE_TURN).rotate(middle);
@@ -94,7 +94,8 @@ fn add_solids(draft: &mut SceneDraft) {
     draft.place("cone", cone, gold, placed(Vec3::new(4.5, 0.0, -2.6), Quat::IDENTITY, 1.1));
 }
 
-/// Returns a colour of a cyclic gradient through coral, amber, green, azure and violet, for `u` from 0 to 1.
+/// Returns the colour at position `u`, from 0 to 1, of a cyclic gradient through coral, amber, green, azure and violet,
+/// as sRGB values.
 fn ribbon_color(u: f32) -> Vec3 {
     let colors = [0xF2_5F_4C, 0xF7_B5_45, 0x5C_BF_6C, 0x35_A7_DF, 0x7C_58_D8].map(srgb);
     let place = u * colors.len() as f32;

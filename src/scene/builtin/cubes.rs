@@ -35,7 +35,8 @@ fn draft() -> SceneDraft {
     draft
 }
 
-/// Returns the model matrix of a cube. The rotation changes from cell to cell, so that rows look twisted.
+/// Returns the model matrix of the cube at grid position `cell`. The rotation changes from cube to cube, so that rows
+/// look twisted.
 fn placement(cell: [u32; 3]) -> Mat4 {
     let from_middle = |axis: usize| (cell[axis] as f32 - (COUNT[axis] - 1) as f32 * 0.5) * SPACING;
     let [along, up, near] = cell.map(|c| c as f32);
@@ -44,7 +45,8 @@ fn placement(cell: [u32; 3]) -> Mat4 {
     Mat4::from_scale_rotation_translation(Vec3::splat(0.5), rotation, center)
 }
 
-/// Returns the tint of a cube: from teal through sand to coral along the row, paler upwards and darker with depth.
+/// Returns the tint of the cube at grid position `cell`, as sRGB values: from teal through sand to coral along x, paler
+/// towards the top and darker towards the back.
 fn tint(cell: [u32; 3]) -> Vec3 {
     let [along, up, near] = [0, 1, 2].map(|axis| cell[axis] as f32 / (COUNT[axis] - 1) as f32);
     let [teal, sand, coral] = [srgb(0x2F_B5_AC), srgb(0xF4_DD_A6), srgb(0xEE_6A_50)];

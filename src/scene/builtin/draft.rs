@@ -1,4 +1,4 @@
-//! Builder for built-in scenes: takes generated meshes and images, returns their ids, and finishes as a [`Scene`].
+//! Builder for built-in scenes: adds generated meshes and images, returns their ids, and creates a [`Scene`].
 //!
 //! Generated data is validated only here. All input comes from this crate, so invalid data is a bug; the tests of the
 //! built-in scenes build every scene.

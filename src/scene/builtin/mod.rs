@@ -39,7 +39,7 @@ pub struct Builtin {
 }
 
 impl Builtin {
-    /// Builds the scene, which takes a few milliseconds to compute the textures.
+    /// Builds the scene. Computing its textures takes a few milliseconds.
     pub fn build(&self) -> Scene {
         (self.draft)().finish(self.title)
     }

@@ -16,7 +16,8 @@ pub(super) fn hash(x: u32, y: u32, seed: u32) -> f32 {
     (h >> 8) as f32 / (1 << 24) as f32
 }
 
-/// Returns noise in [0, 1] at `p`, with one random number per unit. It repeats after `period` units on each axis.
+/// Returns value noise in [0, 1] at `p`, with lattice points at integer positions. It repeats after `period` units on
+/// each axis.
 pub(super) fn value(p: Vec2, period: u32, seed: u32) -> f32 {
     let cell = p.floor();
     let t = p - cell;
@@ -27,8 +28,8 @@ pub(super) fn value(p: Vec2, period: u32, seed: u32) -> f32 {
     lerp(lerp(corner(0.0, 0.0), corner(1.0, 0.0), fade.x), lerp(corner(0.0, 1.0), corner(1.0, 1.0), fade.x), fade.y)
 }
 
-/// Returns the normalised sum of `octaves` noise layers, in [0, 1]. Each has twice the frequency and half the amplitude
-/// of the previous one.
+/// Returns the normalised sum of `octaves` noise layers, in [0, 1]. Each layer has twice the frequency and half the
+/// amplitude of the previous one.
 pub(super) fn fractal(p: Vec2, period: u32, octaves: u32, seed: u32) -> f32 {
     let sum: f32 = (0..octaves)
         .map(|octave| {

@@ -48,7 +48,7 @@ fn add_floor(draft: &mut SceneDraft) {
     draft.place("floor", floor, tiles, Mat4::from_scale(Vec3::splat(12.0)));
 }
 
-/// Adds stones whose highlights shrink from left to right.
+/// Adds stones whose specular highlights shrink from left to right.
 fn add_stones(draft: &mut SceneDraft) {
     let ball = draft.mesh(shapes::sphere(40));
     let stones = [("jasper", 0xA8_3A32, 8.0, -2.3), ("jade", 0x3F_8F_68, 40.0, 0.2), ("lapis", 0x2F_55_A8, 400.0, 2.4)];
@@ -68,7 +68,7 @@ fn add_stones(draft: &mut SceneDraft) {
     draft.place("knot", knot, brass, placed);
 }
 
-/// Adds a lamp whose shade emits its own colour, with bands from a texture.
+/// Adds a lamp with an emissive shade. A texture modulates the emission in bands.
 fn add_lamp(draft: &mut SceneDraft) {
     let post = draft.mesh(post());
     let iron = draft.material(Material {

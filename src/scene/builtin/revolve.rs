@@ -1,9 +1,9 @@
 //! Surfaces of revolution: a profile in the half plane (radius, height), revolved around the y axis.
 //!
-//! The profile is a path from the top down, with the solid on its right. It consists of lines and arcs with given end
-//! points, so pieces meet exactly and a solid closes without rounding errors. Every piece has its own normals: a joint
-//! is smooth where tangents agree and sharp elsewhere. u runs once around the axis, to the right as seen from outside.
-//! v is the normalised arc length down the profile.
+//! The profile is a path from the top down, with the solid on its right. It consists of lines and arcs with given
+//! endpoints, so pieces meet exactly and a solid closes without rounding errors. Every piece has its own normals: a
+//! joint is smooth where tangents agree and sharp elsewhere. u runs once around the axis, to the right as seen from
+//! outside. v is the normalised arc length down the profile.
 
 use std::f32::consts::TAU;
 
@@ -106,8 +106,8 @@ impl Profile {
     }
 }
 
-/// Adds the vertex of a profile point, rotated to a segment. On the axis, each slice has its own vertex, in the middle
-/// of the slice.
+/// Adds the vertex of a profile point, rotated around the axis to boundary `segment` of `segments` slices. On the axis,
+/// each slice has its own vertex, in the middle of the slice.
 fn push_vertex(mesh: &mut MeshData, point: &ProfilePoint, segment: u32, segments: u32, v: f32) {
     let on_axis = point.at.x == 0.0;
     let turn = segment as f32 + if on_axis { 0.5 } else { 0.0 };

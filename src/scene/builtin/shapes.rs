@@ -55,7 +55,7 @@ pub(super) fn cone(height: f32, segments: u32) -> MeshData {
     Profile::from(0.0, height).line_to(1.0, 0.0).line_to(0.0, 0.0).revolve("cone", segments)
 }
 
-/// Returns a capsule along y around the origin: radius 1, with `length` between the centres of its round ends.
+/// Returns a capsule of radius 1 along y around the origin. The centres of its hemispherical caps are `length` apart.
 pub(super) fn capsule(length: f32, segments: u32) -> MeshData {
     let middle = length * 0.5;
     Profile::from(0.0, middle + 1.0)
@@ -65,7 +65,7 @@ pub(super) fn capsule(length: f32, segments: u32) -> MeshData {
         .revolve("capsule", segments)
 }
 
-/// Returns a flat unit square around the origin in the plane y = 0, front side up, with `cells`² cells.
+/// Returns a flat unit square around the origin in the plane y = 0, facing up, divided into `cells` × `cells` squares.
 pub(super) fn grid(cells: u32) -> MeshData {
     let place = move |i: u32| i as f32 / cells as f32;
     let corners = || (0..=cells).flat_map(move |z| (0..=cells).map(move |x| Vec2::new(place(x), place(z))));
@@ -128,7 +128,7 @@ pub(super) fn inside_out(mut mesh: MeshData) -> MeshData {
     mesh
 }
 
-/// Returns the surface with a reversed copy in the same place, so that both sides are visible.
+/// Returns the mesh with a copy of opposite orientation in the same place, so that both sides are visible.
 pub(super) fn two_sided(mut mesh: MeshData) -> MeshData {
     let back = inside_out(mesh.clone());
     let first = mesh.positions.len() as u32;
@@ -183,7 +183,7 @@ pub(super) mod tests {
         }
     }
 
-    /// Asserts that every triangle has area and faces in the direction of its vertex normals.
+    /// Asserts that every triangle has a non-zero area and faces in the direction of its vertex normals.
     pub(in super::super) fn assert_faces_agree(mesh: &MeshData) {
         for corners in &mesh.triangles {
             let [a, b, c] = corners.map(|i| mesh.positions[i as usize]);

@@ -18,7 +18,7 @@ pub(super) const fn srgb(code: u32) -> Vec3 {
     Vec3::new(r as f32 / 255.0, g as f32 / 255.0, b as f32 / 255.0)
 }
 
-/// Returns a fully saturated colour of the colour circle, as sRGB values. `hue` 0 and 1 are the same red.
+/// Returns a fully saturated colour of the colour wheel, as sRGB values. `hue` 0 and 1 are the same red.
 pub(super) fn hue(hue: f32) -> Vec3 {
     let wave = |shift: f32| 0.5 + 0.5 * ((hue + shift) * TAU).cos();
     Vec3::new(wave(0.0), wave(-1.0 / 3.0), wave(1.0 / 3.0))
@@ -144,7 +144,8 @@ pub(super) fn test_card(size: u32) -> Image<Rgba8> {
 
 /// Returns a picture of a window with diamond panes between opaque strips of lead, in hues around `middle`.
 ///
-/// The alpha of the glass varies with its thickness from 0.45 to 0.7, so a good half of the background is covered.
+/// The alpha of the glass varies with its thickness from 0.45 to 0.7, so it hides slightly more than half of the
+/// background.
 pub(super) fn stained_glass(size: u32, middle: f32) -> Image<Rgba8> {
     const PANES: f32 = 5.0;
     const LEAD: Vec3 = srgb(0x35_38_3E);
@@ -163,7 +164,7 @@ pub(super) fn stained_glass(size: u32, middle: f32) -> Image<Rgba8> {
     })
 }
 
-/// Returns a picture of a leaf with five lobes and its stalk down, on a transparent background.
+/// Returns a picture of a leaf with five lobes and its stalk pointing down, on a transparent background.
 pub(super) fn leaf(size: u32) -> Image<Rgba8> {
     const BLADE: Vec3 = srgb(0x4E_8F_3C);
     const VEIN: Vec3 = srgb(0xA9_CB_7A);
@@ -184,7 +185,7 @@ pub(super) fn leaf(size: u32) -> Image<Rgba8> {
 
 /// Returns a picture for the lit side and a cooler, darker version of it for the unlit side.
 pub(super) fn cel_pair(size: u32, paint: impl Fn(Vec2) -> Vec3) -> [Image<Rgba8>; 2] {
-    /// Factors of the shaded side. Shade removes more red than blue, as under an open sky.
+    /// Colour factors of the unlit side. Shade removes more red than blue, as under an open sky.
     const SHADE: Vec3 = Vec3::new(0.56, 0.60, 0.76);
     [picture(size, &paint), picture(size, |uv| paint(uv) * SHADE)]
 }

@@ -77,7 +77,7 @@ fn triangle() -> MeshData {
     }
 }
 
-/// Drafts the scene of a square that is cut by its diagonals and its centre lines.
+/// Creates the scene of a square that its diagonals and centre lines divide into eight triangles.
 ///
 /// Some of these edges run through pixel centres for any picture size: the diagonals if width and height are both even,
 /// a centre line if one of them is odd.
@@ -117,7 +117,8 @@ fn fan() -> MeshData {
     flat("fan", angles.windows(2).map(|pair| [Vec2::ZERO, rim(pair[0]), rim(pair[1])]))
 }
 
-/// Returns a band of needles between two parallel rails. Their width decreases to the right, from 0.05 to 0.0001.
+/// Returns a strip of needle-shaped triangles between two parallel lines. Their width decreases to the right, from 0.05
+/// to 0.0001 units.
 fn strip() -> MeshData {
     let mut triangles = Vec::new();
     let (mut width, mut left) = (0.05_f32, -0.9_f32);
@@ -149,7 +150,8 @@ fn flat(name: &str, triangles: impl Iterator<Item = [Vec2; 3]>) -> MeshData {
     }
 }
 
-/// Returns a colour whose hue advances by the golden angle per triangle: neighbours differ, and no short cycle repeats.
+/// Returns the colour of a triangle, as sRGB values. The hue advances by the golden angle per triangle, so neighbours
+/// differ, and no short cycle repeats.
 fn sliver_color(triangle: u32) -> Vec3 {
     const GOLDEN_TURN: f32 = 0.381_966;
     hue(triangle as f32 * GOLDEN_TURN % 1.0) * (0.75 + 0.25 * noise::hash(triangle, 0, 3))

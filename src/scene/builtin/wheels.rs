@@ -66,7 +66,7 @@ fn rim() -> MeshData {
     mesh
 }
 
-/// Returns the bars of a range of spokes, which reach from the hub to the rim.
+/// Returns a mesh of the spokes with indices in `which`. Each spoke is a bar from the hub to the rim.
 fn spokes(which: std::ops::Range<u32>) -> MeshData {
     const HALF_WIDTH: f32 = 0.035;
     let mut mesh = MeshData { name: format!("spokes {} to {}", which.start + 1, which.end), ..MeshData::default() };

@@ -6,21 +6,22 @@ use super::draft::SceneDraft;
 use super::{shapes, textures};
 use crate::scene::{Camera, Scene};
 
-/// Side length of the texture, in px.
+/// Side length of the texture, in texels.
 const TEXTURE_PX: u32 = 256;
 
-/// Returns the camera of the workload scenes. A square of edge 2 around the origin just fits into a wide picture.
+/// Returns the camera of the workload scenes. A square of edge length 2 around the origin fits into any picture at
+/// least as wide as high.
 fn camera() -> Camera {
     Camera { near: 0.5, far: 20.0, ..Camera::look_at(Vec3::new(0.0, 0.0, 3.2), Vec3::ZERO) }
 }
 
-/// Returns the rotation from a horizontal square that faces up to an upright one that faces the camera.
+/// Returns the rotation that turns a horizontal, upward-facing square upright, so that it faces the camera.
 fn upright() -> Quat {
     Quat::from_rotation_x(std::f32::consts::FRAC_PI_2)
 }
 
-/// Returns a scene of a textured square of about `triangles` triangles, all of them in view. The exact number is twice
-/// the nearest square number.
+/// Returns a scene of a textured square made of about `triangles` triangles, all of them in view. The exact number is
+/// twice a square number.
 pub(crate) fn sheet(triangles: usize) -> Scene {
     let cells = ((triangles as f64 / 2.0).sqrt().round() as u32).max(1);
     let mut draft = SceneDraft::new([30, 32, 36], camera());

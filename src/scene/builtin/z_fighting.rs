@@ -48,7 +48,7 @@ fn draft() -> SceneDraft {
 }
 
 /// Adds two panels at `center` that lean away from the eye. The front panel is smaller, rotated in its plane, and
-/// nearer by `gap`.
+/// nearer by `gap` world units.
 fn add_pair(draft: &mut SceneDraft, mesh: MeshId, [back, front]: [MaterialId; 2], center: Vec3, gap: f32) {
     let distance = -center.z;
     let lean = Quat::from_rotation_y(0.5) * Quat::from_rotation_x(1.2);

@@ -22,7 +22,7 @@ const MAX_ENTRIES: usize = u32::MAX as usize;
 pub(super) struct AttributeLists {
     /// Positions (`v`), in file units.
     pub(super) positions: Vec<Vec3>,
-    /// Vertex colours, which follow the positions in the file, in [0, 1]. Empty if no vertex has a colour; otherwise,
+    /// Vertex colours in [0, 1], which a `v` line gives after the position. Empty if no vertex has a colour; otherwise,
     /// vertices without a colour are white.
     pub(super) colors: Vec<Vec3>,
     /// Texture coordinates (`vt`), with v pointing up as in the file. They may be NaN or infinite.
@@ -141,7 +141,7 @@ fn push<T>(list: &mut Vec<T>, entry: T, load: &mut Load<'_>) -> Result<(), Strin
     load.push(list, entry)
 }
 
-/// Words of a statement up to a comment: the first `N`, and the total count.
+/// Words of a statement, without a trailing comment: the first `N` words, and the total number of words.
 struct Words<'a, const N: usize> {
     list: [&'a str; N],
     count: usize,
@@ -161,7 +161,7 @@ impl<'a, const N: usize> Words<'a, N> {
 }
 
 impl<const N: usize> Words<'_, N> {
-    /// Returns the first three words as numbers.
+    /// Parses the first three words as a vector, whose components may be NaN or infinite.
     fn vector(&self) -> Result<Vec3, String> {
         Ok(Vec3::new(any_number(self.list[0])?, any_number(self.list[1])?, any_number(self.list[2])?))
     }
@@ -196,7 +196,7 @@ pub(super) fn number(word: &str) -> Result<f32, String> {
     }
 }
 
-/// Returns a word of the file as messages show it: escaped, and shortened to at most 40 characters.
+/// Returns a word of the file for display in messages: escaped, and truncated to 40 characters.
 pub(super) fn quoted(word: &str) -> String {
     const MAX_QUOTED_CHARS: usize = 40;
     match word.char_indices().nth(MAX_QUOTED_CHARS) {

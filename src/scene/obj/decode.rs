@@ -14,7 +14,8 @@ use memchr::memchr2;
 pub(super) struct Decoded {
     /// Text without byte-order mark and trailing NUL bytes; line endings as in the file.
     pub(super) text: String,
-    /// Whether NUL bytes were removed from the end (after a crash of the writer, or from a padded sector).
+    /// Whether NUL bytes were removed from the end. They are left by a crash of the exporter or by padding to whole
+    /// sectors.
     pub(super) padded: bool,
 }
 
@@ -108,8 +109,8 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
-/// Iterator like [`Lines`] that joins a line that ends with a backslash with the next one, under the number of the
-/// first. Comments are not continued, because they may end with a path.
+/// Iterator over the lines of a text like [`Lines`], which joins a line that ends with a backslash with the next line.
+/// Joined lines have the number of the first one. Comments are not joined, because they may end with a path.
 pub(super) struct JoinedLines<'a>(Lines<'a>);
 
 /// Returns the lines of `text`, with continued lines joined.

@@ -26,10 +26,10 @@ pub(super) const NONE: u32 = u32::MAX;
 /// Maximum number of triangles of a scene: the indices of their corners have 32 bits.
 const MAX_TRIANGLES: usize = u32::MAX as usize / 3;
 
-/// Memory of a part in bytes, excluding its triangles. A part becomes a mesh and an instance.
+/// Estimated memory of a [`MeshPart`] in bytes, excluding its triangles. Each part becomes a mesh and an instance.
 const PART_BYTES: u64 = 1024;
 
-/// Number of copies of a part's names, for memory accounting.
+/// Number of copies of a part's names that are kept in memory, for memory accounting.
 const NAME_COPIES: u64 = 4;
 
 /// Cost of triangulating a self-intersecting face, relative to a simple face with the same number of corners.
@@ -55,7 +55,7 @@ pub(super) struct MeshPart {
     pub(super) material: Option<String>,
     /// Line number of the `usemtl` that set the material.
     pub(super) material_line: usize,
-    /// Triangles of the part, as ranges of [`Faces::triangles`].
+    /// Triangles of the part, as ranges of indices into [`Faces::triangles`].
     pub(super) runs: Vec<Range<usize>>,
 }
 
@@ -68,7 +68,7 @@ pub(super) struct Faces {
     pub(super) parts: Vec<MeshPart>,
     /// Text after each `mtllib` statement, and its line number.
     pub(super) libraries: Vec<(String, usize)>,
-    /// Runs of equal smoothing, in ascending order of triangles; empty if the file has no `s` statement.
+    /// Runs of triangles with equal smoothing, in ascending order; empty if the file has no `s` statement.
     pub(super) smoothing: Vec<SmoothingRun>,
 }
 
@@ -135,7 +135,7 @@ struct FaceReader<'a, 'l> {
     outline: Vec<Vec3>,
     local: Triangulation,
     triangulator: Triangulator,
-    /// Work of the last face, in corners, that is not yet counted as progress.
+    /// Triangulation work of the last face that is not yet counted as progress, in corners of simple faces.
     cut_corners: usize,
     /// Whether all positions are finite.
     all_finite: bool,
@@ -287,7 +287,7 @@ impl<'a, 'l> FaceReader<'a, 'l> {
         Ok(())
     }
 
-    /// Creates a corner that is linearly interpolated between two others. `place` runs from 0 at the first to 1 at the
+    /// Creates a corner that is linearly interpolated between two others. `place` is 0 at the first corner and 1 at the
     /// second.
     fn between(&mut self, [a, b]: [FaceCorner; 2], place: f64) -> Result<FaceCorner, String> {
         let number = |list_length: usize| {

@@ -18,7 +18,8 @@ pub(super) enum NameDifference {
     Case,
 }
 
-/// Returns the existing path that matches `path`, and the difference of its name; `None` if no such file exists.
+/// Returns the existing path that matches `path`, and how its name differs from the requested one; `None` if no such
+/// file exists.
 pub(super) fn existing(path: &Path) -> Option<(PathBuf, NameDifference)> {
     if path.exists() {
         return Some((path.to_owned(), NameDifference::None));

@@ -59,8 +59,8 @@ pub(super) fn read(model: &Path, named: &[(String, usize)], warnings: &mut Warni
 }
 
 impl Libraries {
-    /// Whether `Tr` means opacity in a model of these parts. The materials in use count only if every part has a
-    /// material.
+    /// Whether `Tr` means opacity in a model that consists of these parts. The opacities of the materials in use count
+    /// only if every part has a material.
     pub(super) fn tr_is_opacity(&self, meaning: TrMeaning, parts: &[MeshPart], warnings: &mut Warnings) -> bool {
         let names = parts.iter().filter_map(|part| part.material.as_ref());
         let used: Vec<&Description> = names.filter_map(|name| self.descriptions.get(name)).collect();
@@ -95,7 +95,7 @@ struct Opened {
     difference: NameDifference,
 }
 
-/// Returns the file names in the text after one `mtllib`.
+/// Returns the file names that one `mtllib` statement lists. `names` is the text after the keyword.
 fn split<'a>(model: &Path, names: &'a str) -> Vec<&'a str> {
     let whole = names.trim_matches('"');
     let is_one = whole.split_whitespace().nth(1).is_none()

@@ -46,15 +46,15 @@ use super::{
 };
 use crate::disk;
 
-/// Fractions of the loading time that the steps take, for the progress percentage. They are those of a file of 10
-/// million triangles without normals.
+/// Fractions of the loading time that the five loading steps take, for progress reports. The values are those of a file
+/// of 10 million triangles without normals.
 const SHARES: [f32; 5] = [0.25, 0.35, 0.15, 0.15, 0.1];
 
 /// Maximum coordinate of a model that is not scaled down. A product of three such numbers, as in a determinant, is
 /// still finite in f32.
 const MAX_COORDINATE: f32 = 1e12;
 
-/// Background colour of a loaded model, as sRGB codes: dark enough for bright surfaces and bright enough for dark ones.
+/// Background colour of a loaded model, as sRGB codes. It contrasts with both bright and dark surfaces.
 const BACKGROUND: [u8; 3] = [38, 38, 38];
 
 /// Loaded scene, with warnings about skipped or repaired content.
@@ -74,11 +74,11 @@ pub(crate) fn load(path: &Path) -> Result<Loaded, SceneError> {
     load_with(path, TrMeaning::Auto, LoadControl::quiet(crate::scene::MemoryLimit::default()))
 }
 
-/// Loads a model with its materials and textures. `tr` is the meaning of `Tr` in its materials; `control` has the memory
-/// limit, the progress and the cancellation.
+/// Loads a model with its materials and textures. `tr` is the meaning of `Tr` in its materials; `control` holds the
+/// memory limit, the progress callback and the cancellation flag.
 ///
-/// Returns an error that names the file and, if known, the line. Causes are an unreadable file, no OBJ text, a
-/// malformed number, an index out of range, no drawable face, or more memory than the limit.
+/// Returns an error that names the file and, if known, the line. Causes are an unreadable file, a file that is not OBJ
+/// text, a malformed number, an index out of range, no drawable face, or more memory than the limit.
 pub(crate) fn load_with(path: &Path, tr: TrMeaning, control: LoadControl<'_>) -> Result<Loaded, SceneError> {
     let [share_of_lists, share_of_faces, share_of_normals, share_of_vertices, share_of_textures] = SHARES;
     let mut load = Load::new(path, control);
@@ -149,7 +149,7 @@ fn read_text(path: &Path, warnings: &mut Warnings, load: &mut Load<'_>) -> Resul
     Ok(decoded.text)
 }
 
-/// Returns the error for a file without drawable faces. The first warning with a line is the best explanation.
+/// Returns the error for a file without drawable faces. The first warning with a line number, if any, gives the reason.
 fn nothing_to_draw(path: &Path, warnings: &Warnings) -> SceneError {
     match warnings.first_with_line() {
         Some(Warning { line: Some(line), text, .. }) => {
@@ -217,7 +217,7 @@ fn scale_down(path: &Path, meshes: &mut [MeshData], warnings: &mut Warnings) {
 /// Materials of a model, each created at its first use.
 struct Materials<'a> {
     path: &'a Path,
-    /// Whether the file names a material library, so that a missing description is worth a warning.
+    /// Whether the file names a material library. If so, a material without a description gives a warning.
     expects_descriptions: bool,
     libraries: &'a Libraries,
     tr_is_opacity: bool,
@@ -316,7 +316,8 @@ impl<'a> Materials<'a> {
 }
 
 impl Description {
-    /// Returns the texture placement of the material, taken from its first texture. Warns if other textures differ.
+    /// Returns the scale, offset and clamping of the texture coordinates, taken from the material's first texture.
+    /// Warns if other textures differ.
     fn placement(&self, warnings: &mut Warnings) -> TextureOptions {
         let all =
             [&self.picture, &self.alpha_picture, &self.emission_picture, &self.normal_picture, &self.bump_picture];

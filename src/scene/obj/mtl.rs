@@ -100,7 +100,7 @@ pub(super) enum PictureChannel {
     Luminance,
 }
 
-/// Material descriptions by name, in an order that is the same in every run.
+/// Material descriptions by name, sorted so that their order is the same in every run.
 pub(super) type Descriptions = BTreeMap<String, Description>;
 
 /// Text in a comment that identifies MeshLab, which writes opacity as `Tr`.
@@ -172,8 +172,8 @@ impl MtlReader<'_> {
         self.material = Some((name, material));
     }
 
-    /// Returns the first `COUNT` numbers of a statement; the first number replaces missing ones. Returns `None` with a
-    /// warning if all numbers are missing or one is malformed.
+    /// Returns the first `COUNT` numbers of a statement. If there are fewer, the first number replaces the missing
+    /// ones. Returns `None` with a warning if there are none or one is malformed.
     fn numbers<const COUNT: usize>(&mut self, line: usize, keyword: &str, rest: &str) -> Option<[f32; COUNT]> {
         let words = rest.split_whitespace().take_while(|word| !word.starts_with('#'));
         let values: Result<Vec<f32>, String> = words.take(COUNT).map(number).collect();
@@ -226,7 +226,8 @@ impl MtlReader<'_> {
         }
     }
 
-    /// Parses the picture of a texture statement: options before or after the file name, with `/` between folders.
+    /// Parses the text after the keyword of a texture statement: a file name, with options before or after it.
+    /// Backslashes in the name become `/`. Returns `None` with a warning if there is no name.
     fn picture(&mut self, line: usize, keyword: &str, rest: &str) -> Option<PictureReference> {
         let mut options = TextureOptions::default();
         let mut name = Vec::new();

@@ -29,11 +29,12 @@ const VERTICES_PER_REPORT: usize = 1 << 14;
 /// Number of faces around a vertex above which faces of nearly equal direction are merged.
 const CROWD: usize = 32;
 
-/// Maximum angle between merged directions, in degrees. Fewer than 300 directions can differ pairwise by more.
+/// Maximum angle between face directions that are merged, in degrees. Fewer than 300 directions can differ pairwise by
+/// more.
 const CROWD_DEGREES: f64 = 15.0;
 
 /// Computes a normal for every corner without one, appends it to `lists` and stores its index in `faces`. Returns
-/// whether the crease angle decided if an edge is hard.
+/// whether the crease angle determined which edges are hard.
 ///
 /// # Errors
 /// Returns an error if the load is cancelled or memory does not suffice.
@@ -94,7 +95,7 @@ pub(super) fn fill(lists: &mut AttributeLists, faces: &mut Faces, load: &mut Loa
 }
 
 /// Assigns the face normal to all corners without a normal in the triangles for which `chosen` returns `true`.
-/// Consecutive triangles of one polygon share a normal.
+/// Consecutive corners with equal face normals share one entry of `normals`.
 fn flat(faces: &[Vec3], triangles: &mut [[FaceCorner; 3]], normals: &mut Vec<Vec3>, chosen: impl Fn(usize) -> bool) {
     for (place, triangle) in triangles.iter_mut().enumerate().filter(|(place, _)| chosen(*place)) {
         for corner in triangle.iter_mut().filter(|corner| corner.normal == NONE) {
@@ -120,7 +121,7 @@ fn angle(positions: &[Vec3], triangle: &[FaceCorner; 3], k: usize) -> f64 {
     if angle.is_finite() { angle } else { 0.0 }
 }
 
-/// Returns the index of `normal` among the normals from index `first` on, and appends it if it is new.
+/// Returns the index of `normal` in `normals`, searching from index `first` on. Appends `normal` if it is not found.
 fn number_of(normal: Vec3, first: usize, normals: &mut Vec<Vec3>) -> u32 {
     let known = normals[first..].iter().position(|n| *n == normal);
     let number = known.map_or(normals.len(), |offset| first + offset);
@@ -130,16 +131,17 @@ fn number_of(normal: Vec3, first: usize, normals: &mut Vec<Vec3>) -> u32 {
     number as u32
 }
 
-/// Face around a vertex, with its contribution to the vertex normal.
+/// Face adjacent to a vertex, with its contribution to the vertex normal.
 struct Face {
     /// Unit normal of the face.
     unit: DVec3,
-    /// Angle of the face at the corner, in radians.
+    /// Angle of the face at the vertex, in radians, by which its normal is weighted.
     weight: f64,
     smoothing: Smoothing,
 }
 
-/// Faces around one vertex, merged because of nearly equal directions or a common smoothing group.
+/// Faces adjacent to one vertex that are merged because their directions are nearly equal or they share a smoothing
+/// group.
 struct MergedNormal {
     unit: DVec3,
     smoothing: Smoothing,
@@ -150,14 +152,15 @@ struct MergedNormal {
 /// Maximum difference between a cosine and 1 that is attributed to rounding.
 const FLAT: f64 = 1e-6;
 
-/// Whether the crease angle decides if an edge between these directions is hard.
+/// Whether two faces without a smoothing group differ in direction, so that the crease angle determines whether their
+/// edge is hard.
 fn has_crease(directions: &[MergedNormal]) -> bool {
     let mut creased = directions.iter().filter(|direction| direction.smoothing == Smoothing::Crease);
     creased.next().is_some_and(|first| creased.any(|other| other.unit.dot(first.unit) < 1.0 - FLAT))
 }
 
 impl MergedNormal {
-    /// Returns the normalised mean of all directions within the crease angle of this one.
+    /// Returns the normalised sum of all weighted directions within the crease angle of this one.
     fn smooth(&self, all: &[Self]) -> Vec3 {
         let limit = CREASE_DEGREES.to_radians().cos();
         let alike = |d: &&Self| d.smoothing == self.smoothing && d.unit.dot(self.unit) >= limit;
@@ -166,7 +169,8 @@ impl MergedNormal {
     }
 }
 
-/// Merges `count` faces into directions. Also returns, for each face, the index of its direction.
+/// Merges the `count` faces adjacent to a vertex if they share a smoothing group or, for more than [`CROWD`] faces, if
+/// their directions are nearly equal. Also returns the index of the merged normal of each face.
 fn merge_directions(faces: impl Iterator<Item = Face>, count: usize) -> (Vec<MergedNormal>, Vec<usize>) {
     let limit = if count > CROWD { CROWD_DEGREES.to_radians().cos() } else { f64::INFINITY };
     let mut directions: Vec<MergedNormal> = Vec::new();
@@ -200,7 +204,7 @@ fn merge_directions(faces: impl Iterator<Item = Face>, count: usize) -> (Vec<Mer
     (directions, membership)
 }
 
-/// Corners at each vertex, as one flat list with the start of each vertex's range.
+/// Triangle corners at each vertex, as one flat list, with the start of each vertex's range in the list.
 struct Incidence {
     starts: Vec<u32>,
     corners: Vec<u32>,
@@ -246,7 +250,7 @@ mod tests {
         smoothed(positions, triangles, &[])
     }
 
-    /// Computes normals with the given smoothing of each triangle; without any, the crease angle decides.
+    /// Computes normals with the given smoothing of each triangle. If `smoothing` is empty, the crease angle decides.
     fn smoothed(
         positions: &[Vec3],
         triangles: &[[u32; 3]],
@@ -264,8 +268,8 @@ mod tests {
         (faces.triangles, lists.normals)
     }
 
-    /// Returns the corners and normals of two squares that share the edge x = 0, the second raised by `degrees` around
-    /// it.
+    /// Returns the corners and normals of two squares that share the edge x = 0. The second square is rotated by
+    /// `degrees` around that edge.
     fn hinge(degrees: f32) -> (Vec<[FaceCorner; 3]>, Vec<Vec3>) {
         let (rise, run) = degrees.to_radians().sin_cos();
         let xz = [[-1.0, 0.0], [0.0, 0.0], [run, rise]];

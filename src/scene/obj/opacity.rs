@@ -62,13 +62,13 @@ fn agrees_with_dissolve(all: &Descriptions) -> bool {
     pairs.peek().is_some() && pairs.all(|(d, tr)| (d - tr).abs() < DIFFERENT)
 }
 
-/// Whether `Tr` alone decides the opacity of one of the materials.
+/// Whether at least one of the materials specifies its opacity by `Tr` alone.
 fn tr_decides(used: &[&Description]) -> bool {
     used.iter().any(|material| material.dissolve.is_none() && material.tr.is_some())
 }
 
 impl Description {
-    /// Returns the opacity of the material: `d` if given, otherwise from `Tr`, otherwise 1.
+    /// Returns the opacity of the material: `d` if given, otherwise the opacity given by `Tr`, otherwise 1.
     pub(super) fn opacity(&self, tr_is_opacity: bool) -> f32 {
         match (&self.dissolve, &self.tr) {
             (Some(dissolve), _) => dissolve.value,

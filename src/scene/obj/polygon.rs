@@ -35,8 +35,8 @@ const AREA_TOLERANCE: f64 = 1e-6;
 /// Minimum area of a triangle relative to its face; smaller areas are attributed to rounding.
 const SLIVER: f64 = 1e-14;
 
-/// Ratio of the area of a face to its area without cancellation, below which Newell's normal is not used. For a bow
-/// tie, Newell's normal cancels.
+/// Ratio of a face's area to its area without cancellation, below which Newell's normal is not used. For a bow tie, the
+/// terms of Newell's normal cancel.
 const CANCELLATION: f64 = 1e-4;
 
 /// Maximum height of a corner above the plane of a flat face, relative to the square root of the area.
@@ -57,12 +57,12 @@ pub(super) enum TriangulationOutcome {
     TooManyCrossings,
 }
 
-/// Measures of a face projected onto its plane.
+/// Area and height of a face relative to its plane.
 struct Flat {
     /// Twice the signed area of the face, with clockwise regions subtracted; 0 if it has no normal.
     doubled_area: f64,
-    /// Twice the reference area for slivers and heights: `doubled_area`, or the area without subtraction if that
-    /// cancels.
+    /// Doubled area to which slivers and heights are compared: `doubled_area`, or the doubled area without subtraction
+    /// if the regions cancel.
     scale: f64,
     /// Maximum distance of a corner from the plane through the first corner, in model units.
     height: f64,
@@ -211,7 +211,7 @@ fn fan(apex: usize, count: usize) -> impl Iterator<Item = [usize; 3]> {
     (1..count - 1).map(move |i| [apex, (apex + i) % count, (apex + i + 1) % count])
 }
 
-/// Returns those triangles of the fan from the first corner that have a non-zero area in space.
+/// Returns the triangles of the fan from the first corner, except those whose area in space is zero.
 fn solid_fan(corners: &[Vec3]) -> impl Iterator<Item = [u32; 3]> {
     let has_area = |[a, b, c]: &[usize; 3]| {
         let [a, b, c] = [a, b, c].map(|corner| corners[*corner].as_dvec3());
@@ -231,7 +231,8 @@ mod tests {
         (result.triangles, outcome)
     }
 
-    /// Returns the triangles of a polygon in space, including those at points where it crosses itself.
+    /// Returns the triangles of a polygon as positions in space. Their vertices are the polygon's corners and
+    /// self-intersection points.
     fn triangles_in_space(corners: &[Vec3]) -> (Vec<[Vec3; 3]>, TriangulationOutcome) {
         let mut result = Triangulation::default();
         let outcome = Triangulator::default().triangulate(corners, &mut result, &|| false);
@@ -257,7 +258,8 @@ mod tests {
         edges.map(crossing).sum()
     }
 
-    /// Returns whether upward-facing and whether downward-facing triangles in the plane z = 0 cover a point.
+    /// Returns two flags: whether upward-facing triangles in the plane z = 0 cover a point, and whether downward-facing
+    /// ones do.
     fn covered(triangles: &[[Vec3; 3]], point: Vec3) -> [bool; 2] {
         let sides = |[a, b, c]: &[Vec3; 3]| {
             [(a, b), (b, c), (c, a)].map(|(a, b)| (*b - *a).truncate().perp_dot((point - *a).truncate()))
@@ -382,7 +384,7 @@ mod tests {
         assert_eq!(covered(&triangles, Vec3::new(0.01, 0.02, 0.0)), [true, false]);
     }
 
-    /// Returns named outlines of `count` corners.
+    /// Returns six named test outlines of `count` corners each.
     fn large(count: usize) -> [(&'static str, Vec<[f32; 2]>); 6] {
         let half = count / 2;
         let there_and_back = |lower: &dyn Fn(usize) -> [f32; 2], upper: &dyn Fn(usize) -> [f32; 2]| {

@@ -42,7 +42,7 @@ pub(super) struct Textures<'a> {
     load: Load<'a>,
 }
 
-/// Context for reading pictures: the model, the library to fill, and the warnings.
+/// Context for reading pictures: the path of the model, the library to fill, and the warnings.
 pub(super) struct Reading<'a> {
     pub(super) model: &'a Path,
     pub(super) library: &'a mut Library,
@@ -109,7 +109,7 @@ fn bytes_of_texels((width, height): (u32, u32)) -> u64 {
     u64::from(width) * u64::from(height) * BYTES_PER_TEXEL
 }
 
-/// Decodes a picture if the memory suffices for the size in its header.
+/// Decodes a picture. Returns an error without decoding it if the size in its header would exceed the memory limit.
 fn read(path: &Path, load: &mut Load<'_>) -> Result<Image<Rgba8>, String> {
     if load.is_cancelled() {
         return Err("loading was cancelled".to_owned());
@@ -164,7 +164,7 @@ fn mapped(image: &Image<Rgba8>, map: impl Fn(Rgba8) -> Rgba8) -> Image<Rgba8> {
     Image::from_pixels(image.width(), image.height(), image.pixels().iter().map(|texel| map(*texel)).collect())
 }
 
-/// Returns the alpha channel if any texel is not opaque, otherwise luminance.
+/// Returns the channel from which opacity is read by default: alpha if any texel is not opaque, otherwise luminance.
 pub(super) fn default_channel(image: &Image<Rgba8>) -> PictureChannel {
     let has_alpha = image.pixels().iter().any(|[.., alpha]| *alpha != u8::MAX);
     if has_alpha { PictureChannel::Matte } else { PictureChannel::Luminance }
@@ -205,7 +205,7 @@ fn looks_like_normals(image: &Image<Rgba8>) -> bool {
     normals as f64 >= MIN_NORMAL_SHARE * image.pixels().len() as f64
 }
 
-/// Whether `map_d` refers to the alpha of the `map_Kd` file, which is already in use.
+/// Whether `map_d` names the alpha channel of the `map_Kd` file, which the colour texture already applies.
 pub(super) fn repeats_alpha(
     color: TextureId,
     opacity: &PictureReference,
@@ -217,7 +217,8 @@ pub(super) fn repeats_alpha(
     same_file && has_alpha && opacity.options.channel.is_none_or(|channel| channel == PictureChannel::Matte)
 }
 
-/// Returns the best existing path of a picture, in order of preference, or the first candidate if none exists.
+/// Returns the existing candidate path whose name differs least from the written one, or the first candidate if none
+/// exists.
 fn locate(picture: &PictureReference, model: &Path) -> (PathBuf, NameDifference) {
     let folder = |file: &Path| file.parent().map_or_else(PathBuf::new, Path::to_owned);
     let (beside_library, beside_model) = (folder(&picture.library), folder(model));

@@ -16,8 +16,7 @@ use crate::scene::{MeshData, SceneError};
 /// Number of triangles between progress reports.
 const TRIANGLES_PER_REPORT: usize = 1 << 14;
 
-/// Number of vertices at one position from which on a hash map finds them. With fewer, a linear search compares them
-/// all.
+/// Number of vertices at one position at which a hash map replaces the linear search over them.
 const CROWD: usize = 16;
 
 /// Returns the meshes of all parts, in the order of the parts. The names of the meshes are empty.
@@ -65,10 +64,10 @@ impl From<SceneError> for Stopped {
 /// Vertex numbering of one part.
 #[derive(Default)]
 struct Numbering {
-    /// Most recent vertex at each position; [`NONE`] if there is none.
+    /// Index of the most recent vertex at each position; [`NONE`] if there is none.
     newest: Vec<u32>,
     vertices: Vec<NumberedVertex>,
-    /// Vertices at positions with at least [`CROWD`] vertices, by their corners.
+    /// Indices of the vertices at positions with at least [`CROWD`] vertices, by face corner.
     crowded: HashMap<FaceCorner, u32>,
     crowded_bytes: u64,
 }
@@ -76,7 +75,7 @@ struct Numbering {
 #[derive(Clone, Copy)]
 struct NumberedVertex {
     corner: FaceCorner,
-    /// Previous vertex at the same position; [`NONE`] if there is none.
+    /// Index of the previous vertex at the same position; [`NONE`] if there is none.
     older: u32,
 }
 
@@ -159,7 +158,8 @@ impl Numbering {
         Ok(new)
     }
 
-    /// Adds all vertices at the position of `newest` to the hash map, because their number has reached [`CROWD`].
+    /// Adds every vertex at the position of `newest` to the hash map. Called when a position reaches [`CROWD`]
+    /// vertices.
     fn note_crowd(&mut self, newest: u32) {
         let mut number = newest;
         while number != NONE {
@@ -169,7 +169,7 @@ impl Numbering {
         }
     }
 
-    /// Removes all vertices, so that the next part can be numbered.
+    /// Removes all vertices, so that the numbering can be reused for the next part of the file.
     fn clear(&mut self) {
         for vertex in &self.vertices {
             self.newest[vertex.corner.position as usize] = NONE;
@@ -188,7 +188,7 @@ mod tests {
     use super::super::{attributes, faces, warnings::Warnings};
     use super::*;
 
-    /// Returns the meshes of a file from this module and from `tobj`.
+    /// Reads the OBJ text with this module and with `tobj`, and returns the meshes of both.
     fn both(text: &str) -> (Vec<MeshData>, Vec<tobj::Mesh>) {
         let path = Path::new("a.obj");
         let (mut warnings, mut load) = (Warnings::default(), unlimited(path));

@@ -1,7 +1,8 @@
-//! Collection of warnings about skipped or repaired content, condensed for readability.
+//! Collection of warnings about skipped or repaired content, with repetitions merged.
 //!
-//! A broken exporter repeats its fault in every line. Equal texts about one file therefore become one warning, at the
-//! first line and with a count. At most [`MAX_KEPT`] warnings are kept.
+//! A faulty exporter often repeats the same fault on every line. Warnings with equal texts about one file are therefore
+//! merged into one, which has the line number of the first occurrence and a count. At most [`MAX_KEPT`] warnings are
+//! kept.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -21,7 +22,8 @@ pub(super) struct Warnings {
 }
 
 impl Warnings {
-    /// Adds a warning about `line` of the file, or about the whole file. `text` must be identical for repetitions.
+    /// Adds a warning about `line` of the file, or about the whole file if `line` is `None`. Warnings with identical
+    /// `text` are merged.
     pub(super) fn add(&mut self, path: &Path, line: Option<usize>, text: impl Into<String>) {
         let text = text.into();
         let kept = self.kept.len();
@@ -40,7 +42,8 @@ impl Warnings {
         self.kept.iter().map(|(warning, _)| warning).find(|w| w.line.is_some())
     }
 
-    /// Returns all warnings. Repeated ones include their count, and a final "and more" warning refers to `path`.
+    /// Returns all warnings. A repeated warning includes its count. If warnings were dropped, a final “and … more”
+    /// warning about `path` is added.
     pub(super) fn finish(self, path: &Path) -> Vec<Warning> {
         let more = (self.dropped > 0).then(|| Warning::file(path, format!("and {} more warnings", self.dropped)));
         let counted = |(mut warning, count): (Warning, usize)| {

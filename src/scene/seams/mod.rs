@@ -1,7 +1,7 @@
-//! Open seams: borders of surfaces that run along one another without sharing their vertices.
+//! Open seams: borders of surfaces that run along one another without sharing vertices.
 //!
-//! An edge that belongs to only one triangle is *open*. Two adjacent surfaces share the edges between them, so an open
-//! edge along another open edge is a fault of the mesh, of one of two kinds:
+//! An edge that belongs to only one triangle is *open*. Adjacent surfaces should share the edges between them. An open
+//! edge that runs along another open edge is therefore a fault of the mesh, of one of two kinds:
 //!
 //! * a **T-junction**: a vertex lies within the open edge of another triangle. Its position is rounded independently,
 //!   so it deviates from the edge by a fraction of a pixel. Samples in between are hit by no triangle, or by two.
@@ -10,10 +10,10 @@
 //! Vertices are identical if their world-space positions are bitwise equal, regardless of indices, normals and texture
 //! coordinates. Objects with the same transform therefore share vertices, too. A vertex lies on an edge if two
 //! conditions hold: it is closer to the edge than the [`tolerance`], and one of its open edges runs along that edge.
-//! Neither depends on which way triangles face.
+//! Neither condition depends on the facing of the triangles.
 //!
-//! Cost: all vertices and edges are sorted, and each open edge needs one search in a tree of the open vertices; about
-//! one second for a million triangles on two threads.
+//! Cost: all vertices and edges are sorted, and each open edge needs one search in a tree of the open vertices. This
+//! takes about one second for a million triangles on two threads.
 
 mod tree;
 
@@ -29,18 +29,18 @@ use self::tree::PointTree;
 use self::weld::{Welded, is_open};
 use super::{Scene, TriangleId};
 
-/// Maximum distance at which a vertex lies on an edge, relative to the diagonal of the scene's bounding box. It is the
-/// rounding error of coordinates of about 1 that a file stores with four decimals.
+/// Maximum distance at which a vertex counts as lying on an edge, as a fraction of the diagonal of the scene's bounding
+/// box. It is the rounding error of coordinates of about 1 that a file stores with four decimals.
 const TOLERANCE_OF_SCENE: f64 = 1e-4;
 
-/// Maximum distance at which a vertex lies on an edge, relative to the edge's length. It keeps small details of a large
-/// scene from being treated as one line.
+/// Maximum distance at which a vertex counts as lying on an edge, as a fraction of the edge's length. Prevents fine
+/// details of a large scene from being mistaken for seams.
 const TOLERANCE_OF_EDGE: f64 = 1e-2;
 
 /// Rounding error of coordinates far from the origin, relative to the largest coordinate: two ulps of f32.
 const ROUNDING: f64 = 2.0 * f32::EPSILON as f64;
 
-/// Sine of the maximum angle between edges that run along one another.
+/// Sine of the maximum angle between two edges that count as running along one another.
 const LARGEST_SINE: f64 = 0.1;
 
 /// Number of open edges searched between cancellation checks.
@@ -52,7 +52,7 @@ const CHUNK: usize = 1024;
 pub enum JunctionKind {
     /// A vertex lies within the open edge of another triangle.
     TJunction,
-    /// A vertex is close, but not identical, to the end of an open edge.
+    /// A vertex is close, but not identical, to an endpoint of an open edge.
     Unwelded,
 }
 
@@ -76,16 +76,16 @@ pub(crate) struct TriangleEdge {
     pub(crate) opposite: u8,
 }
 
-/// Vertex that lies on an open edge but is not one of its ends.
+/// Vertex that lies on an open edge but is not one of its endpoints.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Junction {
     /// Kind of fault: T-junction or unwelded vertex.
     pub kind: JunctionKind,
-    /// Vertex, as the corner of a triangle on the other side of the edge.
+    /// Vertex on the edge, given as a corner of a triangle on the other side of the edge.
     pub(crate) vertex: TriangleCorner,
     /// Open edge on which the vertex lies.
     pub(crate) edge: TriangleEdge,
-    /// Distance of the vertex from the edge, in world units. For an unwelded vertex, distance from the end of the edge.
+    /// Distance of the vertex from the edge, or from its endpoint for an unwelded vertex, in world units.
     pub(crate) distance: f64,
 }
 
@@ -111,8 +111,8 @@ impl Junction {
 /// Pair of open edges that run along one another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Seam {
-    /// Vertex of the second edge that lies on the first edge. If both kinds of fault occur, the T-junction takes
-    /// precedence.
+    /// Vertex of the second edge that lies on the first edge. If the pair has both kinds of fault, this is the
+    /// T-junction.
     pub(crate) junction: Junction,
     /// Second edge of the pair.
     pub(crate) along: TriangleEdge,
@@ -160,7 +160,7 @@ impl Seams {
         &self.junctions
     }
 
-    /// Returns one corner for each vertex that is the end of an open edge.
+    /// Returns one triangle corner for each vertex that is an endpoint of an open edge.
     pub(crate) fn border(&self) -> &[TriangleCorner] {
         &self.border
     }
@@ -181,34 +181,36 @@ impl SeamCounts {
     }
 }
 
-/// Returns the maximum distance at which a vertex lies on an edge, in world units.
+/// Returns the maximum distance at which a vertex counts as lying on an edge, in world units.
 ///
-/// `edge` is the length of the edge; `diagonal` and `largest` are the diagonal and the largest coordinate of the scene.
+/// `edge` is the length of the edge, `diagonal` the diagonal of the scene's bounding box, and `largest` the largest
+/// magnitude of a vertex coordinate, all in world units.
 pub(crate) fn tolerance(edge: f64, diagonal: f64, largest: f64) -> f64 {
     (TOLERANCE_OF_EDGE * edge).min((TOLERANCE_OF_SCENE * diagonal).max(ROUNDING * largest))
 }
 
-/// Vertex found on an open edge, with one of its own open edges that runs along it.
+/// Vertex found on an open edge, together with an open edge of its own that runs along the first edge.
 #[derive(Clone, Copy, Debug)]
 struct Hit {
     kind: JunctionKind,
     /// Index of the welded vertex.
     vertex: u32,
     corner: TriangleCorner,
-    /// Indices of both edges in the list of open edges.
+    /// Indices into the list of open edges: the edge on which the vertex lies, and the vertex's own edge.
     edges: [u32; 2],
-    /// Welded vertex with which `vertex` would be merged.
+    /// Index of the welded vertex that `vertex` would be merged with; for a T-junction, `vertex` itself.
     other: u32,
     distance: f64,
 }
 
-/// Search among the open edges of a mesh.
+/// Search for pairs of open edges that run along one another.
 struct OpenEdgeSearch<'a> {
     mesh: &'a Welded,
-    /// Welded vertices at the ends of open edges, in ascending order.
+    /// Indices of the welded vertices that are endpoints of open edges, in ascending order.
     vertices: Vec<u32>,
     tree: PointTree,
-    /// Open edges by their ends: the edges of `vertices[i]` are `incident[starts[i]..starts[i + 1]]`.
+    /// Start of each vertex's range in `incident`: `vertices[i]` is an endpoint of the open edges
+    /// `incident[starts[i]..starts[i + 1]]`.
     starts: Vec<u32>,
     incident: Vec<u32>,
 }
@@ -244,7 +246,8 @@ impl<'a> OpenEdgeSearch<'a> {
         Some(Seams { seams: self.seams(&hits), junctions: self.junctions(&hits), border: self.border() })
     }
 
-    /// Finds the vertices on one open edge from which another open edge runs along it.
+    /// Appends a hit for each vertex that lies on the open edge with index `place` and has an open edge that runs along
+    /// it.
     fn hits_of(&self, place: u32, hits: &mut Vec<Hit>) {
         let edge = &self.mesh.open[place as usize];
         let [from, to] = edge.ends.map(|end| self.mesh.positions[end as usize]);
@@ -294,7 +297,8 @@ impl<'a> OpenEdgeSearch<'a> {
         Junction { kind, vertex: corner, edge: self.mesh.open[edges[0] as usize].of_triangle(), distance }
     }
 
-    /// Returns one seam for each pair of edges.
+    /// Returns one seam for each pair of edges. T-junctions take precedence over unwelded vertices, then the smallest
+    /// distance decides.
     fn seams(&self, hits: &[Hit]) -> Vec<Seam> {
         let pair = |hit: &Hit| (hit.edges[0].min(hit.edges[1]), hit.edges[0].max(hit.edges[1]));
         let mut best: Vec<&Hit> = hits.iter().collect();
@@ -312,8 +316,8 @@ impl<'a> OpenEdgeSearch<'a> {
         best.into_iter().map(seam).collect()
     }
 
-    /// Returns one junction for each vertex within an edge, and one for each vertex close to another vertex with a
-    /// lower index.
+    /// Returns one junction for each vertex within an open edge, and one for each unwelded vertex that is close to a
+    /// vertex with a lower index.
     fn junctions(&self, hits: &[Hit]) -> Vec<Junction> {
         let is_counted = |hit: &&Hit| hit.kind == JunctionKind::TJunction || hit.other < hit.vertex;
         let mut best: Vec<&Hit> = hits.iter().filter(is_counted).collect();
@@ -337,7 +341,7 @@ impl<'a> OpenEdgeSearch<'a> {
     }
 }
 
-/// Open edge as a line segment from one end in one direction.
+/// Open edge as a line segment: start point, unit direction, length and tolerance.
 struct OpenEdgeLine {
     from: DVec3,
     along: DVec3,
@@ -346,7 +350,7 @@ struct OpenEdgeLine {
 }
 
 impl OpenEdgeLine {
-    /// Whether an edge whose first end lies on the line runs along the line.
+    /// Whether the edge from `at`, a point on the segment, to `far` runs along the segment within the tolerance.
     fn has_along_it(&self, [at, far]: [DVec3; 2]) -> bool {
         let run = far - at;
         let own_length = run.length();

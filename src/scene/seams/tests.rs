@@ -5,7 +5,7 @@ use crate::scene::builtin;
 use crate::scene::mesh::MeshData;
 use crate::scene::{Instance, Material, Mesh};
 
-/// Returns a scene with one mesh per list of triangles, all with the same transform.
+/// Returns a scene with one mesh for each entry of `parts` (positions and triangles), all with the same transform.
 pub(crate) fn scene(parts: &[(Vec<Vec3>, Vec<[u32; 3]>)], world_from_model: Mat4) -> Scene {
     let mut scene = builtin::by_id("triangle").unwrap().build();
     scene.instances.clear();
@@ -33,8 +33,8 @@ fn counts(scene: &Scene) -> [usize; 2] {
     [t_junctions, unwelded]
 }
 
-/// Returns a triangle above the edge from (−1, 0) to (1, 0), and below it a fan whose rim passes through `stops` on
-/// that edge.
+/// Returns the positions and triangles of a test mesh with a shared edge from (−1, 0) to (1, 0). One triangle lies
+/// above it; below it lies a triangle fan with additional vertices on the edge, at the x coordinates `stops`.
 pub(crate) fn fan(stops: &[f32]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let mut positions = vec![Vec3::new(-1.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0), Vec3::Y, Vec3::new(0.1, -1.0, 0.2)];
     let mut rim = vec![0];

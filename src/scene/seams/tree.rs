@@ -1,26 +1,27 @@
-//! Tree of points that finds all points near a segment.
+//! Bounding-box tree over points, which finds all points near a line segment.
 
 use glam::DVec3;
 
 /// Maximum number of points in a leaf.
 const LEAF: usize = 8;
 
-/// Maximum number of points that one thread sorts alone.
+/// Maximum number of points that are ordered without splitting the work between threads.
 const SERIAL: usize = 8192;
 
-/// Balanced binary tree of points: each node splits its points at the median of the longest side of their bounding box.
+/// Balanced binary tree of points. Each node splits its points at their median along the longest axis of the bounding
+/// box.
 #[derive(Debug)]
 pub(super) struct PointTree {
     /// Points in the order of the leaves.
     points: Vec<DVec3>,
-    /// Index of each point in the input.
+    /// Index of each point in the slice from which the tree was built.
     numbers: Vec<u32>,
-    /// Minimum and maximum corner of each node's box; the children of node i are 2i + 1 and 2i + 2.
+    /// Minimum and maximum corner of each node's bounding box. The children of node i are nodes 2i + 1 and 2i + 2.
     boxes: Vec<[DVec3; 2]>,
 }
 
 impl PointTree {
-    /// Builds the tree from finite points.
+    /// Builds the tree. All coordinates must be finite.
     pub(super) fn new(points: &[DVec3]) -> Self {
         let mut numbers: Vec<u32> = (0..points.len() as u32).collect();
         order(points, &mut numbers);
@@ -31,7 +32,8 @@ impl PointTree {
         tree
     }
 
-    /// Computes the bounding box of a node over a range of the points, and those of its descendants.
+    /// Computes the bounding boxes of `node`, which contains the points `first..end`, and of its descendants. Returns
+    /// the box of `node`.
     fn surround(&mut self, node: usize, first: usize, end: usize) -> [DVec3; 2] {
         let own = if end - first <= LEAF {
             bounds(self.points[first..end].iter().copied())
@@ -45,7 +47,8 @@ impl PointTree {
         own
     }
 
-    /// Calls `sink` with the index of every point at most `reach` away from a segment.
+    /// Calls `sink` with the index of every point whose distance from the segment is at most `reach`. Indices refer to
+    /// the slice from which the tree was built.
     pub(super) fn near(&self, segment: [DVec3; 2], reach: f64, mut sink: impl FnMut(u32)) {
         let mut waiting = vec![(0, 0, self.points.len())];
         while let Some((node, first, end)) = waiting.pop() {
@@ -66,7 +69,7 @@ impl PointTree {
     }
 }
 
-/// Orders point indices so that every range is split at a median of its points.
+/// Orders point indices as the leaves of the tree, by splitting them recursively at the median along the longest axis.
 fn order(points: &[DVec3], numbers: &mut [u32]) {
     if numbers.len() <= LEAF {
         return;
@@ -93,7 +96,8 @@ fn bounds(points: impl Iterator<Item = DVec3>) -> [DVec3; 2] {
     })
 }
 
-/// Whether the box, extended by `reach`, intersects the segment. The test is conservative near the corners of the box.
+/// Whether the segment intersects the box after it is expanded by `reach` on all sides. Conservative: near the corners
+/// of the box, the result may be `true` for a segment farther away than `reach`.
 fn may_be_near([least, greatest]: [DVec3; 2], [from, to]: [DVec3; 2], reach: f64) -> bool {
     let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
     for axis in 0..3 {

@@ -1,4 +1,4 @@
-//! Welded triangles of a scene: vertices are identical if their world-space positions are bitwise equal.
+//! Welding of a scene's vertices: vertices with bitwise equal world-space positions become one.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -14,37 +14,37 @@ const NOT_FINITE: u32 = u32::MAX;
 /// Edge of a triangle, given by its welded vertices.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WeldedEdge {
-    /// Welded vertices at the ends, the lower index first.
+    /// Indices of the welded vertices at both endpoints, the lower index first.
     pub(super) ends: [u32; 2],
-    /// Welded vertex of the triangle opposite the edge.
+    /// Index of the welded vertex opposite the edge in its triangle.
     pub(super) opposite: u32,
     /// Identifier of the triangle that the edge belongs to.
     pub(super) triangle: TriangleId,
     /// Index of the opposite corner in the triangle: 0, 1 or 2.
     corner: u8,
-    /// Whether the triangle lists the end with the higher index first.
+    /// Whether the triangle lists the endpoint with the higher index first.
     is_flipped: bool,
 }
 
 impl WeldedEdge {
-    /// Returns the edge, identified by its triangle and the opposite corner.
+    /// Returns the edge, identified by its triangle and the index of the opposite corner.
     pub(super) fn of_triangle(&self) -> TriangleEdge {
         TriangleEdge { triangle: self.triangle, opposite: self.corner }
     }
 
-    /// Returns the end of the edge that is not `end`.
+    /// Returns the endpoint of the edge that is not `end`.
     pub(super) fn other_end(&self, end: u32) -> u32 {
         if self.ends[0] == end { self.ends[1] } else { self.ends[0] }
     }
 
-    /// Returns the corner of the triangle at one end of the edge.
+    /// Returns the corner of the edge's triangle at the endpoint `end`.
     pub(super) fn corner_of(&self, end: u32) -> TriangleCorner {
         let is_first = (self.ends[0] == end) != self.is_flipped;
         TriangleCorner { triangle: self.triangle, corner: (self.corner + if is_first { 1 } else { 2 }) % 3 }
     }
 
     /// Whether both edges belong to one triangle, or to triangles that share an edge. Such a pair of edges is not a
-    /// seam, however thin the triangles are.
+    /// seam, no matter how thin the triangles are.
     pub(super) fn are_adjacent(&self, other: &Self) -> bool {
         let corners = |edge: &Self| [edge.ends[0], edge.ends[1], edge.opposite];
         corners(self).iter().filter(|corner| corners(other).contains(corner)).count() >= 2
@@ -55,20 +55,20 @@ impl WeldedEdge {
     }
 }
 
-/// Whether edges with the same ends belong to only one triangle, or to copies of it.
+/// Whether an edge is open. `twins` are all edges with the same endpoints; the edge is open if all of them belong to
+/// one triangle or to duplicates of it.
 pub(super) fn is_open(twins: &[WeldedEdge]) -> bool {
     twins.iter().all(|edge| edge.opposite == twins[0].opposite)
 }
 
-/// Triangles of a scene with welded vertices. Triangles with two identical corners or with a non-finite corner are
-/// skipped.
+/// Welded vertices and edges of a scene. Triangles with two identical corners or with a non-finite corner are skipped.
 #[derive(Debug)]
 pub(super) struct Welded {
     /// Position of each welded vertex, in world space.
     pub(super) positions: Vec<DVec3>,
-    /// Edges of all triangles, sorted so that edges with the same ends are adjacent.
+    /// Edges of all triangles, sorted so that edges with the same endpoints are adjacent.
     edges: Vec<WeldedEdge>,
-    /// Open edges, one for each pair of ends.
+    /// Open edges, one for each pair of endpoints.
     pub(super) open: Vec<WeldedEdge>,
     /// Diagonal of the bounding box of all vertices, in world units.
     pub(super) diagonal: f64,
@@ -96,7 +96,7 @@ impl Welded {
         Some(Self { positions, edges, open, diagonal: least.distance(greatest), largest })
     }
 
-    /// Returns the edges between two welded vertices; `None` if there are none.
+    /// Returns all edges between two welded vertices, one for each triangle; `None` if there are none.
     pub(super) fn edge(&self, a: u32, b: u32) -> Option<&[WeldedEdge]> {
         let ends = [a.min(b), a.max(b)];
         let first = self.edges.partition_point(|edge| edge.ends < ends);
@@ -117,7 +117,8 @@ fn placed(scene: &Scene) -> Vec<DVec3> {
     all
 }
 
-/// Returns the welded vertex of each position, and the position of each welded vertex.
+/// Welds equal positions. Returns the index of the welded vertex for each position, or [`NOT_FINITE`], and the position
+/// of each welded vertex.
 fn welded(all: &[DVec3]) -> (Vec<u32>, Vec<DVec3>) {
     let bits = |at: &DVec3| at.to_array().map(f64::to_bits);
     let mut order: Vec<u32> = (0..all.len() as u32).collect();
@@ -150,7 +151,7 @@ fn edges(scene: &Scene, numbers: &[u32]) -> Vec<WeldedEdge> {
     all
 }
 
-/// Returns the three edges of a triangle; `None` if it is degenerate or not finite.
+/// Returns the three edges of a triangle; `None` if two corners are identical or a corner is not finite.
 fn edges_of(triangle: TriangleId, corners: [u32; 3]) -> Option<[WeldedEdge; 3]> {
     let [a, b, c] = corners;
     if a == b || b == c || c == a || corners.contains(&NOT_FINITE) {

@@ -24,7 +24,7 @@ pub(super) const SLOW_LOAD: Duration = Duration::from_millis(300);
 /// Model being loaded in a background thread.
 pub(super) struct Loading {
     source: SceneSource,
-    /// Task that loads the model; its progress is the completed share in [0, 1].
+    /// Task that loads the model; reports its completed fraction, from 0 to 1.
     task: BackgroundTask<f32, Result<Loaded, SceneError>>,
     completed: Option<f32>,
     since: Instant,
@@ -34,7 +34,7 @@ pub(super) struct Loading {
 pub(super) struct OpeningCase {
     path: PathBuf,
     task: BackgroundTask<f32, Result<Evaluation, CaseError>>,
-    /// Completed share of the evaluation, in [0, 1].
+    /// Completed fraction of the evaluation, from 0 to 1.
     progress: Option<f32>,
     since: Instant,
 }
@@ -164,14 +164,14 @@ impl Workbench {
         }
     }
 
-    /// Cancels searches, checks and fate counts of the previous scene, whose results would change pick and selection in
-    /// the new scene.
+    /// Cancels the searches, assertion checks and fate counts of the previous scene. Otherwise, their results would
+    /// change the pick and the selection in the new scene.
     fn drop_findings(&mut self) {
         (self.searching, self.checks, self.fates) = Default::default();
         self.session.checks.progress = None;
     }
 
-    /// Writes the loader's warnings into the log.
+    /// Writes the loader's warnings to the log, and opens the log tab if there are any.
     pub(crate) fn warn(&mut self, warnings: &[crate::scene::Warning]) {
         for warning in warnings {
             self.session.report(Severity::Warning, warning.to_string());
@@ -181,7 +181,8 @@ impl Workbench {
         }
     }
 
-    /// Returns the path and the completed share, in [0, 1], of a file that takes longer than [`SLOW_LOAD`] to open.
+    /// Returns the path of a file that has been opening for at least [`SLOW_LOAD`], and the completed fraction, from 0
+    /// to 1.
     pub(super) fn slow_open(&self) -> Option<(&Path, f32)> {
         if let Some(OpeningCase { path, progress, since, .. }) = &self.opening_case {
             return (since.elapsed() >= SLOW_LOAD).then_some((path, progress.unwrap_or(0.0)));

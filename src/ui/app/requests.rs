@@ -13,7 +13,7 @@ use crate::ui::task::BackgroundTask;
 use crate::ui::worker::{MeasureRequest, WorkerRequest, WorkerResponse};
 
 impl Workbench {
-    /// Handles all pending results of the render worker, tasks, exports, scene loader and case evaluation.
+    /// Handles all pending results of the render worker, background tasks, exports, scene loader and case evaluation.
     pub(super) fn receive_answers(&mut self) {
         while let Some(answer) = self.worker.poll() {
             self.handle(answer);
@@ -123,7 +123,7 @@ impl Workbench {
         }
     }
 
-    /// Starts timing all upscalers on the scene, view and size on screen.
+    /// Starts measuring the time and error of all upscalers with the current scene, camera and picture size.
     pub(crate) fn measure(&mut self) {
         let request = Request { triangle_limit: None, fragment_limit: None, ..self.session.request() };
         let request = MeasureRequest {

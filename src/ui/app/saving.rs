@@ -23,12 +23,12 @@ use crate::{disk, drawing};
 /// File being written by a background thread.
 pub(super) struct PendingExport {
     task: BackgroundTask<f32, Result<PathBuf, String>>,
-    /// Completed share in [0, 1]; `None` for exports without progress, which cannot be cancelled.
+    /// Completed fraction, from 0 to 1; `None` for exports without progress, which cannot be cancelled.
     completed: Option<f32>,
 }
 
 impl PendingExport {
-    /// Cancels an export that reports its progress.
+    /// Cancels the export, unless it is of a kind that does not report progress.
     pub(super) fn cancel(&self) {
         if self.completed.is_some() {
             self.task.cancel();
@@ -48,8 +48,7 @@ impl Workbench {
         let Some(view) = &self.session.view else { return };
         let visible = view.report.as_ref().and_then(|report| Some((report.drawn_at, report.visible()?.submission)));
         let Some(([x, y], submission)) = visible else {
-            self.session
-                .report(Severity::Error, "Pick a pixel that shows a triangle first; that triangle is saved as a case");
+            self.session.report(Severity::Error, "No triangle to save as a case: pick a pixel that shows a triangle");
             return;
         };
         let settings = &view.request.recipe.pipeline;
@@ -63,13 +62,13 @@ impl Workbench {
         self.save(ui, (&minimal.id, "json"), move || Ok(text.into_bytes()));
     }
 
-    /// Writes the picture on the canvas as PNG into the current folder.
+    /// Writes the picture on the canvas as a PNG file into the current folder.
     pub(super) fn save_picture(&mut self, ui: &Ui) {
         let Some(picture) = self.shown_picture(ui) else { return };
         self.save(ui, ("picture", "png"), move || encode_png(&picture).map_err(|error| error.to_string()));
     }
 
-    /// Writes the scene on screen as a vector drawing into the current folder. `end` is the file name extension, which
+    /// Writes the current scene as a vector drawing into the current folder. `end` is the file name extension, which
     /// selects the format.
     pub(super) fn save_outline(&mut self, ui: &Ui, kind: OutlineKind, end: &'static str) {
         let Request { scene, camera, recipe, viewport, .. } = self.session.request();
@@ -82,8 +81,8 @@ impl Workbench {
         });
     }
 
-    /// Writes the current step of the lab's page as a drawing. `end` is the file name extension, which selects the
-    /// format.
+    /// Writes the current step of the open 2D lab page as a drawing into the current folder. `end` is the file name
+    /// extension, which selects the format.
     pub(super) fn save_drawing(&mut self, ui: &Ui, end: &'static str) {
         let lab = &self.session.lab;
         let (page, recording, step) = (lab.page, lab.recording.clone(), lab.step);
@@ -119,7 +118,7 @@ impl Workbench {
     }
 
     /// Writes a new file into the current folder in a background thread, since encoding a large picture takes a while.
-    /// The file appears under its name only once it is complete. `name` is stem and extension.
+    /// The file appears under its name only once it is complete. `name` consists of the file stem and the extension.
     pub(super) fn save(
         &mut self,
         ui: &Ui,
@@ -129,7 +128,8 @@ impl Workbench {
         self.save_cancellable(ui, name, |_, _| Some(encode()));
     }
 
-    /// Like [`Self::save`], but `encode` reports its completed share in [0, 1] and returns `None` if cancelled.
+    /// Writes a new file like [`Self::save`], but can be cancelled: `encode` reports its completed fraction, from 0 to
+    /// 1, and returns `None` if cancelled.
     fn save_cancellable(
         &mut self,
         ui: &Ui,

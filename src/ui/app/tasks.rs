@@ -25,7 +25,7 @@ impl Workbench {
         }));
     }
 
-    /// Starts measuring the time that the plan of the current view saves.
+    /// Starts measuring the frame time that is saved by the work skipped under the plan of the current view.
     pub(super) fn measure_plan(&mut self, ui: &Ui) {
         /// Number of measured rounds.
         const ROUNDS: usize = 21;
@@ -73,7 +73,7 @@ impl Workbench {
         let mut found = None;
         let broke_off = broke_off | poll_task(&mut self.searching, &mut None, |what| found = Some(what));
         if broke_off {
-            session.report(Severity::Error, "A measurement stopped: internal error");
+            session.report(Severity::Error, "Measurement stopped: internal error");
         }
         if let Some(what) = found {
             self.handle_search_result(&what);
@@ -90,7 +90,8 @@ impl Workbench {
     }
 }
 
-/// Handles the progress and the result of a task. Returns `true` if the task ended without a result, as after a panic.
+/// Handles the progress and the result of a task. Returns `true` if the task's thread ended without reporting a result,
+/// for example because it panicked.
 fn poll_task<P: Send + 'static, T: Send + 'static>(
     task: &mut Option<BackgroundTask<P, T>>,
     progress: &mut Option<P>,

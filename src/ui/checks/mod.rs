@@ -1,7 +1,7 @@
-//! Checks assertions on demand, or on every new frame until one is violated.
+//! Assertion checks: run on demand, or on every new frame until an assertion is violated.
 //!
 //! A background thread redraws the frame on screen with an observer. This slows other frames down, so checking is off
-//! by default and the window shows when it is on. The first violation stops it and picks the pixel.
+//! by default and the window shows when it is on. The first violation stops checking and picks its pixel.
 
 pub(crate) mod panel;
 
@@ -22,7 +22,7 @@ use crate::pipeline::settings::Choice as _;
 pub(crate) struct Checks {
     /// Latest report, and the frame that it describes.
     pub(crate) found: Option<(Arc<AssertionReport>, Arc<Frame>)>,
-    /// Completed share of the running check, in [0, 1].
+    /// Completed fraction of the running check, from 0 to 1.
     pub(crate) progress: Option<f32>,
     /// Whether each new frame is checked.
     pub(crate) every_frame: bool,
@@ -74,7 +74,7 @@ pub(crate) struct Runner {
 
 impl Runner {
     /// Handles the result of the running check and starts the next requested check. If `waits` is `true`, runs the
-    /// check synchronously.
+    /// check synchronously instead of in a background thread.
     pub(crate) fn step(&mut self, session: &mut Session, context: &Context, waits: bool) {
         self.listen(session);
         if let Some((task, _)) = &self.running {
@@ -114,12 +114,12 @@ impl Runner {
     }
 }
 
-/// Checks all assertions on the frame of a view. Returns `None` if cancelled.
+/// Checks all assertions on the frame of `view`. Returns `None` if cancelled.
 fn checked(view: &RenderedView, tell: &dyn Fn(f32), stop: &AtomicBool) -> Option<AssertionReport> {
     check(&view.request.scene, &view.request.recipe, &view.frame, Assertion::ALL, tell, stop)
 }
 
-/// Stores a report. The first violation stops checking and picks its pixel.
+/// Stores a report. If it contains a violation, stops checking and picks the pixel of the first violation.
 fn found(session: &mut Session, report: AssertionReport, frame: Arc<Frame>) {
     if let Some((assertion, violation)) = report.first_violation() {
         let (x, y) = place(violation, &frame);

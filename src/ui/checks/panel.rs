@@ -1,4 +1,5 @@
-//! The “Checks” tab: every assertion with the number of fragments checked and violated, and its first violation.
+//! The “Checks” tab: lists every assertion with the number of checked fragments, the number of violations, and the
+//! first violation.
 
 use std::sync::Arc;
 
@@ -33,7 +34,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         ui.add(ProgressBar::new(progress).desired_width(120.0).show_percentage());
     }
     if checks.every_frame {
-        chip(ui, Status::Warning, "checking", "Frames take longer while they are checked");
+        chip(ui, Status::Warning, "checking", "Every frame is checked, which takes longer");
     }
     if let Some((report, frame)) = &checks.found {
         let is_shown = session.view.as_ref().is_some_and(|view| Arc::ptr_eq(&view.frame, frame));

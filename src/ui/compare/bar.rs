@@ -13,13 +13,13 @@ use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::combo;
 
-/// Tile counts that have a button.
+/// Tile counts that can be chosen with a button.
 const COUNTS: [usize; 2] = [2, 4];
 
 /// Width reserved for the list of references and its label, in points.
 const REFERENCE_POINTS: f32 = 190.0;
 
-/// Draws the bar; `scale` is the enlargement on screen, in screen pixels per picture pixel.
+/// Draws the bar. `scale` is the display scale in screen pixels per picture pixel; `None` if the pictures are fitted.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<Command>) {
     let comparison = &session.comparison;
     let mut changes = Vec::new();
@@ -35,7 +35,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &
             Mode::Difference => difference(ui, session, &mut changes),
             Mode::Off | Mode::Wipe | Mode::Flip => {}
         }
-        if icon_button(ui, Icon::ArrowLeftRight, "Swap A and B  (S)").clicked() {
+        if icon_button(ui, Icon::ArrowLeftRight, "Swap pictures A and B  (S)").clicked() {
             changes.push(CompareChange::Swap);
         }
         region(ui, session, &mut changes);
@@ -47,9 +47,10 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &
             |ui| reference(ui, session, &mut changes),
         );
         if let Some(scale) = scale.filter(|scale| *scale < 1.0) {
-            let text = format!("shown at {:.0} %, filtered", scale * 100.0);
-            ui.label(RichText::new(text).small().color(tokens(ui).warning))
-                .on_hover_text("Only the display is smaller: errors and differences are those of the full pictures");
+            let text = format!("shown at {:.0} % of full size", scale * 100.0);
+            ui.label(RichText::new(text).small().color(tokens(ui).warning)).on_hover_text(
+                "Only the display is downscaled: errors and differences are computed from the full-size pictures",
+            );
         }
         manual_button(ui, Chapter::ComparingUpscalers, commands);
         if icon_button(ui, Icon::X, "Stop comparing  (Esc)").clicked() {
@@ -75,7 +76,7 @@ fn counts(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>) {
             changes.push(CompareChange::Count(wanted));
         }
     }
-    if ui.button("All").on_hover_text("Every upscaler, each at its largest scale").clicked() {
+    if ui.button("All").on_hover_text("Show a tile for every upscaler, each at its largest scale").clicked() {
         changes.push(CompareChange::Every);
     }
     if count < super::MAX_TILES && icon_button(ui, Icon::Plus, "Add a tile").clicked() {
@@ -86,7 +87,7 @@ fn counts(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>) {
 
 fn difference(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>) {
     let mut kind = session.comparison.difference;
-    ui.name_inputs("Shown difference", |ui| {
+    ui.name_inputs("Difference to show", |ui| {
         combo("difference", kind.name(), 84.0).show_ui(ui, |ui| {
             for option in Difference::ALL {
                 ui.selectable_value(&mut kind, *option, option.name()).on_hover_text(option.help());
@@ -145,6 +146,6 @@ pub(crate) fn reference_list(ui: &mut Ui, name: &str, width: f32, present: Refer
         })
     });
     // Attached after the list has its accessible name: an unnamed list would take the tooltip as its name.
-    list.response.on_hover_text(format!("Reference for the errors. {}", present.help()));
+    list.response.on_hover_text(format!("Reference that errors are measured against. {}", present.help()));
     (reference != present).then_some(CompareChange::Reference(reference))
 }

@@ -1,4 +1,5 @@
-//! Renderer side of comparisons: draws all tiles, measures them one by one, and reuses results that are still valid.
+//! Rendering for comparisons: draws all tiles, measures their errors one by one, and reuses results that are still
+//! valid.
 
 use std::sync::Arc;
 
@@ -15,7 +16,7 @@ use crate::upscale::Upscaling;
 /// Request to compare several pictures of one view.
 #[derive(Clone, Debug)]
 pub struct CompareRequest {
-    /// Scene to draw; requests compare it by pointer.
+    /// Scene to draw. Two requests have the same scene if the pointers are equal.
     pub scene: Arc<Scene>,
     /// Camera shared by all pictures.
     pub camera: Camera,
@@ -25,7 +26,7 @@ pub struct CompareRequest {
     pub recipes: Vec<Recipe>,
     /// Reference that errors are measured against.
     pub reference: Reference,
-    /// Region that is also measured separately.
+    /// Region whose error metrics are measured in addition to those of the whole picture.
     pub region: Option<PixelRegion>,
     /// Kind and gain of the difference image of the first two pictures; `None` if not shown.
     pub difference: Option<(Difference, u32)>,
@@ -53,11 +54,11 @@ pub struct TileResult {
     pub recipe: Recipe,
     /// Final picture of the recipe.
     pub picture: Arc<Image<Rgba8>>,
-    /// Share of the picture's pixels that were rasterized and shaded, in [0, 1].
+    /// Fraction of the picture's pixels that were rasterized and shaded, from 0 to 1.
     pub(crate) drawn_share: f64,
     /// Error metrics against the reference; `None` until measured.
     pub measured: Option<TileMetrics>,
-    /// Error metrics within the region; `None` without a region or if it contains no pixels.
+    /// Error metrics within the region; `None` if there is no region or it contains no pixels.
     pub region_figures: Option<ErrorMetrics>,
 }
 
@@ -66,18 +67,18 @@ pub struct TileResult {
 pub struct TileMetrics {
     /// Error metrics of the whole picture; `None` if the two pictures differ in size.
     pub figures: Option<ErrorMetrics>,
-    /// FLIP error of every pixel.
+    /// FLIP error of every pixel; `None` if the two pictures differ in size.
     flip: Option<Arc<Image<f32>>>,
 }
 
 /// Difference image of the first two tiles.
 #[derive(Clone, Debug)]
 pub struct DifferenceImage {
-    /// Kind of difference, and its gain.
+    /// Kind of difference, and the factor that amplifies it.
     pub kind: (Difference, u32),
-    /// Difference at every pixel.
+    /// Difference at every pixel, before amplification.
     pub values: Arc<Image<f32>>,
-    /// Difference values mapped to colours.
+    /// Amplified differences, mapped to colours.
     pub picture: Arc<Image<Rgba8>>,
 }
 
@@ -154,7 +155,7 @@ impl Comparer {
         self.results.as_ref()
     }
 
-    /// Measures the region in every tile, which is cheap, and marks the results complete.
+    /// Computes the error metrics of the region in every tile, which is cheap, and marks the results complete.
     fn complete(&mut self) -> Option<&Compared> {
         let known = self.results.clone()?;
         let tiles = known.tiles.into_iter().map(|mut tile| {
@@ -203,7 +204,7 @@ impl Comparer {
         self.references.iter().find(|(known, _)| *known == wanted).map(|(_, picture)| picture.clone())
     }
 
-    /// Renders one more sample of the reference for `recipe`.
+    /// Renders one more sample per pixel of the reference for `recipe`.
     fn add_reference_sample(&mut self, recipe: Recipe) {
         let wanted = reference_recipe(recipe);
         let Some(CompareRequest { scene, camera, viewport, reference, .. }) =
@@ -227,7 +228,7 @@ fn reference_recipe(recipe: Recipe) -> Recipe {
 }
 
 /// Computes the difference of two tiles, reusing known values if only the gain has changed. Returns `None` if the
-/// pictures cannot be compared.
+/// pictures differ in size.
 fn differing(
     kind: (Difference, u32),
     old: Option<&DifferenceImage>,

@@ -1,5 +1,5 @@
-//! Comparison of several pictures of one view, each with its own recipe: as tiles side by side, as a wipe, as a flip,
-//! or as a difference image. Every mode shows error metrics against a named reference.
+//! Comparison of several pictures of one view, each with its own recipe. They are shown as tiles side by side, as a
+//! wipe, as a flip, or as a difference image. Every mode shows error metrics against a named reference.
 //!
 //! The active tile shows the session's own recipe: the pipeline panel edits it and the inspector explains it. Clicking
 //! another tile makes it active. The first tile is A, the second B.
@@ -42,18 +42,23 @@ impl Mode {
         (
             Self::Tiles,
             "Tiles",
-            "Side by side with a shared zoom, position and pick; hold Shift for A in every tile  (T)",
+            "Show pictures side by side with a shared zoom, position and pick; hold Shift to show A in every tile  (T)",
         ),
-        (Self::Wipe, "Wipe", "A left of the line, B right of it; drag the line  (W)"),
-        (Self::Flip, "Flip", "A in the whole canvas; hold Shift for B  (B)"),
-        (Self::Difference, "Difference", "A − B in a colour map; hold Shift for B, Ctrl for A  (D)"),
+        (Self::Wipe, "Wipe", "Show A left of a line and B right of it; drag the line to move it  (W)"),
+        (Self::Flip, "Flip", "Show A in the whole canvas; hold Shift to show B  (B)"),
+        (
+            Self::Difference,
+            "Difference",
+            "Show the difference of A and B in a colour map; hold Shift to show B, Ctrl to show A  (D)",
+        ),
     ];
 }
 
 /// Recipes of all tiles, and the index of the active one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct TileSet {
-    /// Recipe of each tile. The entry of the active tile may be out of date: the session owns its recipe.
+    /// Recipe of each tile. The entry of the active tile may be outdated, because its current recipe is stored in the
+    /// session.
     recipes: Vec<Recipe>,
     /// Index of the tile that shows the session's recipe.
     pub(crate) active: usize,
@@ -65,7 +70,7 @@ impl TileSet {
         self.recipes.len().max(1)
     }
 
-    /// Returns the recipe of a tile; `of_active` is the session's recipe.
+    /// Returns the recipe of a tile. `of_active` is the recipe of the active tile, which the session stores.
     pub(crate) fn recipe(&self, tile: usize, of_active: Recipe) -> Recipe {
         if tile == self.active { of_active } else { self.recipes.get(tile).copied().unwrap_or(of_active) }
     }
@@ -100,11 +105,11 @@ pub(crate) struct CompareSettings {
     pub(crate) difference: Difference,
     /// Factor by which the difference image amplifies differences.
     pub(crate) gain: u32,
-    /// Position of the wipe line, as a share of the canvas width in [0, 1].
+    /// Position of the wipe line, as a fraction of the canvas width from 0 to 1.
     pub(crate) wipe: f32,
-    /// Region of the picture that is also measured separately.
+    /// Region whose error metrics are measured in addition to those of the whole picture.
     pub(crate) region: Option<PixelRegion>,
-    /// Whether dragging on a picture draws the region instead of panning.
+    /// Whether dragging on a picture draws the measured region instead of panning.
     pub(crate) draws_region: bool,
 }
 
@@ -131,7 +136,7 @@ pub(crate) enum CompareChange {
     Toggle(Mode),
     /// Shows this number of tiles.
     Count(usize),
-    /// Shows every upscaler at its largest scale.
+    /// Shows every upscaling method at its largest scale factor.
     Every,
     /// Makes this tile the active one.
     Activate(usize),
@@ -145,9 +150,9 @@ pub(crate) enum CompareChange {
     Difference(Difference),
     /// Sets the gain of the difference image.
     Gain(u32),
-    /// Moves the wipe line to this share of the canvas width.
+    /// Moves the wipe line to this fraction of the canvas width.
     Wipe(f32),
-    /// Sets or clears the region that is also measured separately.
+    /// Sets or clears the region whose error metrics are measured in addition to those of the whole picture.
     Region(Option<PixelRegion>),
     /// Sets whether dragging on a picture draws the region.
     DrawRegion(bool),
@@ -172,7 +177,8 @@ impl CompareSettings {
         }
     }
 
-    /// Whether the visible pictures place samples at different positions in their blocks.
+    /// Whether the upscalers of the visible pictures place the rendered sample at different positions within a block of
+    /// pixels.
     pub(crate) fn anchors_differ(&self, tiles: &TileSet, of_active: Recipe) -> bool {
         let recipes = (0..self.shown(tiles)).map(|tile| tiles.recipe(tile, of_active));
         let mut anchors = recipes.filter_map(|recipe| recipe.upscaler.block_anchor());
@@ -238,12 +244,12 @@ fn suggestions() -> impl Iterator<Item = Upscaling> {
     first.chain(every_method()).chain(Upscaling::every())
 }
 
-/// Returns an iterator over all methods, each at its largest scale.
+/// Returns an iterator over all upscaling methods, each at its largest scale factor.
 fn every_method() -> impl Iterator<Item = Upscaling> {
     upscale::ALL.iter().filter_map(|method| Upscaling::new(method.id(), *method.offers().scales.last()?))
 }
 
-/// Returns the letter of a tile: A for tile 0.
+/// Returns the letter of a tile: A for tile 0, B for tile 1, and so on.
 pub(crate) fn letter(tile: usize) -> char {
     char::from(b'A' + (tile % 26) as u8)
 }
@@ -252,7 +258,7 @@ pub(crate) fn letter(tile: usize) -> char {
 mod tests {
     use super::*;
 
-    /// Comparison with the session state that it edits.
+    /// Comparison settings together with the session state that they change.
     #[derive(Default)]
     struct CompareBench {
         comparison: CompareSettings,

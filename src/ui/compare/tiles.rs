@@ -1,4 +1,5 @@
-//! Compared pictures on the canvas: tiles with shared zoom, position and pick, a wipe, a flip, or a difference image.
+//! Compared pictures on the canvas: shown as tiles with shared zoom, position and pick, as a wipe, as a flip, or as a
+//! difference image.
 
 mod figures;
 
@@ -100,7 +101,8 @@ impl TilesView {
         hovered
     }
 
-    /// Handles dragging of regions and of the wipe line, and the pointer input shared with a single picture.
+    /// Handles dragging of regions and of the wipe line, and the pan, zoom and camera input that a single picture also
+    /// has.
     fn input(
         &mut self,
         ui: &Ui,
@@ -173,14 +175,14 @@ impl TilesView {
                 let shown = if shift { 0 } else { index };
                 self.tile(ui, shown, placement, whole, compared);
                 if shift && index > 0 {
-                    badge(ui, whole, 0, "A for comparison");
+                    badge(ui, whole, 0, "A, while Shift is held");
                 }
                 figures_of(ui, index, place.footer, compared, session);
             }
             Mode::Flip => {
                 let shown = usize::from(shift);
                 self.tile(ui, shown, placement, whole, compared);
-                badge(ui, whole, shown, if shift { "B" } else { "A, hold Shift for B" });
+                badge(ui, whole, shown, if shift { "B" } else { "A (hold Shift to show B)" });
                 figures_of_both(ui, place.footer, compared, session);
             }
             Mode::Wipe => {
@@ -329,7 +331,7 @@ fn color(ui: &Ui, tile: usize) -> Color32 {
     }
 }
 
-/// Draws a line in the tile's colour along its top edge, and a frame around the picture of the active tile.
+/// Draws a line in the tile's colour along its top edge, and an outline around the picture of the active tile.
 fn frame(ui: &Ui, index: usize, place: TileLayout, session: &Session) {
     if session.comparison.mode != Mode::Tiles {
         return;
@@ -341,7 +343,7 @@ fn frame(ui: &Ui, index: usize, place: TileLayout, session: &Session) {
     }
 }
 
-/// Draws a label in the corner of the picture that names the visible tile.
+/// Draws a label in the upper left corner of the picture, in the colour of the tile that is visible there.
 fn badge(ui: &Ui, picture: Rect, tile: usize, words: &str) {
     let painter = ui.painter().with_clip_rect(picture);
     let text = painter.layout_no_wrap(words.to_owned(), FontId::proportional(font_size::TITLE), color(ui, tile));

@@ -1,6 +1,7 @@
-//! Paints egui frames on the CPU, without a window system or a GPU. Pictures are bit-identical on every machine.
+//! Painter that renders egui frames to images on the CPU, without a window system or a GPU. Images are bit-identical on
+//! every machine.
 //!
-//! Input: the texture changes of a pass and its tessellated meshes. Output: a picture in physical pixels. The rules
+//! Input: the texture changes of a pass and its tessellated meshes. Output: an image in physical pixels. The rules
 //! match egui's own GPU painter, so that a screenshot equals the window: vertices snapped to 1/256 px, top-left fill
 //! rule, clip rectangles rounded to whole pixels. All arithmetic is on gamma-encoded, premultiplied values: `src =
 //! vertex colour · texel / 255`, `dst = src + dst · (1 − src.a)`. Anti-aliasing is part of the meshes, as feathered
@@ -23,7 +24,8 @@ use crate::image::{Image, Rgba8};
 #[derive(Default)]
 pub(crate) struct CpuPainter {
     textures: HashMap<TextureId, UiTexture>,
-    /// Textures freed by the last pass. That pass may still draw them, so they are dropped at the next change.
+    /// Textures freed by the last pass. That pass may still draw them, so they are dropped when the next texture
+    /// changes are applied.
     freed: Vec<TextureId>,
 }
 
@@ -98,7 +100,7 @@ struct PixelRect {
 }
 
 impl PixelRect {
-    /// Converts `rect` from points to pixels, rounds it to the nearest whole pixels and clamps it to the picture.
+    /// Converts `rect` from points to pixels, rounds its sides to whole pixels and clamps it to the image.
     fn rounded(rect: Rect, pixels_per_point: f32, (width, height): (u32, u32)) -> Self {
         let round = |points: f32, limit: u32| ((points * pixels_per_point).round() as i64).clamp(0, i64::from(limit));
         Self {

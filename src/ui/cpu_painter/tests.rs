@@ -25,7 +25,7 @@ fn solid_painter() -> CpuPainter {
     painter_with([1, 1], &[Color32::WHITE], TextureOptions::LINEAR)
 }
 
-/// Returns a rectangle as two triangles that share a diagonal, mapped to the whole texture.
+/// Returns a rectangle as a mesh of two triangles that share a diagonal. The whole texture is mapped onto it.
 fn quad(rect: Rect, color: Color32) -> Mesh {
     let corner = |x: f32, y: f32| Vertex {
         pos: pos2(rect.left() + x * rect.width(), rect.top() + y * rect.height()),

@@ -13,7 +13,8 @@ pub(super) struct UiTexture {
 }
 
 impl UiTexture {
-    /// Replaces the texture or a part of it. Rows that lie outside the texture are dropped.
+    /// Replaces the texture or a part of it. A part that is too wide for the texture is ignored, and rows below the
+    /// texture are dropped.
     pub(super) fn apply(&mut self, change: ImageDelta) {
         let ImageData::Color(image) = change.image;
         self.options = change.options;
@@ -38,8 +39,8 @@ impl UiTexture {
         self.size.map(|texels| texels as f32)
     }
 
-    /// Returns the filter for a triangle with this texel area per pixel: the minification filter above 1, the
-    /// magnification filter otherwise.
+    /// Returns the filter for a triangle on which one pixel covers an area of `texels_per_pixel` texels: the
+    /// minification filter above 1, the magnification filter otherwise.
     pub(super) fn filter(&self, texels_per_pixel: f64) -> TextureFilter {
         if texels_per_pixel > 1.0 { self.options.minification } else { self.options.magnification }
     }

@@ -2,7 +2,7 @@
 //!
 //! An edge function E(x, y) = (b − a) × (p − a) is affine and integer on the grid of 1/256 px. The first and last pixel
 //! of a row thus follow from one integer division per edge. Two triangles that share an edge have its edge function
-//! with opposite signs. The top-left rule assigns a centre on the edge to one of them (Pineda 1988; D3D11
+//! with opposite signs. The top-left rule assigns a pixel centre exactly on the edge to one of them (Pineda 1988; D3D11
 //! specification, 3.4).
 
 use eframe::egui::{TextureFilter, epaint::Vertex};
@@ -18,7 +18,7 @@ use crate::{
     math::fixed::{HALF_PIXEL, SUBPIXELS, snap},
 };
 
-/// Limit to which vertex coordinates are clamped, in pixels from the origin. It keeps edge functions well within 64
+/// Limit to which the magnitude of vertex coordinates is clamped, in pixels. It keeps edge functions well within 64
 /// bits.
 const FARTHEST_PX: f32 = 1_048_576.0;
 
@@ -33,13 +33,14 @@ struct PaintAttributes {
 
 /// Triangle of positive area, set up for painting.
 pub(super) struct PaintTriangle<'a> {
-    /// Edge functions. Edge `i` lies opposite vertex `i`, so its value is proportional to the weight of vertex `i`.
+    /// Edge functions. Edge `i` lies opposite vertex `i`, so its value is proportional to the barycentric weight of
+    /// vertex `i`.
     edges: [EdgeFunction; 3],
     attributes: [PaintAttributes; 3],
     /// Change of the attributes per pixel to the right.
     attributes_dx: PaintAttributes,
     doubled_area: f64,
-    /// Minimum and maximum y of the snapped corners, in subpixels of 1/256 px.
+    /// Minimum and maximum y of the snapped vertices, in subpixels of 1/256 px.
     rows: (i64, i64),
     texture: &'a UiTexture,
     filter: TextureFilter,
@@ -114,7 +115,8 @@ impl<'a> PaintTriangle<'a> {
         })
     }
 
-    /// Returns the half-open range of columns in row `y` whose pixel centres satisfy all three edge functions.
+    /// Returns the half-open range of columns within `clip` whose pixel centres in row `y` satisfy all three edge
+    /// functions.
     fn span(&self, y: i64, clip: PixelRect) -> (i64, i64) {
         let (mut left, mut right) = (clip.left, clip.right);
         for edge in &self.edges {
@@ -195,7 +197,8 @@ fn modulate(color: Vec4, texel: Vec4) -> Vec4 {
     color * texel * (1.0 / 255.0)
 }
 
-/// Blends `source` over `pixel` and rounds to nearest. The casts saturate, which additive colours (alpha 0) need.
+/// Blends `source` over `pixel` and rounds to nearest. `keep` is 1 − alpha of `source`. The casts saturate, which
+/// additive colours (alpha 0) need.
 #[inline(always)]
 fn blend(pixel: &mut Rgba8, source: Vec4, keep: f32) {
     *pixel = bytes(source + channels(*pixel) * keep);

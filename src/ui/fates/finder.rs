@@ -1,4 +1,5 @@
-//! Computes the fates of the frame on screen in a background thread, while the “Fates” tab or a selection needs them.
+//! Background task that determines the fate of every triangle and fragment of the frame on screen. It runs while the
+//! “Fates” tab is open or triangles are selected.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -10,22 +11,23 @@ use crate::ui::engine::{RenderedView, Request};
 use crate::ui::session::{Session, Severity};
 use crate::ui::task::{BackgroundTask, TaskStatus};
 
-/// Time that a frame must stay unchanged before its fates are counted, so that counting does not slow down a moving
-/// view.
+/// Time for which a frame must stay unchanged before its fates are counted, so that counting does not slow down a
+/// moving view.
 const SETTLED: Duration = Duration::from_millis(150);
 
-/// Background task that computes the fates of the frame on screen.
+/// Runner of the background task that counts the fates of the frame on screen.
 #[derive(Debug, Default)]
 pub(crate) struct Finder {
     task: Option<BackgroundTask<(), Fates>>,
     last_request: Option<Request>,
-    /// Request of the frame on screen, and the time of its last change.
+    /// Request of the frame on screen, and the time since which the frame has been unchanged.
     unchanged_since: Option<(Request, Instant)>,
 }
 
 impl Finder {
-    /// Handles the result of the task, and starts a new one if `wanted` is `true` and the frame has changed. If `waits`
-    /// is `true`, the count runs synchronously.
+    /// Handles the result of the task. Starts a new task if the frame has changed and its fates are needed: for the
+    /// open tab (`wanted`), for the filter or for a selection. If `waits` is `true`, the fates are counted
+    /// synchronously.
     pub(crate) fn update(&mut self, ui: &Ui, session: &mut Session, wanted: bool, waits: bool) {
         self.listen(session);
         let wanted = wanted || session.fates.is_filtering() || !session.selection.is_empty();

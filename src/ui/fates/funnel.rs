@@ -1,5 +1,5 @@
-//! Funnel of fates: a bar for each fate with its count and share. The total is at the top, the visible ones are at the
-//! bottom.
+//! Funnel of fates: a bar for each fate with its count and percentage. The total is at the top, visible triangles or
+//! fragments are at the bottom.
 
 use eframe::egui::{Align2, Color32, FontId, Rect, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
@@ -17,15 +17,15 @@ const ROW: f32 = 19.0;
 /// Width of the column of counts, in points.
 const COUNT: f32 = 52.0;
 
-/// Width of the column of shares, in points.
+/// Width of the column of percentages, in points.
 const SHARE: f32 = 58.0;
 
-/// Fate that has a bin and a bar colour in the funnel.
+/// Fate of a triangle or fragment that the funnel can show as a bar.
 pub(crate) trait BinnedFate: Choice {
-    /// Returns the bin of this fate.
+    /// Returns the bin of triangles that have this fate, or that have a fragment with this fate.
     fn bin(self) -> Bin;
 
-    /// Returns the colour of the bar of this fate.
+    /// Returns the colour of this fate's bar.
     fn color(self, tokens: &Tokens) -> Color32;
 }
 
@@ -61,7 +61,7 @@ impl BinnedFate for FragmentFate {
     }
 }
 
-/// Draws the total, and below it the bars of all fates that occur.
+/// Draws the total count, and below it the bars of all fates that occur.
 pub(crate) fn ui<E: BinnedFate>(
     ui: &mut Ui,
     (what, help): (&str, &str),
@@ -85,7 +85,7 @@ pub(crate) fn ui<E: BinnedFate>(
     }
 }
 
-/// Draws one bar behind its text. Returns whether it was clicked.
+/// Draws one bar with its text over it. Returns whether it was clicked.
 fn bar<E: BinnedFate>(ui: &mut Ui, ending: E, (count, sum): (u64, u64), chosen: bool) -> bool {
     let (row, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
     let share = count as f64 / sum.max(1) as f64;
@@ -112,6 +112,10 @@ fn bar<E: BinnedFate>(ui: &mut Ui, ending: E, (count, sum): (u64, u64), chosen: 
     let at = |from_right: f32| row.right_center() - vec2(from_right, 0.0);
     painter.text(at(space::XS), Align2::RIGHT_CENTER, format::percent(share), mono.clone(), tokens(ui).text);
     painter.text(at(SHARE), Align2::RIGHT_CENTER, format::count(count), mono, text);
-    let click = if chosen { "Click to deselect them." } else { "Click to select them in the picture." };
+    let click = if chosen {
+        "Click to clear the selection."
+    } else {
+        "Click to select the triangles with this fate in the picture."
+    };
     response.on_hover_text(format!("{} {click}", ending.help())).clicked()
 }

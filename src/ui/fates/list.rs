@@ -15,10 +15,10 @@ use crate::ui::widgets::icon_button;
 /// Height of a row, in points.
 const ROW: f32 = 20.0;
 
-/// Right end of each column, as a share of the row width.
+/// Right edge of each column, as a fraction of the row width.
 const ENDS: [f32; 5] = [0.15, 0.40, 0.62, 0.76, 1.0];
 
-/// Draws the filter and the list. The row of the triangle visible at the picked pixel is highlighted.
+/// Draws the filter field and the list. The row of the triangle visible at the picked pixel is highlighted.
 pub(crate) fn ui(
     ui: &mut Ui,
     view: &FatesView,

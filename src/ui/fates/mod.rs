@@ -1,4 +1,5 @@
-//! Fates of all triangles and fragments: state of the tab, and the selection of triangles by fate.
+//! Fates of all triangles and fragments (visible, hidden, culled, clipped and others): state of the “Fates” tab, and
+//! selection of triangles by fate.
 
 pub(crate) mod finder;
 
@@ -18,14 +19,14 @@ use crate::inspect::fates::{Bin, FateFilter, Fates};
 use crate::inspect::selection::TriangleSelection;
 use crate::scene::TriangleId;
 
-/// Fates of the frame on screen, and the filter that selects triangles by them.
+/// Fates of the triangles and fragments on screen, and the filter that selects triangles by fate, object or text.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FatesView {
-    /// Fates of the frame; `None` until computed. The fates of an earlier frame stay until the new ones are ready.
+    /// Fates of the frame; `None` until computed. The fates of the previous frame remain until the new ones are ready.
     pub(crate) fates: Option<Arc<Fates>>,
-    /// Fate that the filter selects.
+    /// Bin that the filter selects; `None` for all fates.
     pub(crate) bin: Option<Bin>,
-    /// Index of the instance that the filter selects.
+    /// Index of the instance that the filter selects; `None` for all instances.
     pub(crate) object: Option<usize>,
     /// Filter text above the list, as typed.
     pub(crate) text: String,
@@ -36,11 +37,11 @@ pub(crate) struct FatesView {
 /// Change to the filter that the user requests.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum FatesChange {
-    /// Selects the members of this bin, or clears the bin if it is selected.
+    /// Filters triangles by this bin, or removes that filter if the bin is already selected.
     Bin(Bin),
-    /// Selects the triangles of this instance, or clears the instance if it is selected.
+    /// Filters triangles by the instance with this index, or removes that filter if the instance is already selected.
     Object(usize),
-    /// Selects the triangles that match this text.
+    /// Filters triangles by this text.
     Text(String),
     /// Clears all filters.
     Clear,
@@ -59,13 +60,13 @@ impl FatesView {
         *selection = self.selection();
     }
 
-    /// Clears the filter and replaces the selection by one made elsewhere.
+    /// Clears the filter and replaces the selection with `others`, which was made outside the “Fates” tab.
     pub(crate) fn adopt_selection(&mut self, others: TriangleSelection, selection: &mut TriangleSelection) {
         self.apply(FatesChange::Clear, selection);
         *selection = others;
     }
 
-    /// Stores the fates of a new view and reapplies the filter.
+    /// Stores the fates of a new frame and reapplies the filter.
     pub(crate) fn set_fates(&mut self, fates: Arc<Fates>, selection: &mut TriangleSelection) {
         self.object = self.object.filter(|object| *object < fates.objects.len());
         self.fates = Some(fates);

@@ -1,4 +1,4 @@
-//! Table of objects: how many of their triangles are visible, and the fates of the others.
+//! Table of objects: the number of visible triangles of each object, and the fates of its other triangles.
 
 use eframe::egui::{Align2, Color32, FontId, Rect, Role, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
@@ -14,7 +14,7 @@ use crate::ui::theme::{RADIUS, font_size, space, tokens};
 /// Height of a row, in points.
 const ROW: f32 = 20.0;
 
-/// Widths of the columns for name, numbers and bar, as shares of the row width; the text takes the rest.
+/// Widths of the columns for name, numbers and bar, as fractions of the row width; the text takes the rest.
 const SHARES: [f32; 3] = [0.26, 0.28, 0.16];
 
 /// Draws the rows of all objects.
@@ -40,7 +40,7 @@ pub(crate) fn ui(ui: &mut Ui, objects: &[ObjectFates], chosen: Option<usize>, co
     });
 }
 
-/// Returns the left ends of the columns for numbers, bar and text, in points.
+/// Returns the x coordinates of the left edges of the columns for numbers, bar and text, in points.
 fn columns(row: Rect) -> [f32; 3] {
     let mut x = row.left();
     SHARES.map(|share| {
@@ -86,7 +86,7 @@ fn seen(triangles: &TriangleCounts) -> u64 {
     triangles.of(TriangleFate::Visible) + triangles.of(TriangleFate::BlendedOver)
 }
 
-/// Lists the fates of the invisible triangles, the most frequent first.
+/// Returns the number of triangles for each fate other than visible, as text, the most frequent first.
 fn fate_shares(triangles: &TriangleCounts) -> String {
     let is_seen = |fate: TriangleFate| matches!(fate, TriangleFate::Visible | TriangleFate::BlendedOver);
     let mut bins: Vec<_> = TriangleFate::ALL.iter().copied().filter(|f| !is_seen(*f) && triangles.of(*f) > 0).collect();
@@ -97,7 +97,7 @@ fn fate_shares(triangles: &TriangleCounts) -> String {
     if words.is_empty() { "all visible".to_owned() } else { words.join(", ") }
 }
 
-/// Draws the numbers of all fates as one stacked bar, visible triangles first.
+/// Draws the triangle counts of all fates as one stacked bar, visible triangles first.
 fn stack(ui: &Ui, track: Rect, triangles: &TriangleCounts) {
     let all = triangles.sum().max(1) as f32;
     let mut left = track.left();
@@ -117,5 +117,5 @@ fn details(ui: &mut Ui, object: &ObjectFates) {
     let fragments = &object.fragments;
     let seen = fragments.of(FragmentFate::Visible) + fragments.of(FragmentFate::BlendedOver);
     ui.label(format!("{} of {} fragments visible", format::count(seen), format::count(fragments.sum())));
-    ui.weak("Click to list its triangles and select them in the picture.");
+    ui.weak("Click to list the triangles of this object and select them in the picture.");
 }

@@ -1,5 +1,5 @@
-//! Overlay of the selected triangles: unchanged where a selected triangle is visible, tinted where one is hidden, and
-//! dimmed elsewhere.
+//! Overlay that highlights the selected triangles: pixels stay unchanged where a selected triangle is visible, are
+//! tinted where one is hidden, and are dimmed elsewhere.
 
 use std::sync::Arc;
 
@@ -17,10 +17,10 @@ use crate::ui::theme::{Icon, RADIUS, ROW_HEIGHT, space, tokens};
 use crate::ui::widgets::icon_button;
 use crate::ui::zoom::Placement;
 
-/// Alpha of the black that dims unselected pixels, in [0, 255].
+/// Alpha of the black that is blended over unselected pixels to dim them, in [0, 255].
 const DIM_ALPHA: u8 = 165;
 
-/// Opacity of the accent colour over hidden triangles, in [0, 1].
+/// Opacity of the accent colour over pixels where a selected triangle is hidden, in [0, 1].
 const TINT: f32 = 0.55;
 
 /// Overlay image, rebuilt when the selection, the fates or the theme colour changes.
@@ -84,6 +84,6 @@ pub(crate) fn badge(ui: &mut Ui, canvas: Rect, session: &Session, commands: &mut
     }
     let label = egui::Label::new(RichText::new(text).color(tokens(ui).text_strong)).truncate();
     row.add(label).on_hover_text(
-        "Unchanged: a selected triangle is visible. Tinted: a selected triangle is hidden. Dimmed: everything else",
+        "Pixels that show a selected triangle are unchanged, pixels that hide one are tinted, all others are dimmed",
     );
 }

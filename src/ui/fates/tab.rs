@@ -12,10 +12,10 @@ use crate::ui::session::Session;
 use crate::ui::theme::{Icon, space, tokens};
 use crate::ui::widgets::{Status, chip, empty_state};
 
-/// Widths of the two funnels and of the objects, as shares of the tab's width; the list takes the rest.
+/// Widths of the two funnels and of the table of objects, as fractions of the tab's width; the list takes the rest.
 const SHARES: [f32; 3] = [0.18, 0.16, 0.31];
 
-/// Draws the result of the check of all sums, beside the tab names.
+/// Draws whether the fate counts add up to the totals, beside the tab names.
 pub(crate) fn controls(ui: &mut Ui, session: &Session) {
     let Some(fates) = &session.fates.fates else { return };
     let complaints = fates.account.complaints();
@@ -24,10 +24,15 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session) {
         chip(ui, Status::Passed, "all sums match", help);
     }
     for complaint in complaints {
-        chip(ui, Status::Error, &complaint, "The sums must match: this is an internal error of the program");
+        chip(
+            ui,
+            Status::Error,
+            &complaint,
+            "Internal error of the program: every triangle and every fragment must have exactly one fate",
+        );
     }
     if !session.state.recipe.antialias.is_off() {
-        let text = "counts one sample per pixel, at its centre";
+        let text = "counted at pixel centres only";
         ui.label(RichText::new(text).color(tokens(ui).text_weak))
             .on_hover_text("The other samples of an anti-aliased pixel are not counted");
     }
@@ -38,7 +43,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let view = &session.fates;
     let Some(fates) = &view.fates else {
         let how = "The frame is drawn once more with counters.";
-        empty_state(ui, Icon::ListChecks, "Counting the fates of triangles and fragments …", how);
+        empty_state(ui, Icon::ListChecks, "Counting the fates of triangles and fragments…", how);
         return;
     };
     let report = session.view.as_ref().and_then(|view| view.report.as_ref());

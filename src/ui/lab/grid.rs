@@ -1,4 +1,5 @@
-//! The lab's grid: pixels as squares, the ideal shape over them, and draggable handles. The wheel zooms, dragging pans.
+//! The 2D lab's grid: pixels drawn as squares, the ideal shape over them, and draggable handles. The wheel zooms,
+//! dragging pans.
 
 use eframe::egui::{
     Align2, Color32, CornerRadius, FontId, Pos2, Rect, Role, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, WidgetInfo,
@@ -10,7 +11,7 @@ use super::{Lab, LabChange, palette, pointer};
 use crate::lab::recording::{Mark, Tone};
 use crate::ui::theme::{space, tokens};
 
-/// Minimum size of a pixel for which grid lines are drawn, in points.
+/// Minimum side length of a pixel for which grid lines are drawn, in points.
 const LINES_FROM: f32 = 6.0;
 
 /// Minimum and maximum zoom of the grid, in points per pixel.
@@ -19,18 +20,18 @@ const SCALES: (f32, f32) = (2.0, 160.0);
 /// Radius of a dot on the grid, in points.
 const DOT: f32 = 3.5;
 
-/// Radius of a dot in the weak tone, in points.
+/// Radius of a dot drawn in the weak (less prominent) tone, in points.
 const SMALL_DOT: f32 = 1.3;
 
 /// Radius of a draggable handle, in points.
 pub(super) const HANDLE: f32 = 6.0;
 
-/// Transform from positions on the grid to positions on the screen.
+/// Transform between positions on the grid and positions on the screen.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GridView {
     /// Scale of the grid, in points per pixel.
     pub(super) scale: f32,
-    /// Position of the upper left corner of pixel (0, 0), in points.
+    /// Screen position of the upper left corner of pixel (0, 0), in points.
     pub(super) origin: Pos2,
 }
 
@@ -60,7 +61,8 @@ pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
     pointer::ui(ui, &response, view, lab, changes);
 }
 
-/// Returns the scale and centre of the view after wheel and drag input, in points per pixel and in grid pixels.
+/// Applies wheel and drag input to the view. Returns its new scale, in points per pixel, and its new centre, in grid
+/// pixels.
 fn moved(
     ui: &Ui,
     response: &eframe::egui::Response,

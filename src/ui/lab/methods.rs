@@ -1,4 +1,4 @@
-//! Comparison of all methods for one task: a table, and a plot of error against time.
+//! Comparison of all methods for the same task in the 2D lab: a table, and a plot of error against time.
 
 use std::f32::consts::SQRT_2;
 
@@ -27,7 +27,7 @@ const TABLE_POINTS: f32 = 440.0;
 /// Radius of a mark in the plot, in points.
 const MARK: f32 = 5.0;
 
-/// Lower bound of plotted times, in microseconds: a clock may return 0, which has no logarithm.
+/// Lower bound of plotted times, in microseconds. A clock may return 0, which has no logarithm.
 const SHORTEST_MICROS: f64 = 1e-3;
 
 /// Margins around the points of the plot, as fractions of the plotted range.
@@ -85,7 +85,7 @@ fn color(ui: &Ui, number: usize) -> Color32 {
     series[number % series.len()]
 }
 
-/// Whether the series colours repeat for this method, so that it needs another marker shape.
+/// Whether the marker of a method is a square instead of a circle, because its series colour is already used.
 fn is_square(ui: &Ui, number: usize) -> bool {
     number >= tokens(ui).series.len()
 }

@@ -1,5 +1,5 @@
-//! State and layout of the 2D lab. Each page has a file for its controls. All pages share the grid, the transport, the
-//! description of the step, and the comparison of methods.
+//! State and layout of the 2D lab. Each page has a file for its controls. All pages share the grid, the playback bar,
+//! the description of the current step, and the comparison of methods.
 
 mod palette;
 
@@ -32,7 +32,7 @@ use crate::lab::{Lesson, Page};
 use crate::manual::Chapter;
 use crate::pipeline::settings::Choice as _;
 
-/// Run time below which a run is repeated for timing.
+/// Run time below which the algorithm is run repeatedly to measure its time.
 const SHORT_RUN: Duration = Duration::from_millis(2);
 
 /// Initial playback speed, in steps per second.
@@ -45,7 +45,7 @@ pub(crate) struct Lab {
     pub(crate) open: bool,
     /// Page shown in the lab.
     pub(crate) page: Page,
-    /// Lesson of each page with the user's changes, in the order of `Page::ALL`.
+    /// Lesson (input and settings) of each page, including the user's changes, in the order of `Page::ALL`.
     lessons: Vec<Lesson>,
     /// Recorded run of the current page.
     pub(crate) recording: Arc<Recording>,
@@ -55,15 +55,16 @@ pub(crate) struct Lab {
     pub(crate) playing: i64,
     /// Playback speed, in steps per second.
     pub(crate) speed: f32,
-    /// Fraction of the next step already elapsed during playback.
+    /// Fraction of the time to the next step that has elapsed during playback, from 0 to 1.
     due: f32,
     /// Duration of one run of the algorithm without recording.
     pub(crate) run_time: Duration,
     /// Comparison of all methods for the same task, if requested.
     pub(crate) comparison: Option<MethodComparison>,
-    /// Paint that the brush applies on the seed fill page.
+    /// Kind of pixel that the brush paints on the seed fill page.
     pub(crate) brush: Paint,
-    /// Points per pixel of the grid, and the grid position at its centre; `None` fits the grid.
+    /// Scale in points per pixel, and grid position at the centre of the view in pixels; `None` fits the grid into the
+    /// window.
     pub(crate) view: Option<(f32, Vec2)>,
 }
 
@@ -90,17 +91,18 @@ pub(crate) enum LabChange {
     Tick(f32),
     /// Sets the playback speed, in steps per second.
     Speed(f32),
-    /// Sets the paint that the brush applies.
+    /// Sets the kind of pixel that the brush paints.
     Brush(Paint),
-    /// Sets the scale and centre of the grid; `None` fits the grid into the window.
+    /// Sets the scale, in points per pixel, and the centre, in pixels, of the grid; `None` fits the grid into the
+    /// window.
     View(Option<(f32, Vec2)>),
-    /// Runs and times all methods for the same task.
+    /// Runs all methods for the current task, and measures their times and errors.
     Compare,
     /// Closes the comparison of methods.
     CloseComparison,
-    /// Loads an image file as the canvas of the current page, or of the sampling page if the current one has none.
+    /// Loads an image file into the current page, or into the sampling page if the current page does not use images.
     Picture(PathBuf),
-    /// Saves the drawing in the format of this file name extension.
+    /// Saves the drawing of the current page, in the format with this file name extension.
     Save(&'static str),
 }
 
@@ -134,8 +136,8 @@ impl Lab {
         Page::ALL.iter().position(|page| *page == self.page).unwrap_or(0)
     }
 
-    /// Redirects commands that step and zoom to the lab while it is open. Returns `None` for commands that have no
-    /// meaning in the lab.
+    /// While the lab is open, converts commands that step or zoom into commands of the lab. Returns `None` for commands
+    /// that have no meaning in the lab, and all other commands unchanged.
     pub(crate) fn claim(&mut self, command: Command) -> Option<Command> {
         if !self.open {
             return Some(command);
@@ -179,7 +181,7 @@ impl Lab {
         Some(Command::Lab(change))
     }
 
-    /// Applies a change. Returns the change if it reads or writes a file, which the caller must do.
+    /// Applies a change. A change that reads or writes a file is returned instead, for the caller to handle.
     pub(crate) fn apply(&mut self, change: LabChange) -> Option<LabChange> {
         match change {
             LabChange::Open(open) => {
@@ -224,7 +226,7 @@ impl Lab {
         None
     }
 
-    /// Sets an image as the canvas of the current page, or of the sampling page if the current one has none.
+    /// Loads an image into the current page, or into the sampling page if the current page does not use images.
     pub(crate) fn show_picture(&mut self, picture: &Image<Rgba8>) {
         let place = self.place();
         if self.lessons[place].set_picture(picture) {
@@ -238,7 +240,8 @@ impl Lab {
         self.apply(LabChange::Page(Page::Sampling));
     }
 
-    /// Runs and times the algorithm of the current page. If all steps were visible, all new steps are.
+    /// Runs and times the algorithm of the current page. If all steps of the previous run were shown, all new steps are
+    /// shown, too.
     fn run(&mut self) {
         let showed_all = self.step >= self.recording.steps.len();
         let lesson = self.lesson();
@@ -279,7 +282,7 @@ impl Lab {
     }
 }
 
-/// Maximum initial width of each side panel, as a share of the window width.
+/// Maximum initial width of each side panel, as a fraction of the window width.
 const SIDE_SHARE: f32 = 0.27;
 
 /// Height of the bars above and below the grid, in points.

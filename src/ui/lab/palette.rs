@@ -10,9 +10,9 @@ pub(super) fn paper(tokens: &Tokens) -> Color32 {
     tokens.field
 }
 
-/// Returns the colour of a pixel of the grid.
+/// Returns the display colour of a grid pixel filled with `ink`.
 pub(super) fn ink(ink: Ink, tokens: &Tokens) -> Color32 {
-    /// Opacity of the colour of a side of the curve over the background, in [0, 1].
+    /// Opacity of the tint that marks the side of a curve on which a pixel lies, over the background colour, in [0, 1].
     const SIDE_SHARE: f32 = 0.28;
     let full = tokens.text;
     match ink {
@@ -25,10 +25,10 @@ pub(super) fn ink(ink: Ink, tokens: &Tokens) -> Color32 {
     }
 }
 
-/// Returns the colour of a mark with this tone.
+/// Returns the display colour of a mark with this tone.
 pub(super) fn tone(tone: Tone, tokens: &Tokens) -> Color32 {
-    /// Index of the series colour of focused marks, which differs from the colours of the ideal shape and of all but
-    /// one kind of pixel.
+    /// Index of the series colour of focused marks. It differs from the colour of the ideal shape and, with one
+    /// exception, from the colours of the pixels.
     const FOCUS_SERIES: usize = 3;
     match tone {
         Tone::Ideal => tokens.accent,

@@ -1,4 +1,4 @@
-//! Pointer input on the grid: drags handles, adds and removes corners, paints, selects a pixel.
+//! Pointer input on the grid: drags handles, adds and removes polygon corners, paints pixels, and selects a pixel.
 
 use eframe::egui::{CursorIcon, Id, PointerButton, Pos2, Response, Ui};
 use glam::DVec2;
@@ -51,7 +51,8 @@ pub(super) fn ui(ui: &Ui, response: &Response, view: GridView, lab: &Lab, change
     }
 }
 
-/// Applies pointer input at a position to the lesson.
+/// Applies pointer input at `at`, in screen points, to the lesson. `under` is the index of the handle under the
+/// pointer.
 fn act(
     ui: &Ui,
     response: &Response,

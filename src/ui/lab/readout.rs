@@ -1,5 +1,5 @@
-//! Description of a step: its effect, the algorithm's state, facts about the whole run, and the explanation of the
-//! lesson.
+//! Texts around the grid: effect of the current step, state of the algorithm, facts about the whole run, and
+//! explanation of the lesson.
 
 use eframe::egui::{Label, RichText, Ui};
 
@@ -18,7 +18,8 @@ pub(super) fn sentence(ui: &mut Ui, lab: &Lab) {
     });
 }
 
-/// Draws the panel beside the grid: explanation, state of the algorithm, facts and buttons.
+/// Draws the panel beside the grid: explanation of the lesson, state of the algorithm, facts about the run, and
+/// buttons.
 pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
     section_header(ui, "Explanation", |_| {});
     theme::card_frame(ui).show(ui, |ui| {
@@ -33,7 +34,7 @@ pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
             ui.label(RichText::new("No state yet").color(tokens(ui).text_weak));
         }
     }
-    section_header(ui, "Whole run", |_| {});
+    section_header(ui, "Facts about the whole run", |_| {});
     value_row(
         ui,
         "time",
@@ -53,7 +54,7 @@ pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
         if button
             .on_hover_text(help)
             .on_disabled_hover_text(
-                "Not available: points, lines and triangles have no exact result that methods could differ from",
+                "Not available for points, lines and triangles, which have no exact result to compare with",
             )
             .clicked()
         {
@@ -85,7 +86,7 @@ fn save_menu(ui: &mut Ui, changes: &mut Vec<LabChange>) {
     }
 }
 
-/// Formats a time with its unit: microseconds below 1 ms.
+/// Formats a time with its unit: microseconds below 1 ms, milliseconds otherwise.
 pub(super) fn in_words(time: std::time::Duration) -> String {
     let micros = time.as_secs_f64() * 1e6;
     if micros < 1_000.0 { format!("{} µs", format::fixed(micros, 2)) } else { format::ms(micros / 1e3) }

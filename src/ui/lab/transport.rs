@@ -9,7 +9,7 @@ use crate::ui::format;
 use crate::ui::theme::{Icon, tokens};
 use crate::ui::widgets::icon_button;
 
-/// Maximum length of a tick, in seconds, so that playback does not jump after the window was hidden.
+/// Maximum time by which one frame advances playback, in seconds. Prevents a jump after the window was hidden.
 const LONGEST_TICK: f32 = 0.25;
 
 /// Minimum time between two frames during playback.
@@ -28,23 +28,23 @@ pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
             }
         };
         button(ui, Icon::ChevronFirst, "Go to the start  (Home)", LabChange::Go(0));
-        button(ui, Icon::StepBack, "One step back  (,)", LabChange::StepBy(-1));
+        button(ui, Icon::StepBack, "Step back  (,)", LabChange::StepBy(-1));
         let back = if lab.playing < 0 { (Icon::Pause, 0) } else { (Icon::Rewind, -1) };
         button(ui, back.0, "Play backwards", LabChange::Play(back.1));
         let on = if lab.playing > 0 { (Icon::Pause, 0) } else { (Icon::Play, 1) };
         button(ui, on.0, "Play  (K)", LabChange::Play(on.1));
-        button(ui, Icon::StepForward, "One step forward  (.)", LabChange::StepBy(1));
+        button(ui, Icon::StepForward, "Step forward  (.)", LabChange::StepBy(1));
         button(ui, Icon::ChevronLast, "Go to the end  (End)", LabChange::Go(usize::MAX));
         let mut step = lab.step.min(all);
         ui.spacing_mut().slider_width = (ui.available_width() - REST_POINTS).max(60.0);
         let slider = ui.add_enabled(all > 0, Slider::new(&mut step, 0..=all).show_value(false));
-        slider.widget_info(|| WidgetInfo::slider(true, step as f64, "Steps done"));
-        if slider.on_hover_text("Steps done").changed() {
+        slider.widget_info(|| WidgetInfo::slider(true, step as f64, "Completed steps"));
+        if slider.on_hover_text("Completed steps").changed() {
             changes.push(LabChange::Go(step));
         }
         let more = if lab.recording.cut_off { " (truncated)" } else { "" };
         let text = format!("{} / {}{more}", format::count(step as u64), format::count(all as u64));
-        ui.label(RichText::new(text).monospace().color(tokens(ui).text)).on_hover_text("Steps done / steps recorded");
+        ui.label(RichText::new(text).monospace().color(tokens(ui).text)).on_hover_text("Completed steps / all steps");
         speed(ui, lab, changes);
     });
     if lab.playing != 0 {

@@ -1,4 +1,5 @@
-//! Marks over the mesh view, in the theme's colours.
+//! Drawing of marks over the mesh view, such as the outlines of clipped and culled triangles, the view frustum, and the
+//! ray through the picked pixel.
 
 use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Ui, pos2, vec2};
 
@@ -6,19 +7,22 @@ use crate::inspect::mesh_view::{MarkKind, MeshMark};
 use crate::ui::format;
 use crate::ui::theme::{MARK_EDGE, ON_PIXEL, font_size, tokens};
 
-/// Number of vertices created by clipping above which their parameter t is not shown: the numbers would overlap.
+/// Maximum number of vertices created by clipping that are labelled with their parameter t. With more, the labels would
+/// overlap.
 const MAX_NUMBERS: usize = 16;
 
-/// Lengths of the dashes and gaps of dashed lines, in points.
+/// Length of the dashes and length of the gaps of dashed lines, in points.
 const DASH: (f32, f32) = (5.0, 4.0);
 
-/// Colour of clipped parts: orange, as in the stage picture of the pipeline.
+/// Colour of clipping marks (outlines, removed parts and new vertices): orange, as in the pictures of the pipeline
+/// stages.
 const CUT: Color32 = Color32::from_rgb(240, 160, 48);
 
-/// Colour of culled triangles: red, as in the stage picture of the pipeline.
+/// Colour of the outlines of culled triangles: red, as in the pictures of the pipeline stages.
 const CULLED: Color32 = Color32::from_rgb(232, 96, 96);
 
-/// Draws all marks. `rect.min` is the top-left corner of the picture, and `points_per_px` the size of its pixels.
+/// Draws all marks. `rect.min` is the top-left corner of the picture, and `points_per_px` is the size of a picture
+/// pixel in points.
 pub(super) fn draw(ui: &Ui, painter: &Painter, rect: Rect, points_per_px: f32, marks: &[MeshMark]) {
     let new = marks.iter().filter(|mark| matches!(mark.kind, MarkKind::NewVertex(_))).count();
     for mark in marks {
@@ -92,7 +96,8 @@ fn polygon(ui: &Ui, painter: &Painter, kind: MarkKind, rect: Rect, points: Vec<P
     painter.add(Shape::convex_polygon(points, fill, stroke));
 }
 
-/// Clips a line segment to a rectangle (Liang and Barsky, "A New Concept and Method for Line Clipping", 1984).
+/// Clips a line segment to a rectangle (Liang and Barsky, "A New Concept and Method for Line Clipping", 1984). Returns
+/// `None` if the segment lies outside.
 fn clipped(rect: Rect, [from, to]: [Pos2; 2]) -> Option<[Pos2; 2]> {
     let along = to - from;
     let (mut first, mut last) = (0.0_f32, 1.0_f32);

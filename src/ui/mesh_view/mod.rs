@@ -1,4 +1,4 @@
-//! The mesh view: the scene seen by a second camera beside the picture, and the triangle selected in it.
+//! The mesh view: the scene as seen from a second camera, shown beside the picture, and the triangle selected in it.
 
 mod marks;
 
@@ -23,13 +23,13 @@ pub(crate) struct MeshView {
     pub(crate) open: bool,
     /// Drawing style of the triangles.
     pub(crate) style: MeshStyle,
-    /// Displacement of triangles from the centre of their mesh, in multiples of their distance from it.
+    /// Displacement of triangles away from the centre of their mesh, as a multiple of their distance from that centre.
     pub(crate) explode: f32,
     /// Whether culled triangles are outlined.
     pub(crate) culled: bool,
     /// Normals that are drawn as lines, and their length.
     pub(crate) normals: MeshNormals,
-    /// Camera of the mesh view; `None` until its first view is computed.
+    /// Camera of the mesh view; `None` until its initial pose is computed.
     pub(crate) camera: Option<Camera>,
     /// Triangle selected in the mesh view, and the pixel picked with it. Picking another pixel ends the selection.
     pub(crate) selected: Option<(TriangleId, Option<(u32, u32)>)>,
@@ -50,7 +50,7 @@ impl Default for MeshView {
 }
 
 impl MeshView {
-    /// Returns the triangle selected in the mesh view if `pick` is still the pixel that was picked with it.
+    /// Returns the triangle selected in the mesh view; `None` if `pick` is no longer the pixel that was picked with it.
     pub(crate) fn selected(&self, pick: Option<(u32, u32)>) -> Option<TriangleId> {
         self.selected.filter(|(_, with)| *with == pick).map(|(triangle, _)| triangle)
     }
@@ -68,7 +68,8 @@ pub(crate) enum MeshViewChange {
     Toggle,
     /// Sets the drawing style of the triangles.
     Style(MeshStyle),
-    /// Sets the displacement of triangles, in multiples of their distance from the centre of their mesh.
+    /// Sets the displacement of triangles away from the centre of their mesh, as a multiple of their distance from that
+    /// centre.
     Explode(f32),
     /// Sets whether culled triangles are outlined.
     Culled(bool),
@@ -76,10 +77,10 @@ pub(crate) enum MeshViewChange {
     Normals(MeshNormals),
     /// Sets the camera of the mesh view.
     Look(Camera),
-    /// Moves the camera of the mesh view until everything is visible, keeping its direction. Contains the view's
-    /// aspect ratio, width over height.
+    /// Moves the camera of the mesh view until everything is visible, keeping its direction. The value is the aspect
+    /// ratio of the view, width over height.
     Fit(f32),
-    /// Resets the camera of the mesh view to its first position, beside the render camera.
+    /// Resets the camera of the mesh view to its initial pose, beside the render camera.
     Reset,
     /// Selects a triangle, and picks a pixel that shows it if there is one.
     Select(TriangleId),
@@ -110,7 +111,8 @@ pub(crate) fn apply(session: &mut Session, change: MeshViewChange) {
     }
 }
 
-/// Returns a drawn pixel of the frame on screen that shows the triangle, as column and row.
+/// Returns the column and row of a rasterized pixel that shows the triangle in the frame on screen; `None` if there is
+/// no such pixel.
 fn pixel_of(view: &RenderedView, triangle: TriangleId) -> Option<(u32, u32)> {
     let frame: &Frame = &view.frame;
     let at = match &view.buffers {
@@ -127,7 +129,7 @@ fn inner(view: &RenderedView) -> Inner {
     Inner { camera: view.request.camera, settings: view.request.recipe.pipeline, viewport: view.frame.viewport }
 }
 
-/// Returns the elements to mark in the mesh view.
+/// Returns the parts of the scene to mark in the mesh view, such as the picked pixel's ray and the selected triangle.
 fn overlay_inputs(session: &Session, view: &RenderedView) -> OverlayInputs {
     let report = view.report.as_ref();
     let visible = report.and_then(|report| report.visible());

@@ -24,7 +24,8 @@ use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, RADIUS, font_size, space, tokens};
 use crate::ui::widgets::{combo, icon_button};
 
-/// Maximum displacement of triangles, in multiples of their distance from the centre of their mesh.
+/// Maximum displacement of triangles away from the centre of their mesh, as a multiple of their distance from that
+/// centre.
 const MAX_EXPLODE: f32 = 2.0;
 
 /// Minimum free width for the label of the “Explode” slider, in points.
@@ -40,7 +41,7 @@ pub(crate) struct MeshPane {
 }
 
 impl MeshPane {
-    /// Draws the pane and turns pointer input into commands. If `waits`, the picture is drawn synchronously.
+    /// Draws the pane and turns pointer input into commands. If `waits` is `true`, the picture is drawn synchronously.
     pub(crate) fn ui(&mut self, ui: &mut Ui, session: &Session, waits: bool, commands: &mut Vec<Command>) {
         let aspect = ui.available_width() / ui.available_height().max(1.0);
         bar(ui, session, aspect, commands);
@@ -122,7 +123,7 @@ fn bar(ui: &mut Ui, session: &Session, aspect: f32, commands: &mut Vec<Command>)
                     push(MeshViewChange::Toggle);
                 }
                 manual_button(ui, Chapter::Stages, &mut manual);
-                if icon_button(ui, Icon::House, "Move back to the first position, beside the render camera").clicked() {
+                if icon_button(ui, Icon::House, "Return to the initial position beside the render camera").clicked() {
                     push(MeshViewChange::Reset);
                 }
                 if icon_button(ui, Icon::Maximize, "Fit the scene and the render camera into the view").clicked() {
@@ -132,7 +133,7 @@ fn bar(ui: &mut Ui, session: &Session, aspect: f32, commands: &mut Vec<Command>)
                 ui.spacing_mut().slider_width = (ui.available_width() - NAME_FROM_POINTS).clamp(56.0, 120.0);
                 let slider = ui.add(Slider::new(&mut apart, 0.0..=MAX_EXPLODE).show_value(false));
                 slider.widget_info(|| WidgetInfo::slider(true, apart.into(), "Explode"));
-                if slider.on_hover_text("Explode: moves triangles away from the centre of their mesh").changed() {
+                if slider.on_hover_text("Explode: moves each triangle away from the centre of its mesh").changed() {
                     push(MeshViewChange::Explode(apart));
                 }
                 if ui.available_width() >= NAME_FROM_POINTS {
@@ -151,7 +152,7 @@ fn marks_menu(ui: &mut Ui, now: (bool, MeshNormals), push: &mut impl FnMut(MeshV
     let config = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     let (button, _) = MenuButton::new("Marks").config(config).ui(ui, |ui| {
         let help = "Outline triangles removed by face culling in dashed red, if they are few or selected";
-        ui.checkbox(&mut culled, "Culled").on_hover_text(help);
+        ui.checkbox(&mut culled, "Culled triangles").on_hover_text(help);
         let help = "Draw the normals of all vertices as lines, not hidden by triangles";
         ui.checkbox(&mut normals.vertices, "Vertex normals").on_hover_text(help);
         let help = "Draw the normals of all triangles as lines from their centroids, not hidden by triangles";

@@ -10,12 +10,12 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene, TriangleId};
 use crate::ui::task::{BackgroundTask, TaskStatus};
 
-/// Inputs of a picture of the mesh view.
+/// Everything that determines a picture of the mesh view.
 #[derive(Clone, Debug)]
 pub(super) struct PictureRequest {
     pub(super) scene: Arc<Scene>,
     pub(super) inner: Inner,
-    /// Camera of the mesh view; its near and far planes are replaced when the picture is drawn.
+    /// Camera of the mesh view. Its near and far planes are ignored and computed when the picture is drawn.
     pub(super) camera: Camera,
     /// Size of the picture, in pixels.
     pub(super) size: Viewport,
@@ -51,7 +51,7 @@ impl PaintedMesh {
         self.request.size
     }
 
-    /// Draws a picture. Reuses the image of `last` if only the marks differ.
+    /// Draws a picture. Reuses the image of `last`, the previous picture, if only the marks differ.
     fn new(request: PictureRequest, last: Option<Self>) -> Self {
         let PictureRequest { scene, inner, camera, size, painting, look } = &request;
         let seen = with_planes(*camera, scene, inner);
@@ -72,8 +72,8 @@ pub(super) struct Painter {
 }
 
 impl Painter {
-    /// Returns the newest finished picture, and starts drawing `wish` if it differs. If `waits`, drawing is
-    /// synchronous.
+    /// Returns the last finished picture; `None` if there is none. If it does not match `wish`, starts drawing `wish`
+    /// once no other picture is being drawn. If `waits` is `true`, drawing is synchronous.
     pub(super) fn picture(&mut self, context: &Context, wish: PictureRequest, waits: bool) -> Option<&PaintedMesh> {
         if let Some(task) = &self.task {
             match task.poll(&mut None) {

@@ -96,8 +96,8 @@ fn list(ui: &mut Ui, session: &Session, view: &RenderedView, changes: &mut Vec<O
         ui.push_id(overlay.id(), |ui| entry(ui, overlay, session, view, changes));
     }
     let mut marks = overlays.marks;
-    let help = "When zoomed in, draws a point at every sample, and ticks from every edge into the triangle that owns \
-                the samples exactly on it";
+    let help = "When zoomed in, draws a point at every sample, and ticks on each edge that point into the triangle \
+                that owns samples exactly on the edge";
     if ui.checkbox(&mut marks, "Sample points and edge owners").on_hover_text(help).changed() {
         changes.push(OverlayChange::Marks(marks));
     }
@@ -144,7 +144,7 @@ fn entry(ui: &mut Ui, overlay: Overlay, session: &Session, view: &RenderedView, 
     }
 }
 
-/// Draws the slider for the length of a layer's normals.
+/// Draws the slider for the length of the normals drawn by an overlay.
 fn length(ui: &mut Ui, layer: OverlayLayer, changes: &mut Vec<OverlayChange>) {
     ui.horizontal(|ui| {
         ui.set_height(ROW_HEIGHT);

@@ -13,7 +13,7 @@ const STRIP: f32 = 8.0;
 /// Side of the colour swatches of a legend, in points.
 const SQUARE: f32 = 9.0;
 
-/// Draws the legend of an overlay and at most `most_totals` of its totals.
+/// Draws the legend of an overlay and at most `most_totals` of its totals, such as sums and maxima over all pixels.
 pub(crate) fn ui(ui: &mut Ui, sheet: &Sheet, most_totals: usize) {
     if let Some(why) = &sheet.absence {
         ui.label(RichText::new(format!("Nothing to show: {why}")).small().color(tokens(ui).warning));
@@ -64,7 +64,7 @@ fn square(ui: &mut Ui, [r, g, b, _]: Rgba8) {
     ui.painter().rect_filled(place, 1.0, Color32::from_rgb(r, g, b));
 }
 
-/// Draws the colour scale as a strip, with numbers at both ends and in the middle.
+/// Draws the colour scale as a horizontal strip, with its minimum, middle and maximum value below.
 fn strip(ui: &mut Ui, scale: &ColorScale) {
     let width = ui.available_width();
     let (place, _) = ui.allocate_exact_size(vec2(width, STRIP + font_size::SMALL + space::XS), Sense::hover());

@@ -1,4 +1,5 @@
-//! Vector lines and marks over enlarged pixels: edges, sample points, and the triangle that owns an edge.
+//! Vector lines and marks over enlarged pixels: overlay lines, sample points, and the edges that own the samples
+//! exactly on them.
 
 use std::sync::{Arc, Weak};
 
@@ -21,10 +22,10 @@ const MARKS_FROM: f32 = 12.0;
 /// Maximum number of lines and edges drawn; more would be illegible.
 const MAX_LINES: usize = 20_000;
 
-/// Colour of an edge that owns the samples on it.
+/// Colour of an edge whose triangle owns the samples exactly on the edge.
 const OWNED: Color32 = Color32::from_rgb(80, 220, 130);
 
-/// Colour of an edge that does not own the samples on it.
+/// Colour of an edge whose triangle does not own the samples exactly on the edge.
 const NOT_OWNED: Color32 = Color32::from_rgb(240, 110, 110);
 
 /// Draws the vector lines and marks of all active overlays.
@@ -49,29 +50,31 @@ pub(crate) fn paint(painter: &Painter, placement: Placement, session: &Session, 
     }
 }
 
-/// Whether the bounding box of a line overlaps the canvas.
+/// Whether the bounding box of the line from `a` to `b`, in picture pixels, overlaps the canvas.
 fn meets(placement: Placement, a: Pos2, b: Pos2) -> bool {
     placement.canvas.intersects(eframe::egui::Rect::from_two_pos(a, b).expand(1.0))
 }
 
-/// Draws a line with a dark rim, visible on any background.
+/// Draws a line with a dark outline, visible on any background.
 fn two_tone(painter: &Painter, ends: [Pos2; 2], color: Color32, opacity: f32) {
     painter.line_segment(ends, Stroke::new(2.5, MARK_EDGE.gamma_multiply(opacity)));
     painter.line_segment(ends, Stroke::new(1.0, color.gamma_multiply(opacity)));
 }
 
-/// Cached edges of the visible part of a frame: finding them visits every triangle.
+/// Cache of the edges in the visible part of a frame. Finding these edges takes a pass over all triangles.
 #[derive(Clone)]
 struct EdgeCache {
-    /// Frame that the edges belong to. The weak reference lets the buffers of a frame be reused once it is hidden.
+    /// Frame to which the edges belong. The weak reference allows the buffers of a frame to be reused when it is no
+    /// longer shown.
     frame: Weak<Frame>,
     recipe: Recipe,
-    /// Left, top, right and bottom of the visible part of the picture, in pixels.
+    /// Left, top, right and bottom side of the visible part of the picture, in pixels.
     seen_px: [f32; 4],
     edges: Arc<Vec<EdgeMarks>>,
 }
 
-/// Returns the edges in the visible part of the picture, from the cache if frame, recipe and part are unchanged.
+/// Returns the edges in the visible part of the picture. They are taken from the cache if frame, recipe and visible
+/// part are unchanged.
 fn marks(painter: &Painter, placement: Placement, view: &RenderedView) -> Arc<Vec<EdgeMarks>> {
     let (min, max) = (placement.to_picture(placement.canvas.min), placement.to_picture(placement.canvas.max));
     let (seen_px, recipe) = ([min.x, min.y, max.x, max.y], view.request.recipe);
@@ -90,7 +93,8 @@ fn marks(painter: &Painter, placement: Placement, view: &RenderedView) -> Arc<Ve
     edges
 }
 
-/// Draws an edge: in green with ticks into its triangle if it owns the samples on it, otherwise in red.
+/// Draws a triangle edge. If its triangle owns the samples exactly on the edge, the edge is green with ticks into the
+/// triangle, otherwise red.
 fn owner(painter: &Painter, edge: &EdgeMarks, at: impl Fn([f32; 2]) -> Pos2) {
     /// Spacing and length of ticks, in points.
     const TICKS: (f32, f32) = (14.0, 6.0);

@@ -1,4 +1,4 @@
-//! Overlays on the picture: which are active, their order and opacity, their legends, and vector marks over enlarged
+//! Overlays on the picture: active overlays with their order and opacity, their legends, and vector marks over enlarged
 //! pixels.
 
 pub(crate) mod card;
@@ -23,7 +23,7 @@ pub(crate) struct Overlays {
     pub(crate) layers: Vec<OverlayLayer>,
     /// Whether the list of all overlays is open.
     pub(crate) open: bool,
-    /// Whether sample points and edge owners are drawn over enlarged pixels.
+    /// Whether sample points and the edges that own samples are drawn over enlarged pixels.
     pub(crate) marks: bool,
     /// Whether pixels are large enough to draw lines as vectors instead of pixels.
     pub(crate) vectors: bool,
@@ -46,7 +46,7 @@ pub(crate) enum OverlayChange {
     Raise(Overlay),
     /// Removes all overlays.
     Clear,
-    /// Sets whether sample points and edge owners are drawn.
+    /// Sets whether sample points and the edges that own samples are drawn.
     Marks(bool),
     /// Sets whether lines are drawn as vectors instead of pixels.
     Vectors(bool),
@@ -65,7 +65,7 @@ impl Overlays {
         self.layers.iter().copied().find(|layer| layer.overlay == overlay)
     }
 
-    /// Applies a change. Returns the change if it writes a file, which the caller must do.
+    /// Applies a change. A change that writes a file is returned instead, for the caller to handle.
     pub(crate) fn apply(&mut self, change: OverlayChange) -> Option<OverlayChange> {
         match change {
             OverlayChange::Open(open) => self.open = open,
@@ -99,7 +99,8 @@ impl Overlays {
         None
     }
 
-    /// Returns the overlay whose marked pixels are stepped through: the topmost one that marks faults.
+    /// Returns the topmost active overlay that marks faulty pixels, which are the pixels that the user can step
+    /// through.
     pub(crate) fn stepped(&self) -> Option<Overlay> {
         let faults = [
             Overlay::Faults,
@@ -112,8 +113,8 @@ impl Overlays {
         self.layers.iter().rev().map(|layer| layer.overlay).find(|overlay| faults.contains(overlay))
     }
 
-    /// Returns the next pixel after `from` that the overlay of [`Overlays::stepped`] marks, or the previous one. Wraps
-    /// around at the ends.
+    /// Returns the pixel after or before `from` that is marked by the overlay of [`Overlays::stepped`]. After the last
+    /// marked pixel, continues with the first, and vice versa.
     pub(crate) fn beside(&self, view: &RenderedView, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
         let overlay = self.stepped()?;
         view.look_result.sheets.iter().find(|sheet| sheet.overlay == overlay)?.next_pixel(from, forwards)

@@ -1,5 +1,6 @@
-//! Entries of the palette, as data: commands with their keys, all values of all settings, scenes, buffers, stages,
-//! tabs, upscalers, bookmarks and recent files. Each list comes from the table that the rest of the window uses.
+//! Entries of the command palette, as data: commands with their keys, all values of all settings, scenes, buffers,
+//! stages, tabs, upscalers, bookmarks and recent files. Each list comes from the table that the rest of the window
+//! uses.
 
 use crate::chain::Recipe;
 use crate::inspect::find::SearchTarget;
@@ -20,7 +21,7 @@ use crate::upscale;
 /// Category of a palette entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum EntryKind {
-    /// Command of the window.
+    /// Command that the window can run.
     Command,
     /// Value of a setting.
     Setting,
@@ -34,7 +35,7 @@ pub(crate) enum EntryKind {
     Tab,
     /// Upscaler that reconstructs the pixels that are not drawn.
     Upscaler,
-    /// Bookmark of a place.
+    /// Bookmark of an inspection state.
     Bookmark,
 }
 
@@ -59,7 +60,7 @@ impl EntryKind {
 pub(crate) enum Action {
     /// Runs a command.
     Run(Box<Command>),
-    /// Fills the search field with this text, to which the user adds a value.
+    /// Fills the search field with this text, for the user to append a value.
     Type(String),
 }
 
@@ -72,9 +73,9 @@ pub(crate) struct PaletteEntry {
     pub(crate) title: String,
     /// Tooltip of the entry; empty for none.
     pub(crate) help: String,
-    /// Name of the key for the same action; empty if there is none.
+    /// Name of the key that triggers the same action; empty if there is none.
     pub(crate) key: String,
-    /// Whether the entry's value is the current one.
+    /// Whether the entry is the current value of its setting, or the current scene, upscaler or shown quantity.
     pub(crate) is_current: bool,
     /// Effect of choosing the entry.
     pub(crate) action: Action,
@@ -124,14 +125,14 @@ pub(crate) fn all(session: &Session) -> Vec<PaletteEntry> {
     }));
     entries.extend(upscale::ALL.iter().enumerate().map(|(place, upscaler)| {
         let chosen = session.state.recipe.upscaler.method() == upscaler.id();
-        let title = format!("Upscaler: {}", upscaler.name());
+        let title = format!("Choose upscaler: {}", upscaler.name());
         entry(EntryKind::Upscaler, title, Command::ChooseUpscaler(place)).with("", chosen)
     }));
     entries.extend(settings(session));
     entries
 }
 
-/// Returns all commands that have a key, each once, and the menu commands that have none.
+/// Returns one entry for each command that has a key, and for each menu command that has none.
 fn commands() -> Vec<PaletteEntry> {
     let mut entries: Vec<PaletteEntry> = Vec::new();
     for binding in BINDINGS {
@@ -149,15 +150,18 @@ fn commands() -> Vec<PaletteEntry> {
         ("Fit the scene into the view", Command::FitCamera),
         ("Mirror the scene along z", Command::MirrorZ),
         ("Reset all settings", Command::ResetRecipe),
-        ("Save the picked triangle as a case", Command::SaveCase),
+        ("Save the picked triangle as a case file", Command::SaveCase),
         ("Switch between dark and light theme", Command::ToggleTheme),
         ("Manage bookmarks", Command::Place(place::PlaceChange::Manage)),
         ("Compare all upscalers in tiles", Command::Compare(CompareChange::Every)),
-        ("Pin the current settings as A and compare changes with them", Command::WhatIf(what_if::WhatIfChange::PinNow)),
+        (
+            "Pin the current settings as A and compare later changes with them",
+            Command::WhatIf(what_if::WhatIfChange::PinNow),
+        ),
         ("Restore the settings from before the last change", Command::WhatIf(what_if::WhatIfChange::Revert)),
         ("Stop comparing", Command::Compare(CompareChange::Mode(Mode::Off))),
         ("Measure all upscalers", Command::Measure),
-        ("Measure savings of skipped work", Command::MeasurePlan),
+        ("Measure the savings of skipped work", Command::MeasurePlan),
         ("Measure scaling", Command::MeasureScaling),
         ("Run the stability report", Command::RunStability),
         ("Save all frame times as CSV", Command::ExportTimings),
@@ -166,7 +170,7 @@ fn commands() -> Vec<PaletteEntry> {
     entries.extend(keyless.map(|(title, command)| entry(EntryKind::Command, title, command)));
     for kind in OutlineKind::ALL {
         for end in ["svg", "pdf"] {
-            let title = format!("Save as drawing: {}, {}", kind.name(), end.to_uppercase());
+            let title = format!("Save scene as drawing: {}, {}", kind.name(), end.to_uppercase());
             entries.push(entry(EntryKind::Command, title, Command::SaveOutline(*kind, end)).with(kind.help(), false));
         }
     }
@@ -193,7 +197,8 @@ fn scenes(session: &Session) -> impl Iterator<Item = PaletteEntry> {
     builtins.chain(files)
 }
 
-/// Returns an entry for every value of a setting with a finite set of values, and one entry for each other setting.
+/// Returns one entry for every value of each setting that has a finite set of values, and one entry for each other
+/// setting.
 fn settings(session: &Session) -> Vec<PaletteEntry> {
     let recipe = session.state.recipe;
     let now = fields::fields(&recipe);
@@ -234,8 +239,8 @@ pub(crate) fn assignment(session: &Session, typed: &str) -> Option<PaletteEntry>
     Some(entry(EntryKind::Setting, title, Command::SetRecipe(recipe)).with("", recipe == session.state.recipe))
 }
 
-/// Returns an entry for a typed destination: a pixel, a triangle or a vertex. Object names are excluded, because other
-/// entries may have the same name.
+/// Returns an entry for a typed destination, which must be a pixel, a triangle or a vertex. Object names are excluded,
+/// because other entries may have the same name.
 pub(crate) fn destination(session: &Session, typed: &str) -> Option<PaletteEntry> {
     let wanted = session.search_target(typed).ok().filter(|wanted| !matches!(wanted, SearchTarget::Object(..)))?;
     let title = format!("Go to {}", wanted.words().to_lowercase());

@@ -1,7 +1,7 @@
 //! Fuzzy matching: the letters of each word must occur in the title in order. Adjacent letters and letters at the
 //! beginnings of words score higher.
 
-/// Match of a query in the title of a palette entry.
+/// Match of a query with the title of a palette entry.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct FuzzyMatch {
     /// Score of the match; higher is better. Scores are comparable only for the same query.
@@ -19,10 +19,12 @@ const JOINED: i32 = 6;
 /// Score of each letter skipped between two matches.
 const GAP: i32 = -1;
 
-/// Number of letters of the title that cost one point, so that the shorter of two equally good titles wins.
+/// Number of characters of the title that reduce the score by one point. The shorter of two equally good titles
+/// therefore wins.
 const LENGTH_OF_ONE: i32 = 8;
 
-/// Matches all words of `typed` in `title`, in any order, ignoring case. An empty query matches everything.
+/// Matches all words of `typed` in `title`, in any order, ignoring case. Returns `None` if a word does not match; an
+/// empty query matches everything.
 pub(crate) fn fit(typed: &str, title: &str) -> Option<FuzzyMatch> {
     let title: Vec<char> = title.chars().map(lower).collect();
     let mut whole = FuzzyMatch { score: 0, letters: Vec::new() };
@@ -38,7 +40,7 @@ pub(crate) fn fit(typed: &str, title: &str) -> Option<FuzzyMatch> {
     Some(whole)
 }
 
-/// Returns the best match of a word over all positions of its first letter.
+/// Returns the best match of a word in the title, trying every occurrence of its first letter.
 fn fit_word(word: &[char], title: &[char]) -> Option<FuzzyMatch> {
     let first = word.first()?;
     let starts = title.iter().enumerate().filter(|(_, letter)| *letter == first).map(|(place, _)| place);
@@ -47,8 +49,8 @@ fn fit_word(word: &[char], title: &[char]) -> Option<FuzzyMatch> {
         .max_by_key(|fit| (fit.score, std::cmp::Reverse(fit.letters[0])))
 }
 
-/// Matches a word from `start`. For each letter, prefers the adjacent position, then the next beginning of a word, then
-/// the next occurrence.
+/// Matches a word with its first letter at the index `start` of the title. For each further letter, prefers the
+/// adjacent position, then the next beginning of a word, then the next occurrence.
 fn fit_from(start: usize, word: &[char], title: &[char]) -> Option<FuzzyMatch> {
     let mut letters = vec![start];
     let mut score = if begins_word(title, start) { AT_WORD } else { 0 };

@@ -21,10 +21,11 @@ const WIDTH: f32 = 620.0;
 /// Maximum height of the list of entries, in points.
 const LIST_HEIGHT: f32 = 15.0 * ROW_HEIGHT;
 
-/// Distance of the palette from the top of the window, in points. The list grows downwards, so the field stays.
+/// Distance of the palette from the top of the window, in points. The list grows downwards, so the search field does
+/// not move.
 const TOP: f32 = 90.0;
 
-/// Maximum number of entries shown; more letters narrow the list.
+/// Maximum number of matching entries shown. A longer query narrows the list.
 const MAX_SHOWN: usize = 100;
 
 /// State of the open command palette.
@@ -34,7 +35,8 @@ pub(crate) struct Palette {
     /// Indices of matching entries, best first, each with its matched letters.
     found: Vec<(usize, Vec<usize>)>,
     found_for: Option<String>,
-    /// Entry for `query` as an assignment or a destination, if it is one.
+    /// Entry created from the query itself, if the query is an assignment such as `light.ambient=0.3` or a destination
+    /// such as a triangle.
     typed: Option<PaletteEntry>,
     chosen: usize,
 }
@@ -75,7 +77,7 @@ impl Palette {
             pressed(Key::ArrowDown) - pressed(Key::ArrowUp) + page * (pressed(Key::PageDown) - pressed(Key::PageUp))
         });
         let hint =
-            "Find a command, setting, scene, buffer, stage, tab, upscaler … or type key=value, x,y, tri 12, v 12";
+            "Find a command, setting, scene, buffer, stage, tab or upscaler, or type key=value, x,y, tri 12 or v 12";
         let field = ui.add(TextEdit::singleline(&mut self.query).hint_text(hint).desired_width(f32::INFINITY));
         field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Find anything"));
         if !field.has_focus() {
@@ -137,7 +139,8 @@ impl Palette {
         self.found.len() + usize::from(self.typed.is_some())
     }
 
-    /// Returns the entry at a position of the list; the typed entry comes first.
+    /// Returns the entry at a position of the list and the indices of its matched letters. The entry created from the
+    /// query itself comes first.
     fn at(&self, place: usize) -> Option<(&PaletteEntry, &[usize])> {
         let place = match &self.typed {
             Some(entry) if place == 0 => return Some((entry, &[])),
@@ -149,7 +152,7 @@ impl Palette {
     }
 }
 
-/// Moves the text cursor to the end of the field.
+/// Moves the text cursor to the end of the search field.
 fn to_the_end(ui: &Ui, field: Id, text: &str) {
     use eframe::egui::text::{CCursor, CCursorRange};
     let mut state = eframe::egui::text_edit::TextEditState::load(ui.ctx(), field).unwrap_or_default();
@@ -157,9 +160,9 @@ fn to_the_end(ui: &Ui, field: Id, text: &str) {
     state.store(ui.ctx(), field);
 }
 
-/// Draws one entry: category, title with the matched letters highlighted, mark of the current value, and key.
+/// Draws one entry: category, title with the matched letters highlighted, “current” for the current value, and key.
 fn row(ui: &mut Ui, entry: &PaletteEntry, letters: &[usize], chosen: bool) -> eframe::egui::Response {
-    /// Width of the column of categories, in points.
+    /// Width of the category column, in points.
     const KIND_POINTS: f32 = 84.0;
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW_HEIGHT), Sense::click());
     let fill = if chosen { tokens(ui).accent_fill } else { tokens(ui).raised };

@@ -25,7 +25,7 @@ pub(crate) enum Tab {
     ErrorTime,
     /// Every arithmetic step of a fragment at the picked pixel.
     Arithmetic,
-    /// Samples and weights that a pixel of the picture was reconstructed from.
+    /// Samples from which the picked pixel was reconstructed, with their weights.
     Xray,
     /// Histogram of the visible quantity.
     Histogram,
@@ -33,17 +33,17 @@ pub(crate) enum Tab {
     Fates,
     /// Parts of the pipeline that each draw runs or skips, with reasons.
     Plan,
-    /// Scaling of the frame time with triangles, pixels, layers and threads.
+    /// Scaling of the frame time with triangles, pixels, overlapping layers and threads.
     Scaling,
-    /// Stability report on hard cases.
+    /// Stability report on difficult test cases.
     Stability,
-    /// Assertions about every fragment.
+    /// Assertions that are checked for every fragment.
     Checks,
     /// Values of all buffers at watched pixels.
     Watch,
-    /// Vertices of the picked triangle at every stage.
+    /// Vertices of the picked triangle after every pipeline stage.
     Vertices,
-    /// Stability probe: pixels that change if the camera or vertices move by a few units in the last place.
+    /// Stability probe: pixels that change if the camera or the vertices are jittered by a few units in the last place.
     Probe,
     /// Log of all messages.
     Log,
@@ -55,7 +55,7 @@ pub(crate) const MIN_HEIGHT: f32 = 90.0;
 /// All tabs, each with its name and help text.
 pub(crate) const TABS: &[(Tab, &str, &str)] = &[
     (Tab::FrameTime, "Frame time", "Frame time of each upscaler"),
-    (Tab::ErrorTime, "Error vs time", "Time and error of each upscaler; click one to compare it"),
+    (Tab::ErrorTime, "Error vs time", "Error and time of each upscaler; click a point to compare that upscaler"),
     (
         Tab::Arithmetic,
         "Arithmetic",
@@ -67,10 +67,18 @@ pub(crate) const TABS: &[(Tab, &str, &str)] = &[
         "Samples from which the upscaler reconstructed the picked pixel, and its response to test signals",
     ),
     (Tab::Histogram, "Histogram", "Histogram and statistics of the shown values"),
-    (Tab::Fates, "Fates", "Fate of every triangle and fragment, such as culled or visible; click to select them"),
+    (
+        Tab::Fates,
+        "Fates",
+        "Fate of every triangle and fragment, such as culled or visible; click a fate to select its triangles",
+    ),
     (Tab::Plan, "Plan", "Parts of the pipeline that each draw runs or skips, and why"),
     (Tab::Scaling, "Scaling", "Frame time against the number of triangles, pixels, layers and threads"),
-    (Tab::Stability, "Stability", "Error and time of every rasterizer, arithmetic and depth format on hard cases"),
+    (
+        Tab::Stability,
+        "Stability",
+        "Error and time of every rasterizer, arithmetic and depth format on ill-conditioned and extreme cases",
+    ),
     (Tab::Checks, "Assertions", "Conditions that every fragment of a frame should satisfy, checked on demand"),
     (Tab::Watch, "Watch", "Values of all buffers at the watched pixels, updated after every frame"),
     (Tab::Vertices, "Vertices", "Vertices of the picked triangle, or of its object, at every stage"),
@@ -81,7 +89,7 @@ pub(crate) const TABS: &[(Tab, &str, &str)] = &[
 /// Minimum width at which the tabs and the controls of the selected tab share one row, in points.
 const ONE_ROW_POINTS: f32 = 1500.0;
 
-/// Draws the tabs and the content of the selected one.
+/// Draws the tabs and the content of the selected tab.
 pub(crate) fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Command>) {
     if ui.available_width() >= ONE_ROW_POINTS {
         ui.horizontal(|ui| {

@@ -1,6 +1,6 @@
-//! The view of an open case: the pixels drawn by the engine beside those of exact arithmetic, enlarged, and their
-//! differences. Rasterizer and arithmetic are those of the recipe. A background thread evaluates the case; until it is
-//! done, the last result stays visible.
+//! The view of an open test case: the pixels covered by the tested rasterizer beside the exact result, enlarged, and
+//! their differences. Rasterizer and arithmetic are taken from the recipe. A background thread evaluates the case;
+//! until it is done, the last result stays visible.
 
 mod evaluation;
 
@@ -39,7 +39,7 @@ pub(crate) struct CaseView {
 }
 
 impl CaseView {
-    /// Shows a finished evaluation instead of starting one.
+    /// Shows a finished evaluation, and cancels the running one.
     pub(crate) fn adopt(&mut self, answer: Evaluation) {
         let is_about_the_same = self.evaluation.as_ref().is_some_and(|old| old.request.is_about(&answer.request.case));
         if !is_about_the_same {
@@ -51,7 +51,7 @@ impl CaseView {
         self.evaluation = Some(answer);
     }
 
-    /// Draws the session's open case. If `waits`, the case is evaluated synchronously before drawing.
+    /// Draws the session's open case. If `waits` is `true`, the case is evaluated synchronously before it is drawn.
     pub(crate) fn ui(&mut self, ui: &mut Ui, session: &Session, waits: bool, commands: &mut Vec<Command>) {
         let Some(open) = &session.case else { return };
         let settings = &session.state.recipe.pipeline;
@@ -138,7 +138,7 @@ impl CaseView {
         }
     }
 
-    /// Draws the number of pixels that differ from exact arithmetic, and buttons that step through them.
+    /// Draws the number of pixels that differ from the exact result, and buttons that step through them.
     fn findings(&mut self, ui: &mut Ui) {
         let Some(Evaluation { shown: DisplayedResult::Pixels(comparison), figures, .. }) = &self.evaluation else {
             return;

@@ -1,4 +1,4 @@
-//! Modal dialogs: opening a model, going to a pixel, the key sheet, the palette, bookmarks.
+//! Modal dialogs: opening a model, going to a pixel, the key sheet, the command palette, and the list of bookmarks.
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, channel};
@@ -13,7 +13,8 @@ use crate::ui::place::{bookmarks, go_to as go_to_wanted};
 use crate::ui::session::Session;
 use crate::ui::theme::tokens;
 
-/// Time within which an empty result of the system's file dialog means that the dialog did not appear.
+/// Time within which an empty result of the system's file dialog is treated as a failure to show it. No user closes a
+/// dialog this fast.
 const FASTEST_PERSON: Duration = Duration::from_millis(400);
 
 /// The open dialog, with the text typed into it.
@@ -69,7 +70,7 @@ impl Dialog {
 
 /// Shows `content` as a dialog; `content` returns `true` to close it. Returns whether the dialog stays open.
 fn modal(ui: &Ui, title: &str, content: impl FnOnce(&mut Ui) -> bool) -> bool {
-    /// Width of a dialog with a little text and one field, in points.
+    /// Width of a dialog that contains little text and one field, in points.
     const WIDTH: f32 = 440.0;
     modal_of_width(ui, title, WIDTH, content)
 }

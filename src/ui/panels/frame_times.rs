@@ -1,8 +1,8 @@
-//! Frame time of each upscaler: one line per method with a point for every measured frame, and a bar with median and
+//! Frame time of each upscaler: one line per upscaler with a point for every measured frame, and a bar with median and
 //! spread.
 //!
-//! Measured on the scene, view and settings on screen. Interleaved rounds time every method once, so that changes of
-//! the machine's speed affect all methods alike.
+//! The frame times are measured with the current scene, view and settings. Every round times each upscaler once, so
+//! that changes of the machine's speed affect all upscalers alike.
 
 use eframe::egui::{self, Button, Color32, Grid, ProgressBar, RichText, ScrollArea, Ui};
 use egui_plot::{Bar, BarChart, HoverPosition, Line, Plot, PlotPoints, Points, uniform_grid_spacer};
@@ -21,13 +21,13 @@ use crate::upscale::Upscaling;
 /// Width of the table of frame times, in points.
 const TABLE_POINTS: f32 = 520.0;
 
-/// Minimum length of the frame axis, in frames.
+/// Minimum length of the plot's frame axis, in frames.
 const MIN_FRAMES: f64 = 10.0;
 
 /// Width of a column of the table, in points.
 const FIGURE_POINTS: f32 = 56.0;
 
-/// Index of the median among the figures of a row.
+/// Index of the median among the numbers of a table row.
 const MEDIAN_COLUMN: usize = 1;
 
 /// Upscaler with its measured frame times.
@@ -72,7 +72,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 /// Draws the buttons, and the scene and size that the times were measured with.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if let Some(measuring) = session.measuring {
-        if ui.button("Cancel").on_hover_text("Stop the measurement; the results so far stay").clicked() {
+        if ui.button("Cancel").on_hover_text("Stop the measurement; the results so far are kept").clicked() {
             commands.push(Command::CancelMeasure);
         }
         ui.add(ProgressBar::new(measuring.progress).desired_width(240.0).show_percentage());
@@ -115,7 +115,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         let noise = timings.noise().map(|noise| format!(" · noise floor {}", noise.words())).unwrap_or_default();
         format!("Measured · {} · {} × {} px{noise}", session.scene.name, viewport.width, viewport.height)
     } else {
-        "Measured with another scene, view, size or setting than that on screen".to_owned()
+        "Measured with a different scene, view, size or setting; measure again to update".to_owned()
     };
     ui.add(egui::Label::new(RichText::new(text).color(tokens(ui).text_weak)).truncate());
 }
@@ -166,7 +166,7 @@ fn lines(ui: &mut Ui, series: &[MethodTimes], size: egui::Vec2) {
         });
 }
 
-/// Draws the cumulative distribution: the share of frames that took at most a given time. A steep curve means steady
+/// Draws the cumulative distribution: the fraction of frames that took at most a given time. A steep curve means steady
 /// times, a long tail to the right means spikes.
 fn distribution(ui: &mut Ui, series: &[MethodTimes], size: egui::Vec2) {
     Plot::new("distribution of frame times")
@@ -200,7 +200,8 @@ fn distribution(ui: &mut Ui, series: &[MethodTimes], size: egui::Vec2) {
         });
 }
 
-/// Draws the slowest recent frames, which may no longer be in the plotted lines.
+/// Draws a list of the slowest frames since the last change of scene, settings or size. These frames may no longer be
+/// visible in the plot.
 fn spikes(ui: &mut Ui, session: &Session) {
     if session.timings.has_measurement() || session.timings.slowest().is_empty() {
         return;
@@ -211,7 +212,8 @@ fn spikes(ui: &mut Ui, session: &Session) {
     ui.add(egui::Label::new(text).wrap()).on_hover_text("Slowest frames since scene, settings or size last changed");
 }
 
-/// Draws the time of the user interface itself, excluding the picture.
+/// Draws the median and the 99th percentile of the time of a pass of the user interface, excluding the rendering of the
+/// picture.
 fn window(ui: &mut Ui, session: &Session) {
     let Some(Summary { median, p99, .. }) = session.window_times.summary() else { return };
     let text = format!("User interface: median {}, p99 {}", format::ms(median), format::ms(p99));
@@ -222,7 +224,7 @@ fn window(ui: &mut Ui, session: &Session) {
     );
 }
 
-/// Draws one bar per method up to its median, with an error bar from the 10th to the 90th percentile.
+/// Draws one bar per upscaler up to its median, with an error bar from the 10th to the 90th percentile.
 fn bars(ui: &mut Ui, series: &[MethodTimes], size: egui::Vec2) {
     let names: Vec<String> = series.iter().map(|s| s.upscaling.label()).collect();
     Plot::new("medians")

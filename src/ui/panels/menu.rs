@@ -1,4 +1,4 @@
-//! The menu bar, with the figures of the frame at its right end.
+//! The menu bar, with statistics of the frame at its right end.
 
 use eframe::egui::{self, Button, Layout, MenuBar, RichText, ScrollArea, Ui};
 
@@ -97,8 +97,8 @@ fn file(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         }
     });
     entry(ui, "Copy picture", Command::CopyPicture, commands);
-    entry(ui, "Copy as command", Command::Place(place::PlaceChange::Copy), commands);
-    entry(ui, "Save triangle as case", Command::SaveCase, commands);
+    entry(ui, "Copy view as command", Command::Place(place::PlaceChange::Copy), commands);
+    entry(ui, "Save triangle as case file", Command::SaveCase, commands);
     ui.separator();
     if ui.add(Button::new("Quit").shortcut_text("Ctrl+Q")).clicked() {
         ui.send_viewport_cmd(egui::ViewportCommand::Close);
@@ -123,7 +123,8 @@ fn scene(ui: &mut Ui, commands: &mut Vec<Command>) {
     }
 }
 
-/// Draws an entry for each lesson, which opens a scene with a black spot and the settings that show it.
+/// Draws a menu entry for each lesson. The entry opens a scene with a black spot, and the settings that produce the
+/// spot.
 fn lessons(ui: &mut Ui, commands: &mut Vec<Command>) {
     for lesson in lesson::ALL {
         if ui
@@ -142,10 +143,15 @@ fn compare(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         entry(ui, name, Command::Compare(CompareChange::Toggle(mode)), commands);
     }
     ui.separator();
-    entry(ui, "Show the effect of the last change", Command::WhatIf(what_if::WhatIfChange::Toggle), commands);
+    entry(
+        ui,
+        "Show the effect of the last change of a setting",
+        Command::WhatIf(what_if::WhatIfChange::Toggle),
+        commands,
+    );
     entry(ui, "Compare all upscalers in tiles", Command::Compare(CompareChange::Every), commands);
     let is_on = session.comparison.is_on();
-    entry_if(ui, is_on, "Swap A and B", Command::Compare(CompareChange::Swap), commands);
+    entry_if(ui, is_on, "Swap pictures A and B", Command::Compare(CompareChange::Swap), commands);
     entry_if(ui, is_on, "Stop comparing", Command::Compare(CompareChange::Mode(Mode::Off)), commands);
 }
 
@@ -159,8 +165,8 @@ fn view(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             }
         }
     });
-    entry(ui, "Previous stage", Command::StepStage(-1), commands);
-    entry(ui, "Next stage", Command::StepStage(1), commands);
+    entry(ui, "Show previous stage", Command::StepStage(-1), commands);
+    entry(ui, "Show next stage", Command::StepStage(1), commands);
     ui.separator();
     entry(ui, "Fit picture", Command::ZoomFit, commands);
     entry(ui, "Zoom to 100 %", Command::ZoomOne, commands);
@@ -181,7 +187,7 @@ fn view(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
 }
 
-/// Licences of the fonts and icons that the program contains.
+/// Licence texts of the fonts and icons that are embedded in the program.
 const NOTICES: &str = include_str!("../../../assets/NOTICES.txt");
 
 /// Width of the licence texts, in points.
@@ -202,9 +208,9 @@ fn help(ui: &mut Ui, commands: &mut Vec<Command>) {
     ui.weak(concat!("Rasterscope ", env!("CARGO_PKG_VERSION")));
 }
 
-/// Draws the number of fragments with NaN or infinite values if there is room for it.
+/// Draws the number of fragments with NaN or infinite values if there is enough space.
 fn bad_numbers(ui: &mut Ui, session: &Session) {
-    /// Minimum free width for the number of such fragments and the triangle count, in points.
+    /// Minimum free width for the number of fragments with NaN or infinite values and the triangle count, in points.
     const ROOM: f32 = 260.0;
     let Some(figures) = session.stages.filter(|_| ui.available_width() >= ROOM) else { return };
     let color = if figures.bad > 0 { tokens(ui).warning } else { tokens(ui).text };
@@ -216,7 +222,7 @@ fn bad_numbers(ui: &mut Ui, session: &Session) {
     ui.label(RichText::new("·").color(tokens(ui).text_weak));
 }
 
-/// Draws the figures of the frame, such as its time and triangle count, and the theme switch.
+/// Draws statistics of the frame, such as its time and triangle count, and the theme switch.
 fn figures(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let theme_icon = if ui.visuals().dark_mode { Icon::Sun } else { Icon::Moon };
     if icon_button(ui, theme_icon, "Switch between dark and light theme").clicked() {

@@ -1,5 +1,5 @@
-//! The message line below the menu: an error until it is closed, a model being loaded, the first hint, or a description
-//! of the canvas. It is always present, so that messages do not shift the layout.
+//! The message line below the menu. It shows an error until it is closed, the progress of loading or exporting, a hint,
+//! or a description of the canvas. It is always present, so that messages do not shift the layout.
 
 use std::path::Path;
 
@@ -19,7 +19,7 @@ const LAB_HINT: &str = "Step with , and . or play with K; drag the blue rings. W
 /// Opacity of the error colour behind the line, in [0, 1].
 const ERROR_TINT: f32 = 0.25;
 
-/// Draws the message line. `loading` is the model being loaded, and its completed share in [0, 1].
+/// Draws the message line. `loading` is the path of the model being loaded, and its completed fraction from 0 to 1.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, commands: &mut Vec<Command>) {
     ui.horizontal_centered(|ui| {
         if let Some(error) = &session.error {
@@ -61,7 +61,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, 
     });
 }
 
-/// Draws an icon in `color`, the text, and a close button if `close` is given.
+/// Draws an icon in `color`, the text, and a close button that runs the command `close` if there is one.
 fn line(ui: &mut Ui, icon: Icon, color: Color32, text: &str, close: Option<Command>, commands: &mut Vec<Command>) {
     let (place, _): (Rect, _) = ui.allocate_exact_size(Vec2::splat(theme::ICON_SIZE), Sense::hover());
     theme::paint_icon(ui.painter(), place.center(), icon, theme::ICON_SIZE, color);

@@ -1,4 +1,4 @@
-//! The panels around the canvas, one file each. A panel reads the session and pushes commands.
+//! The panels around the canvas, one file each. A panel reads the session and emits commands.
 
 pub(crate) mod bottom;
 

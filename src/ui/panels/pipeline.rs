@@ -1,5 +1,5 @@
-//! The pipeline panel on the left: one row per stage with its time and count, its settings when expanded, and a button
-//! that shows the picture after the stage.
+//! The pipeline panel on the left. Each stage has a row with its time and count, its settings when expanded, and a
+//! button that shows the picture after the stage.
 
 use std::time::Duration;
 
@@ -55,15 +55,20 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
 }
 
-/// Draws the times of work outside the listed stages, and the time of the whole frame, which is the sum of all rows.
+/// Draws the times of work outside the listed stages, and the time of the whole frame, which is the sum of all times in
+/// the panel.
 fn rest(ui: &mut Ui, session: &Session) {
     let Some(StageFigures { times, .. }) = session.stages.as_ref() else { return };
     let rows = [
-        ("Resolve", times.resolve, "Averages the samples of supersampling"),
+        ("Resolve", times.resolve, "Averages the samples of each pixel"),
         ("Surfaces", times.surfaces, "Finds the visible surface of each pixel for the upscaler"),
         ("Post filter", times.post, "Applies the post filter and draws the wireframe"),
         ("Other", Some(times.other), "Work between the stages: buffers, thread pool and copies"),
-        ("Whole frame", Some(times.frame), "Sum of all rows, for the frame with the median time of several frames"),
+        (
+            "Whole frame",
+            Some(times.frame),
+            "Sum of all rows; of several timed frames, the one with the median time is shown",
+        ),
     ];
     for (name, time, help) in rows {
         if let Some(time) = time {
@@ -75,7 +80,7 @@ fn rest(ui: &mut Ui, session: &Session) {
 /// Stages whose rows are initially expanded.
 const OPEN_AT_FIRST: [Stage; 4] = [Stage::Assemble, Stage::Cull, Stage::Shade, Stage::Upscale];
 
-/// Draws the row of a stage. `all` expands (`true`) or collapses (`false`) it without a click.
+/// Draws the row of a stage. If `all` is given, expands (`true`) or collapses (`false`) the row first.
 fn stage_row(
     ui: &mut Ui,
     stage: Stage,
@@ -100,8 +105,8 @@ fn stage_row(
     open.store(ui.ctx());
 }
 
-/// Draws the header of a stage: name on the left; count, time and the button that shows its picture on the right.
-/// Returns whether it was clicked.
+/// Draws the header of a stage: name on the left; count, time and the button that shows the stage's picture on the
+/// right. Returns whether the header was clicked.
 fn header(ui: &mut Ui, stage: Stage, open: bool, session: &Session, commands: &mut Vec<Command>) -> bool {
     let size = egui::vec2(ui.available_width(), theme::ROW_HEIGHT);
     let (rect, response) = ui.allocate_exact_size(size, egui::Sense::click());
@@ -147,10 +152,10 @@ fn figures(ui: &mut Ui, stage: Stage, shown: bool, session: &Session, commands: 
     }
     let time = session.stages.as_ref().and_then(|figures| time_of(stage, &figures.times));
     let time = time.map_or_else(|| "–".to_owned(), |t| format::ms(t.as_secs_f64() * 1e3));
-    let help = "Time of this stage in the frame on screen: of several frames, the one with the median time. Tiled \
-                execution includes projection in transform, clipping in cull, depth in rasterize, and interpolation in \
-                shade. Classic execution splits the time of rasterize, depth, interpolate and shade in proportion to \
-                partial frames that each run one stage more; 0 means too short to measure";
+    let help = "Time of this stage in the frame with the median time of several. Tiled execution includes projection \
+                in transform, clipping in cull, depth in rasterize, and interpolation in shade. Classic execution \
+                divides the time of rasterize, depth, interpolate and shade in proportion to partial frames that each \
+                run one more stage; 0 means too short to measure";
     figure(ui, &time, 62.0, tokens(ui).text).on_hover_text(help);
     if let Some((number, what)) = session.view.as_ref().and_then(|view| count_of(stage, session, view)) {
         let help = format!("{} {what}", format::count(number));
@@ -191,7 +196,7 @@ fn count_of(stage: Stage, session: &Session, view: &RenderedView) -> Option<(u64
         Stage::Project => Some((geometry.triangles_clipped as u64, "triangles projected")),
         Stage::Cull => Some((view.rasterized as u64, "triangles to rasterize")),
         Stage::Rasterize => Some((counters.covered, "samples covered")),
-        Stage::Depth => view.frame.drawn.depth.as_ref().map(|_| (counters.passed, "fragments passed")),
+        Stage::Depth => view.frame.drawn.depth.as_ref().map(|_| (counters.passed, "fragments passed the depth test")),
         Stage::Interpolate => None,
         Stage::Shade => Some((counters.shaded, "fragments shaded")),
         Stage::Upscale => Some((view.frame.drawn_pixels(), "pixels drawn")),

@@ -1,5 +1,5 @@
-//! The plan of this scene: for each part of the work, the number of draws that run or skip it, and the reasons for
-//! skipping.
+//! The “Plan” tab: for each part of the pipeline, the number of draws that run or skip it, the measured time saved, and
+//! the reasons for skipping.
 
 use std::collections::BTreeMap;
 
@@ -27,15 +27,15 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         return;
     }
     let measure = Button::new((crate::ui::theme::icon(Icon::Timer), "Measure savings"));
-    let help = "Measures the time that each skipped part saves: draws this view as planned, then with the part forced \
-                to run. Takes a few seconds";
+    let help = "Measures the time that skipping saves: draws this view with every skip enabled, and with each skip \
+                disabled in turn. Takes a few seconds";
     if ui.add(measure).on_hover_text(help).clicked() {
         commands.push(Command::MeasurePlan);
     }
     if let Some((savings, of)) = &session.savings.found {
         let Savings { planned_ms, noise, .. } = &**savings;
         let text = format!(
-            "{}: {:.2} ms as planned, median of {} rounds; noise floor {}",
+            "{}: {:.2} ms with every skip enabled, median of {} rounds; noise floor {}",
             of.scene.name,
             planned_ms.median,
             planned_ms.n,
@@ -45,7 +45,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     }
 }
 
-/// Draws the table of all parts of the pipeline, each run or skipped.
+/// Draws the table of all parts of the pipeline: in how many draws each part runs, and why it is skipped.
 pub(crate) fn ui(ui: &mut Ui, session: &Session) {
     let Some(view) = &session.view else {
         empty_state(ui, Icon::ListChecks, "No frame yet", "The plan appears with the first frame.");
@@ -87,7 +87,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session) {
     });
 }
 
-/// Draws the time saved by skipping a part in this view, if it was measured.
+/// Draws the time saved by skipping a part in this view, or a dash if it was not measured.
 fn saved(ui: &mut Ui, session: &Session, view: &RenderedView, part: PipelinePart) {
     let found = session.savings.found.as_ref();
     let of_part = |saving: &&Saving| saving.part == Some(part);
@@ -96,14 +96,14 @@ fn saved(ui: &mut Ui, session: &Session, view: &RenderedView, part: PipelinePart
     let Some((Saving { saved_ms, within_noise, draws, same_picture, .. }, _)) = fitting else {
         let nothing = ui.label(RichText::new("–").color(tokens(ui).text_weak));
         if measured.is_some() {
-            nothing.on_hover_text("Measured on another view. Measure again for this one");
+            nothing.on_hover_text("Measured on a different view; measure again for this one");
         }
         return;
     };
     let picture = if *same_picture { "the picture is identical" } else { "the picture changed: internal error" };
     let help = format!(
-        "If forced to run for {draws} draws, this part adds {:+.3} ms to a frame in the median round (p10 {:+.3}, \
-         p90 {:+.3}), {}; {picture}",
+        "If this part is not skipped in {draws} draws, the time of a frame changes by {:+.3} ms in the median round \
+         (p10 {:+.3}, p90 {:+.3}), {}; {picture}",
         saved_ms.median,
         saved_ms.p10,
         saved_ms.p90,
@@ -114,7 +114,7 @@ fn saved(ui: &mut Ui, session: &Session, view: &RenderedView, part: PipelinePart
     ui.label(RichText::new(text).monospace().color(color)).on_hover_text(help);
 }
 
-/// Returns the reasons why draws skip a part, each with its number of draws.
+/// Returns the reasons why draws skip a part, each with the number of such draws, as text.
 pub(crate) fn reasons(plans: &[DrawPlan], part: PipelinePart) -> String {
     let mut counts = BTreeMap::new();
     for plan in plans {

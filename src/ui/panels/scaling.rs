@@ -1,4 +1,4 @@
-//! Four log-log plots of frame time against triangles, pixels, layers and threads.
+//! Four log-log plots of frame time against triangles, pixels, overlapping layers and threads.
 
 use eframe::egui::{Button, ProgressBar, RichText, Ui, vec2};
 use egui_plot::{GridMark, Line, LineStyle, Plot, PlotPoints, Points};
@@ -11,7 +11,7 @@ use crate::ui::theme::{Icon, tokens};
 use crate::ui::ticks::log_marks;
 use crate::ui::widgets::empty_state;
 
-/// Height reserved for the text below a plot, in points: three lines.
+/// Height reserved for the three lines of text below a plot, in points.
 const WORDS: f32 = 50.0;
 
 /// Draws the controls of the tab “Scaling”, beside the tabs.

@@ -1,5 +1,5 @@
-//! Settings of the last stage: anti-aliasing of drawn pixels, the upscaler that reconstructs the others, and the post
-//! filter.
+//! Settings of the last pipeline stage: anti-aliasing of drawn pixels, the upscaler that reconstructs the other pixels,
+//! and the post filter.
 
 use eframe::egui::{DragValue, Grid, Ui};
 
@@ -12,7 +12,9 @@ use crate::upscale::{self, Upscaling};
 
 /// Draws the anti-aliasing settings.
 pub(super) fn antialias(ui: &mut Ui, antialias: &mut Antialiasing) {
-    row(ui, "Anti-aliasing", "Method that samples each drawn pixel", |ui| pick(ui, &mut antialias.method));
+    row(ui, "Anti-aliasing", "Anti-aliasing method, which places the samples of each drawn pixel", |ui| {
+        pick(ui, &mut antialias.method)
+    });
     note(ui, crate::pipeline::settings::Choice::help(antialias.method));
     if antialias.is_off() {
         return;
@@ -30,18 +32,20 @@ pub(super) fn antialias(ui: &mut Ui, antialias: &mut Antialiasing) {
     });
 }
 
-/// Draws the upscaler's method and its options.
+/// Draws the settings of the upscaler: its method and the options of the method.
 pub(super) fn upscaler(ui: &mut Ui, recipe: &mut Recipe) {
     let before = recipe.upscaler;
     let mut method = before.method();
     let methods: Vec<_> = upscale::ALL.iter().map(|u| (u.id(), u.name(), u.help())).collect();
-    row(ui, "Method", "Method that reconstructs the pixels that are not drawn", |ui| choice(ui, &mut method, &methods));
+    row(ui, "Method", "Upscaling method, which reconstructs the pixels that are not drawn", |ui| {
+        choice(ui, &mut method, &methods)
+    });
     let chosen = before.with_method(method).unwrap_or(before);
     recipe.upscaler = choices(ui, chosen);
     note(ui, recipe.upscaler.upscaler().help());
 }
 
-/// Draws the options of the selected method. Returns the upscaler with the selected options.
+/// Draws the options of the current upscaling method. Returns the upscaler with the selected options.
 fn choices(ui: &mut Ui, chosen: Upscaling) -> Upscaling {
     let offers = chosen.upscaler().offers();
     let mut result = chosen;
@@ -56,7 +60,9 @@ fn choices(ui: &mut Ui, chosen: Upscaling) -> Upscaling {
     }
     if offers.anchors.len() > 1 {
         let mut anchor = chosen.anchor();
-        row(ui, "Anchor", "Position of a drawn sample in its block", |ui| pick(ui, &mut anchor));
+        row(ui, "Anchor", "Position of a drawn sample in the block of pixels that it represents", |ui| {
+            pick(ui, &mut anchor)
+        });
         result = result.with_anchor(anchor);
     }
     if offers.lights.len() > 1 {
@@ -73,7 +79,7 @@ fn choices(ui: &mut Ui, chosen: Upscaling) -> Upscaling {
     }
     if offers.sharpening {
         let mut sharpening = chosen.sharpening() as f32;
-        row(ui, "Sharpening", "Strength, in percent of the largest that creates no new extremes", |ui| {
+        row(ui, "Sharpening", "Strength, in percent of the strongest sharpening that creates no new extremes", |ui| {
             slider(ui, &mut sharpening, 0.0..=100.0, " %", 0)
         });
         result = result.with_sharpening(sharpening.round() as u32);
@@ -91,8 +97,8 @@ pub(super) fn post(ui: &mut Ui, post: &mut PostFilter) {
     }
     note(ui, crate::pipeline::settings::Choice::help(post.filter));
     let strength = match post.filter {
-        PostFilterKind::Blur => Some(("Radius", "Distance from the middle of the mask to its edge", " px", 0)),
-        PostFilterKind::Gaussian => Some(("Deviation", "Standard deviation of the Gaussian", " px", 1)),
+        PostFilterKind::Blur => Some(("Radius", "Distance from the centre of the blur mask to its edge", " px", 0)),
+        PostFilterKind::Gaussian => Some(("Deviation", "Standard deviation of the Gaussian blur", " px", 1)),
         PostFilterKind::Sharpen => {
             Some(("Amount", "Fraction of a pixel's difference from its neighbours that is added to it", "", 2))
         }
@@ -115,7 +121,7 @@ pub(super) fn post(ui: &mut Ui, post: &mut PostFilter) {
     });
 }
 
-/// Draws the 5 × 5 weights of the convolution mask.
+/// Draws a grid for editing the 5 × 5 weights of the convolution mask.
 fn mask(ui: &mut Ui, post: &mut PostFilter) {
     /// Change of a weight per dragged point.
     const SPEED: f64 = 0.01;

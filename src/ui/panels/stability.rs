@@ -1,5 +1,5 @@
-//! The stability report: a heat map of classes of hard cases against all configurations, and a plot of error against
-//! time. A click on a cell opens its worst case.
+//! The stability report: a heat map of the errors of every configuration (columns) on every class of difficult cases
+//! (rows), and a plot of error against time. A click on a cell of the heat map opens its worst case.
 
 use eframe::egui::{
     self, Align2, Button, Color32, FontId, ProgressBar, Rect, RichText, Role, ScrollArea, Sense, Ui, WidgetInfo, vec2,
@@ -36,13 +36,13 @@ const SEVERITY: [Color32; LEVELS + 1] = [
     Color32::from_rgb(0xFA, 0xD2, 0x7A),
 ];
 
-/// First level of severity whose colour is so light that numbers on it must be dark.
+/// First level of severity whose colour is so light that the text on it must be dark.
 const LIGHT_FROM: usize = 4;
 
-/// Value plotted on the logarithmic axis for an error of 0.
+/// Error plotted in place of an error of 0, which has no position on the logarithmic axis.
 const NO_ERROR: f64 = 1e-9;
 
-/// Marker shapes of the arithmetics, and their symbols in the legend.
+/// Marker shape of each arithmetic in the plot, and its symbol in the legend.
 const MARKS: [(MarkerShape, &str); 4] =
     [(MarkerShape::Circle, "●"), (MarkerShape::Diamond, "◆"), (MarkerShape::Square, "■"), (MarkerShape::Up, "▲")];
 
@@ -57,7 +57,8 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         return;
     }
     let run = Button::new((crate::ui::theme::icon(Icon::Play), "Run the stability report"));
-    let help = "Tests every rasterizer, arithmetic and depth format on all classes of hard cases; takes about a minute";
+    let help = "Tests every rasterizer, arithmetic and depth format on ill-conditioned and extreme cases; takes about \
+                a minute";
     if ui.add(run).on_hover_text(help).clicked() {
         commands.push(Command::RunStability);
     }
@@ -191,8 +192,8 @@ fn draw_cell(ui: &mut Ui, class: &ClassReport, cell: &ReportCell, commands: &mut
     });
 }
 
-/// Draws the share of wrong pixels against the time per pixel, over all classes of screen-space triangles. Colours
-/// denote rasterizers, marker shapes denote arithmetics.
+/// Draws a plot of the fraction of wrong pixels against the time per pixel, over all classes of screen-space triangles.
+/// The colour of a point denotes the rasterizer, and its shape the arithmetic.
 fn scatter(ui: &mut Ui, report: &StabilityReport) {
     /// Width of the legend, in points.
     const KEY: f32 = 190.0;

@@ -1,5 +1,5 @@
-//! Content of an expanded stage row: settings, counts, and skipped work with reasons. Settings that do not apply to the
-//! scene are not offered.
+//! Content of an expanded stage row: settings, statistics, and the work that is skipped, with reasons. Settings that do
+//! not apply to the scene are not offered.
 
 use std::collections::BTreeSet;
 
@@ -22,7 +22,7 @@ use crate::ui::session::{PictureSize, Session};
 use crate::ui::theme::tokens;
 use crate::ui::widgets::{choice, combo, drag, drag_by, row, slider, value_row};
 
-/// Draws the settings and figures of a stage.
+/// Draws the settings and statistics of a stage.
 pub(crate) fn ui(ui: &mut Ui, stage: Stage, session: &Session, recipe: &mut Recipe, commands: &mut Vec<Command>) {
     match stage {
         Stage::Assemble => assemble(ui, session, commands),
@@ -59,7 +59,7 @@ fn assemble(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     model_reading(ui, session, commands);
     let scene = &session.scene;
     let library = &scene.library;
-    value_row(ui, "Instances", &format::count(scene.instances.len() as u64), "Number of objects in the scene");
+    value_row(ui, "Instances", &format::count(scene.instances.len() as u64), "Number of mesh instances in the scene");
     value_row(
         ui,
         "Meshes",
@@ -78,7 +78,7 @@ fn assemble(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         ("Texture memory", memory.shared_bytes - memory.mesh_bytes, "Memory of all textures, each stored once"),
         ("Mesh memory", memory.mesh_bytes, "Memory of all meshes, each stored once for all its instances"),
         ("Unshared mesh memory", memory.unshared_bytes, "Memory that meshes would need if every instance had a copy"),
-        ("Instance records", memory.instance_bytes, "Memory of the instances, which place meshes in the scene"),
+        ("Instance records", memory.instance_bytes, "Memory of the records that place mesh instances in the scene"),
     ];
     for (label, number, help) in figures {
         value_row(ui, label, &bytes(number), help);
@@ -87,7 +87,7 @@ fn assemble(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     value_row(ui, "Memory limit", &limit, "Maximum memory for meshes and textures of a model  (--memory)");
 }
 
-/// Draws the settings for properties that a model file leaves unspecified.
+/// Draws the settings for properties that a model file leaves unspecified, such as the up axis.
 fn model_reading(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut up = UpAxis::nearest(session.state.camera.up);
     row(ui, "Up axis", "Axis that points up in the view; guessed when a model is loaded  (--up)", |ui| {
@@ -98,16 +98,25 @@ fn model_reading(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
     if let SceneSource::File(path, tr) = &session.source {
         let mut tr = *tr;
-        row(ui, "Meaning of Tr", "Interpretation of `Tr` in material libraries; reloads the model  (--tr)", |ui| {
-            let options = [
-                (TrMeaning::Auto, "Auto", "Opacity where the file indicates it, else transparency"),
-                (TrMeaning::Transparency, "Transparency", "0 is opaque, as the format description says"),
-                (TrMeaning::Opacity, "Opacity", "1 is opaque, as MeshLab writes it"),
-            ];
-            if choice(ui, &mut tr, &options) {
-                commands.push(Command::Reopen(path.clone(), tr));
-            }
-        });
+        row(
+            ui,
+            "Meaning of “Tr” in MTL files",
+            "Interpretation of `Tr` in the material libraries of this model, which is reloaded  (--tr)",
+            |ui| {
+                let options = [
+                    (
+                        TrMeaning::Auto,
+                        "Auto",
+                        "Guess from the file: opacity if it indicates so, otherwise transparency",
+                    ),
+                    (TrMeaning::Transparency, "Transparency", "0 is opaque, as the format description says"),
+                    (TrMeaning::Opacity, "Opacity", "1 is opaque, as MeshLab writes it"),
+                ];
+                if choice(ui, &mut tr, &options) {
+                    commands.push(Command::Reopen(path.clone(), tr));
+                }
+            },
+        );
     }
 }
 
@@ -154,7 +163,7 @@ fn camera(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         }
         if ui
             .button("Fit scene")
-            .on_hover_text("Keeps the direction and moves the camera until the whole scene is visible")
+            .on_hover_text("Moves the camera until the whole scene is visible, without turning it")
             .clicked()
         {
             commands.push(Command::FitCamera);
@@ -167,19 +176,19 @@ fn planes(ui: &mut Ui, camera: &mut Camera, endless: bool) {
     row(
         ui,
         "Near plane",
-        "Distance of the near plane. Nothing nearer is drawn; a greater distance gives a finer depth resolution",
+        "Distance from the eye to the near plane. Nothing nearer is drawn; a greater distance gives finer depths",
         |ui| drag(ui, &mut camera.near, 1e-30..=far * 0.999),
     );
     if endless {
         note(ui, "No far plane to set: with this depth format, the far plane is at infinity.");
     } else {
-        row(ui, "Far plane", "Distance of the far plane. Nothing farther is drawn", |ui| {
+        row(ui, "Far plane", "Distance from the eye to the far plane. Nothing farther is drawn", |ui| {
             drag(ui, &mut camera.far, near * 1.001..=1e34)
         });
     }
 }
 
-/// Draws an explanatory note below a row.
+/// Draws an explanatory note below a setting.
 pub(super) fn note(ui: &mut Ui, text: impl Into<String>) {
     ui.add(Label::new(RichText::new(text).small().color(tokens(ui).text_weak)).wrap());
 }
@@ -190,7 +199,7 @@ fn clip(ui: &mut Ui, session: &Session) {
         ui,
         "Clipped",
         &format::count(figures.counters.clipped),
-        "Triangles that crossed a clipping plane and were clipped",
+        "Number of triangles that cross a clipping plane and were clipped",
     );
     for fate in [Fate::Outside, Fate::ClippedAway, Fate::NotFinite] {
         fate_row(ui, figures, fate);
@@ -205,7 +214,7 @@ fn fate_row(ui: &mut Ui, figures: &StageFigures, fate: Fate) {
         ui,
         &name,
         &format::count(figures.counters.fate(fate)),
-        "Triangles discarded in this stage for this reason",
+        "Number of triangles that this stage discarded for this reason",
     );
 }
 
@@ -222,7 +231,7 @@ fn project(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         (PictureSize::Canvas, "Match canvas", "One picture pixel per screen pixel"),
         (PictureSize::Fixed(160, 90), "160 × 90", "Few, large pixels: edges and grids are easy to see"),
         (PictureSize::Fixed(320, 180), "320 × 180", "Large pixels"),
-        (PictureSize::Fixed(640, 360), "640 × 360", "A quarter of HD"),
+        (PictureSize::Fixed(640, 360), "640 × 360", "A quarter of the pixels of HD"),
         (PictureSize::Fixed(1280, 720), "1280 × 720", "HD"),
         (PictureSize::Fixed(1920, 1080), "1920 × 1080", "Full HD"),
     ];
@@ -243,7 +252,7 @@ fn cull(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
 }
 
 fn rasterize(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
-    row(ui, "Execution", "How the pipeline is executed; the picture is the same, bit for bit", |ui| {
+    row(ui, "Execution", "Execution of the pipeline; all alternatives draw the same picture, bit for bit", |ui| {
         pick(ui, &mut recipe.execution)
     });
     match execution(&session.scene, recipe) {
@@ -287,28 +296,30 @@ const CONSTANT_BIAS_HELP: &str = "Added to all depths of a triangle before the t
 const SLOPE_BIAS_HELP: &str = "Added to all depths of a triangle before the test, times its slope: the change of its \
                                depth per pixel along x or y, whichever is greater";
 
-/// Change of the constant depth bias per dragged point, in steps of the depth format.
+/// Change of the constant depth bias per dragged point, in smallest steps of the depth format.
 const CONSTANT_BIAS_STEP: f64 = 1.0;
 
 /// Change of the slope-scaled depth bias per dragged point.
 const SLOPE_BIAS_STEP: f64 = 0.05;
 
 fn depth(ui: &mut Ui, recipe: &mut Recipe) {
-    row(ui, "Test", "Condition under which a fragment replaces the stored one", |ui| {
+    row(ui, "Test", "Depth test: condition under which a fragment replaces the stored one", |ui| {
         pick(ui, &mut recipe.pipeline.depth_test)
     });
     if recipe.pipeline.depth_test == DepthTest::Off {
         note(ui, "Without a depth test, no depth is stored, so there is no format and no bias to choose.");
         return;
     }
-    row(ui, "Format", "Format and mapping of the depth buffer", |ui| pick(ui, &mut recipe.pipeline.depth_format));
+    row(ui, "Format", "Number format of the depth buffer, and mapping of distance to depth", |ui| {
+        pick(ui, &mut recipe.pipeline.depth_format)
+    });
     let (step, slope) = (CONSTANT_BIAS_STEP, SLOPE_BIAS_STEP);
-    row(ui, "Bias, constant", CONSTANT_BIAS_HELP, |ui| drag_by(ui, &mut recipe.pipeline.depth_bias.constant, step));
-    row(ui, "Bias, slope", SLOPE_BIAS_HELP, |ui| drag_by(ui, &mut recipe.pipeline.depth_bias.slope, slope));
+    row(ui, "Constant bias", CONSTANT_BIAS_HELP, |ui| drag_by(ui, &mut recipe.pipeline.depth_bias.constant, step));
+    row(ui, "Slope-scaled bias", SLOPE_BIAS_HELP, |ui| drag_by(ui, &mut recipe.pipeline.depth_bias.slope, slope));
 }
 
 fn interpolate(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
-    row(ui, "Attributes", "How texture coordinates, normals and colours are interpolated", |ui| {
+    row(ui, "Attributes", "Interpolation of texture coordinates, normals and colours", |ui| {
         pick(ui, &mut recipe.pipeline.interpolation)
     });
     if let Some(view) = &session.view {
@@ -319,7 +330,7 @@ fn interpolate(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
 fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     let settings = &mut recipe.pipeline;
     let (offered, reason) = offered_shadings(session, settings.shading);
-    row(ui, "Shading", "How fragments are coloured", |ui| choice(ui, &mut settings.shading, &offered));
+    row(ui, "Shading", "Source of the fragments' colour", |ui| choice(ui, &mut settings.shading, &offered));
     if !reason.is_empty() {
         note(ui, reason);
     }
@@ -328,11 +339,11 @@ fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     }
     let settings = &mut recipe.pipeline;
     if settings.shading == Shading::Checker {
-        row(ui, "Squares", "Squares of the checkerboard per unit of texture coordinate", |ui| {
+        row(ui, "Squares", "Number of checkerboard squares per unit of texture coordinate", |ui| {
             slider(ui, &mut settings.checker.squares, 1.0..=64.0, "", 1)
         });
         for (label, color) in [("Even square", &mut settings.checker.even), ("Odd square", &mut settings.checker.odd)] {
-            row(ui, label, "Colour of these squares of the checkerboard", |ui| {
+            row(ui, label, "Colour of every other square of the checkerboard", |ui| {
                 let mut rgb = color.to_array();
                 if ui.color_edit_button_rgb(&mut rgb).changed() {
                     *color = rgb.into();
@@ -342,9 +353,9 @@ fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     }
     let Some(view) = &session.view else { return };
     if view.frame.plans.iter().any(|p| p.runs(PipelinePart::Texels)) {
-        row(ui, "Filter", "How a texture is sampled between texel centres", |ui| pick(ui, &mut settings.filter));
-        row(ui, "Address", "How texture coordinates outside 0…1 are handled", |ui| pick(ui, &mut settings.address));
-        row(ui, "Alpha", "How the filter mixes texels with alpha", |ui| pick(ui, &mut settings.alpha));
+        row(ui, "Filter", "Filter that samples a texture between texel centres", |ui| pick(ui, &mut settings.filter));
+        row(ui, "Address", "Addressing of texture coordinates outside 0…1", |ui| pick(ui, &mut settings.address));
+        row(ui, "Alpha", "Treatment of alpha when the filter mixes texels", |ui| pick(ui, &mut settings.alpha));
     } else {
         left_out(ui, view, PipelinePart::Texels);
     }
@@ -380,8 +391,8 @@ fn background(ui: &mut Ui, session: &Session, background: &mut Background) {
     });
 }
 
-/// Returns the shadings that apply to the scene, always with the current one, and a sentence that says why the others
-/// are not offered.
+/// Returns the shadings to offer, and a sentence that says why the others are not offered. The current shading and all
+/// shadings that apply to the scene are offered.
 fn offered_shadings(session: &Session, present: Shading) -> (Vec<(Shading, &'static str, &'static str)>, String) {
     let library = &session.scene.library;
     let has_colors = library.meshes().iter().any(|mesh| !mesh.colors.is_empty());
@@ -398,7 +409,7 @@ fn offered_shadings(session: &Session, present: Shading) -> (Vec<(Shading, &'sta
     let reason = match reasons.len() {
         0 => String::new(),
         _ => format!(
-            "Some shadings are not offered: the scene has no {}.",
+            "Some shadings are not offered because the scene has no {}.",
             reasons.into_iter().collect::<Vec<_>>().join(", no ")
         ),
     };
@@ -425,7 +436,7 @@ fn light(ui: &mut Ui, recipe: &mut Recipe) {
     if recipe.pipeline.shading == Shading::Cel {
         return;
     }
-    row(ui, "Ambient", "Share of the light that reaches every surface", |ui| {
+    row(ui, "Ambient", "Fraction of the light that reaches every surface, whatever its direction", |ui| {
         slider(ui, &mut recipe.pipeline.light.ambient, 0.0..=1.0, "", 2)
     });
 }

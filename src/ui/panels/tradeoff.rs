@@ -1,5 +1,5 @@
-//! Error against time of every upscaler on the current scene, one point each. A click makes the upscaler picture A or B
-//! of the comparison.
+//! Plot of error against time with one point for every upscaler, measured on the current scene. A click on a point uses
+//! the upscaler for picture A or B of the comparison.
 
 use eframe::egui::{self, Button, Color32, Grid, ProgressBar, RichText, ScrollArea, Ui};
 use egui_plot::{GridMark, HoverPosition, Line, Plot, PlotPoint, PlotPoints, PlotUi, Points};
@@ -26,26 +26,27 @@ const TABLE_POINTS: f32 = 660.0;
 /// Width of a column of the table, in points.
 const FIGURE_POINTS: f32 = 62.0;
 
-/// Headings of the table's columns of figures, with their tooltips.
+/// Headings of the numeric columns of the table, with their tooltips.
 const HEADINGS: [(&str, &str); 6] = [
     ("ms", "Median time of a frame"),
     ("FLIP", "Mean FLIP error over the frames, which ranks the upscalers"),
     ("worst", "FLIP error of the worst frame"),
     ("at rest", "FLIP error of the still view after it has converged"),
-    ("PSNR dB", "PSNR of the mean squared error over the frames"),
+    ("PSNR dB", "PSNR computed from the mean squared error over all frames"),
     ("SSIM", "Mean SSIM over the frames"),
 ];
 
 /// Radius around a point within which a click selects it, in points.
 const NEAR_POINTS: f32 = 12.0;
 
-/// Distance of the line of error-free pictures below the smallest error, in powers of ten.
+/// Distance below the smallest nonzero error at which error-free pictures are plotted on the logarithmic error axis, in
+/// powers of ten.
 const LANE: f64 = 0.4;
 
 /// Draws the controls of the tab “Error vs time”, beside the tabs.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if let Some(measuring) = session.measuring {
-        if ui.button("Cancel").on_hover_text("Stop the measurement; the results so far stay").clicked() {
+        if ui.button("Cancel").on_hover_text("Stop the measurement; the results so far are kept").clicked() {
             commands.push(Command::CancelMeasure);
         }
         ui.add(ProgressBar::new(measuring.progress).desired_width(200.0).show_percentage());
@@ -56,7 +57,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         if ui.add(measure).on_hover_text(help).clicked() {
             commands.push(Command::Measure);
         }
-        let chosen = reference_list(ui, "Measure against", 150.0, session.comparison.reference);
+        let chosen = reference_list(ui, "Reference to measure against", 150.0, session.comparison.reference);
         commands.extend(chosen.map(Command::Compare));
         motion_switch(ui, session.timings.turn, commands);
     }
@@ -73,12 +74,14 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
             motion(session, measured.turn),
             session.timings.noise().map(|noise| format!(" · noise floor {}", noise.words())).unwrap_or_default()
         ),
-        (Some(_), false) => "Measured with another scene, view, size or setting than that on screen".to_owned(),
+        (Some(_), false) => {
+            "Measured with a different scene, view, size or setting; measure again to update".to_owned()
+        }
     };
     ui.add(egui::Label::new(RichText::new(text).color(tokens(ui).text_weak)).truncate());
 }
 
-/// Draws the switch between a moving camera and a still view for the next measurement.
+/// Draws the switch that selects whether the next measurement moves the camera or keeps it still.
 fn motion_switch(ui: &mut Ui, present: Turn, commands: &mut Vec<Command>) {
     let Turn { degrees, frames } = Turn::default();
     let moving = format!("In motion ({degrees}° per frame)");
@@ -87,7 +90,8 @@ fn motion_switch(ui: &mut Ui, present: Turn, commands: &mut Vec<Command>) {
          history; the mean error over the frames ranks the upscalers",
         Turn::WARM_UP
     );
-    for (is_still, name, help) in [(false, &*moving, &*help), (true, "Still", "One view, drawn until it has converged")]
+    for (is_still, name, help) in
+        [(false, &*moving, &*help), (true, "Still", "One still view, drawn until it has converged")]
     {
         let is_present = present.is_still() == is_still;
         if ui.selectable_label(is_present, name).on_hover_text(help).clicked() && !is_present {
@@ -106,7 +110,7 @@ fn motion(session: &Session, turn: Turn) -> String {
     format!("in motion: {fewest} of {} frames, {}° per frame", turn.frames, turn.degrees)
 }
 
-/// Draws the plot and the table of error and time.
+/// Draws the plot of error against time, and the table of both.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let points = session.timings.tradeoff();
     let in_motion = session.timings.measurement_request().is_some_and(|measured| !measured.turn.is_still());
@@ -132,7 +136,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
 }
 
-/// Assigns an upscaler to tile A (0) or B (1).
+/// Assigns an upscaler to picture A (`tile` is 0) or picture B (1) of the comparison.
 fn choose(session: &Session, tile: usize, upscaling: Upscaling, commands: &mut Vec<Command>) {
     let recipe = session.state.tiles.recipe(tile, session.state.recipe);
     let recipe = Recipe { upscaler: upscaling, ..recipe };
@@ -149,23 +153,24 @@ fn color(ui: &Ui, upscaling: Upscaling) -> Color32 {
     colors[place.unwrap_or(0) % colors.len()]
 }
 
-/// Returns the mean FLIP error in motion, which ranks the upscalers.
+/// Returns the mean FLIP error over the frames of the camera motion, which ranks the upscalers.
 fn flip(point: &TradeOff) -> f64 {
     point.error.motion.mean.flip
 }
 
-/// Describes the position of an upscaler relative to the Pareto front.
+/// Describes in one sentence whether an upscaler lies on the Pareto front, and if not, which upscaler dominates it.
 fn standing(point: &TradeOff) -> String {
     match point.standing {
-        Standing::Front => "On the Pareto front: no other upscaler has both less error and less time".to_owned(),
+        Standing::Front => "On the Pareto front: no other upscaler is both faster and more accurate".to_owned(),
         Standing::WithinNoise(other) => {
-            format!("Not clearly better than {}, which has less error and a time {WITHIN}", other.label())
+            format!("{} has less error and is slower only {WITHIN}", other.label())
         }
         Standing::Beaten(by) => format!("Dominated by {}", by.label()),
     }
 }
 
-/// Returns the plot position of a point: base-10 logarithms of time and error. Error-free pictures lie at `lane`.
+/// Returns the plot position of an upscaler: the base-10 logarithms of its time in milliseconds and of its error. An
+/// error of 0 is plotted at `lane`.
 fn place(point: &TradeOff, lane: f64) -> [f64; 2] {
     let error = flip(point);
     [point.ms.median.max(f64::MIN_POSITIVE).log10(), if error > 0.0 { error.log10() } else { lane }]
@@ -225,7 +230,7 @@ fn plot(ui: &mut Ui, points: &[TradeOff], in_motion: bool, size: egui::Vec2) -> 
     (distance(nearest) <= NEAR_POINTS).then_some(nearest.upscaling)
 }
 
-/// Names all points for screen readers.
+/// Adds an accessible name for each plotted point, for screen readers.
 fn name_points(ui: &Ui, points: &[TradeOff], position: impl Fn(&TradeOff) -> egui::Pos2) {
     for point in points {
         let rect = egui::Rect::from_center_size(position(point), egui::Vec2::splat(NEAR_POINTS));
@@ -236,7 +241,7 @@ fn name_points(ui: &Ui, points: &[TradeOff], position: impl Fn(&TradeOff) -> egu
     }
 }
 
-/// Returns the Pareto front as separate line segments, because a single line would be filled at its corners.
+/// Returns the Pareto front as separate line segments, because the plot would fill the corners of a single polyline.
 fn front(points: &[TradeOff], lane: f64) -> Vec<Line<'static>> {
     let mut best: Vec<_> =
         points.iter().filter(|point| point.standing == Standing::Front).map(|p| place(p, lane)).collect();

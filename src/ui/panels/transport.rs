@@ -15,7 +15,8 @@ use crate::ui::theme::{self, CONTROL_HEIGHT, Icon, tokens};
 use crate::ui::what_if;
 use crate::ui::widgets::{combo, icon_button};
 
-/// Draws the toolbar. `scale` is the zoom of the picture; `None` means that the picture is fitted to the canvas.
+/// Draws the toolbar. `scale` is the display scale in screen pixels per picture pixel; `None` means that the picture is
+/// fitted to the canvas.
 pub(crate) fn toolbar(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<Command>) {
     ui.horizontal_centered(|ui| {
         stages(ui, session, commands);
@@ -27,7 +28,8 @@ pub(crate) fn toolbar(ui: &mut Ui, session: &Session, scale: Option<f32>, comman
     });
 }
 
-/// Tool buttons in order of priority. A narrow toolbar drops the last ones, which keys, menu and palette also offer.
+/// Tool buttons in order of priority. A narrow toolbar omits the last ones, which remain available through keys, menu
+/// and palette.
 const OPENERS: [Opener; 5] = [Opener::Overlays, Opener::Tiles, Opener::Outside, Opener::WhatIf, Opener::Range];
 
 /// Tool with a button in the toolbar.
@@ -41,9 +43,9 @@ enum Opener {
 }
 
 fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    /// Width reserved for the list of buffers and stages with its two buttons and for the pointer mode, in points.
+    /// Width reserved for the pointer mode and for the list of buffers and stages with its two buttons, in points.
     const ALWAYS: f32 = 230.0;
-    /// Width of a tool button with its spacing, in points.
+    /// Width of a tool button including its spacing, in points.
     const ONE: f32 = CONTROL_HEIGHT + theme::space::S;
     let room = ((ui.available_width() - ALWAYS) / ONE).max(0.0) as usize;
     let shows = |opener| OPENERS.iter().take(room).any(|shown| *shown == opener);
@@ -54,7 +56,7 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     combo("shown", shown.name(), (ui.available_width() - 408.0).clamp(64.0, 140.0))
         .height(480.0)
         .show_ui(ui, |ui| {
-            ui.weak("Buffers of the frame");
+            ui.weak("Buffers of the finished frame");
             for buffer in Buffer::ALL {
                 ui.selectable_value(&mut shown, Shown::Buffer(*buffer), buffer.name()).on_hover_text(buffer.help());
             }
@@ -82,7 +84,9 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if shows(Opener::Tiles) && icon_button(ui, Icon::Columns2, "Compare pictures side by side  (T)").clicked() {
         commands.push(Command::Compare(CompareChange::Toggle(Mode::Tiles)));
     }
-    if shows(Opener::WhatIf) && icon_button(ui, Icon::Diff, "Show the effect of the last change  (X)").clicked() {
+    if shows(Opener::WhatIf)
+        && icon_button(ui, Icon::Diff, "Show the effect of the last change of a setting  (X)").clicked()
+    {
         commands.push(Command::WhatIf(what_if::WhatIfChange::Toggle));
     }
     if shows(Opener::Outside)
@@ -114,12 +118,17 @@ fn overlays_button(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) 
 
 fn pointer_mode(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let modes = [
-        (PointerMode::Camera, Icon::Rotate3d, "Camera mode", "drag to orbit, scroll to dolly, W A S D Q E to fly  (C)"),
+        (
+            PointerMode::Camera,
+            Icon::Rotate3d,
+            "Camera mode",
+            "drag to orbit the camera, scroll to dolly, W A S D Q E to fly  (C)",
+        ),
         (
             PointerMode::Inspect,
             Icon::MousePointer2,
             "Inspect mode",
-            "drag to move the picture, scroll to zoom, middle-drag to orbit  (C)",
+            "drag to pan the picture, scroll to zoom, middle-drag to orbit the camera  (C)",
         ),
     ];
     for (mode, icon, name, help) in modes {
@@ -132,13 +141,14 @@ fn pointer_mode(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     }
 }
 
-/// Minimum free width for the two zoom buttons, in points. In a narrower toolbar, only the menu and keys offer them.
+/// Minimum free width for the two zoom buttons, in points. In a narrower toolbar, the zoom is available only through
+/// menu and keys.
 const ZOOM_POINTS: f32 = 64.0;
 
-/// Minimum free width for picture size and zoom as text, in points.
+/// Minimum free width for the text with picture size and zoom factor, in points.
 const FIGURES_POINTS: f32 = 160.0;
 
-/// Minimum free width for the zoom alone as text, in points.
+/// Minimum free width for the text with the zoom factor alone, in points.
 const ENLARGEMENT_POINTS: f32 = 56.0;
 
 fn zoom(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<Command>) {

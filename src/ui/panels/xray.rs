@@ -1,5 +1,6 @@
-//! X-ray view of the upscaler: the samples of the picked pixel with their weights, sum and clamping; the pixels that a
-//! sample contributes to; and the method's responses to an impulse, a step and a zone plate.
+//! X-ray view of the upscaler, in three parts: the samples from which the picked pixel was reconstructed, with their
+//! weights, sum and clamping; the pixels that a sample contributes to; and the responses to an impulse, a step and a
+//! zone plate.
 
 use std::collections::BTreeSet;
 use std::sync::{Arc, Weak};
@@ -24,10 +25,10 @@ use crate::ui::theme::{Icon, ON_PIXEL, tokens};
 use crate::ui::widgets::{empty_state, figure};
 use crate::upscale::{FilterSpace, Upscaling};
 
-/// Minimum and maximum side of a grid cell, in points.
+/// Minimum and maximum side length of a grid cell, in points.
 const CELL: (f32, f32) = (16.0, 44.0);
 
-/// Minimum side of a grid cell that shows its weight, in points.
+/// Minimum side length of a grid cell in which its weight is shown, in points.
 const WEIGHT_FROM: f32 = 30.0;
 
 /// Width of each plot and of the two zone plate pictures, in points.
@@ -78,7 +79,8 @@ fn heading(ui: &mut Ui, text: &str, help: &str) {
     ui.label(RichText::new(text).small().color(tokens(ui).text_weak)).on_hover_text(help);
 }
 
-/// Returns the distinct values in ascending order. The index of a value is its position on a grid without gaps.
+/// Returns the distinct values in ascending order, without duplicates. The index of a value is its column or row in a
+/// grid without gaps.
 fn ranks(values: impl Iterator<Item = u32>) -> Vec<u32> {
     values.collect::<BTreeSet<_>>().into_iter().collect()
 }
@@ -88,7 +90,8 @@ fn cell_of(columns: usize, rows: usize, height: f32) -> f32 {
     room.min(260.0 / columns.max(1) as f32).clamp(CELL.0, CELL.1).floor()
 }
 
-/// Draws the samples of the picked pixel in their relative positions. Returns the one under the pointer.
+/// Draws the samples from which the picked pixel was reconstructed, arranged by position. Returns the sample under the
+/// pointer.
 fn sources(ui: &mut Ui, how: Upscaling, at: (u32, u32), mixture: &Mixture, height: f32) -> Option<(u32, u32)> {
     let title = format!("Pixel {}, {} · {} · {}", at.0, at.1, how.label(), counted(mixture.sources.len(), "sample"));
     heading(ui, &title, "Drawn samples from which this pixel was reconstructed, with their weights");
@@ -116,12 +119,12 @@ fn sources(ui: &mut Ui, how: Upscaling, at: (u32, u32), mixture: &Mixture, heigh
             hovered = Some((source.tap.x, source.tap.y));
             ui.painter().rect_stroke(rect, 1.0, Stroke::new(2.0, tokens(ui).accent), StrokeKind::Inside);
         }
-        response.on_hover_text(format!("{words}\ncodes {r} {g} {b}"));
+        response.on_hover_text(format!("{words}\nsRGB codes {r} {g} {b}"));
     }
     hovered
 }
 
-/// Draws the full-resolution pixels that a sample contributes to; a click picks one.
+/// Draws the full-resolution pixels that a sample contributes to. A click picks one of them.
 fn feeds(
     ui: &mut Ui,
     view: &RenderedView,
@@ -167,7 +170,7 @@ fn feeds(
     }
 }
 
-/// Draws the weights, their sum, the weighted sum of colours, and the effect of clamping and rounding.
+/// Draws the sum of the weights, the weighted sum of the colours, and the effect of clamping and rounding.
 fn sums(ui: &mut Ui, how: Upscaling, mixture: &Mixture, height: f32) {
     const COLUMN: f32 = 66.0;
     let what = if how.light() == FilterSpace::Linear { "linear light" } else { "sRGB codes" };
@@ -204,15 +207,16 @@ fn sums(ui: &mut Ui, how: Upscaling, mixture: &Mixture, height: f32) {
     });
 }
 
-/// Formats a count with its noun, in the plural unless it is 1.
+/// Formats a count with its noun, which is in the plural unless the count is 1.
 fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
-/// Pixels that a sample contributes to, each with the weight of the sample.
+/// Pixels that a sample contributes to, each with the weight of the sample in that pixel.
 type FedPixels = Arc<[((u32, u32), f32)]>;
 
-/// Cached pixels that a sample contributes to: finding them visits all surrounding pixels, too many for every pass.
+/// Cache of the pixels that a sample contributes to. Finding them visits all surrounding pixels, which is too slow to
+/// do in every pass.
 #[derive(Clone)]
 struct FedPixelCache {
     frame: Weak<Frame>,
@@ -233,7 +237,7 @@ fn known_fed(ui: &Ui, view: &RenderedView, how: Upscaling, sample: (u32, u32)) -
     fed
 }
 
-/// Cached responses of a method, with its zone plates as textures.
+/// Cached responses of an upscaler to test signals, with its zone plates as textures.
 #[derive(Clone)]
 struct ResponseCache {
     how: Upscaling,
@@ -265,7 +269,13 @@ fn responses(ui: &mut Ui, how: Upscaling, height: f32) {
     let overshoot =
         format!("Step: undershoot {}, overshoot {}", format::percent(0.0 - low), format::percent(high - 1.0));
     curve(ui, "Impulse", "Response to one bright sample among dark ones, along its row", &responses.impulse, height);
-    curve(ui, &overshoot, "Response to an edge: values outside 0…1 are ringing", &responses.step, height);
+    curve(
+        ui,
+        &overshoot,
+        "Response to a step from dark (0) to bright (1): values outside 0…1 are ringing",
+        &responses.step,
+        height,
+    );
     let side = (height - 24.0).clamp(48.0, PLOT);
     let names = ["Zone plate", "Native"];
     for (texture, name) in plates.iter().zip(names) {

@@ -50,7 +50,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) ->
     ui.add_space(8.0);
     let mut done = changes.iter().any(|change| matches!(change, PlaceChange::Jump(_)));
     ui.horizontal(|ui| {
-        if ui.button("Bookmark this place").on_hover_text("Ctrl+B").clicked() {
+        if ui.button("Bookmark the current view").on_hover_text("Ctrl+B").clicked() {
             changes.push(PlaceChange::Bookmark);
         }
         done |= ui.button("Close").clicked();

@@ -1,4 +1,4 @@
-//! The menu “Go”: search, history, the command line of the current place, and bookmarks.
+//! The “Go” menu: search, navigation history, command line of the current inspection state, and bookmarks.
 
 use eframe::egui::{Button, Ui};
 
@@ -7,7 +7,7 @@ use crate::ui::command::{BINDINGS, Command};
 use crate::ui::key_sheet::key_name;
 use crate::ui::session::Session;
 
-/// Maximum number of bookmarks in the menu; the list of bookmarks shows all of them.
+/// Maximum number of bookmarks in the menu. The bookmarks dialog lists all of them.
 const LISTED: usize = 20;
 
 /// Draws the entries of the menu “Go”.
@@ -26,12 +26,12 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     entry(ui, true, "Find anything…", Command::OpenPalette);
     entry(ui, true, "Go to…", Command::ShowPixelDialog);
     ui.separator();
-    entry(ui, visits.can_go_back(), "Back to the previous place", Command::Place(PlaceChange::Back));
-    entry(ui, visits.can_go_forward(), "Forward to the next place", Command::Place(PlaceChange::Forward));
+    entry(ui, visits.can_go_back(), "Go back to the previous view", Command::Place(PlaceChange::Back));
+    entry(ui, visits.can_go_forward(), "Go forward to the next view", Command::Place(PlaceChange::Forward));
     ui.separator();
-    entry(ui, true, "Copy as command", Command::Place(PlaceChange::Copy));
-    entry(ui, true, "Bookmark this place", Command::Place(PlaceChange::Bookmark));
-    entry(ui, true, "Bookmarks…", Command::Place(PlaceChange::Manage));
+    entry(ui, true, "Copy view as command", Command::Place(PlaceChange::Copy));
+    entry(ui, true, "Bookmark the current view", Command::Place(PlaceChange::Bookmark));
+    entry(ui, true, "Manage bookmarks…", Command::Place(PlaceChange::Manage));
     for (number, bookmark) in session.places.bookmarks.iter().take(LISTED).enumerate() {
         entry(ui, true, &bookmark.name, Command::Place(PlaceChange::Jump(number)));
     }

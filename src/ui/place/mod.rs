@@ -1,5 +1,5 @@
-//! Bookmarks and history of places. A place is the state of an inspection: scene, camera, settings, what is shown, and
-//! the picked pixel. It can be written as one command line.
+//! Bookmarks and navigation history. Both store places: inspection states that consist of scene, camera, settings,
+//! shown quantity and picked pixel. A place can be written as one command line.
 
 pub(crate) mod bookmarks;
 
@@ -22,52 +22,52 @@ use visits::Visits;
 /// Maximum number of bookmarks.
 const MAX_BOOKMARKS: usize = 200;
 
-/// Place that was saved under a name.
+/// Inspection state saved under a name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Bookmark {
     /// Display name of the bookmark.
     pub(crate) name: String,
-    /// Place that the bookmark opens.
+    /// Inspection state that the bookmark restores.
     pub(crate) place: InspectionState,
 }
 
-/// Bookmarks, history of visited places, and the place being opened.
+/// Bookmarks, navigation history, and the inspection state being restored.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Places {
-    /// Bookmarks, in the order of their keys.
+    /// Bookmarks in the order of their creation. The keys Ctrl + 1 to Ctrl + 9 open the first nine.
     pub(crate) bookmarks: Vec<Bookmark>,
-    /// History of visited places.
+    /// Navigation history.
     pub(crate) visits: Visits,
-    /// Place to open once its scene is loaded.
+    /// Inspection state to restore once its scene is loaded; `None` if none is pending.
     pub(crate) pending: Option<InspectionState>,
 }
 
-/// Change to the bookmarks or to the current place.
+/// Change to the bookmarks or to the current inspection state.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum PlaceChange {
-    /// Copies the command line that opens this place to the clipboard.
+    /// Copies a command line that restores the current inspection state to the clipboard.
     Copy,
-    /// Bookmarks the current place.
+    /// Bookmarks the current inspection state.
     Bookmark,
-    /// Opens the bookmark at this index.
+    /// Restores the bookmark at this index.
     Jump(usize),
-    /// Renames a bookmark.
+    /// Renames the bookmark at this index.
     Rename(usize, String),
-    /// Deletes a bookmark.
+    /// Deletes the bookmark at this index.
     Remove(usize),
-    /// Opens the list of bookmarks, to rename and delete them.
+    /// Opens the dialog for renaming and deleting bookmarks.
     Manage,
-    /// Goes back to the previous visit.
+    /// Goes back to the previous entry of the navigation history.
     Back,
-    /// Goes forward to the next visit.
+    /// Goes forward to the next entry of the navigation history.
     Forward,
-    /// Opens a place.
+    /// Restores an inspection state.
     Go(Box<InspectionState>),
-    /// Searches the frame for a target, and picks a pixel that shows it.
+    /// Searches the frame for a target, such as a triangle or an object, and picks a pixel that shows it.
     Find(SearchTarget),
 }
 
-/// Returns the command that goes to a search target.
+/// Returns the command that navigates to a search target.
 pub(crate) fn go_to(wanted: SearchTarget) -> Command {
     match wanted {
         SearchTarget::Pixel(x, y) => Command::Pick(Some((x, y))),
@@ -76,12 +76,13 @@ pub(crate) fn go_to(wanted: SearchTarget) -> Command {
 }
 
 impl Session {
-    /// Parses a typed destination. The error is a message that says what does not exist.
+    /// Parses a typed destination, such as a pixel or a triangle. The error message says why there is no such
+    /// destination.
     pub(crate) fn search_target(&self, text: &str) -> Result<SearchTarget, String> {
         SearchTarget::parse(text, &self.scene, self.viewport(), vertices::picked_object(self))
     }
 
-    /// Returns the current place: scene, camera, settings, what is shown, and the picked pixel.
+    /// Returns the current inspection state: scene, camera, settings, shown quantity and picked pixel.
     pub(crate) fn place(&self) -> InspectionState {
         let (buffer, stage, number) = match self.shown {
             Shown::Buffer(buffer) => (buffer, None, None),
@@ -111,14 +112,15 @@ impl Session {
         }
     }
 
-    /// Returns the command line that opens the current place from anywhere. It always states the picture size, because
-    /// a pixel is meaningless without it.
+    /// Returns a command line that restores the current inspection state from any working directory. It always includes
+    /// the picture size, because pixel coordinates are meaningless without it.
     pub(crate) fn command_line(&self) -> String {
         let viewport = self.viewport();
         InspectionState { picture: Some((viewport.width, viewport.height)), ..self.place() }.command_line()
     }
 
-    /// Applies a change. Returns a command that the window must run to complete it, such as opening a file.
+    /// Applies a change. Returns the command that the window must run to complete it, such as opening a file, if there
+    /// is one.
     pub(crate) fn change_places(&mut self, change: PlaceChange) -> Option<Command> {
         let bookmarks = &mut self.places.bookmarks;
         match change {
@@ -134,7 +136,7 @@ impl Session {
                 None => {
                     self.report(
                         Severity::Info,
-                        format!("There is no bookmark {}. Press Ctrl+B to add one", number + 1),
+                        format!("There is no bookmark {}. Press Ctrl+B to add a bookmark", number + 1),
                     );
                 }
             },
@@ -154,16 +156,16 @@ impl Session {
         None
     }
 
-    /// Picks the pixel that was found and reports the result. Returns the pixel to bring into view.
+    /// Picks the pixel that a search has found, and reports the result. Returns the pixel to bring into view.
     pub(crate) fn apply_search_result(&mut self, wanted: &SearchTarget, found: &SearchResult) -> Option<(u32, u32)> {
         let words = wanted.words();
         let (level, text, pixel) = match found {
             SearchResult::Visible(pixel, count) => {
-                (Severity::Info, format!("{words} is visible at {count} drawn pixels"), Some(*pixel))
+                (Severity::Info, format!("{words} is visible in {count} pixels"), Some(*pixel))
             }
             SearchResult::Hidden(pixel, count) => (
                 Severity::Error,
-                format!("{words} is hidden: it covers {count} drawn pixels, but is visible at none"),
+                format!("{words} is hidden: it covers {count} pixels but is visible in none of them"),
                 Some(*pixel),
             ),
             SearchResult::At(pixel, told) => (Severity::Info, told.clone(), Some(*pixel)),
@@ -177,7 +179,7 @@ impl Session {
         pixel
     }
 
-    /// Opens the pending place if its scene is now loaded.
+    /// Restores the pending inspection state if its scene is now loaded.
     pub(crate) fn arrive(&mut self) {
         if let Some(place) = self.places.pending.take()
             && place.scene == self.place().scene
@@ -186,7 +188,7 @@ impl Session {
         }
     }
 
-    /// Records the current place in the history; `now` in seconds.
+    /// Records the current inspection state in the navigation history. `now` is the time in seconds.
     pub(crate) fn note_visit(&mut self, now: f64) {
         // Nothing is recorded before the first frame, or while another place is pending.
         if self.view.is_some() && self.places.pending.is_none() {
@@ -208,10 +210,10 @@ impl Session {
         self.report(Severity::Info, format!("Bookmarked {name}{key}"));
     }
 
-    /// Opens a place: immediately if its scene is loaded, otherwise after loading it.
+    /// Restores an inspection state: immediately if its scene is loaded, otherwise after loading the scene.
     fn go(&mut self, place: InspectionState) -> Option<Command> {
         if let Err(reason) = place.check() {
-            self.report(Severity::Error, format!("Cannot show this place: {reason}"));
+            self.report(Severity::Error, format!("Cannot open this view: {reason}"));
             return None;
         }
         self.close_case();
@@ -249,7 +251,7 @@ impl Session {
     }
 }
 
-/// Returns the buffer, stage or intermediate value shown at a place.
+/// Returns the buffer, stage or intermediate value that is shown in an inspection state.
 fn shown_at(place: &InspectionState) -> Shown {
     let number = || place.number.map(Shown::Intermediate);
     place.stage.map(Shown::Stage).or_else(number).unwrap_or(Shown::Buffer(place.buffer))

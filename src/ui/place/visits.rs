@@ -1,36 +1,37 @@
-//! History of inspection: visits in order, with steps back and forward.
+//! Navigation history: inspection states in the order in which they were visited, with steps back and forward.
 
 use crate::inspect::InspectionState;
 
-/// Maximum number of visits in the history.
+/// Maximum number of entries in the navigation history.
 const MAX_VISITS: usize = 200;
 
-/// Maximum time, in seconds, between changes of camera or pixel that count as one visit, such as dragging, scrolling or
-/// held arrow keys.
+/// Maximum time between two changes of camera or pixel that count as one entry of the history, in seconds. Examples are
+/// dragging, scrolling and held arrow keys.
 const ONE_MOVE_SECONDS: f64 = 0.6;
 
-/// Past, current and future visits.
+/// Navigation history with its past, current and future entries.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Visits {
     past: Vec<InspectionState>,
     here: Option<InspectionState>,
     future: Vec<InspectionState>,
-    /// Time of the last change of the current visit, in seconds.
+    /// Time of the last change of the current entry, in seconds.
     changed_at: f64,
 }
 
 impl Visits {
-    /// Whether there is a visit to go back to.
+    /// Whether there is an entry to go back to.
     pub(crate) fn can_go_back(&self) -> bool {
         !self.past.is_empty()
     }
 
-    /// Whether there is a visit to go forward to.
+    /// Whether there is an entry to go forward to.
     pub(crate) fn can_go_forward(&self) -> bool {
         !self.future.is_empty()
     }
 
-    /// Records the current place at time `now`, in seconds. Changing settings or clearing the pick is not a visit.
+    /// Records the current inspection state at time `now`, in seconds. Changing settings or clearing the pick does not
+    /// add an entry to the history.
     pub(crate) fn note(&mut self, place: InspectionState, now: f64) {
         let Some(here) = &self.here else {
             self.here = Some(place);
@@ -59,7 +60,8 @@ impl Visits {
         self.future.clear();
     }
 
-    /// Goes one visit back or forward. Returns the place of that visit; `None` at the end of the history.
+    /// Goes one entry back or forward in the history and returns its inspection state; `None` at the end of the
+    /// history.
     pub(crate) fn travel(&mut self, back: bool) -> Option<InspectionState> {
         let (from, to) = if back { (&mut self.past, &mut self.future) } else { (&mut self.future, &mut self.past) };
         let place = from.pop()?;
@@ -69,8 +71,8 @@ impl Visits {
         Some(place)
     }
 
-    /// Replaces the place returned by [`Self::travel`] by the one actually reached, so that it does not count as a new
-    /// visit.
+    /// Replaces the state returned by [`Self::travel`] with the state that was actually restored, so that the
+    /// difference does not count as a new entry.
     pub(crate) fn arrived(&mut self, place: InspectionState) {
         let is_expected = self.here.as_ref().is_some_and(|here| same_sight(here, &place));
         if is_expected {
@@ -79,7 +81,7 @@ impl Visits {
     }
 }
 
-/// Whether two places are equal apart from recipe, picture size, display settings and overlays.
+/// Whether two inspection states are equal, ignoring recipe, picture size, display settings and overlays.
 fn same_sight(a: &InspectionState, b: &InspectionState) -> bool {
     InspectionState {
         recipe: b.recipe,

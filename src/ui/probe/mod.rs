@@ -1,4 +1,5 @@
-//! The stability probe: its settings, the background task, and its result.
+//! The stability probe, which counts the pixels that change under a tiny jitter: its settings, the background task, and
+//! its result.
 
 mod canvas;
 
@@ -24,15 +25,15 @@ pub(crate) use panel::ui;
 /// State of the stability probe.
 #[derive(Debug, Default)]
 pub(crate) struct ProbeState {
-    /// Settings of the next probe.
+    /// Settings for the next run of the probe.
     pub(crate) probe: Probe,
-    /// Last result of a probe.
+    /// Result of the last completed probe; `None` if there is none.
     pub(crate) found: Option<Arc<ProbeResult>>,
-    /// Completed share of the running probe, in [0, 1]; `None` if none is running.
+    /// Completed fraction of the running probe, from 0 to 1; `None` if none is running.
     pub(crate) progress: Option<f32>,
-    /// Heat map shown over the picture, if any.
+    /// Kind of heat map shown in place of the picture; `None` if hidden.
     pub(crate) heat: Option<Heat>,
-    /// Heat map as an image, and the number of runs that its brightest colour denotes.
+    /// Image of the heat map, and the number of runs represented by its brightest colour.
     picture: Option<(Arc<Image<Rgba8>>, u16)>,
     task: Option<BackgroundTask<f32, ProbeResult>>,
 }
@@ -40,23 +41,23 @@ pub(crate) struct ProbeState {
 /// Change to the stability probe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum ProbeChange {
-    /// Sets the settings of the next probe.
+    /// Sets the settings for the next run of the probe.
     Set(Probe),
     /// Starts the probe.
     Start,
     /// Cancels the probe; the last result stays.
     Cancel,
-    /// Shows a heat map over the picture; `None` hides it.
+    /// Shows a heat map in place of the picture; `None` hides it.
     Show(Option<Heat>),
-    /// Restores the camera, settings and picture size of the last result.
+    /// Restores the camera, settings and picture size with which the last result was measured.
     GoBack,
-    /// Picks the worst pixel of an unstable triangle.
+    /// Picks the pixel of an unstable triangle that changed in the most runs.
     GoTo(Fragile),
     /// Saves an unstable triangle as a case.
     SaveCase(Fragile),
 }
 
-/// Action that the window must perform after a change.
+/// Action that the window must perform after a change to the probe.
 #[derive(Debug, PartialEq)]
 pub(crate) enum WindowAction {
     /// No action.
@@ -139,8 +140,7 @@ fn start(session: &mut Session, context: &Context) {
 fn case_of(session: &mut Session, fragile: &Fragile) -> WindowAction {
     let Some(found) = &session.probing.found else { return WindowAction::Nothing };
     let Some(triangle) = found.triangle_of(fragile) else {
-        let text =
-            format!("Triangle {} is not rasterized without jitter, so there is no case to save", fragile.triangle.0);
+        let text = format!("Triangle {} is not rasterized without jitter, so no case can be saved", fragile.triangle.0);
         session.report(Severity::Error, text);
         return WindowAction::Nothing;
     };
@@ -148,7 +148,7 @@ fn case_of(session: &mut Session, fragile: &Fragile) -> WindowAction {
     WindowAction::Write(Box::new(MinimalCase::new(&triangle, fragile.worst_pixel, *viewport, settings, &scene.name)))
 }
 
-/// Returns the part of a request that determines the probed picture.
+/// Returns the part of a request that determines the picture that the probe measures.
 fn subject_of(request: &Request) -> ProbedView {
     let Request { scene, camera, recipe, viewport, .. } = request;
     ProbedView { scene: scene.clone(), camera: *camera, settings: recipe.pipeline, viewport: *viewport }
@@ -172,19 +172,21 @@ impl ProbeState {
         self.heat.take().is_some()
     }
 
-    /// Whether the result describes the frame of a view.
+    /// Whether the last result was measured on the same frame that `view` shows.
     fn is_of(&self, view: &RenderedView) -> bool {
         let is_whole = view.request.triangle_limit.is_none();
         is_whole && self.found.as_ref().is_some_and(|found| found.subject.is_same(&subject_of(&view.request)))
     }
 
-    /// Returns the heat map that replaces the picture of a view, if it is visible and describes that view.
+    /// Returns the heat map that replaces the picture of `view`; `None` if it is hidden or was measured on another
+    /// view.
     pub(crate) fn picture(&self, view: &RenderedView) -> Option<&Arc<Image<Rgba8>>> {
         let is_finished = view.request.shown == Shown::Buffer(Buffer::Color);
         self.picture.as_ref().filter(|_| is_finished && self.is_of(view)).map(|(image, _)| image)
     }
 
-    /// Returns the number of runs in which a pixel of the heat map changed.
+    /// Returns the number of runs in which the pixel (x, y) changed, according to the visible heat map; `None` if no
+    /// heat map is visible.
     pub(crate) fn count(&self, (x, y): (u32, u32)) -> Option<u16> {
         self.found.as_ref()?.counts(self.heat?)?.get(x, y)
     }

@@ -15,10 +15,10 @@ use crate::ui::widgets::{Status, chip, empty_state, figure, icon_button, row, va
 /// Width of the column of settings, in points.
 const SETTINGS_POINTS: f32 = 270.0;
 
-/// Width of a column of figures, in points.
+/// Width of a numeric column, in points.
 const FIGURE_POINTS: f32 = 104.0;
 
-/// Largest selectable displacement, in units in the last place, and largest selectable number of runs.
+/// Maximum displacement that can be selected, in units in the last place, and maximum number of runs.
 const MAX_SETTINGS: (u32, u16) = (65_536, 4096);
 
 /// Draws the controls of the tab “Probe”, beside the tabs.
@@ -31,7 +31,8 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         ui.add(ProgressBar::new(progress).desired_width(200.0).show_percentage());
         return;
     }
-    let help = "Draws the view repeatedly with a tiny jitter of camera or vertices, and counts the pixels that change";
+    let help = "Draws the view repeatedly, with the camera or the vertices displaced by a few units in the last place, \
+                and counts the pixels that change";
     let run = Button::new((theme::icon(Icon::Play), "Run the probe"));
     if ui.add(run).on_hover_text(help).clicked() {
         commands.push(Command::Probe(ProbeChange::Start));
@@ -72,7 +73,9 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 
 fn settings(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut probe = session.probing.probe;
-    row(ui, "Jitter target", "Part of the view that is displaced in every run", |ui| pick(ui, &mut probe.what));
+    row(ui, "Jitter target", "Input that is displaced at random in every run: the camera, or all vertices", |ui| {
+        pick(ui, &mut probe.what)
+    });
     let help = "Maximum displacement, in units in the last place; 1 is the smallest step of a float";
     row(ui, "Jitter, ulp", help, |ui| ui.add(DragValue::new(&mut probe.ulps).range(0..=MAX_SETTINGS.0).speed(0.1)));
     let help = "Number of times that the view is drawn; more runs give finer results but take longer";
@@ -89,11 +92,11 @@ fn summary(ui: &mut Ui, found: &ProbeResult) {
         let share = format::percent(changed.pixels as f64 / summary.pixels.max(1) as f64);
         value_row(ui, name, &format!("{} px  {share}", format::count(changed.pixels)), help);
     };
-    line("Owner changed", summary.owner, "Pixels that show another triangle in at least one run");
+    line("Owner changed", summary.owner, "Pixels whose visible triangle changed in at least one run");
     if let Some(depth) = summary.depth {
-        line("Depth changed", depth, "Pixels with another stored depth in at least one run, even by a single step");
+        line("Depth changed", depth, "Pixels whose stored depth changed in at least one run, even by a single step");
     }
-    line("Colour changed", summary.color, "Pixels with another colour in at least one run");
+    line("Colour changed", summary.color, "Pixels whose colour changed in at least one run");
 }
 
 fn finding(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
@@ -119,7 +122,12 @@ fn finding(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         }
     });
     if found.ranking.is_empty() {
-        chip(ui, Status::Passed, "No pixel changed owner", "No triangle lost or gained a pixel in any run");
+        chip(
+            ui,
+            Status::Passed,
+            "No pixel shows a different triangle",
+            "No triangle lost or gained a pixel in any run",
+        );
         return;
     }
     header(ui);
@@ -137,8 +145,8 @@ fn header(ui: &mut Ui) {
         for (name, help) in [
             ("Triangle", "Number of the triangle in the scene"),
             ("Changes", "Pixels that the triangle lost or gained, summed over all runs"),
-            ("Worst pixel", "Pixel of the triangle that changed owner most often"),
-            ("Runs", "Number of runs in which the worst pixel had another owner"),
+            ("Worst pixel", "Of the pixels that the triangle lost or gained, the one that changed in the most runs"),
+            ("Runs", "Number of runs in which a different triangle was visible at the worst pixel"),
         ] {
             figure(ui, name, FIGURE_POINTS, weak).on_hover_text(help);
         }
@@ -170,7 +178,7 @@ fn triangle(ui: &mut Ui, session: &Session, found: &ProbeResult, fragile: &Fragi
         if response.on_hover_text(name).on_hover_cursor(egui::CursorIcon::PointingHand).clicked() {
             commands.push(Command::Probe(ProbeChange::GoTo(*fragile)));
         }
-        if icon_button(ui, Icon::Save, "Save this triangle as a case").clicked() {
+        if icon_button(ui, Icon::Save, "Save this triangle as a case file").clicked() {
             commands.push(Command::Probe(ProbeChange::SaveCase(*fragile)));
         }
     });

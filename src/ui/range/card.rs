@@ -1,5 +1,5 @@
-//! The range card in the lower left corner of the canvas: the shown quantity, its histogram with handles, and the range
-//! controls.
+//! The range card in the lower left corner of the canvas: name of the shown quantity, its histogram with draggable
+//! handles, and the range controls.
 
 use eframe::egui::{
     self, Align, Button, DragValue, Label, Layout, Rect, Response, RichText, Ui, UiBuilder, Vec2, WidgetInfo, vec2,
@@ -23,10 +23,10 @@ use crate::ui::widgets::{combo, icon_button};
 /// Width of the range card, in points.
 const WIDTH: f32 = 320.0;
 
-/// Height of the histogram with its axis numbers, in points.
+/// Height of the histogram including the numbers on its axis, in points.
 const PLOT_HEIGHT: f32 = 78.0;
 
-/// Width of the number field for an end of the range, in points.
+/// Width of the number field for the minimum or maximum of the range, in points.
 const FIELD: f32 = 84.0;
 
 /// Draws the range card. Returns its rectangle, in points.
@@ -74,7 +74,7 @@ pub(crate) fn ui(
     card
 }
 
-/// Draws a row of the card, [`ROW_HEIGHT`] high.
+/// Draws a row of the card with a height of [`ROW_HEIGHT`] points.
 pub(super) fn row(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
     let size = vec2(ui.available_width(), ROW_HEIGHT);
     ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
@@ -101,24 +101,25 @@ fn title(ui: &mut Ui, view: &RenderedView, changes: &mut Vec<RangeChange>, comma
     });
 }
 
-/// Draws number fields for both ends of the range, with the buttons that fit the range between them.
+/// Draws number fields for the minimum and maximum of the range, with the buttons that fit the range between them.
 fn ends(ui: &mut Ui, session: &Session, view: &RenderedView, changes: &mut Vec<RangeChange>) {
     let Some(range) = view.range else { return };
     let rule = session.range.setting(view.request.shown).display.rule;
-    if let Some(low) = field(ui, "Low end of the range", range.low, range) {
+    if let Some(low) = field(ui, "Lower bound of the range", range.low, range) {
         changes.push(RangeChange::Rule(Rule::Fixed(Range { low, high: range.high.max(low) })));
     }
     fits(ui, session, rule, changes);
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        if let Some(high) = field(ui, "High end of the range", range.high, range) {
+        if let Some(high) = field(ui, "Upper bound of the range", range.high, range) {
             changes.push(RangeChange::Rule(Rule::Fixed(Range { low: range.low.min(high), high })));
         }
     });
 }
 
-/// Draws a number that can be dragged or typed. Returns the new value if it was changed to a finite one.
+/// Draws a number field that can be dragged or edited as text. Returns the new value if the user changed it to a finite
+/// number.
 fn field(ui: &mut Ui, name: &str, value: f32, range: Range) -> Option<f32> {
-    /// Drag distance that spans the whole range, in points.
+    /// Drag distance that changes the value by the width of `range`, in points.
     const POINTS: f64 = 300.0;
     let mut number = f64::from(value);
     let speed = ((f64::from(range.high) - f64::from(range.low)) / POINTS).max(f64::from(f32::MIN_POSITIVE));
@@ -156,8 +157,9 @@ fn fits(ui: &mut Ui, session: &Session, rule: Rule, changes: &mut Vec<RangeChang
     }
     let region = session.range.region;
     ui.add_enabled_ui(region.is_some(), |ui| {
-        let fit = icon_button(ui, Icon::Focus, "Fit the range to the values in the dragged box");
-        if let Some(region) = region.filter(|_| fit.on_disabled_hover_text("Drag a box on the picture").clicked()) {
+        let fit = icon_button(ui, Icon::Focus, "Fit the range to the values in the selected box");
+        if let Some(region) = region.filter(|_| fit.on_disabled_hover_text("Drag a box on the picture first").clicked())
+        {
             changes.push(RangeChange::Fit(RangeFit::Within(region)));
         }
     });
@@ -169,7 +171,7 @@ fn fits(ui: &mut Ui, session: &Session, rule: Rule, changes: &mut Vec<RangeChang
     }
 }
 
-/// Draws a square icon button that can be selected.
+/// Draws a square icon button, highlighted if `on`. `name` is its tooltip and its accessible name.
 fn toggle(ui: &mut Ui, icon: Icon, on: bool, name: &str) -> Response {
     let button = Button::new(theme::icon(icon))
         .selected(on)
@@ -185,7 +187,7 @@ fn toggle(ui: &mut Ui, icon: Icon, on: bool, name: &str) -> Response {
     response.on_hover_text(name)
 }
 
-/// Draws the list of colour maps or the channel switches, and the histogram settings.
+/// Draws the colour map settings of a scalar quantity or the channel switches of a colour, and the histogram settings.
 fn colors(ui: &mut Ui, session: &Session, kind: ValueKind, shown: Shown, changes: &mut Vec<RangeChange>) {
     let control = &session.range;
     let display = control.setting(shown).display;
@@ -210,7 +212,8 @@ fn colors(ui: &mut Ui, session: &Session, kind: ValueKind, shown: Shown, changes
         }
     }
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        let box_help = "Select, then drag a box on the picture to show its statistics. Shift+drag works at any time";
+        let box_help =
+            "Show statistics of a box: select this, then drag on the picture. Shift+drag does it at any time";
         if toggle(ui, Icon::SquareDashed, control.draws_region, box_help).clicked() {
             changes.push(RangeChange::DrawRegion(!control.draws_region));
         }

@@ -1,5 +1,5 @@
-//! Statistics of the shown quantity as text: count, minimum, maximum, mean, standard deviation, and NaN and infinite
-//! values.
+//! Statistics of the shown quantity as text: minimum, maximum, mean and standard deviation, and the numbers of finite,
+//! NaN and infinite values.
 
 use eframe::egui::{Align, Label, Layout, RichText, Ui};
 
@@ -13,7 +13,7 @@ use crate::ui::format;
 use crate::ui::theme::{Icon, tokens};
 use crate::ui::widgets::icon_button;
 
-/// Names of the columns of statistics, with their help texts.
+/// Column heading and help text of each statistic.
 pub(crate) const COLUMNS: [(&str, &str); 7] = [
     ("n", "Number of finite values"),
     ("min", "Smallest finite value"),
@@ -38,7 +38,7 @@ pub(crate) fn texts(figures: &Statistics) -> [String; 7] {
     ]
 }
 
-/// Formats a computed figure with six significant digits.
+/// Formats a derived statistic, such as the mean, with six significant digits.
 fn rounded(value: f64) -> String {
     const DIGITS: i32 = 6;
     if value == 0.0 {
@@ -51,7 +51,7 @@ fn rounded(value: f64) -> String {
     format!("{value:.5e}").replace('-', "−")
 }
 
-/// Draws the rows of the dragged region: its rectangle, and the statistics of each channel.
+/// Draws the rows for the region that the user selected: its rectangle, then the statistics of each channel.
 pub(crate) fn part(
     ui: &mut Ui,
     region: PixelRegion,

@@ -1,5 +1,5 @@
-//! Range control: sets the values at the ends of a colour map over a histogram of all values, and shows the statistics
-//! of a region. Every buffer and stage has its own settings.
+//! Range control: shows a histogram, on which the user sets the range that the colour map covers, and the statistics of
+//! a region. Every buffer and stage has its own settings.
 
 pub(crate) mod card;
 
@@ -38,9 +38,9 @@ pub(crate) struct RangeControl {
     pub(crate) tab: bool,
     /// Whether histograms show the logarithm of their counts.
     pub(crate) log_counts: bool,
-    /// Region with separate statistics.
+    /// Region of the picture whose statistics are shown separately.
     pub(crate) region: Option<PixelRegion>,
-    /// Whether dragging draws the region.
+    /// Whether dragging on the canvas selects the region for separate statistics.
     pub(crate) draws_region: bool,
     /// Part of the picture that is visible on the canvas.
     pub(crate) visible: Option<PixelRegion>,
@@ -64,7 +64,7 @@ pub(crate) enum RangeChange {
     FitVisible,
     /// Toggles fitting the range to every new picture.
     ToggleSticky,
-    /// Zooms the histogram's axis to the range between the handles.
+    /// Zooms the histogram's axis to the current range of the colour map.
     ZoomAxis,
     /// Resets the range and the histogram's axis.
     Reset,
@@ -74,11 +74,11 @@ pub(crate) enum RangeChange {
     Reverse(bool),
     /// Sets which channels are visible.
     Channels([bool; 3]),
-    /// Shows only the channel with this index, or all channels if it is already alone.
+    /// Shows only the channel with this index, or all channels if it is already the only one shown.
     Solo(usize),
-    /// Sets or clears the region with separate statistics.
+    /// Sets or clears the region whose statistics are shown separately.
     Region(Option<PixelRegion>),
-    /// Sets whether dragging draws the region.
+    /// Sets whether dragging on the canvas selects the region for separate statistics.
     DrawRegion(bool),
     /// Records which part of the picture is visible on the canvas.
     Visible(Option<PixelRegion>),
@@ -152,12 +152,13 @@ impl RangeControl {
     }
 }
 
-/// Returns the range with its ends in ascending order; `None` unless both ends are finite.
+/// Returns the range with its bounds in ascending order; `None` unless both are finite.
 fn ordered(Range { low, high }: Range) -> Option<Range> {
     (low.is_finite() && high.is_finite()).then(|| Range { low: low.min(high), high: low.max(high) })
 }
 
-/// Returns a fixed range fitted to the view on screen.
+/// Returns the rule for a fixed range that is fitted to the view on screen. Returns `None` without a view or without
+/// finite values.
 fn fitted(fit: RangeFit, display: &Display, view: Option<&RenderedView>) -> Option<Rule> {
     let view = view?;
     let range = fit.range(view.picture.size(), display.channels, |x, y| view.value(x, y))?;

@@ -1,4 +1,4 @@
-//! The tab “Histogram”: the histogram of the whole picture in full width, and the statistics of every channel.
+//! The tab “Histogram”: the histogram of the whole picture in a wide plot, and the statistics of every channel.
 
 use eframe::egui::{Grid, RichText, ScrollArea, Ui, vec2};
 
@@ -52,7 +52,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut log = session.range.log_counts;
     if ui
-        .checkbox(&mut log, "log counts")
+        .checkbox(&mut log, "logarithmic counts")
         .on_hover_text("Logarithmic bars, so that rare values are visible, too")
         .changed()
     {
@@ -60,7 +60,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     }
     let mut open = session.range.open;
     let help = "Shows the same histogram over the picture, with the range controls";
-    if ui.checkbox(&mut open, "on the picture").on_hover_text(help).changed() {
+    if ui.checkbox(&mut open, "show over the picture").on_hover_text(help).changed() {
         commands.push(Command::Range(RangeChange::Open(open)));
     }
 }

@@ -1,4 +1,4 @@
-//! The histogram with a handle for each end of the range, above a strip of the corresponding colours.
+//! The histogram, with a handle at each bound of the range, and a strip below it that shows the colours of the values.
 
 use eframe::egui::{
     self, Align2, Color32, CursorIcon, FontId, Id, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
@@ -92,7 +92,8 @@ impl HistogramPlot<'_> {
     }
 }
 
-/// Returns the displayed colour of a number. For colour channels, this is a grey of the displayed brightness.
+/// Returns the colour that the picture shows for the value `number`. For a colour channel, this is the grey of the
+/// displayed brightness.
 pub(crate) fn color_of(shown: Shown, setting: &Setting, range: Range, number: f32) -> Rgba8 {
     if kind(shown) == ValueKind::Numbers {
         return setting.display.number_color(buffer_of(shown), range, number);
@@ -112,7 +113,7 @@ fn axis_numbers(ui: &Ui, rect: Rect, axis: Range, most: u64, log: bool) {
     let painter = ui.painter();
     let low = painter.text(rect.left_bottom(), Align2::LEFT_BOTTOM, short(axis.low), font.clone(), color);
     let high = painter.text(rect.right_bottom(), Align2::RIGHT_BOTTOM, short(axis.high), font, color);
-    let scale = if log { "log counts" } else { "linear counts" };
+    let scale = if log { "logarithmic counts" } else { "linear counts" };
     let font = FontId::proportional(font_size::SMALL);
     // The longest text that fits between the numbers.
     let room = high.left() - low.right() - 2.0 * space::S;
@@ -131,7 +132,8 @@ pub(crate) fn short(value: f32) -> String {
     if value.fract() == 0.0 && value.abs() < 1e9 { format::fixed(f64::from(value), 0) } else { format::f32_full(value) }
 }
 
-/// Draws both handles. A drag moves the handle that is nearer to its start. Returns the new range during a drag.
+/// Draws the handles at both bounds of the range. A drag moves the handle nearest to the point where the drag started.
+/// Returns the new range during a drag.
 fn handles(ui: &Ui, response: &Response, bars: Rect, axis: Range, range: Range) -> Option<Range> {
     let width = f64::from(axis.high) - f64::from(axis.low);
     let place = |value: f32| {
@@ -193,11 +195,11 @@ fn tooltip(response: Response, bars: Rect, histograms: &[Histogram], kind: Value
             let text = format!("{name} {} … {}: {count} pixels", short(from as f32), short(to as f32));
             ui.label(egui::RichText::new(text).monospace());
         }
-        ui.weak("Drag a handle to set an end of the range: values beyond it get the colour of that end");
+        ui.weak("Drag a handle to set a bound of the range: values beyond it get the colour of the bound");
     });
 }
 
-/// Draws the colours of a range as a strip, from its low to its high end.
+/// Draws a strip with the colours of a range, from its lower bound on the left to its upper bound on the right.
 pub(crate) fn legend_strip(ui: &Ui, rect: Rect, shown: Shown, setting: &Setting, range: Range) {
     for point in 0..rect.width() as u32 {
         let share = point as f32 / (rect.width() - 1.0).max(1.0);

@@ -16,7 +16,8 @@ pub(crate) struct RegionDrag {
 }
 
 impl RegionDrag {
-    /// Handles pointer input on a picture of `size` pixels. Returns whether dragging currently draws a region.
+    /// Handles the selection of a region with the pointer, on a picture of `size` pixels. Returns whether dragging
+    /// currently selects a region.
     pub(crate) fn follow(
         &mut self,
         ui: &Ui,
@@ -54,7 +55,7 @@ impl RegionDrag {
         wanted || self.corners.is_some()
     }
 
-    /// Draws the outline of the region being dragged, or of the last one.
+    /// Draws the outline of the region being dragged, or otherwise of the selected region.
     pub(crate) fn paint(&self, ui: &Ui, painter: &Painter, placement: Placement, session: &Session) {
         let Some(region) = self.corners.map(between).or(session.range.region) else { return };
         let (first, last) =
@@ -65,7 +66,7 @@ impl RegionDrag {
     }
 }
 
-/// Returns the pixel nearest to a point of the window; `None` for an empty picture.
+/// Returns the pixel nearest to a position in the window; `None` for an empty picture.
 fn nearest(placement: Placement, pointer: Pos2, (width, height): (u32, u32)) -> Option<(u32, u32)> {
     let place = placement.to_picture(pointer);
     let clamp = |at: f32, size: u32| Some((at.max(0.0) as u32).min(size.checked_sub(1)?));

@@ -1,5 +1,5 @@
 //! Playback of how the frame was drawn: by stage, object, triangle or fragment, step by step or continuously. It can be
-//! limited to the moments that touch the picked pixel.
+//! limited to triangles and fragments at the picked pixel.
 
 pub(crate) mod reel;
 
@@ -14,13 +14,14 @@ use crate::inspect::scrub::{Moment, Timeline, Unit};
 /// Selectable playback speeds, in steps per second.
 pub(crate) const SPEEDS: [f32; 8] = [1.0, 4.0, 15.0, 60.0, 250.0, 1_000.0, 4_000.0, 16_000.0];
 
-/// Maximum playback speed by stage, in stages per second, so that each picture can be inspected.
+/// Maximum speed of playback by stage, in stages per second, so that each picture can be inspected.
 const FASTEST_STAGES: f32 = 2.0;
 
 /// State of the playback of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scrub {
-    /// Last requested moment within a triangle. It is valid as long as the triangle limit is unchanged.
+    /// Last requested moment at which a triangle is only partially drawn. It is ignored once the triangle limit
+    /// changes.
     partial: Option<Moment>,
     /// Unit of a step, for the buttons and for playback.
     pub(crate) unit: Unit,
@@ -28,9 +29,9 @@ pub(crate) struct Scrub {
     pub(crate) playing: i64,
     /// Playback speed, in steps per second.
     pub(crate) speed: f32,
-    /// Whether steps skip moments that do not touch the picked pixel.
+    /// Whether steps skip triangles and fragments that do not touch the picked pixel.
     pub(crate) only_touches: bool,
-    /// Fraction of the next step already elapsed during playback.
+    /// Fraction of the current playback step that has elapsed, in [0, 1).
     due: f32,
 }
 
@@ -47,7 +48,7 @@ pub(crate) enum ScrubChange {
     Step(Unit, bool),
     /// Steps by the selected unit, forwards if `true`, otherwise backwards.
     StepUnit(bool),
-    /// Goes to a moment.
+    /// Pauses playback and goes to a moment of the frame's drawing.
     Go(Moment),
     /// Sets the unit of a step.
     Unit(Unit),
@@ -55,28 +56,29 @@ pub(crate) enum ScrubChange {
     Play(bool),
     /// Sets the playback speed, in steps per second.
     Speed(f32),
-    /// Sets whether steps visit only moments that touch the picked pixel; `None` toggles it.
+    /// Sets whether steps skip triangles and fragments that do not touch the picked pixel; `None` toggles it.
     Touching(Option<bool>),
     /// Advances playback by this many seconds.
     Tick(f32),
 }
 
 impl Scrub {
-    /// Returns the number of fragments to draw of the last of `triangle_limit` triangles; `None` means all.
+    /// Returns the number of fragments to draw of the last triangle, if `triangle_limit` triangles are drawn. `None`
+    /// means all fragments.
     pub(crate) fn fragment_limit(&self, triangle_limit: Option<usize>) -> Option<usize> {
         self.partial.filter(|moment| Some(moment.triangles) == triangle_limit)?.fragments
     }
 }
 
 impl Session {
-    /// Returns the requested moment of the frame.
+    /// Returns the requested moment of the frame's drawing.
     pub(crate) fn moment(&self) -> Moment {
         let all = self.triangle_count();
         let triangles = self.triangle_limit.map_or(all, |limit| limit.min(all));
         Moment { triangles, fragments: self.scrub.fragment_limit(self.triangle_limit) }
     }
 
-    /// Goes to a moment. A moment after all triangles removes the limit.
+    /// Goes to a moment of the frame's drawing. If it is the end of the frame, removes the triangle limit.
     pub(crate) fn go_to(&mut self, moment: Moment) {
         let Moment { triangles, fragments } = moment;
         let is_all = triangles > self.triangle_count() || (triangles == self.triangle_count() && fragments.is_none());
@@ -84,19 +86,20 @@ impl Session {
         self.scrub.partial = Some(moment).filter(|_| triangles > 0 && fragments.is_some());
     }
 
-    /// Requests a moment without checking that it exists, for use before the first frame.
+    /// Requests a moment of the frame's drawing without checking that it exists, for use before the first frame.
     pub(crate) fn begin_at(&mut self, moment: Moment) {
         (self.triangle_limit, self.scrub.partial) = (Some(moment.triangles), Some(moment));
     }
 
-    /// Returns the timeline around the moment on screen; `None` before the first frame.
+    /// Returns the timeline of the frame on screen, for stepping from the current moment; `None` before the first
+    /// frame.
     pub(crate) fn timeline(&self) -> Option<Arc<Timeline>> {
         let view = self.view.as_ref()?;
         let whole = || Arc::new(reel::timeline_of(&view.request, &view.frame, None));
         Some(view.timeline.clone().unwrap_or_else(whole))
     }
 
-    /// Applies a change. Returns a command if another part of the window must complete it.
+    /// Applies a change to the playback. Returns a command if another part of the window must complete it.
     pub(super) fn scrub(&mut self, change: ScrubChange) -> Option<Command> {
         match change {
             ScrubChange::Step(unit, forwards) => return self.step(unit, if forwards { 1 } else { -1 }),
@@ -134,7 +137,7 @@ impl Session {
         }
     }
 
-    /// Advances playback by the elapsed time, once the requested moment is on screen.
+    /// Advances playback by the elapsed time, unless the requested moment is not on screen yet.
     fn tick(&mut self, seconds: f32) -> Option<Command> {
         let is_shown = self.view.as_ref().is_some_and(|view| view.request.moment() == self.request().moment());
         if self.scrub.playing == 0 || !is_shown {

@@ -1,4 +1,4 @@
-//! Frames at intermediate moments: renderer state that is cached while the user scrubs through one frame.
+//! Partially drawn frames: renderer state that is cached while the user scrubs through the drawing of one frame.
 
 use std::sync::Arc;
 
@@ -7,27 +7,27 @@ use crate::inspect::scrub::{BUDGET, Moment, Scrubber, Timeline, TouchPrecision, 
 use crate::pipeline::partial;
 use crate::ui::engine::Request;
 
-/// Cached state of one frame, which gives its picture at every moment from the first triangle to the last.
+/// Cached state of one frame, from which the picture after any number of triangles and fragments is drawn.
 #[derive(Debug)]
 pub(crate) struct Reel {
     request: Request,
     complete_frame: Arc<Frame>,
     scrubber: Scrubber,
-    /// Timeline of the frame without the numbers of fragments, which depend on the moment.
+    /// Timeline of the frame without fragment counts, because these depend on the current moment.
     timeline: Timeline,
-    /// Pixel whose touches the timeline contains.
+    /// Pixel whose fragments the timeline lists.
     touched: Option<(u32, u32)>,
 }
 
 impl Reel {
-    /// Stores the reel of a request in `slot` unless `slot` already contains it. `whole` is the complete frame if it
-    /// was just drawn.
+    /// Returns the reel of a request, which is stored in `slot`, and creates it if `slot` is empty or holds another
+    /// frame. `whole` is the complete frame if it was just drawn.
     pub(crate) fn load<'a>(slot: &'a mut Option<Self>, request: &Request, whole: Option<Arc<Frame>>) -> &'a mut Self {
         slot.take_if(|reel| !reel.is_of(request));
         slot.get_or_insert_with(|| Self::new(request, whole))
     }
 
-    /// Whether a request shows this frame, either complete or at a moment.
+    /// Whether a request shows this frame, either completely or partially drawn.
     pub(crate) fn is_of(&self, request: &Request) -> bool {
         self.request.same_complete_frame(request)
     }
@@ -47,13 +47,14 @@ impl Reel {
         self.timeline.triangles
     }
 
-    /// Returns the frame at a moment.
+    /// Draws the frame up to a moment and returns it.
     pub(crate) fn frame(&mut self, moment: Moment) -> Frame {
         let drawn = self.scrubber.frame_at(moment);
         self.complete_frame.at_moment(&self.request.recipe, drawn, self.scrubber.geometry_at(moment))
     }
 
-    /// Returns the timeline around a moment, with all fragments that touch a drawn pixel.
+    /// Returns the timeline for stepping from a moment. If `pixel` is given, the timeline lists all fragments at that
+    /// pixel.
     pub(crate) fn timeline(&mut self, moment: Moment, pixel: Option<(u32, u32)>) -> Timeline {
         let Self { request: of, complete_frame: whole, scrubber, timeline, touched } = self;
         if *touched != pixel {
@@ -68,7 +69,8 @@ impl Reel {
     }
 }
 
-/// Returns the timeline around the last moment of a complete frame, with the triangles that touch a drawn pixel.
+/// Returns the timeline for stepping back from the end of a complete frame. If `pixel` is given, the timeline lists the
+/// triangles that touch that pixel.
 pub(crate) fn timeline_of(request: &Request, frame: &Frame, pixel: Option<(u32, u32)>) -> Timeline {
     let Request { scene, recipe, .. } = request;
     let area = (frame.sampling.grid(), frame.raster);

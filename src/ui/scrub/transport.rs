@@ -1,4 +1,5 @@
-//! The playback bar below the canvas: position within the frame, and step and play controls.
+//! The playback bar below the canvas: step and play controls, and sliders for the numbers of drawn triangles and
+//! fragments.
 
 use std::sync::Arc;
 
@@ -79,10 +80,10 @@ fn buttons(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     choices(ui, session.scrub, commands);
 }
 
-/// Draws the lists of step units and playback speeds.
+/// Draws the drop-down lists of step units and playback speeds.
 fn choices(ui: &mut Ui, Scrub { mut unit, mut speed, .. }: Scrub, commands: &mut Vec<Command>) {
     let (unit_before, speed_before) = (unit, speed);
-    /// Widths of the two lists, in points. A narrow bar drops the second list.
+    /// Widths of the unit list and the speed list, in points. A narrow bar omits the speed list.
     const WIDTHS: [f32; 2] = [84.0, 82.0];
     let by_unit = combo("scrub-unit", unit.name(), WIDTHS[0].min(ui.available_width())).show_ui(ui, |ui| {
         for choice in Unit::ALL {
@@ -111,7 +112,7 @@ fn choices(ui: &mut Ui, Scrub { mut unit, mut speed, .. }: Scrub, commands: &mut
 
 fn touching(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let button = Button::new(theme::icon(Icon::Crosshair)).selected(session.scrub.only_touches);
-    let name = "Only steps at the picked pixel";
+    let name = "Step only at the picked pixel";
     let response = ui
         .add_enabled(session.pick.is_some(), button)
         .on_disabled_hover_text("Pick a pixel first")
@@ -122,9 +123,9 @@ fn touching(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     }
 }
 
-/// Draws the number of drawn triangles and the object of the last one, right-aligned.
+/// Draws the number of drawn triangles and the name of the object that the last one belongs to, right-aligned.
 fn figures(ui: &mut Ui, session: &Session, known: Option<&Timeline>) {
-    /// Minimum free widths, in points, for the number of triangles alone, and for the name of the object as well.
+    /// Minimum free width for showing the number of triangles, and for also showing the name of the object, in points.
     const ROOM: [f32; 2] = [150.0, 300.0];
     let (moment, all) = (session.moment(), session.triangle_count());
     let room = ui.available_width();
@@ -136,7 +137,7 @@ fn figures(ui: &mut Ui, session: &Session, known: Option<&Timeline>) {
     if session.triangle_limit.is_some() && !session.state.recipe.antialias.is_off() {
         let note = RichText::new("1 sample").color(tokens(ui).text_weak);
         ui.label(note).on_hover_text(
-            "Until the last triangle is drawn, each pixel shows the sample at its centre, not the mean of several",
+            "Until the last triangle is drawn, each pixel shows the sample at its centre, not the mean of its samples",
         );
     }
     let instance = known.and_then(|known| known.instance_at(moment)).filter(|_| room >= ROOM[1]);
@@ -151,8 +152,8 @@ fn triangles(ui: &mut Ui, session: &Session, known: Option<&Arc<Timeline>>, widt
     let mut drawn = session.moment().triangles.min(all);
     ui.spacing_mut().slider_width = width.floor();
     let slider = ui.add_enabled(all > 0, Slider::new(&mut drawn, 0..=all).show_value(false)).on_hover_text(
-        "Triangles drawn, in rasterization order. Ticks mark the fragments at the picked pixel: green were \
-                        written, red were rejected",
+        "Triangles drawn, in rasterization order. Ticks mark fragments at the picked pixel: green ones were \
+                        written, red ones rejected",
     );
     slider.widget_info(|| WidgetInfo::slider(true, drawn as f64, "Triangles drawn"));
     if slider.changed() {
@@ -168,7 +169,8 @@ fn fragments(ui: &mut Ui, session: &Session, known: Option<&Timeline>, width: f3
     let all = known.map_or(0, |known| known.fragments[0]);
     let mut drawn = moment.fragments.unwrap_or(all).min(all);
     let text = format!("{} / {}", format::count(drawn as u64), format::count(all as u64));
-    /// Width of the numbers, in points. They are dropped if the slider would be shorter than half this width.
+    /// Width of the fragment counts beside the slider, in points. The counts are omitted if the slider would be shorter
+    /// than half this width.
     const NUMBERS: f32 = 122.0;
     let has_numbers = width >= 1.5 * NUMBERS;
     ui.spacing_mut().slider_width = (if has_numbers { width - NUMBERS - space::M } else { width }).floor();
@@ -195,7 +197,7 @@ fn fragments(ui: &mut Ui, session: &Session, known: Option<&Timeline>, width: f3
     }
 }
 
-/// Draws a tick for each fragment at the picked pixel.
+/// Draws ticks on the triangle slider for the fragments at the picked pixel.
 fn ticks(ui: &Ui, slider: &Response, timeline: &Timeline) {
     /// Distance between the centre of egui's round handle and the slider's ends, as a fraction of the slider's height.
     const HANDLE_RADIUS: f32 = 1.0 / 2.5;

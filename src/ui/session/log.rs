@@ -6,12 +6,12 @@ use crate::text;
 /// Maximum number of lines in the log.
 const LOG_LINES: usize = 500;
 
-/// Line of the log, which is one message.
+/// Message in the log, shown as one line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct LogLine {
     /// Severity of the message.
     pub(crate) level: Severity,
-    /// Text of the message, in one line.
+    /// Text of the message, without line breaks.
     pub(crate) text: String,
 }
 

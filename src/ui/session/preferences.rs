@@ -103,12 +103,12 @@ pub(crate) struct Preferences {
     /// Recently opened files, newest first.
     #[serde(serialize_with = "all_stored", deserialize_with = "all_restored")]
     pub(crate) recent: Vec<PathBuf>,
-    /// Whether the first hint has been closed.
+    /// Whether the user has closed the introductory hint above the canvas.
     pub(crate) hint_closed: bool,
     /// Theme, scale, size and layout of the window.
     #[serde(flatten)]
     pub(crate) window: WindowState,
-    /// Bookmarks, in the order of their keys.
+    /// Bookmarks, in the order of their keyboard shortcuts.
     #[serde(deserialize_with = "the_readable")]
     pub(crate) bookmarks: Vec<Bookmark>,
     /// Watched pixels, as column and row.
@@ -117,7 +117,7 @@ pub(crate) struct Preferences {
 }
 
 impl Preferences {
-    /// Parses stored preferences as [`Self::read_checked`] does.
+    /// Parses stored preferences, skipping fields that cannot be read.
     #[cfg(test)]
     pub(crate) fn read(stored: &str) -> Self {
         Self::read_checked(stored).0
@@ -143,8 +143,8 @@ impl Preferences {
         (read, is_complete)
     }
 
-    /// Returns `theirs` with the changes made from `base` to `self`. Lists are merged item by item; other fields that
-    /// changed in `self` replace those of `theirs`.
+    /// Merges two sets of preferences that were both derived from `base`. Lists are merged item by item. Any other
+    /// field is taken from `self` if it was changed there, otherwise from `theirs`.
     pub(crate) fn merged(&self, base: &Self, theirs: &Self) -> Self {
         let mut recent = self.recent.clone();
         let others = theirs.recent.iter().filter(|path| !self.recent.contains(path) && !base.recent.contains(path));
@@ -172,12 +172,13 @@ impl Preferences {
     }
 }
 
-/// Returns `mine` if it was changed since `base`, otherwise `theirs`.
+/// Returns `mine` if it differs from `base`, otherwise `theirs`.
 fn latest<T: PartialEq + Clone>(mine: &T, base: &T, theirs: &T) -> T {
     if mine == base { theirs.clone() } else { mine.clone() }
 }
 
-/// Returns `theirs` with the additions and removals that lead from `base` to `mine`.
+/// Merges two lists that were both derived from `base`: adds to `theirs` the items that were added in `mine`, and
+/// removes from it the items that were removed in `mine`.
 fn merged_list<T: PartialEq + Clone>(mine: &[T], base: &[T], theirs: &[T]) -> Vec<T> {
     if theirs == base {
         return mine.to_vec();
@@ -203,7 +204,7 @@ fn all_restored<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<PathBuf>, D::E
     Ok(the_readable::<D, StoredPath>(from)?.into_iter().map(|path| path.0).collect())
 }
 
-/// Deserializes a list, skipping items that cannot be read and written again.
+/// Deserializes a list, skipping items that do not survive a round trip of deserialization and serialization.
 fn the_readable<'de, D: Deserializer<'de>, T: DeserializeOwned + Serialize>(from: D) -> Result<Vec<T>, D::Error> {
     let items = Vec::<Value>::deserialize(from)?;
     let read = |item: Value| {

@@ -12,7 +12,7 @@ fn session() -> Session {
     Session::new(Arc::new(scene), source, Recipe::default(), home)
 }
 
-/// Returns a bookmark of the default scene.
+/// Returns a bookmark with this name, which opens the default scene.
 pub(in crate::ui) fn bookmark(name: &str) -> Bookmark {
     Bookmark { name: name.to_owned(), place: session().place() }
 }

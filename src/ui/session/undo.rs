@@ -8,7 +8,7 @@ use crate::ui::compare::TileSet;
 /// Maximum number of undo steps.
 const UNDO_STEPS: usize = 200;
 
-/// Maximum time between camera moves that form one undo step, such as scrolling or flying, in seconds.
+/// Maximum pause, in seconds, between camera moves that are combined into one undo step, such as those of scrolling.
 const ONE_MOVE_SECONDS: f64 = 0.6;
 
 /// State covered by undo.
@@ -18,14 +18,14 @@ pub(crate) struct Undoable {
     pub(crate) recipe: Recipe,
     /// Camera with which the picture is drawn.
     pub(crate) camera: Camera,
-    /// Size of the picture, fixed or that of the canvas.
+    /// Size of the picture: fixed, or equal to the size of the canvas.
     pub(crate) size: PictureSize,
-    /// Comparison tiles besides the picture drawn with `recipe`.
+    /// Recipes of all comparison tiles, and the index of the active one.
     pub(crate) tiles: TileSet,
 }
 
 impl Session {
-    /// Turns the changes since the last call into one undo step. `now` is the current time, in seconds. Must not be
+    /// Combines all changes since the last call into one undo step. `now` is the current time, in seconds. Must not be
     /// called while a change is in progress, such as a slider being dragged. Camera moves in quick succession form one
     /// step.
     pub(crate) fn settle(&mut self, now: f64) {
@@ -49,7 +49,7 @@ impl Session {
         self.settled = self.state.clone();
     }
 
-    /// Adopts the current state without adding an undo step.
+    /// Accepts all changes since the last undo step without adding a step for them.
     pub(crate) fn settle_silently(&mut self) {
         self.settled = self.state.clone();
     }

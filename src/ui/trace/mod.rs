@@ -1,5 +1,5 @@
-//! The arithmetic of one fragment as a table. Steps move forwards and backwards by line, by stage, or to the next
-//! flagged line.
+//! The arithmetic of one fragment as a table, which can be stepped through by line, by stage, or to the next line that
+//! is flagged, for example for a NaN.
 
 pub(crate) mod panel;
 
@@ -13,13 +13,13 @@ use crate::chain::Frame;
 use crate::inspect::trace::{Notable, StepDirection, Trace, TraceStage};
 use crate::inspect::{PixelReport, trace};
 
-/// State of the table of arithmetic steps.
+/// State of the table that traces the arithmetic of a fragment.
 #[derive(Debug, Default)]
 pub(crate) struct TraceView {
     /// Last trace, with the inputs from which it was computed.
     cached: Option<CachedTrace>,
-    /// For each line, whether its value differs from that in the previous trace, which belongs to another pixel, recipe
-    /// or view.
+    /// For each line, whether its value differs from the previous trace, which belongs to another pixel, recipe or
+    /// view.
     changed: Vec<bool>,
     /// Index of the selected fragment; `None` means the visible one.
     fragment: Option<usize>,
@@ -27,7 +27,7 @@ pub(crate) struct TraceView {
     pub(crate) line: usize,
     /// Filter text: only lines that contain it are listed.
     pub(crate) filter: String,
-    /// Number of steps so far, from which the table detects that it must scroll.
+    /// Number of steps so far. A change makes the table scroll to the current line.
     pub(crate) steps: u64,
 }
 
@@ -40,7 +40,8 @@ struct CachedTrace {
 }
 
 impl CachedTrace {
-    /// Whether the trace describes the picked pixel of a view. It stays valid if another buffer of the frame is shown.
+    /// Whether the trace describes the picked pixel of a view. It remains valid if another buffer of the same frame is
+    /// shown.
     fn is_of(&self, view: &RenderedView) -> bool {
         let same = |report: &Arc<PixelReport>| Arc::ptr_eq(report, &self.report) || **report == *self.report;
         Arc::ptr_eq(&self.frame, &view.frame) && view.report.as_ref().is_some_and(same)
@@ -56,13 +57,13 @@ pub(crate) enum TraceChange {
     Line(usize),
     /// Moves by this many lines, backwards if negative.
     Step(i64),
-    /// Goes to the next line with this flag, or with any flag, in a direction.
+    /// Goes to the nearest line in a direction that has this flag; `None` stands for any flag.
     Run(Option<Notable>, StepDirection),
-    /// Goes to the next stage in a direction.
+    /// Goes to the nearest line of another stage in a direction.
     Stage(StepDirection),
     /// Traces the fragment with this index.
     Fragment(usize),
-    /// Sets the filter of the listed lines.
+    /// Sets the text that the listed lines must contain.
     Filter(String),
 }
 
@@ -134,8 +135,8 @@ impl TraceView {
     }
 }
 
-/// Returns a unique key for each line: stage, name, and number of the occurrence of that name. Equal keys identify
-/// corresponding lines of two traces.
+/// Returns a unique key for each line: stage, name, and the number of lines so far with this stage and name. Lines of
+/// two traces correspond if their keys are equal.
 fn names(trace: &Trace) -> impl Iterator<Item = (TraceStage, &str, usize)> {
     let mut seen: HashMap<(TraceStage, &str), usize> = HashMap::new();
     trace.lines.iter().map(move |line| {
@@ -145,7 +146,7 @@ fn names(trace: &Trace) -> impl Iterator<Item = (TraceStage, &str, usize)> {
     })
 }
 
-/// Returns, for each line, whether its value differs from that of the corresponding line in the last trace.
+/// Returns, for each line, whether its value differs from that of the corresponding line in the previous trace.
 fn changes(last: &Trace, trace: &Trace) -> Vec<bool> {
     let known: HashMap<_, &trace::TraceLine> = names(last).zip(&last.lines).collect();
     let differs = |(name, line): (_, &trace::TraceLine)| known.get(&name).is_none_or(|old| !is_same(old, line));
@@ -159,7 +160,8 @@ fn is_same(old: &trace::TraceLine, new: &trace::TraceLine) -> bool {
     }
 }
 
-/// Returns the line of `trace` that corresponds to a line of the last trace.
+/// Returns the index of the line in `trace` that corresponds to a line of the previous trace; the same index if there
+/// is none.
 fn counterpart(last: &Trace, line: usize, trace: &Trace) -> usize {
     let name = names(last).nth(line);
     let same = name.and_then(|name| names(trace).position(|other| other == name));

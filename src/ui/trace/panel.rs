@@ -1,4 +1,4 @@
-//! The tab “Arithmetic”: buttons, the current line in full, and the table of all lines.
+//! The tab “Arithmetic”: buttons for stepping, the current line of the trace in full, and the table of all lines.
 
 use eframe::egui::style::ScrollAnimation;
 use eframe::egui::{self, Align, Color32, Rect, RichText, ScrollArea, TextEdit, Ui, vec2};
@@ -15,21 +15,21 @@ use crate::ui::widgets::{combo, copy_button, empty_state, icon_button};
 /// Height of a row of the table, in points.
 pub(super) const ROW: f32 = 19.0;
 
-/// Draws the buttons and the filter field beside the current line.
+/// Draws the buttons for stepping through the trace, the filter field, and the copy button.
 fn controls(ui: &mut Ui, trace: &Trace, session: &Session, commands: &mut Vec<Command>) {
     let mut push = |change| commands.push(Command::Trace(change));
     for (icon, name, change) in [
-        (Icon::ChevronFirst, "Previous stage  (Shift+F11)", TraceChange::Stage(StepDirection::Back)),
-        (Icon::StepBack, "Previous line  (Shift+F10)", TraceChange::Step(-1)),
-        (Icon::StepForward, "Next line  (F10)", TraceChange::Step(1)),
-        (Icon::ChevronLast, "Next stage  (F11)", TraceChange::Stage(StepDirection::Forward)),
+        (Icon::ChevronFirst, "Go to the previous stage  (Shift+F11)", TraceChange::Stage(StepDirection::Back)),
+        (Icon::StepBack, "Go to the previous line  (Shift+F10)", TraceChange::Step(-1)),
+        (Icon::StepForward, "Go to the next line  (F10)", TraceChange::Step(1)),
+        (Icon::ChevronLast, "Go to the next stage  (F11)", TraceChange::Stage(StepDirection::Forward)),
     ] {
         if icon_button(ui, icon, name).clicked() {
             push(change);
         }
     }
     for (kind, word) in [
-        (None, "Next flagged"),
+        (None, "Next flagged line"),
         (Some(Notable::NotFinite), "NaN"),
         (Some(Notable::Tie), "Tie"),
         (Some(Notable::DepthEqual), "Equal depth"),
@@ -63,7 +63,7 @@ fn fragments(ui: &mut Ui, trace: &Trace, push: &mut impl FnMut(TraceChange)) {
             }
         })
         .response
-        .on_hover_text("The fragment to trace, in drawing order");
+        .on_hover_text("Fragment to trace; fragments are numbered in drawing order");
     if chosen != now {
         push(TraceChange::Fragment(chosen));
     }
@@ -131,7 +131,7 @@ fn row_after_step(ui: &Ui, table: &TraceView, listed: &[usize]) -> Option<usize>
     listed.iter().position(|place| *place == table.line).filter(|_| seen != table.steps)
 }
 
-/// Draws the current line: its index, its value, and the exact value.
+/// Draws the current line of the trace as text: its number, stage, quantity, computed value and exact value.
 fn current_line(ui: &mut Ui, trace: &Trace, table: &TraceView) {
     let Some(line) = trace.lines.get(table.line) else { return };
     let place = format!("{} of {}", table.line + 1, trace.lines.len());
@@ -144,7 +144,7 @@ fn current_line(ui: &mut Ui, trace: &Trace, table: &TraceView) {
     line_of_text(ui, text, tokens(ui).text_strong);
 }
 
-/// Draws the formula of the current line, with its numbers substituted.
+/// Draws the formula of the current line, followed by the formula with its numbers substituted.
 fn current_formula(ui: &mut Ui, trace: &Trace, table: &TraceView) {
     let Some(line) = trace.lines.get(table.line) else { return };
     let numbers = if line.numbers.is_empty() { String::new() } else { format!(" = {}", line.numbers) };

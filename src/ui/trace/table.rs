@@ -19,7 +19,8 @@ const EXACT: f32 = 196.0;
 const ROUNDING: f32 = 104.0;
 const SHOW: f32 = 26.0;
 
-/// Minimum width of the formula, in points. A narrow table drops the columns of bits and exact values instead.
+/// Minimum width of the formula column, in points. If the table is too narrow, the columns of bits and exact values are
+/// omitted.
 const MIN_FORMULA_POINTS: f32 = 170.0;
 
 /// Positions of the columns, in points from the left edge of the table.
@@ -33,9 +34,9 @@ pub(super) struct TraceColumns {
 }
 
 impl TraceColumns {
-    /// Computes the columns of a table `width` points wide. A narrow table drops the bits first, then the exact values.
+    /// Computes the columns of a table `width` points wide. A narrow table omits the bits first, then the exact values.
     pub(super) fn of(width: f32) -> Self {
-        /// Width of the scroll bar, which covers the ends of the rows, in points.
+        /// Width of the scroll bar, which covers the right end of each row, in points.
         const BAR: f32 = 12.0;
         let fixed = STAGE + WHAT + VALUE + ROUNDING + SHOW + BAR;
         let (mut bits, mut exact) = (BITS, EXACT);
@@ -83,7 +84,7 @@ pub(super) fn headings(ui: &mut Ui, columns: &TraceColumns) {
     right(columns.rounding + ROUNDING, "Rounding");
 }
 
-/// Draws the row of one line of the trace.
+/// Draws the table row of one trace line, and handles clicks on it.
 pub(super) fn table_row(
     ui: &mut Ui,
     (trace, place): (&Trace, usize),
@@ -185,14 +186,15 @@ fn explain(ui: &mut Ui, line: &TraceLine, is_changed: bool) {
         ui.label(format!("{}: {}", flag.words(), flag.kind.help()));
     }
     if is_changed {
-        ui.label("Dot: the value differs from that in the previous trace.");
+        ui.label("Dot: the value differs from that of the previously traced pixel or frame.");
     }
     if line.aside {
-        ui.label("Not computed by the pipeline, but shown for orientation.");
+        ui.label("Not computed by the pipeline; shown for orientation.");
     }
 }
 
-/// Draws a button that shows the line's quantity for the whole picture, or the final colours if it is shown.
+/// Draws a button that shows a line's quantity for all pixels on the canvas, or the final colours if the quantity is
+/// already shown.
 fn show_button(ui: &mut Ui, place: Rect, wanted: Shown, shown: Shown, commands: &mut Vec<Command>) {
     let id = ui.scope_id().with(("show", place.min.y as i64));
     let response = ui.interact(place, id, Sense::click());
@@ -204,7 +206,7 @@ fn show_button(ui: &mut Ui, place: Rect, wanted: Shown, shown: Shown, commands: 
     };
     paint_icon(ui.painter(), place.center(), Icon::Eye, 14.0, color);
     let name = if is_shown {
-        "Show the colours again".to_owned()
+        "Show the finished picture again".to_owned()
     } else {
         format!("Show “{}” for the whole picture", wanted.name())
     };

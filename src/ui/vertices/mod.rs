@@ -1,5 +1,5 @@
-//! The vertices of the picked triangle, or of its whole object, at every stage. One vertex can be followed in the
-//! picture.
+//! The vertices of the picked triangle, or of its whole object, in every space from the mesh to the pixel grid. One
+//! vertex can be followed, which marks it in the picture.
 
 mod panel;
 
@@ -17,18 +17,19 @@ pub(crate) use panel::ui;
 /// Settings of the vertex table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct VertexTable {
-    /// Whether the table lists all vertices of the object, rather than those of the triangle.
+    /// Whether the table lists all vertices of the picked triangle's object, rather than only the corners of the
+    /// triangle.
     pub(crate) whole_object: bool,
-    /// Followed vertex: index of its object, and its index in the mesh.
+    /// Vertex that is marked in the picture: index of its object, and its index in the mesh.
     pub(crate) selected: Option<(usize, u32)>,
 }
 
 /// Change to the vertex table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum VerticesChange {
-    /// Sets whether the table lists the whole object (`true`) or the triangle alone.
+    /// Sets whether the table lists all vertices of the object (`true`) or only the corners of the triangle.
     WholeObject(bool),
-    /// Follows a vertex, given by object and vertex index; `None` stops following.
+    /// Marks a vertex in the picture, given by object and vertex index; `None` removes the mark.
     Select(Option<(usize, u32)>),
 }
 
@@ -63,7 +64,7 @@ fn object(session: &Session, instance: usize) -> Option<ObjectVertices<'_>> {
     ObjectVertices::new(&request.scene, &request.camera, &request.recipe.pipeline, view.frame.viewport, instance)
 }
 
-/// Returns the stages of the followed vertex in the frame on screen.
+/// Returns the followed vertex at every stage of the pipeline, for the frame on screen.
 pub(crate) fn followed(session: &Session) -> Option<VertexStages> {
     let (instance, index) = session.vertices.selected?;
     object(session, instance)?.stages(index)
@@ -90,7 +91,7 @@ pub(crate) fn mark(ui: &Ui, painter: &Painter, placement: Placement, session: &S
 /// Radius of the ring around a vertex, in points.
 const RING_POINTS: f32 = 5.0;
 
-/// Draws a ring with the number of a vertex, visible on any background.
+/// Draws a ring around a vertex and its index beside it, visible on any background.
 pub(crate) fn ring(ui: &Ui, painter: &Painter, at: Pos2, index: u32) {
     let accent = tokens(ui).accent;
     painter.circle_stroke(at, RING_POINTS, Stroke::new(4.0, MARK_EDGE));

@@ -12,7 +12,7 @@ use crate::ui::session::Session;
 use crate::ui::theme::{Icon, RADIUS, ROW_HEIGHT, font_size, tokens};
 use crate::ui::widgets::{copy_button, empty_state};
 
-/// Group of columns for one stage.
+/// Group of table columns for one stage of the pipeline.
 struct ColumnGroup {
     name: &'static str,
     help: &'static str,
@@ -21,12 +21,17 @@ struct ColumnGroup {
     width: f32,
 }
 
-/// Width of a column of numbers with all their digits, in points.
+/// Width of a column of `f32` values with all significant digits, in points.
 const FULL: f32 = 96.0;
 
 const GROUPS: [ColumnGroup; 11] = [
     ColumnGroup { name: "Vertex", help: "Number of the vertex in the mesh", columns: &["number"], width: 58.0 },
-    ColumnGroup { name: "Model", help: "Model-space position in the mesh", columns: &["x", "y", "z"], width: FULL },
+    ColumnGroup {
+        name: "Model",
+        help: "Position in model space, as stored in the mesh",
+        columns: &["x", "y", "z"],
+        width: FULL,
+    },
     ColumnGroup {
         name: "Clip",
         help: "Clip-space position after the model-view-projection matrix, bit for bit as the pipeline computes it",
@@ -72,7 +77,12 @@ const GROUPS: [ColumnGroup; 11] = [
         columns: &["x", "y", "z"],
         width: FULL,
     },
-    ColumnGroup { name: "Normal", help: "Model-space normal in the mesh", columns: &["x", "y", "z"], width: FULL },
+    ColumnGroup {
+        name: "Normal",
+        help: "Normal in model space, as stored in the mesh",
+        columns: &["x", "y", "z"],
+        width: FULL,
+    },
     ColumnGroup {
         name: "Attributes",
         help: "Texture coordinates (v down) and vertex colour (sRGB, 0 … 1), if the mesh has any",
@@ -84,7 +94,7 @@ const GROUPS: [ColumnGroup; 11] = [
 /// Space between groups of columns, in points.
 const GAP: f32 = 14.0;
 
-/// Maximum number of rows to copy; larger tables do not fit in a clipboard.
+/// Maximum number of rows to copy, because clipboards limit the size of their content.
 const COPIED_ROWS: u32 = 65_536;
 
 /// Draws the controls of the tab “Vertices”, beside the tabs.
@@ -212,9 +222,9 @@ enum CellKind {
     Plain,
     /// The number is NaN or infinite.
     NotFinite,
-    /// The vertex has no such number.
+    /// The vertex has no value for this column.
     Absent,
-    /// The cell lists clip planes that the vertex lies beyond.
+    /// The cell lists the frustum planes that the vertex lies outside of.
     Beyond,
 }
 
@@ -271,7 +281,7 @@ fn cells(v: &VertexStages) -> Vec<TableCell> {
     cells
 }
 
-/// Returns the vertex indices of the rows to copy.
+/// Returns the indices of the vertices to copy: of the whole object, or of the three corners.
 fn rows(object: &ObjectVertices<'_>, corners: [u32; 3], whole: bool) -> Vec<u32> {
     if whole { (0..(object.count() as u32).min(COPIED_ROWS)).collect() } else { corners.to_vec() }
 }

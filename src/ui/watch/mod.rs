@@ -1,4 +1,4 @@
-//! Watched pixels: a list that is independent of the pick, with the values of all buffers at these pixels after every
+//! Watched pixels: a list of pixels, independent of the picked one, whose values in all buffers are updated after every
 //! frame.
 
 pub(crate) mod panel;
@@ -12,7 +12,8 @@ use super::theme::{MARK_EDGE, Tokens, font_size};
 use super::zoom::Placement;
 use crate::inspect::watch::WatchedPixel;
 
-/// Maximum number of watched pixels; each costs a replay after every frame.
+/// Maximum number of watched pixels. After every frame, the drawing of each watched pixel is repeated to find its
+/// values.
 pub(crate) const MAX_PIXELS: usize = 24;
 
 /// Watched pixels and their values.
@@ -22,7 +23,7 @@ pub(crate) struct WatchList {
     pub(crate) pixels: Vec<(u32, u32)>,
     /// Values of the watched pixels in the newest frame.
     pub(crate) rows: Vec<WatchedPixel>,
-    /// Values of the watched pixels in the last frame that had other values.
+    /// Values of the watched pixels before they last changed.
     pub(crate) before: Vec<WatchedPixel>,
 }
 
@@ -88,7 +89,7 @@ pub(super) fn markers(
     (width, height): (u32, u32),
     tokens: &Tokens,
 ) {
-    /// Minimum side of a frame, in points, so that it is visible around small pixels.
+    /// Minimum side length of a frame, in points, so that it is visible around small pixels.
     const MIN_POINTS: f32 = 5.0;
     for (number, (x, y)) in session.watch.pixels.iter().copied().enumerate() {
         if x >= width || y >= height {

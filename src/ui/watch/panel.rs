@@ -12,13 +12,13 @@ use crate::ui::widgets::{empty_state, icon_button, swatch};
 
 /// Columns of the table, each with name and help text.
 const COLUMNS: [(&str, &str); 9] = [
-    ("Pixel", "Column and row; a click picks it"),
+    ("Pixel", "Column and row of the pixel; click to pick it"),
     ("Colour", "Red, green and blue in the finished picture, 0 to 255"),
     ("Depth", "Final value of the depth buffer"),
     ("Triangle", "Number of the visible triangle in the scene"),
     ("Object", "Object that the visible triangle belongs to"),
     ("λ on screen", "Screen-space weights of the corners of the visible triangle"),
-    ("λ in space", "Weights with which attributes of the visible triangle are interpolated"),
+    ("Attribute weights", "Weights of the corners of the visible triangle for attribute interpolation"),
     ("Overdraw", "Number of triangles that cover the pixel's centre"),
     ("Shaded", "Number of fragments at the pixel's centre that were shaded"),
 ];
@@ -102,7 +102,8 @@ fn weights(weights: [f32; 3]) -> String {
     weights.map(|weight| format::fixed(f64::from(weight), 4)).join(" ")
 }
 
-/// Draws a value. If the last change of the picture changed it, it is highlighted and the tooltip shows the old value.
+/// Draws the value of a buffer at a watched pixel. If the value differs from that in `before`, it is highlighted and
+/// the tooltip shows the old value.
 fn cell(ui: &mut Ui, values: &PixelValues, before: Option<&PixelValues>, text: impl Fn(&PixelValues) -> String) {
     let (now, was) = (text(values), before.map(text));
     let changed = was.as_ref().is_some_and(|was| *was != now);

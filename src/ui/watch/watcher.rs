@@ -1,9 +1,9 @@
-//! Renderer side of watched pixels: replays them in every new frame.
+//! Renderer side of watched pixels: finds their values by repeating the drawing of these pixels after every new frame.
 
 use crate::inspect::watch::{WatchedPixel, watch};
 use crate::ui::engine::{RenderedView, Request};
 
-/// Watched pixels, and the view in which they are replayed.
+/// Watched pixels, and the view in which their values are found.
 #[derive(Debug, Default)]
 pub(crate) struct PixelWatcher {
     pixels: Vec<(u32, u32)>,
@@ -18,18 +18,18 @@ impl PixelWatcher {
         self.pixels = pixels;
     }
 
-    /// Sets the view to replay, which is the one on screen.
+    /// Sets the view in which the values of the pixels are found, which is the one on screen.
     pub(crate) fn set_view(&mut self, view: &RenderedView) {
         self.is_due |= view.fresh && !self.pixels.is_empty();
         self.view = Some(view.clone());
     }
 
-    /// Whether the pixels must be replayed: the view or the list of pixels is new.
+    /// Whether the values are out of date because the view or the list of pixels has changed.
     pub(crate) fn has_work(&self) -> bool {
         self.is_due && self.view.is_some()
     }
 
-    /// Replays all watched pixels and returns their values; `None` before the first view.
+    /// Finds the values of all watched pixels and returns them; `None` before the first view.
     pub(crate) fn step(&mut self) -> Option<Vec<WatchedPixel>> {
         self.is_due = false;
         let RenderedView { request, frame, .. } = self.view.as_ref()?;

@@ -59,8 +59,8 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     commands.extend(chosen.into_iter().map(Command::WhatIf));
 }
 
-/// Keeps the bar at least as high as it was at this width. Results make the bar higher. If it shrank again, the canvas
-/// would grow, and all results would be recomputed for the new size, in an endless loop.
+/// Keeps the bar at least as high as it was at this width. The bar grows when results arrive. If it shrank again, the
+/// canvas would grow, and all results would be recomputed for the new size, in an endless loop.
 fn keep_height(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
     let (id, width) = (egui::Id::unique("height of the bar of changes"), ui.available_width());
     let before: Option<(f32, f32)> = ui.data(|data| data.get_temp(id));
@@ -94,7 +94,7 @@ fn palette_button(ui: &mut Ui, commands: &mut Vec<Command>) {
 
 fn buttons(ui: &mut Ui, session: &Session, differs: bool, chosen: &mut Vec<WhatIfChange>) {
     let pinned = session.what_if.pinned;
-    let help = "Keeps A while several settings change. Otherwise, every change sets a new A";
+    let help = "Keeps A while you change several settings. Otherwise, every change makes the frame before it the new A";
     if ui.add(Button::new((theme::icon(Icon::Pin), "Pin A")).selected(pinned)).on_hover_text(help).clicked() {
         chosen.push(WhatIfChange::Pin(!pinned));
     }
@@ -103,7 +103,7 @@ fn buttons(ui: &mut Ui, session: &Session, differs: bool, chosen: &mut Vec<WhatI
             chosen.push(change);
         }
     };
-    button(ui, Icon::Undo2, "Revert", "Restores the settings of A", WhatIfChange::Revert);
+    button(ui, Icon::Undo2, "Revert", "Restores the settings of frame A", WhatIfChange::Revert);
     button(ui, Icon::ArrowLeftRight, "Swap", "Swaps the settings of A and B", WhatIfChange::Swap);
 }
 
@@ -151,9 +151,10 @@ fn figures(ui: &mut Ui, session: &Session, chosen: &mut Vec<WhatIfChange>) {
     }
 }
 
-/// Formats a fraction as a percentage, with enough digits to show a single pixel.
+/// Formats a fraction as a percentage, with more decimals if it is small, so that a single pixel does not round to
+/// zero.
 fn share(share: f64) -> String {
-    /// Fraction below which a tenth of a percent is too coarse.
+    /// Fraction below which a percentage with one decimal is too coarse.
     const SMALL: f64 = 0.01;
     if share > 0.0 && share < SMALL {
         format!("{}\u{2009}%", format::fixed(share * 100.0, 4))
@@ -197,7 +198,7 @@ fn time(ui: &mut Ui, times: &PairTimes) {
     ui.label(RichText::new(floor).monospace().small().color(tokens(ui).text_weak)).on_hover_text(help);
 }
 
-/// Draws the verdicts on the picked pixel in A and in B, or a note that the pixel did not change.
+/// Draws the explanations of the picked pixel's colour in A and in B, or a note that the pixel did not change.
 fn verdicts(ui: &mut Ui, session: &Session) {
     let Some(view) = &session.view else { return };
     let Some(found) = session.what_if.current(view) else { return };
@@ -224,7 +225,7 @@ fn verdicts(ui: &mut Ui, session: &Session) {
     }
 }
 
-/// Draws the name of the visible picture in the upper left corner of the canvas.
+/// Draws a label in the upper left corner of the canvas that says which picture is visible, A or B.
 pub(crate) fn label(ui: &Ui, canvas: Rect, session: &Session) {
     let what_if = &session.what_if;
     if session.view.as_ref().is_none_or(|view| what_if.current(view).is_none()) {
@@ -235,7 +236,7 @@ pub(crate) fn label(ui: &Ui, canvas: Rect, session: &Session) {
         _ if held => ("A  before", tokens(ui).a),
         Show::Before => ("A  before", tokens(ui).a),
         Show::After => ("B  now", tokens(ui).b),
-        Show::Changed => ("B  changes only", tokens(ui).b),
+        Show::Changed => ("B  only changes", tokens(ui).b),
     };
     let painter = ui.painter().with_clip_rect(canvas);
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(font_size::TITLE), color);

@@ -1,5 +1,5 @@
-//! Renderer side of the what-if comparison: draws A and B, finds their differences, then measures error and time in
-//! small steps.
+//! Renderer side of the what-if comparison: draws the view before a change of settings (A) and after it (B), finds
+//! their differences, then measures error and time in small steps.
 
 use std::sync::Arc;
 
@@ -32,15 +32,15 @@ impl WhatIfRequest {
 /// Results of a what-if request so far.
 #[derive(Clone, Debug)]
 pub(crate) struct WhatIfResults {
-    /// Request that the results belong to.
+    /// Request for which the results were computed.
     pub(crate) request: WhatIfRequest,
-    /// View A, coloured with the range of B.
+    /// View A, coloured with the same range of values as B.
     pub(crate) before: RenderedView,
     /// View B, with unchanged pixels dimmed.
     pub(crate) marked: RenderedView,
-    /// Changed pixels of the shown quantity.
+    /// Pixels at which the shown quantity differs between A and B.
     pub(crate) changes: Arc<Changes>,
-    /// Error between the finished pictures, once computed.
+    /// Error between the final pictures of A and B, once computed.
     pub(crate) error: Option<ImageError>,
     /// Frame times with and without the change, once measured.
     pub(crate) times: Option<PairTimes>,
@@ -92,7 +92,7 @@ impl Drawer {
         }))
     }
 
-    /// Computes one more step of the error or the time. Returns `None` if there is no new result yet.
+    /// Runs one more step of measuring the error or the frame times. Returns `None` if there is no new result yet.
     pub(crate) fn step(&mut self) -> Option<&WhatIfResults> {
         self.begun = true;
         let known = self.results.as_mut()?;
@@ -145,8 +145,8 @@ fn changes(before: &RenderedView, after: &RenderedView) -> Option<Changes> {
     }
 }
 
-/// Returns picture A coloured with the range of B if their ranges differ, so that equal values have equal colours.
-/// Returns `None` with an overlay, in which case A keeps its own picture and range.
+/// Returns picture A, coloured with the range of B so that equal values have equal colours. Returns `None` if A must
+/// keep its own picture and range: if the ranges are equal, with an overlay, or for a stage.
 fn with_range_of(before: &RenderedView, after: &RenderedView) -> Option<Arc<Image<Rgba8>>> {
     let look = &after.request.look;
     if before.range == after.range || !look.layers.is_empty() {

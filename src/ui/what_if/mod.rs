@@ -32,9 +32,9 @@ pub(crate) enum Show {
 impl Show {
     /// All options, each with its name and help text.
     pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
-        (Self::Changed, "Only changes", "B with unchanged pixels in dark grey. Hold Shift to show A"),
-        (Self::Before, "A", "The frame before the change"),
-        (Self::After, "B", "The current frame. Hold Shift to show A"),
+        (Self::Changed, "Only changes", "Show B with unchanged pixels in dark grey. Hold Shift to show A"),
+        (Self::Before, "A", "Show A, the frame before the change"),
+        (Self::After, "B", "Show B, the current frame. Hold Shift to show A"),
     ];
 }
 
@@ -43,7 +43,7 @@ impl Show {
 pub(crate) struct WhatIf {
     /// Whether the what-if bar is open.
     pub(crate) open: bool,
-    /// Recipe of A: the one before the last change, or the pinned one; `None` before the first change.
+    /// Recipe of A: the last recipe before the current one, or the pinned one; `None` before the first change.
     pub(crate) before: Option<Recipe>,
     /// Whether A is pinned while B changes.
     pub(crate) pinned: bool,
@@ -126,7 +126,8 @@ impl WhatIf {
     }
 }
 
-/// Returns the view that the canvas shows, like [`WhatIf::visible_view`]. While Shift is held, it is A.
+/// Returns the view that the canvas shows: A, B, or B with unchanged pixels dimmed. While Shift is held, it is A.
+/// Returns `None` before the first view.
 pub(crate) fn visible_view<'a>(ui: &Ui, session: &'a Session) -> Option<&'a RenderedView> {
     let view = session.view.as_ref()?;
     if session.comparison.is_on() {
@@ -166,7 +167,7 @@ impl Session {
         None
     }
 
-    /// Returns the next changed pixel after the picked one, or the previous one.
+    /// Returns the next changed pixel after the picked one, or the previous one if not `forwards`.
     pub(crate) fn change_beside_pick(&self, forwards: bool) -> Option<(u32, u32)> {
         let found = self.what_if.current(self.view.as_ref()?)?;
         found.changes.next_changed(self.pick, forwards)

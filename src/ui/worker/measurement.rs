@@ -1,5 +1,5 @@
-//! Measurement of all upscalers, step by step: frame times in rounds, and errors at rest and over the same frames in
-//! motion.
+//! Measurement of all upscalers in small steps: frame times in rounds, errors of a still view, and errors in motion
+//! over the frames that are timed.
 
 use super::WorkerResponse;
 use crate::chain::Recipe;
@@ -18,7 +18,7 @@ pub(crate) const MEASURE_ROUNDS: usize = 25;
 pub(crate) struct MeasureRequest {
     /// Number that identifies the responses to this request.
     pub(crate) number: u64,
-    /// Scene, view and recipe, in which only the upscaler varies.
+    /// Scene, view and recipe to measure. Only the upscaler of the recipe is varied.
     pub(crate) of: Request,
     /// Reference against which errors are computed.
     pub(crate) reference: Reference,
@@ -31,7 +31,7 @@ pub(crate) struct MeasureRequest {
 pub(crate) struct MethodError {
     /// Error of the still view after it has converged.
     pub(crate) still: ErrorMetrics,
-    /// Error over the frames in motion; without motion, the error of the still view.
+    /// Error over the frames in motion. If the camera is still, this is the error of the still view.
     pub(crate) motion: MotionError,
 }
 
@@ -76,21 +76,21 @@ impl Measurement {
         timed.0 >= timed.1 && judged.0 >= judged.1 && self.reported >= self.timer.rounds()
     }
 
-    /// Returns the number of frames whose error was measured, and the number of all such frames.
+    /// Returns the number of frames whose error has been measured, and the total number of frames to measure.
     fn measured_frames(&self) -> (usize, usize) {
         let moving =
             self.in_motion.as_ref().map_or((0, 0), |judge| (judge.measured_frames(), judge.total(self.request.turn)));
         (self.at_rest.measured_frames() + moving.0, self.at_rest.total(Turn::STILL) + moving.1)
     }
 
-    /// Returns the completed share of all frames to time or to compare, in [0, 1].
+    /// Returns the completed fraction of all frames to time or to compare with the reference, in [0, 1].
     fn progress(&self) -> f32 {
         let (timed, judged) = (self.timer.progress(), self.measured_frames());
         (timed.0 + judged.0) as f32 / (timed.1 + judged.1).max(1) as f32
     }
 
-    /// Draws at most one frame to measure its time or its error. Chooses whichever lags behind, so that both advance
-    /// evenly.
+    /// Draws at most one frame, to measure either its time or its error. Chooses the measurement that has progressed
+    /// less, so that both advance evenly.
     pub(super) fn step(&mut self) -> Option<WorkerResponse> {
         if self.reported < self.timer.rounds() {
             self.reported = self.timer.rounds();

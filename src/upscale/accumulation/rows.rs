@@ -1,7 +1,7 @@
-//! [`FrameContext`] for whole rows: the SIMD version of [`FrameContext::pixel`], with bit-identical results.
+//! SIMD version of [`FrameContext::pixel`] for whole rows, with bit-identical results.
 //!
-//! A row is processed in blocks of 16 pixels. The samples of this frame are decoded once each. In a still view, history
-//! is read at the same pixel; otherwise it is gathered at the reprojected positions.
+//! A row is processed in blocks of 16 pixels. Each sample of this frame is decoded once. In a still view, history is
+//! read at the same pixel; otherwise it is gathered at the reprojected positions.
 
 use super::{FrameContext, INTERPOLATED, JITTER_POSITIONS, sample_coordinate};
 use crate::image::color::Tables;
@@ -10,26 +10,27 @@ use crate::math::lanes::*;
 use crate::upscale::history::NOT_VISIBLE;
 use crate::upscale::{FilterSpace, Motion, Scale, bands};
 
-/// RGB in the working colour space and a fourth component: alpha as an 8-bit value, or the sample count of a mean.
+/// RGB in the working colour space, and a fourth component: alpha as an 8-bit value, or the number of accumulated
+/// samples.
 type ColorQuad = [f32; 4];
 
 /// History of a pixel that has none, marked by a negative sample count.
 const NO_HISTORY: ColorQuad = [0.0, 0.0, 0.0, -1.0];
 
-/// Position of an output column among the samples of this frame.
+/// Position of an output column or row among the samples of this frame.
 #[derive(Clone, Copy)]
 struct AxisPosition {
     /// Indices of the samples before and after the column, clamped to the image.
     between: [u32; 2],
     /// Interpolation weight of the second sample, in [0, 1).
     on: f32,
-    /// Index of the sample inside the column, if any.
+    /// Index of the sample that lies inside the column, if any.
     own: Option<u32>,
-    /// Index of the nearest sample plus one; 0 is the position before the first sample.
+    /// Index of the nearest sample plus one, or 0 if the nearest position lies before the first sample.
     nearest: usize,
 }
 
-/// Computes the image and the history for the next frame.
+/// Computes the full image, and in `memory` the history for the next frame.
 pub(super) fn fill(lanes: Lanes, now: &FrameContext<'_>, full: &mut Image<Rgba8>, memory: &mut Image<ColorQuad>) {
     let (width, height) = full.size();
     let samples = now.drawn.color.size();
@@ -90,13 +91,14 @@ struct RowContext<'a> {
     now: &'a FrameContext<'a>,
     columns: Vec<AxisPosition>,
     rows: Vec<AxisPosition>,
-    /// Result of [`Motion::across`] for all columns.
+    /// Horizontal view-space offset of each column; see [`Motion::across`].
     across: Vec<f64>,
 }
 
 /// Scratch buffers for an output row.
 struct RowScratch {
-    /// This frame's colour of each output pixel; `counts_for` holds its weight in the accumulation.
+    /// Colour of each output pixel from this frame's samples alone; `counts_for` holds the weight of that colour in the
+    /// accumulation.
     present: Vec<ColorQuad>,
     counts_for: Vec<f32>,
     /// Decoded sample rows above and below the output row; `light_of` holds the indices of these rows.
@@ -148,7 +150,8 @@ impl RowContext<'_> {
         }
     }
 
-    /// Computes this frame's colour of each pixel in a row: the mean of the samples of [`FrameContext::present`].
+    /// Computes the colour of each pixel in a row from this frame's samples alone: the weighted mean of the samples
+    /// that [`FrameContext::present`] selects.
     #[inline(always)]
     fn present<S: Simd>(&self, simd: S, y: u32, scratch: &mut RowScratch) {
         let color = self.now.drawn.color;
@@ -192,7 +195,8 @@ impl RowContext<'_> {
         }
     }
 
-    /// Computes the minimum and maximum of the 3 × 3 samples around every possible nearest sample of a row.
+    /// Computes the minimum and maximum of the 3 × 3 samples around each sample that can be nearest to a pixel of row
+    /// `y`.
     #[inline(always)]
     fn bounds<S: Simd>(&self, simd: S, y: u32, scratch: &mut RowScratch) {
         let color = self.now.drawn.color;
@@ -269,7 +273,8 @@ impl RowContext<'_> {
         self.now.encode(simd, mean, alpha, row);
     }
 
-    /// Reads the history of a block at the reprojected positions and clamps it to the bounds of this frame.
+    /// Reads the history of 16 pixels at their reprojected positions, and clamps it to the range of the 3 × 3 nearest
+    /// samples of this frame.
     #[inline(always)]
     fn gather<S: Simd>(
         &self,

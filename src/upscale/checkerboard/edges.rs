@@ -1,9 +1,9 @@
 //! Checkerboard rendering with missing pixels interpolated along edges instead of across them.
 //!
-//! A missing pixel lies between two drawn ones in its row and two in its column; in each pair, one is one pixel away
-//! and the other two. Each pair is interpolated linearly. The pair that differs less in luma gets more weight: with the
-//! squared differences dh² and dv², the weight of the row is (1 + dv²) / (2 + dh² + dv²). At borders, where a pair is
-//! incomplete, the plain mean of `checkerboard` is used.
+//! A missing pixel lies between two drawn ones in its row and two in its column; one pixel of each pair is at distance
+//! 1, the other at distance 2. Each pair is interpolated linearly. The pair that differs less in luma gets more weight:
+//! with the squared differences dh² and dv², the weight of the row is (1 + dv²) / (2 + dh² + dv²). At borders, where a
+//! pair is incomplete, the plain mean of `checkerboard` is used.
 
 use super::mean::{CHECKERBOARD, mean_of_sources};
 use super::squares::{DrawnNeighbours, Fill, MissingRun, channel, fill, pixels};
@@ -13,7 +13,7 @@ use crate::math::lanes::*;
 use crate::pipeline::grid::SampleGrid;
 use crate::upscale::{Offers, Sampling, Tap, UpscaleInputs, Upscaler, Upscaling};
 
-/// Checkerboard rendering with edge-directed interpolation.
+/// Checkerboard rendering that interpolates missing pixels along edges.
 pub(crate) static CHECKERBOARD_EDGES: CheckerboardEdges = CheckerboardEdges;
 
 /// [`Upscaler`] implementation of [`CHECKERBOARD_EDGES`].
@@ -73,10 +73,10 @@ fn pairs(size: (u32, u32), at: PixelPosition) -> Option<[PixelPosition; 4]> {
     Some([beside?, far_beside?, across?, far_across?])
 }
 
-/// Weight of the nearer of two pixels at distances 1 and 2.
+/// Weight of the nearer of two pixels at distances 1 and 2, for linear interpolation.
 const NEAR: f32 = 2.0 / 3.0;
 
-/// Returns the weights of the four pixels of [`pairs`]; they sum to 1.
+/// Returns the weights of the four pixels of [`pairs`], given their colours; the weights sum to 1.
 fn shares(colors: [Rgba8; 4]) -> [f32; 4] {
     let luma = |[r, g, b, _]: Rgba8| f32::from(r) + 2.0 * f32::from(g) + f32::from(b);
     let [across, down] = [(0, 1), (2, 3)].map(|(near, far)| (luma(colors[near]) - luma(colors[far])) / 4.0);
@@ -112,7 +112,7 @@ impl Fill for AlongEdges<'_> {
         mixed(self.drawn, self.size, at)
     }
 
-    /// Computes [`mixed`] for 16 pixels at a time.
+    /// Interpolates 16 missing pixels at a time along edges; see [`mixed`] for one pixel.
     #[inline(always)]
     fn missing<S: Simd>(&self, simd: S, _run: &MissingRun, around: DrawnNeighbours<S>) -> u32x16<S> {
         let DrawnNeighbours { beside, across, far_beside, far_across } = around;

@@ -20,7 +20,7 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::grid::SampleGrid;
 use crate::upscale::{Offers, Sampling, Tap, UpscaleInputs, Upscaler, Upscaling};
 
-/// Checkerboard rendering with missing pixels as means of their neighbours.
+/// Checkerboard rendering that sets each missing pixel to the mean of the nearest drawn ones.
 pub(crate) static CHECKERBOARD: Checkerboard = Checkerboard;
 
 /// [`Upscaler`] implementation of [`CHECKERBOARD`].
@@ -97,7 +97,7 @@ fn sources(x: u32, y: u32, width: u32, height: u32) -> [(u32, u32); 2] {
     pair(TOUCHING).or_else(|| pair(BEHIND)).unwrap_or(drawn)
 }
 
-/// Fills row `y`: the interior in blocks of four pixels, the borders pixel by pixel.
+/// Fills row `y`: its interior in blocks of four pixels, and its ends pixel by pixel.
 fn fill_row(drawn: &Image<Rgba8>, y: u32, width: u32, height: u32, row: &mut [Rgba8]) {
     let drawn_first = SampleGrid::Checkerboard.sample_at(0, y).is_some();
     let filled =

@@ -23,7 +23,7 @@ pub(crate) use temporal::CHECKERBOARD_TEMPORAL;
 
 use super::{Anchor, FilterSpace, Offers, Scale};
 
-/// Options of the checkerboard upscalers: a single value of each.
+/// Options of the checkerboard upscalers: a single value for each.
 const OFFERS: Offers = Offers {
     scales: &[Scale::ONE],
     anchors: &[Anchor::Corner],
@@ -35,21 +35,21 @@ const OFFERS: Offers = Offers {
 /// Column and row of a pixel in the full image.
 type PixelPosition = (u32, u32);
 
-/// Step in pixels from a pixel of a missing square to the drawn square it touches; see [`step`].
+/// Argument of [`step`] that leads from a pixel of a missing square to the drawn square it touches.
 const TOUCHING: i32 = -1;
 
-/// Step in pixels from a pixel of a missing square to the drawn square behind it; see [`step`].
+/// Argument of [`step`] that leads from a pixel of a missing square across this square to the drawn square behind it.
 const BEHIND: i32 = 2;
 
-/// Returns the position `by` pixels from `at` along one axis: positive steps cross its 2×2 square, negative ones leave
-/// it directly. Returns `None` outside the image.
+/// Returns the coordinate `by` pixels from `at` along one axis, or `None` outside the image. Positive steps cross the
+/// 2×2 square that contains `at`; negative steps lead out of it in the other direction.
 fn step(at: u32, by: i32, length: u32) -> Option<u32> {
     let by = if at.is_multiple_of(2) { by } else { -by };
     at.checked_add_signed(by).filter(|place| *place < length)
 }
 
-/// Returns the drawn pixels in the row and the column of a missing pixel, `by` pixels away as in [`step`]. Pixels
-/// outside the image are `None`.
+/// Returns the drawn pixels in the row and the column of a missing pixel that are `by` pixels away, with the direction
+/// defined by [`step`]. Pixels outside the image are `None`.
 fn neighbours(by: i32, (width, height): (u32, u32), (x, y): PixelPosition) -> [Option<PixelPosition>; 2] {
     [step(x, by, width).map(|x| (x, y)), step(y, by, height).map(|y| (x, y))]
 }
@@ -59,7 +59,7 @@ fn around(size: (u32, u32), at: PixelPosition) -> impl Iterator<Item = PixelPosi
     [TOUCHING, BEHIND].into_iter().flat_map(move |by| neighbours(by, size, at)).flatten()
 }
 
-/// Returns the packed column of the drawn pixel in column `x`; the same for rows of either parity.
+/// Returns the column in the packed image of the drawn pixel in column `x`. It does not depend on the row.
 fn packed_column(x: u32) -> u32 {
     x / 4 * 2 + x % 2
 }

@@ -20,21 +20,22 @@ pub(super) trait Fill: Sync {
     fn missing<S: Simd>(&self, simd: S, run: &MissingRun, around: DrawnNeighbours<S>) -> u32x16<S>;
 }
 
-/// Position of 16 missing pixels of a row.
+/// Position of 16 consecutive missing pixels of a row.
 pub(super) struct MissingRun {
-    /// Row of the pixels. `across` is the row that they touch, and `far_across` the row behind them.
+    /// Row of the missing pixels. `across` is the row of the drawn pixels that they touch, and `far_across` that of the
+    /// drawn pixels behind them.
     pub(crate) y: u32,
     pub(crate) across: u32,
     pub(crate) far_across: u32,
-    /// Index of the first pixel among the missing ones of the row.
+    /// Index of the first of the 16 pixels, counting only the missing pixels of the row.
     pub(crate) first: usize,
-    /// Column directly before the first pixel.
+    /// Column directly before the first of the 16 pixels.
     pub(crate) before: usize,
 }
 
 impl MissingRun {
-    /// Returns masks of the missing pixels that show the same surface as each of the four drawn pixels around: beside,
-    /// across, far beside, far across.
+    /// Returns four masks of the missing pixels, one for each drawn neighbour: beside, across, far beside, far across.
+    /// A bit is set if both pixels show the same surface.
     #[inline(always)]
     pub(super) fn same_surface_masks<S: Simd>(&self, simd: S, surfaces: &GBuffer) -> [mask32x16<S>; 4] {
         let GBuffer { object, distance } = surfaces;
@@ -58,7 +59,7 @@ impl MissingRun {
         each!(there in [beside, near, far_beside, far] => same_surface(own, there))
     }
 
-    /// Loads the pixels of a full row at the positions of the 16 missing pixels.
+    /// Loads the values of a full-width image row at the positions of the 16 missing pixels.
     #[inline(always)]
     pub(super) fn own<S: Simd>(&self, simd: S, row: &[Rgba8]) -> u32x16<S> {
         let codes = &row.as_flattened()[4 * self.before..];
@@ -66,7 +67,7 @@ impl MissingRun {
         firsts(simd).select(odd, even)
     }
 
-    /// Loads the objects and distances of the 16 missing pixels.
+    /// Loads the object ids and distances of the 16 missing pixels.
     #[inline(always)]
     pub(super) fn shown<S: Simd>(&self, simd: S, surfaces: &GBuffer) -> (u32x16<S>, f32x16<S>) {
         let distances = &surfaces.distance.row(self.y)[self.before..];
@@ -151,7 +152,7 @@ pub(super) fn words<S: Simd>(simd: S, codes: &[u8]) -> u32x16<S> {
     u8x64::from_slice(simd, &codes[..4 * WIDE]).bitcast()
 }
 
-/// Returns a mask of the pixels that are the first of their missing pair.
+/// Returns a mask of the pixels that come first in their pair of missing pixels.
 #[inline(always)]
 fn firsts<S: Simd>(simd: S) -> mask32x16<S> {
     let places = u32x16::load_array(simd, [0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1]);

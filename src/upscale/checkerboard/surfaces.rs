@@ -13,7 +13,7 @@ use crate::math::lanes::*;
 use crate::pipeline::grid::SampleGrid;
 use crate::upscale::{Offers, Reads, Sampling, Tap, UpscaleInputs, Upscaler, Upscaling};
 
-/// Checkerboard rendering with missing pixels filled from the same surface.
+/// Checkerboard rendering that interpolates missing pixels from neighbours on the same surface.
 pub(crate) static CHECKERBOARD_SURFACES: CheckerboardSurfaces = CheckerboardSurfaces;
 
 /// [`Upscaler`] implementation of [`CHECKERBOARD_SURFACES`].
@@ -62,10 +62,10 @@ impl Upscaler for CheckerboardSurfaces {
     }
 }
 
-/// Unnormalised weights of a pixel that touches the missing one and of a pixel behind it.
+/// Unnormalised weights of drawn pixels: of one that touches the missing pixel, and of one behind it.
 const NEAR_AND_FAR: [f32; 2] = [2.0, 1.0];
 
-/// Kernel that fills missing pixels from the same surface.
+/// Kernel that interpolates missing pixels from neighbours on the same surface.
 pub(super) struct SurfaceFill<'a> {
     pub(crate) grid: SampleGrid,
     pub(crate) drawn: &'a UpscaleInputs<'a>,
@@ -100,7 +100,7 @@ impl Fill for SurfaceFill<'_> {
     }
 }
 
-/// Computes one pixel of an image whose checkerboard half `grid` was drawn.
+/// Computes one pixel of the full image; `grid` specifies which half of the pixels was drawn.
 pub(super) fn filled(grid: SampleGrid, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
     let color = |tap: &Tap| grid.sample_at(tap.x, tap.y).map_or([0; 4], |(column, row)| drawn.color.at(column, row));
     let taps = taps(grid, drawn, size, at);

@@ -90,7 +90,7 @@ impl Upscaler for CheckerboardTemporal {
     }
 }
 
-/// Returns the squares to draw after `frames` earlier frames.
+/// Returns which half of the squares to draw after `frames` earlier frames.
 fn grid(frames: u32) -> SampleGrid {
     if frames.is_multiple_of(2) { SampleGrid::Checkerboard } else { SampleGrid::OddCheckerboard }
 }
@@ -113,12 +113,13 @@ fn filled(drawn: &UpscaleInputs<'_>, motion: Option<&Motion<'_>>, size: (u32, u3
         .unwrap_or_else(|| surfaces::filled(grid, drawn, size, at))
 }
 
-/// Kernel that reprojects missing pixels from the previous frame, with the same surface of this frame as fallback.
+/// Kernel that reprojects missing pixels from the previous frame. Pixels without valid history are interpolated from
+/// the same surface of this frame.
 pub(super) struct TemporalFill<'a> {
     fallback: SurfaceFill<'a>,
     motion: Option<Motion<'a>>,
-    /// Results of [`Motion::across`] for the missing pixels: first for rows that start with a missing pixel, then for
-    /// the other rows.
+    /// Horizontal view-space offsets of the missing pixels; see [`Motion::across`]. The first list is for rows that
+    /// start with a missing pixel, the second for the other rows.
     across: [Vec<f64>; 2],
 }
 
@@ -152,7 +153,8 @@ impl<'a> TemporalFill<'a> {
         Self { fallback: SurfaceFill { grid: grid_of(drawn), drawn, size }, motion, across: [missing(0), missing(2)] }
     }
 
-    /// Computes [`reproject_pixel`] for 16 pixels. Returns a mask of the pixels with valid history, and their colours.
+    /// Reprojects 16 missing pixels; see [`reproject_pixel`] for one. Returns a mask of the pixels with valid history,
+    /// and the colours of all.
     #[inline(always)]
     fn reproject_pixels<S: Simd>(
         &self,

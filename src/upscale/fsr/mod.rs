@@ -141,7 +141,7 @@ fn fill(lanes: Lanes, how: Upscaling, drawn: &Image<Rgba8>, full: &mut Image<Rgb
     });
 }
 
-/// Fills the rows of a band that starts at row `band`, strip by strip.
+/// Fills the rows of a band, strip by strip. The first of them is row `band` of the image.
 fn fill_band(
     lanes: Lanes,
     how: Upscaling,

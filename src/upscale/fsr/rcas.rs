@@ -1,10 +1,10 @@
 //! Robust contrast-adaptive sharpening (RCAS): a weighted sum of a cross of five pixels.
 //!
-//! The outer weight, the lobe, is as negative as possible without any channel leaving [0, 1].
+//! The weight of the four outer pixels, called the lobe, is as negative as possible without any channel leaving [0, 1].
 //!
 //! Let mn and mx be the minimum and maximum of the four neighbours. A channel e of the centre stays in range for lobes
-//! down to −min(mn, e) / (4 mx) and (1 − max(mx, e)) / (4 mn − 4). The weakest of the three channels decides, limited
-//! to −3/16, because −¼ would divide by zero. Alpha is unchanged.
+//! down to −min(mn, e) / (4 mx) and (1 − max(mx, e)) / (4 mn − 4). The limit nearest to zero of the three channels
+//! applies, but the lobe is at least −3/16, because −¼ would divide by zero. Alpha is unchanged.
 //!
 //! With the lobe l and the sum s of the four neighbours, (l s + e) / (4 l + 1) equals e + q (4 e − s), where q = −l
 //! / (4 l + 1). Quotients are compared and sums computed in integers. q is a fraction of 2¹⁵, and its product is
@@ -17,13 +17,14 @@ use crate::math::lanes::*;
 /// Maximum of −4 l, where l is the lobe.
 const MAX_LOBE: f32 = 0.75;
 
-/// Fractional bits of a sharpened 8-bit value.
+/// Number of fractional bits of a sharpened 8-bit value.
 const POINT: u32 = 5;
 
-/// Half an 8-bit step.
+/// Half an 8-bit step, with [`POINT`] fractional bits.
 const HALF: i16 = 1 << (POINT - 1);
 
-/// Quotient of 8-bit values whose division is deferred: only one of the compared quotients is needed.
+/// Quotient of two 8-bit values, kept as a fraction: quotients are compared without a division, and only the smallest
+/// one is computed.
 #[derive(Clone, Copy)]
 struct Quotient<T> {
     numerator: T,
@@ -36,8 +37,9 @@ impl Quotient<u16> {
         if self.numerator * other.denominator <= other.numerator * self.denominator { self } else { other }
     }
 
-    /// Returns the limit of −4 l for one channel: the smaller of the limits at both ends of the range. If a denominator
-    /// is zero, so is its numerator; replacing the denominator by 1 makes the quotient zero.
+    /// Returns the limit of −4 l for one channel: the smaller of the limits that keep the result at least 0 and
+    /// at most 1. If a denominator is zero, so is its numerator; replacing the denominator by 1 makes the quotient
+    /// zero.
     fn of_channel(above: u8, left: u8, own: u8, right: u8, below: u8) -> Self {
         let least = above.min(left).min(right.min(below));
         let greatest = above.max(left).max(right.max(below));
@@ -77,13 +79,13 @@ pub(super) fn pixel(cross: [Rgba8; 5], strength: f32) -> Rgba8 {
     sharpened
 }
 
-/// Returns the weights of the five pixels in the result; they sum to 1.
+/// Returns the weights of the five pixels in the sharpened pixel; they sum to 1.
 pub(super) fn shares(cross: [Rgba8; 5], strength: f32) -> [f32; 5] {
     let weight = f32::from(weight(cross, strength)) / 32768.0;
     [-weight, -weight, 1.0 + 4.0 * weight, -weight, -weight]
 }
 
-/// Sharpens rows of `width` px, starting at row `above` of the input. Border rows are repeated.
+/// Sharpens rows of `width` px. The first sharpened row is row `above` of the input. Border rows are repeated.
 pub(super) fn fill(
     lanes: Lanes,
     (rows, width): (&[Rgba8], usize),
@@ -99,11 +101,11 @@ pub(super) fn fill(
 }
 
 /// Number of 16-pixel runs whose weights are computed before any is used. Each weight is a dependency chain of products
-/// and a quotient; the following runs hide its latency.
+/// and a division; interleaving runs hides its latency.
 const RUNS: usize = 8;
 
-/// Sharpens the interior of a row 16 pixels at a time and the border pixels one by one. The last 16 may overlap the
-/// previous ones.
+/// Sharpens the interior of a row 16 pixels at a time and the border pixels one by one. The last group of 16 may
+/// overlap the previous one.
 #[inline(always)]
 fn fill_row<S: Simd>(simd: S, rows: [&[Rgba8]; 3], strength: f32, row: &mut [Rgba8]) {
     let last = row.len() - 1;
@@ -129,7 +131,7 @@ fn fill_row<S: Simd>(simd: S, rows: [&[Rgba8]; 3], strength: f32, row: &mut [Rgb
     }
 }
 
-/// Loads 16 pixels from index `at` on, and the pixels above, left, right and below them.
+/// Loads 16 pixels from index `at` on, and their neighbours above, left, right and below.
 #[inline(always)]
 fn cross<S: Simd>(simd: S, [above, own, below]: [&[Rgba8]; 3], at: usize) -> (u8x64<S>, [u8x64<S>; 4]) {
     (run(simd, own, at), [run(simd, above, at), run(simd, own, at - 1), run(simd, own, at + 1), run(simd, below, at)])
@@ -164,7 +166,7 @@ impl<S: Simd> Quotient<u16x32<S>> {
     }
 }
 
-/// Computes [`weight`] for 16 pixels, with an identical quotient.
+/// Computes the sharpening weights q of 16 pixels, bit-identical to [`weight`].
 #[inline(always)]
 fn wide_weight<S: Simd>(
     simd: S,
@@ -196,7 +198,7 @@ fn wide_weight<S: Simd>(
     whole_part(numerator * 8192.0 / (denominator - numerator) + 0.5)
 }
 
-/// Computes [`pixel`] for 16 pixels from their weights, with identical sums.
+/// Sharpens 16 pixels, given their weights q; bit-identical to [`pixel`].
 #[inline(always)]
 fn wide_pixels<S: Simd>(own: u8x64<S>, [above, left, right, below]: [u8x64<S>; 4], weight: u32x16<S>) -> u8x64<S> {
     let red_blue = sharpened(
@@ -208,7 +210,7 @@ fn wide_pixels<S: Simd>(own: u8x64<S>, [above, left, right, below]: [u8x64<S>; 4
     (red_blue | green << 8).bitcast()
 }
 
-/// Sharpens 8-bit values, given the sums of their four neighbours and q.
+/// Sharpens 32 8-bit values, given the sums of their four neighbours and the weights q.
 #[inline(always)]
 fn sharpened<S: Simd>(own: u16x32<S>, around: u16x32<S>, weight: i16x32<S>) -> u16x32<S> {
     let (own, around) = (own.bitcast::<i16x32<S>>(), around.bitcast::<i16x32<S>>());

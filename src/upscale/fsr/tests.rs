@@ -154,7 +154,7 @@ fn sharpened_images_equal_single_pixels_for_all_strips_and_lanes() {
     }
 }
 
-/// Returns noise between rows and columns of a single colour.
+/// Returns an image of noise, interrupted by columns and rows of a single colour.
 fn partly_plain(width: u32, height: u32) -> Image<Rgba8> {
     let noise = noise(width, height);
     Image::from_fn(width, height, |x, y| if x % 90 < 40 || y % 7 < 3 { [30, 200, 90, 255] } else { noise.at(x, y) })

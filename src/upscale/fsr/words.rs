@@ -40,7 +40,7 @@ pub(super) fn pairs<S: Simd>(one: i16x16<S>, other: i16x16<S>) -> [i16x16<S>; 2]
     [low, high]
 }
 
-/// Computes [`times_one`] for 16 lanes.
+/// Multiplies 16 pairs of fixed-point numbers in units of 2⁻¹⁵; see [`times_one`].
 #[inline(always)]
 pub(super) fn times<S: Simd>(a: i16x16<S>, b: i16x16<S>) -> i16x16<S> {
     let simd = a.simd;

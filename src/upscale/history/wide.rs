@@ -21,7 +21,8 @@ pub(in crate::upscale) struct ReprojectedLanes<S: Simd> {
     pub(crate) down: F32<S>,
 }
 
-/// Computes [`super::GBuffer::same_surface`] for 16 pairs of pixels, from their objects and distances.
+/// Returns a mask of the 16 pixel pairs that show the same object at about the same distance, bit-identical to
+/// [`super::GBuffer::same_surface`].
 #[inline(always)]
 pub(in crate::upscale) fn same_surface<S: Simd>(
     (object, distance): (u32x16<S>, f32x16<S>),
@@ -37,8 +38,8 @@ impl Motion<'_> {
         self.path.is_none()
     }
 
-    /// Returns the horizontal view-space offsets of `columns` that [`Self::find`] needs, padded to whole vectors. They
-    /// are empty if the camera is unchanged.
+    /// Returns the horizontal view-space offsets of `columns` for [`Self::find`], padded to whole vectors. The list is
+    /// empty if the camera is unchanged.
     pub(in crate::upscale) fn across(&self, columns: impl Iterator<Item = u32>) -> Vec<f64> {
         let Some(ViewChange { lenses: [from, _], .. }) = &self.path else { return Vec::new() };
         let mut across: Vec<f64> = columns.map(|x| from.right_of(f64::from(x) + 0.5)).collect();
@@ -70,8 +71,8 @@ impl Motion<'_> {
         self.find(simd, y, across, (object, F32::load_array_ref(simd, distances)))
     }
 
-    /// Reprojects eight pixels of row `y` that show these objects at these distances. `across` holds the results of
-    /// [`Self::across`] for their columns. Image width and height must be at most 2²⁴ px.
+    /// Reprojects eight pixels of row `y`, given the objects and distances that they show. `across` holds the results
+    /// of [`Self::across`] for their columns. Image width and height must be at most 2²⁴ px.
     #[inline(always)]
     pub(in crate::upscale) fn find<S: Simd>(
         &self,
@@ -119,14 +120,14 @@ impl Motion<'_> {
     }
 }
 
-/// Converts non-negative integral doubles to integers.
+/// Converts non-negative integers stored as `f64` to 32-bit integers.
 #[inline(always)]
 fn whole<S: Simd>(simd: S, number: F64<S>) -> u32x8<S> {
     narrow(simd, number).to_int::<i32x8<S>>().bitcast()
 }
 
-/// Returns the pixels whose centres lie before and after positions along an axis of `length` px, and the interpolation
-/// weights.
+/// Returns the indices of the pixels whose centres lie before and after each position along an axis of `length` px, and
+/// the interpolation weights.
 #[inline(always)]
 fn between<S: Simd>(simd: S, place: F64<S>, length: f64) -> (u32x8<S>, u32x8<S>, F32<S>) {
     let from = place - 0.5;
@@ -136,8 +137,8 @@ fn between<S: Simd>(simd: S, place: F64<S>, length: f64) -> (u32x8<S>, u32x8<S>,
 }
 
 impl ViewChange {
-    /// Computes [`ViewChange::moved`] for eight pixels; the caller must reject points behind the eye and non-finite
-    /// results.
+    /// Transforms the positions and distances of eight pixels into the previous view, like [`ViewChange::moved`]. The
+    /// caller must reject points behind the eye and non-finite results.
     #[inline(always)]
     fn moved_lanes<S: Simd>(
         &self,

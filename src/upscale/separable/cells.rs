@@ -1,8 +1,9 @@
 //! Traversal of an image for separable interpolation, along rows first and then along columns.
 //!
-//! Each row of samples is widened once and kept in a ring buffer as long as the kernel. The output rows between two
-//! rows of samples form a *cell* and are computed in one sweep. Every widened row is therefore read once per cell
-//! instead of once per output row. Bands of rows are independent; their boundaries do not affect the result.
+//! Each row of samples is widened once and kept in a ring buffer of as many rows as the kernel has taps. The output
+//! rows between two rows of samples form a *cell* and are computed in one sweep. Every widened row is therefore read
+//! once per cell instead of once per output row. Bands of rows are independent; their boundaries do not affect the
+//! result.
 
 use std::array;
 
@@ -13,7 +14,7 @@ use crate::upscale::lattice::Lattice;
 /// Maximum number of taps along an axis.
 pub(in crate::upscale) const MAX_TAPS: usize = 6;
 
-/// Arithmetic of the horizontal and the vertical pass.
+/// Arithmetic of the horizontal and the vertical pass of an interpolation.
 pub(super) trait Pass: Sync {
     /// A row of samples, widened to output pixels.
     type Row: Default;
@@ -21,11 +22,11 @@ pub(super) trait Pass: Sync {
     /// Number of taps along an axis: even, at most [`MAX_TAPS`].
     const TAPS: usize;
 
-    /// Widens a row of samples. Overwrites `wide`, which may hold any values.
+    /// Widens a row of samples to output pixels. Overwrites `wide`, which may hold any values.
     fn widen(&self, samples: &[Rgba8], wide: &mut Self::Row);
 
-    /// Computes some or all rows of a cell: `phases.len()` contiguous rows, from the surrounding [`Pass::TAPS`] widened
-    /// rows.
+    /// Computes contiguous output rows of one cell, one for each of `phases`, from the [`Pass::TAPS`] surrounding
+    /// widened rows.
     fn mix(&self, around: &[&Self::Row], phases: &[u32], rows: &mut [Rgba8]);
 }
 
@@ -66,7 +67,7 @@ fn fill_band<P: Pass>(
     }
 }
 
-/// Computes one pixel of row `y`; `pass` must contain only its column.
+/// Computes one pixel of row `y`; `pass` must be set up for the column of this pixel only.
 pub(super) fn pixel<P: Pass>(pass: &P, drawn: &Image<Rgba8>, lattice: Lattice, y: u32) -> Rgba8 {
     let place = lattice.place(y);
     let top = place.cell - (P::TAPS as i32 / 2 - 1);

@@ -7,7 +7,7 @@ use super::cells::Pass;
 use crate::image::Rgba8;
 use crate::upscale::lattice::LatticePosition;
 
-/// Scalar passes of exact linear interpolation.
+/// Scalar version of the horizontal and the vertical pass of exact linear interpolation.
 pub(super) struct ExactScalar {
     /// Number of phase steps between two samples.
     pub(super) steps: u16,

@@ -26,7 +26,7 @@ const BLOCK: usize = 8;
 /// Eight pixels as 16-bit values: red and blue, then green and alpha.
 type ExactBlock = [[i16; 16]; 2];
 
-/// Passes for images of a fixed width.
+/// Horizontal and vertical pass for images of a fixed width.
 pub(super) struct ExactAvx2 {
     avx2: Avx2,
     steps: u32,
@@ -34,11 +34,11 @@ pub(super) struct ExactAvx2 {
     /// Number of pixels of the first block that lie left of the image, so that the other blocks are stored at aligned
     /// addresses.
     skipped: usize,
-    /// Number of samples left of the image that blocks read.
+    /// Number of padding samples before the first one, which blocks left of the image read.
     before: usize,
     /// Gather pattern of each block in a period.
     period: Vec<Gather>,
-    /// Number of samples between two periods.
+    /// Number of samples per period of gather patterns.
     samples_per_period: usize,
 }
 
@@ -50,13 +50,13 @@ struct Gather {
     runs: [u32; 8],
     /// Byte shuffle that selects two samples per value: for red and blue, then for green and alpha.
     bytes: [[u8; 32]; 2],
-    /// Weights of the two samples of each value, in steps.
+    /// Weights of the two samples of each value, in phase steps.
     weights: [u8; 32],
 }
 
 impl Gather {
-    /// Creates the pattern of the block that starts at pixel `first`; sample indices start `before` samples left of the
-    /// image.
+    /// Creates the pattern of the block that starts at pixel `first`. `before` is the number of padding samples left of
+    /// the image.
     fn new(lattice: Lattice, first: i64, before: usize) -> Self {
         let starts = [first, first + 4].map(|at| lattice.place_beyond(at).cell);
         let apart = (starts[1] - starts[0]) as u32;
@@ -106,7 +106,7 @@ impl ExactAvx2 {
         Self { avx2, steps: lattice.phases(), width: width as usize, skipped, before, period, samples_per_period }
     }
 
-    /// Returns the left shift of widened values; 0 if the result is computed by division.
+    /// Returns the number of bits by which widened values are shifted left; 0 if the result is computed by division.
     fn shift(&self) -> i32 {
         if self.steps.is_power_of_two() { 8 - 2 * self.steps.trailing_zeros() as i32 } else { 0 }
     }
@@ -136,7 +136,7 @@ impl Pass for ExactAvx2 {
 }
 
 kernel! {
-    /// Widens the padded samples of a row.
+    /// Widens a row of padded samples to output pixels.
     fn gather(avx2: Avx2, padded: &[Rgba8], pass: &ExactAvx2, wide: &mut [ExactBlock]) {
         let shift = _mm_cvtsi32_si128(pass.shift());
         let blocks = pass.period.len();
@@ -165,7 +165,7 @@ struct Rounding {
     shift: i32,
 }
 
-/// Calls [`sweep`] with constants for the number of rows and the kind of rounding.
+/// Calls [`sweep`] with const arguments for the number of rows and the kind of rounding.
 macro_rules! with_rows {
     ($count:expr, $divide:expr, ($($arg:expr),*)) => {
         match ($count, $divide) {
@@ -180,7 +180,8 @@ macro_rules! with_rows {
     };
 }
 
-/// Phase steps of a cell: their number, the position of its first row, and the distance between two rows.
+/// Vertical positions of output rows in a cell, in phase steps: steps per cell, position of the first row, and distance
+/// between rows.
 #[derive(Clone, Copy)]
 struct PhaseSteps {
     of_cell: u32,
@@ -218,7 +219,7 @@ kernel! {
     }
 }
 
-/// Computes the whole blocks of the `ROWS` rows of a cell.
+/// Computes all whole blocks in the `ROWS` output rows of a cell.
 #[target_feature(enable = "avx2")]
 #[inline(never)]
 fn sweep<const ROWS: usize, const DIVIDE: bool>(
@@ -229,7 +230,7 @@ fn sweep<const ROWS: usize, const DIVIDE: bool>(
     rounding: Rounding,
     rows: [Blocks<'_>; MAX_ROWS],
 ) {
-    /// 2¹⁶ / 9, rounded up: exact for all sums of ninths.
+    /// 2¹⁶ / 9, rounded up: the upper 16 bits of a product with it are the quotient by 9, exact for every possible sum.
     const NINTH: i16 = 7282;
     let [row_0, row_1, row_2, row_3] = of_one_length(rows, ROWS);
     let blocks = row_0.len();

@@ -47,10 +47,10 @@ pub(super) fn times(weight: i16, value: i16) -> i16 {
     ((i32::from(weight) * i32::from(value) + (1 << 14)) >> 15) as i16
 }
 
-/// Weights at one position between samples, outermost pair first.
+/// Weights of the symmetric pairs of samples around one position, outermost pair first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::upscale) struct PhaseWeights<const H: usize> {
-    /// Mean weight of each pair, in units of 2⁻¹⁵; they sum to exactly ½.
+    /// Mean weight of each pair of symmetric samples, in units of 2⁻¹⁵; these means sum to exactly ½.
     pub(super) even: [i16; H],
     /// Half the difference of each pair's weights, in units of 2⁻¹⁵. Products are subtracted if the position is
     /// `mirrored`: negating a product rounds differently, and 1 − t must use the same products as t.
@@ -104,7 +104,7 @@ impl<const H: usize> PhaseWeights<H> {
     }
 }
 
-/// Scalar passes over 8-bit values, with `H` pairs of taps along each axis.
+/// Scalar version of the horizontal and the vertical pass over 8-bit values, with `H` pairs of taps along each axis.
 pub(super) struct FixedScalar<'a, const H: usize> {
     /// Weights at each phase of the lattice.
     pub(super) phases: &'a [PhaseWeights<H>],

@@ -29,23 +29,24 @@ const BLOCK: usize = 8;
 /// Number of samples widened at a time.
 const GROUP: usize = 4;
 
-/// Maximum number of channel values read around a group: those of its own samples and of six more.
+/// Maximum number of channel values read for a group: those of its own samples and of six around it.
 const WINDOW: usize = 4 * (6 + GROUP);
 
 /// Eight pixels in two registers, in the order of a widened row.
 type Block = [[i16; 16]; 2];
 
-/// Passes for images on a lattice, with `H` pairs of taps along each axis.
+/// Horizontal and vertical pass for images on a lattice, with `H` pairs of taps along each axis.
 pub(super) struct FixedAvx2<'a, const H: usize> {
     avx2: Avx2,
     phases: &'a [PhaseWeights<H>],
     lattice: Lattice,
     deringing: bool,
     width: usize,
-    /// Index of the first cell; `skipped` is the number of its pixels left of the image.
+    /// Index of the cell at which widened rows start; `skipped` is the number of pixels that these rows have left of
+    /// the image.
     first_cell: i32,
     skipped: usize,
-    /// Cell, relative to the first one of the period, and phase of each pixel in a period.
+    /// For each pixel of a period, its cell relative to the first cell of the period, and its phase.
     period: Vec<(usize, u32)>,
 }
 
@@ -95,7 +96,7 @@ impl<'a, const H: usize> FixedAvx2<'a, H> {
         centre(self.avx2, samples.as_flattened(), middle.as_flattened_mut());
     }
 
-    /// Returns the number of sample groups in a row.
+    /// Returns the number of groups of [`GROUP`] samples in a row.
     fn groups(&self) -> usize {
         let (pixels, samples) = self.lattice.scale.ratio();
         ((self.skipped + self.width) * samples as usize).div_ceil(pixels as usize).div_ceil(GROUP)
@@ -118,8 +119,8 @@ kernel! {
     }
 }
 
-/// Structure of the positions in a cell, in order: an optional unpaired one, then mirrored pairs around an optional
-/// middle.
+/// Arrangement of the output positions in a cell, in order: an optional unpaired first one, then mirrored pairs around
+/// an optional middle one.
 #[derive(Clone, Copy)]
 struct CellStructure {
     first: First,
@@ -127,7 +128,7 @@ struct CellStructure {
     middle: bool,
 }
 
-/// Kind of the unpaired first position in a cell.
+/// Kind of the unpaired first output position in a cell.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum First {
     None,
@@ -135,7 +136,7 @@ enum First {
     Weighted,
 }
 
-/// Weights of the positions in a cell, broadcast to registers.
+/// Weights of the output positions in a cell, broadcast to registers.
 struct CellWeights<const H: usize> {
     first: [[__m256i; H]; 2],
     first_mirrored: bool,
@@ -144,7 +145,7 @@ struct CellWeights<const H: usize> {
     deringing: bool,
 }
 
-/// Returns the structure of a cell with these positions, or `None` if there is no kernel for it.
+/// Returns the arrangement of the output positions in a cell, or `None` if there is no kernel for it.
 fn shape_of<const H: usize>(phases: &[&PhaseWeights<H>]) -> Option<CellStructure> {
     let mirrored = |rest: &[&PhaseWeights<H>]| {
         let count = rest.len();
@@ -195,7 +196,8 @@ fn dot<const H: usize>(weights: &[__m256i; H], values: &[__m256i; H]) -> __m256i
     if H == 2 { sum } else { _mm256_add_epi16(sum, _mm256_mulhrs_epi16(values[H - 1], weights[H - 1])) }
 }
 
-/// Samples around a position: sums and differences of symmetric pairs, outermost first, and the inner two samples.
+/// Samples around an output position: sums and differences of symmetric pairs, outermost first, and the inner two
+/// samples.
 struct TapPairs<const H: usize> {
     sums: [__m256i; H],
     differences: [__m256i; H],
@@ -203,7 +205,7 @@ struct TapPairs<const H: usize> {
 }
 
 impl<const H: usize> TapPairs<H> {
-    /// Combines the samples before (`low`) and after (`high`) a position, outermost first.
+    /// Combines the samples before a position (`low`) and after it (`high`), both outermost first.
     #[target_feature(enable = "avx2")]
     #[inline]
     fn new(low: [__m256i; H], high: [__m256i; H]) -> Self {
@@ -215,7 +217,8 @@ impl<const H: usize> TapPairs<H> {
         around
     }
 
-    /// Loads the samples around a group, starting `cell` samples into a window.
+    /// Loads the samples around a group of adjacent positions. The first of these samples has index `cell` in the
+    /// window.
     #[target_feature(enable = "avx2")]
     #[inline]
     fn group(avx2: Avx2, values: &[i16; WINDOW], cell: usize) -> Self {
@@ -227,7 +230,7 @@ impl<const H: usize> TapPairs<H> {
         Self::new(low, high)
     }
 
-    /// Clamps a value to the range of the inner two samples if `deringing` is set.
+    /// Clamps a value that includes `bias` to the range of the inner two samples, if `deringing` is set.
     #[target_feature(enable = "avx2")]
     #[inline]
     fn keep(&self, value: __m256i, bias: __m256i, deringing: bool) -> __m256i {
@@ -239,8 +242,8 @@ impl<const H: usize> TapPairs<H> {
     }
 }
 
-/// Returns the values at all positions of a cell, plus `bias`. Written without loops, which would pass values through
-/// memory.
+/// Returns the interpolated values at all output positions of a cell, plus `bias`. Written without loops, because the
+/// compiler would store the values of loops in memory.
 #[target_feature(enable = "avx2")]
 #[inline]
 fn places<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE: bool>(
@@ -276,7 +279,7 @@ fn places<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE: boo
     }
 }
 
-/// Calls a function with the constants of a cell structure.
+/// Calls a function with the const arguments of a [`CellStructure`].
 macro_rules! with_shape {
     ($shape:expr, $call:ident::<$h:ident>($($arg:expr),*)) => {
         match ($shape.first, $shape.pairs, $shape.middle) {
@@ -295,7 +298,7 @@ macro_rules! with_shape {
     };
 }
 
-/// Computes blocks of the rows of a cell from the surrounding widened rows.
+/// Computes whole blocks in all output rows of a cell from the surrounding widened rows.
 #[target_feature(enable = "avx2")]
 #[inline(never)]
 fn sweep<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE: bool>(
@@ -340,7 +343,7 @@ fn sweep<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE: bool
 /// Widened rows before and after a cell, both outermost first.
 type Rows<'a, const H: usize> = ([&'a [Block]; H], [&'a [Block]; H]);
 
-/// Widens groups of samples by a factor of 2 or 4, with the positions of a cell in order.
+/// Widens groups of samples by a factor of 2 or 4. All cells have the same arrangement of output positions.
 #[target_feature(enable = "avx2")]
 #[inline(never)]
 fn widen_cells<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE: bool>(
@@ -388,7 +391,7 @@ fn slot(at: usize) -> (usize, usize, usize) {
     (at / BLOCK, at / 2 % 2, at / 4 % 2 * 8 + at % 2 * 4)
 }
 
-/// Widens groups of samples for any period of the lattice.
+/// Widens groups of samples for lattices with any period.
 #[target_feature(enable = "avx2")]
 fn widen_any<const H: usize>(avx2: Avx2, padded: &[i16], widening: &Widening<'_, H>, wide: &mut [Block]) {
     let Widening { period, samples_per_period, deringing } = *widening;
@@ -439,17 +442,17 @@ kernel! {
     }
 }
 
-/// Inputs for the rows of one cell: the surrounding widened rows and the phases.
+/// Inputs for the output rows of one cell: the surrounding widened rows, and the phases of the rows.
 struct Cell<'a, const H: usize> {
     low: [&'a [Block]; H],
     high: [&'a [Block]; H],
     phases: &'a [&'a PhaseWeights<H>],
-    /// Number of pixels left of the image.
+    /// Number of pixels that the widened rows have left of the image.
     skipped: usize,
     deringing: bool,
 }
 
-/// Computes the rows of a cell: together if there is a kernel for their structure, otherwise one by one.
+/// Computes the output rows of a cell: together if there is a kernel for their arrangement, otherwise one by one.
 #[target_feature(enable = "avx2")]
 fn mix<const H: usize>(avx2: Avx2, cell: &Cell<'_, H>, rows: &mut [Rgba8]) {
     let width = rows.len() / cell.phases.len();
@@ -464,8 +467,8 @@ fn mix<const H: usize>(avx2: Avx2, cell: &Cell<'_, H>, rows: &mut [Rgba8]) {
     }
 }
 
-/// Computes rows of a supported structure: blocks inside the image directly, blocks at its borders via a temporary
-/// buffer.
+/// Computes output rows whose arrangement has a kernel. Blocks inside the image are stored directly, blocks at its
+/// borders via a temporary buffer.
 #[target_feature(enable = "avx2")]
 #[inline(never)]
 fn mix_shape<const H: usize>(avx2: Avx2, cell: &Cell<'_, H>, shape: CellStructure, rows: &mut [Rgba8]) {

@@ -1,8 +1,8 @@
 //! Interpolation in linear light with two to six taps along each axis, in 32-bit floats.
 //!
-//! Samples are decoded by a table; sums are encoded again with an error below 1/50 of an 8-bit step. Products and sums
-//! are evaluated one by one in the order written here, in lanes of 16 values of one channel. Alpha is stored linearly
-//! and needs no decoding.
+//! Samples are decoded by a table; weighted sums are encoded again with an error below 1/50 of an 8-bit step. Products
+//! and sums are evaluated in the order written here, without fused operations, in lanes of 16 values of one channel.
+//! Alpha is stored linearly and needs no decoding.
 
 use fearless_simd::Level;
 
@@ -13,19 +13,20 @@ use crate::math::lanes::*;
 use crate::upscale::Scale;
 use crate::upscale::lattice::LatticePosition;
 
-/// Passes with `N` taps along each axis.
+/// Horizontal and vertical pass in linear light, with `N` taps along each axis.
 pub(super) struct Linear<const N: usize> {
     /// Weights at each phase of the lattice.
     weights: Vec<[f32; N]>,
     columns: Vec<LatticePosition>,
-    /// Number of pixels, and of samples, between two pixels of equal phase.
+    /// Number of output pixels and number of samples in a period of the lattice.
     period: (usize, usize),
     decode: &'static [f32; 256],
     deringing: bool,
     lanes: Lanes,
 }
 
-/// A widened row, split by channel, and the samples it was computed from, with the border samples repeated.
+/// A widened row, split by channel, and the samples from which it was computed, padded with copies of the border
+/// samples.
 #[derive(Default)]
 pub(super) struct LinearRow {
     samples: [Vec<f32>; 4],
@@ -41,7 +42,7 @@ impl LinearRow {
     }
 }
 
-/// Returns the widest lanes of a SIMD level.
+/// Returns the widest SIMD lanes that `level` supports.
 fn lanes_of(level: Level) -> Lanes {
     #[cfg(target_arch = "x86_64")]
     if let Some(lanes) = level.as_avx512().map(Lanes::Avx512).or(level.as_avx2().map(Lanes::Avx2)) {
@@ -71,7 +72,7 @@ impl<const N: usize> Linear<N> {
         }
     }
 
-    /// Decodes samples and splits them by channel.
+    /// Decodes samples to linear light, splits them by channel, and pads them with copies of the border samples.
     fn read(&self, samples: &[Rgba8], row: &mut LinearRow) {
         row.is_opaque = samples.iter().fold(255, |least, sample| least & sample[3]) == 255;
         let (Some(first), Some(last)) = (samples.first(), samples.last()) else { return };
@@ -94,8 +95,8 @@ impl<const N: usize> Linear<N> {
         }
     }
 
-    /// Widens a channel for all phases together; pixels of one phase in adjacent cells read adjacent samples. Returns
-    /// the number of pixels written.
+    /// Widens a channel, with the `PIXELS` phases of a period in turn. The pixels of one phase in adjacent cells read
+    /// adjacent samples. Returns the number of pixels written.
     #[inline(always)]
     fn widen_runs<S: Simd, const PIXELS: usize>(&self, simd: S, samples: &[f32], wide: &mut [f32]) -> usize {
         let Some(columns) = self.columns.first_chunk::<PIXELS>() else { return 0 };
@@ -141,7 +142,7 @@ fn weigh<S: Simd, const N: usize>(_simd: S, weights: &[f32; N], deringing: bool,
     sum
 }
 
-/// Writes the values of several phases, interleaved.
+/// Interleaves the values of several phases and stores them.
 #[inline(always)]
 fn interleave<S: Simd>(_simd: S, phases: &[f32x16<S>], to: &mut [f32]) {
     match *phases {
@@ -201,7 +202,7 @@ impl<const N: usize> Pass for Linear<N> {
     }
 }
 
-/// Computes [`weigh`] for a single value.
+/// Computes the weighted sum of `N` adjacent values for one pixel; see [`weigh`].
 fn weigh_one<const N: usize>(weights: &[f32; N], around: &[f32], deringing: bool) -> f32 {
     let mut sum = weights[0] * around[0];
     for (weight, value) in weights.iter().zip(around).skip(1) {
@@ -214,7 +215,7 @@ fn weigh_one<const N: usize>(weights: &[f32; N], around: &[f32], deringing: bool
     sum
 }
 
-/// Computes a row from the surrounding widened rows.
+/// Computes an output row from the surrounding widened rows.
 #[inline(always)]
 fn blend<S: Simd, const N: usize>(
     simd: S,
@@ -272,7 +273,7 @@ fn values<S: Simd, const N: usize>(simd: S, around: &[&LinearRow; N], channel: u
     taps
 }
 
-/// Loads alpha like [`values`]; some rows may be opaque and store none.
+/// Loads 16 alpha values from each of the surrounding rows. Opaque rows store no alpha and give 1.
 #[inline(always)]
 fn alphas<S: Simd, const N: usize>(simd: S, around: &[&LinearRow; N], at: usize) -> [f32x16<S>; N] {
     let mut taps = [f32x16::splat(simd, 1.0); N];
@@ -284,13 +285,13 @@ fn alphas<S: Simd, const N: usize>(simd: S, around: &[&LinearRow; N], at: usize)
     taps
 }
 
-/// 8-bit steps per unit of linear light, in the linear part of the sRGB transfer function.
+/// Number of 8-bit steps per unit of linear light, in the linear part of the sRGB transfer function.
 const PER_LIGHT: f32 = 255.0 * 12.92;
 
-/// Linear light above which the sRGB transfer function is a power.
+/// Linear light above which the sRGB transfer function is a power function.
 const POWER_THRESHOLD: f32 = 0.003_130_8;
 
-/// Largest float below 1. It encodes like 1 and keeps all exponents negative.
+/// Largest float below 1. It encodes like 1, and all exponents remain negative.
 const BELOW_ONE: f32 = 1.0_f32.next_down();
 
 /// Biased float exponent of the octave that starts at 2⁻⁸. Smaller values use this octave, too.
@@ -312,16 +313,17 @@ const OFFSET: f32 = 255.0 * 0.055;
 /// 2²³: adding it to a float rounds the float to an integer, ties to even.
 const WHOLE: f32 = (1 << 23) as f32;
 
-/// Rounds small non-negative numbers to integers, in the low bytes.
+/// Rounds small non-negative numbers to integers, which are returned in the low bytes.
 #[inline(always)]
 fn whole<S: Simd>(number: f32x16<S>) -> u32x16<S> {
     (number + WHOLE).bitcast()
 }
 
-/// Encodes linear light as the nearest 8-bit sRGB values, in the low bytes. The power is approximated by a polynomial
-/// per octave; the error is below 1/50 of an 8-bit step.
+/// Encodes linear light as the nearest 8-bit sRGB values, which are returned in the low bytes. The power is
+/// approximated by a polynomial per octave; the error is below 1/50 of an 8-bit step.
 ///
-/// The result is the smaller of the linear part and the power: below the threshold the former, above it the latter.
+/// The result is the smaller of the linear part and the power function: below the threshold the former is smaller,
+/// above it the latter.
 #[inline(always)]
 fn encode<S: Simd>(simd: S, light: f32x16<S>) -> u32x16<S> {
     let light = light.max(0.0).min(BELOW_ONE);
@@ -335,7 +337,7 @@ fn encode<S: Simd>(simd: S, light: f32x16<S>) -> u32x16<S> {
     whole((power * of_octave(simd, octave) - OFFSET).min(light * PER_LIGHT))
 }
 
-/// Looks up [`OCTAVE_SCALE`] for 16 exponents.
+/// Looks up [`OCTAVE_SCALE`] for 16 biased exponents.
 #[inline(always)]
 fn of_octave<S: Simd>(simd: S, octave: u32x16<S>) -> f32x16<S> {
     #[cfg(target_arch = "x86_64")]

@@ -28,7 +28,7 @@ use super::{FilterSpace, Offers, Sampling, Scale, Tap, UpscaleInputs, Upscaler, 
 use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::Choice as _;
 
-/// An upscaler defined by weights of adjacent samples alone.
+/// An upscaler that is defined by the weights of adjacent samples alone.
 pub(crate) struct Separable {
     /// Id of the upscaler; see [`Upscaler::id`].
     pub(super) id: &'static str,
@@ -36,14 +36,15 @@ pub(crate) struct Separable {
     pub(super) name: &'static str,
     /// Description of the upscaler; see [`Upscaler::help`].
     pub(super) help: &'static str,
-    /// Weights of the surrounding samples.
+    /// Function that computes the weights of the surrounding samples.
     pub(super) weights: KernelWeights,
     /// Whether de-ringing is available: only for interpolating kernels, where overshoot can be distinguished from
     /// smoothing.
     pub(super) deringing: bool,
 }
 
-/// Weights of the surrounding samples, in order, at t in [0, 1) between the inner two; they sum to 1.
+/// Function that returns the weights of the surrounding samples, in order, at t in [0, 1) between the inner two. The
+/// weights sum to 1.
 #[derive(Clone, Copy)]
 pub(super) enum KernelWeights {
     /// Weights of one sample on each side.
@@ -60,12 +61,12 @@ fn table<const N: usize>(weights: fn(f64) -> [f64; N], lattice: Lattice) -> Vec<
     (0..phases).map(|phase| weights(f64::from(phase) / f64::from(phases))).collect()
 }
 
-/// Returns the positions of the columns of an image.
+/// Returns the positions of the output columns of an image between the samples.
 fn columns(lattice: Lattice, width: u32) -> Vec<LatticePosition> {
     lattice.places_from(0).take(width as usize).collect()
 }
 
-/// Returns the weights at every phase of a lattice, in fixed point.
+/// Returns the fixed-point weights at every phase of a lattice.
 fn phases<const N: usize, const H: usize>(weights: fn(f64) -> [f64; N], lattice: Lattice) -> Vec<PhaseWeights<H>> {
     table(weights, lattice).iter().map(|weights| PhaseWeights::new(weights)).collect()
 }
@@ -149,7 +150,7 @@ fn fill_fixed<const H: usize>(
     fill(&FixedScalar { phases, columns, deringing: how.deringing() }, drawn, how.lattice(), full);
 }
 
-/// Computes one pixel, bit-identical to the whole-image kernel.
+/// Computes one output pixel, bit-identical to the whole-image kernel.
 fn pixel_of(weights: KernelWeights, how: Upscaling, drawn: &Image<Rgba8>, (x, y): (u32, u32)) -> Rgba8 {
     let (lattice, deringing) = (how.lattice(), how.deringing());
     let columns = vec![lattice.place(x)];
@@ -226,7 +227,7 @@ impl Upscaler for Separable {
 /// Scales that all separable upscalers offer.
 pub(super) const SCALES: &[Scale] = &[Scale::ONE_AND_A_HALF, Scale::TWO, Scale::THREE, Scale::FOUR];
 
-/// Returns the distinct samples and weights along one axis for output pixel `at`.
+/// Returns the distinct samples that contribute to output pixel `at` along one axis, with their weights.
 fn axis_taps(weights: KernelWeights, lattice: Lattice, at: u32, samples: u32) -> Vec<(u32, f64)> {
     let LatticePosition { cell, phase } = lattice.place(at);
     let t = f64::from(phase) / f64::from(lattice.phases());

@@ -4,7 +4,7 @@ use crate::upscale::{BICUBIC, BILINEAR, CATMULL_ROM, LANCZOS2, LANCZOS3, MITCHEL
 /// Kernel: weight as a function of distance in samples.
 type Curve = fn(f64) -> f64;
 
-/// Upscalers and their published kernels.
+/// Upscalers, each with its published kernel.
 const METHODS: [(&Separable, Curve); 6] = [
     (&BILINEAR, |x| (1.0 - x).max(0.0)),
     (&BICUBIC, lagrange),
@@ -65,7 +65,7 @@ fn choices() -> impl Iterator<Item = (&'static Separable, Curve, Upscaling)> {
     })
 }
 
-/// Returns the position of an output pixel in samples, by the two common resizing formulas.
+/// Returns the position of an output pixel along one axis, in samples, by the two common resizing formulas.
 fn place(how: Upscaling, at: u32) -> f64 {
     match how.anchor() {
         Anchor::Corner => f64::from(at) / how.scale().value(),
@@ -104,10 +104,11 @@ fn reference(
     })
 }
 
-/// Numbers of samples that end at various positions within a block; the last size spans several bands.
+/// Image sizes in samples, whose rows end at various positions within a block; the last size spans several bands.
 const SIZES: [(u32, u32); 7] = [(1, 1), (2, 1), (1, 3), (5, 4), (9, 7), (17, 6), (6, 61)];
 
-/// Calls `check` for every choice, with its samples and an output size that sometimes cuts the last block.
+/// Calls `check` for every upscaler and combination of options, with random samples and an output size that sometimes
+/// cuts the last block.
 fn for_all(mut check: impl FnMut(&Separable, Curve, Upscaling, &Image<Rgba8>, (u32, u32))) {
     let mut random = fastrand::Rng::with_seed(5);
     for (method, kernel, how) in choices() {
@@ -271,7 +272,7 @@ fn with_deringing_a_pixel_stays_in_the_range_of_the_four_samples_around_it() {
     });
 }
 
-/// Returns a polynomial as a function of the position in samples.
+/// Returns a polynomial of this degree as a function of the position in samples.
 fn polynomial(degree: i32) -> impl Fn(f64) -> f64 {
     move |at: f64| 20.0 + 200.0 * (at / 11.0).powi(degree)
 }

@@ -80,6 +80,6 @@ fn the_eye_of_a_line_shows_its_number_and_hides_it_again() {
     let view = bench.view();
     assert!(matches!(view.value(x, y), rasterscope::inspect::view::Value::Number(_)));
     assert!(view.range.is_some_and(|range| range.low >= 0.0 && range.high <= 1.0), "{:?}", view.range);
-    bench.click("Show the colours again");
+    bench.click("Show the finished picture again");
     assert_eq!(bench.session().shown, Shown::Buffer(Buffer::Color));
 }

@@ -219,7 +219,7 @@ fn the_triangle_of_the_picked_pixel_is_saved_as_a_case_that_opens_again() {
     bench.session_mut().pick = Some((80, 50));
     bench.rest();
     for number in 1..=2 {
-        bench.click("Save triangle as case");
+        bench.click("Save triangle as case file");
         assert_eq!(bench.session().error, None);
         assert_eq!(files(folder.path()).len(), number, "no file is overwritten");
     }
@@ -238,7 +238,7 @@ fn without_a_triangle_there_is_no_case_to_save() {
     bench.session_mut().folder = folder.path().to_owned();
     bench.session_mut().pick = Some((0, 0));
     bench.rest();
-    assert!(bench.window.query_by_label("Save triangle as case").is_none(), "nothing covers the corner");
+    assert!(bench.window.query_by_label("Save triangle as case file").is_none(), "nothing covers the corner");
     assert!(files(folder.path()).is_empty());
 }
 

@@ -121,7 +121,7 @@ fn a_difference_is_amplified_and_its_kind_is_chosen() {
     let second = compared(&bench).difference.clone().expect("there is a difference");
     assert_eq!((first.kind.1, second.kind.1), (1, 16));
     assert_ne!(first.picture, second.picture);
-    bench.choose("Shown difference", "FLIP");
+    bench.choose("Difference to show", "FLIP");
     let flip = compared(&bench).difference.clone().expect("there is a difference");
     assert!(flip.values.pixels().iter().all(|value| (0.0..=1.0).contains(value)));
 }

@@ -53,7 +53,7 @@ fn every_page_explains_itself_and_can_be_stepped() {
         let all = bench.session().lab.recording.steps.len();
         bench.press(Key::Home);
         assert!(bench.says("No step yet: step forward or play."));
-        bench.click("One step forward  (.)");
+        bench.click("Step forward  (.)");
         assert!(bench.says(&bench.session().lab.recording.steps[0].description.clone()), "{page:?}");
         bench.press(Key::End);
         bench.press(Key::Comma);

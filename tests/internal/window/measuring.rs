@@ -22,7 +22,7 @@ fn every_upscaler_gets_a_row_with_all_its_frames() {
     }
     assert!(bench.mentions("Measured · One triangle · 160 × 90 px · noise floor ±"));
     bench.choose("Culling", "None");
-    assert!(bench.mentions("Measured with another scene, view, size or setting"));
+    assert!(bench.mentions("Measured with a different scene, view, size or setting"));
     bench.click("Clear");
     assert!(!bench.session().timings.has_measurement());
 }

@@ -50,7 +50,7 @@ fn the_list_of_bookmarks_deletes_one() {
         bench.press_with(Modifiers::COMMAND, Key::B);
     }
     bench.click("Go");
-    bench.click("Bookmarks…");
+    bench.click("Manage bookmarks…");
     bench.click("Delete bookmark 2");
     assert_eq!(bench.session().places.bookmarks.len(), 1);
     bench.click("Close");
@@ -130,9 +130,9 @@ fn the_copied_command_says_what_is_shown() {
 fn the_key_sheet_is_filtered() {
     let mut bench = Bench::small("triangle");
     bench.press(Key::Questionmark);
-    assert!(bench.says("Undo the last change") && bench.says("Bookmark this place"));
+    assert!(bench.says("Undo the last change") && bench.says("Bookmark the current view"));
     bench.window.get_by_label("Filter the keys").focus();
     bench.rest();
     type_in(&mut bench, "bookmark");
-    assert!(!bench.says("Undo the last change") && bench.says("Bookmark this place"));
+    assert!(!bench.says("Undo the last change") && bench.says("Bookmark the current view"));
 }

@@ -68,7 +68,7 @@ fn steps_that_do_not_touch_the_picked_pixel_are_skipped() {
     let all = bench.view().report.as_ref().expect("picked").fragments.len();
     assert!(all > 0);
     bench.press(Key::Home);
-    bench.click("Only steps at the picked pixel");
+    bench.click("Step only at the picked pixel");
     assert!(bench.session().scrub.only_touches);
     for fragments in 1..=all {
         bench.click("Draw one more triangle  (.)");

@@ -128,12 +128,12 @@ fn a_depth_format_is_offered_only_with_a_depth_test() {
 fn a_depth_bias_is_offered_only_with_a_depth_test() {
     let mut bench = Bench::small("interpenetrating");
     bench.click("Depth stage");
-    assert!(bench.says("Bias, constant") && bench.says("Bias, slope"));
+    assert!(bench.says("Constant bias") && bench.says("Slope-scaled bias"));
     bench.session_mut().state.recipe.pipeline.depth_bias.slope = 2.0;
     bench.rest();
     assert_eq!(bench.image(), *bench.expected().image());
     bench.choose("Test", DepthTest::Off.name());
-    assert!(!bench.says("Bias, constant") && bench.mentions("no format and no bias"));
+    assert!(!bench.says("Constant bias") && bench.mentions("no format and no bias"));
 }
 
 #[test]

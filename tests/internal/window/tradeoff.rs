@@ -114,7 +114,7 @@ fn a_measurement_says_which_reference_it_is_against() {
     bench.click("Error vs time");
     bench.click("Measure error and time");
     assert!(bench.mentions("Reference: Native, 1 sample"));
-    bench.choose("Measure against", "Converged, 256 samples");
+    bench.choose("Reference to measure against", "Converged, 256 samples");
     assert!(bench.mentions("Reference: Native, 1 sample"), "until it is measured again");
     bench.click("Measure error and time");
     assert!(bench.mentions("Reference: Converged, 256 samples"));

@@ -1,5 +1,5 @@
-//! Hierarchical Z: bounds of the stored depths of each block, or of the whole tile, that are known without reading
-//! samples.
+//! Hierarchical Z: lower and upper bounds on the stored depths of each block, or of the whole tile, with which
+//! triangles are rejected without reading samples.
 
 use super::super::depths::{DepthPlane, DepthRules, compare_bounds, whole_depths};
 use super::super::edge_number::EdgeNumber;
@@ -22,7 +22,7 @@ pub(super) struct FullTileOccluder {
 
 impl Tile {
     /// Tests a triangle against the full-tile occluder. Returns `true` if the triangle is hidden behind the occluder,
-    /// or becomes the occluder itself; nothing more is then to be drawn.
+    /// or becomes the occluder itself; in both cases nothing remains to be drawn.
     ///
     /// Otherwise replaces the occluder, if there is one, by the depth bounds of all blocks.
     #[inline(always)]

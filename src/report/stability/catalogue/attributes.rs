@@ -1,5 +1,5 @@
-//! Cases for weights, attributes and depth inside a triangle. Vertices lie on the 1/256 px grid, so snapping does not
-//! move them.
+//! Test cases for the interpolation of weights, attributes and depth. Vertices lie on the 1/256 px grid, so snapping
+//! does not move them.
 
 use super::rng::{Rng, to_f32};
 use super::{CaseDraft, Class, Family};
@@ -12,22 +12,22 @@ use crate::report::stability::oracle::{ExactRegion, ScreenCorner, Snap};
 /// Maximum number of pixels evaluated per triangle.
 const SAMPLES: usize = 24;
 
-/// Side of the normal image, in pixels.
+/// Side length of the image in most test cases, in pixels.
 const SIDE: u32 = 64;
 
-/// Side of the large image, in pixels.
+/// Side length of the image in the test cases with a large image, in pixels.
 const LARGE: u32 = 4096;
 
-/// Bounds: all values are finite, and weights are accurate to 1/100 of an 8-bit step.
+/// Bounds: all values are finite, and weight errors are at most 1e-5, less than 1/100 of an 8-bit step.
 const CLOSE: &[Bound] = &[Bound::none(Metric::NotFinite), Bound::new(Metric::WeightError, 1e-5)];
 
-/// Bounds: all values are finite, and weights are accurate to 2⁻²⁰, for images 4096 px wide.
+/// Bounds for images 4096 px wide: all values are finite, and weight errors are at most 2⁻²⁰.
 const CLOSE_WIDE: &[Bound] = &[Bound::none(Metric::NotFinite), Bound::new(Metric::WeightError, 1.0 / 1_048_576.0)];
 
-/// Bounds: all values are finite, and texture coordinates are accurate to 1/1000 of a texel.
+/// Bounds: all values are finite, and errors of texture coordinates are at most 1/1000 of a texel.
 const CLOSE_TEXELS: &[Bound] = &[Bound::none(Metric::NotFinite), Bound::new(Metric::UvTexels, 1e-3)];
 
-/// Bounds: all values are finite, and both triangles have equal depths.
+/// Bounds: all values are finite, and the two triangles have equal depths at every evaluated pixel.
 const EQUAL: &[Bound] = &[Bound::none(Metric::NotFinite), Bound::none(Metric::Flips)];
 
 pub(super) const CLASSES: &[Class] = &[
@@ -103,7 +103,7 @@ pub(super) const CLASSES: &[Class] = &[
     },
 ];
 
-/// Returns up to [`SAMPLES`] pixels whose centres lie inside all triangles.
+/// Returns up to [`SAMPLES`] random pixels whose centres lie inside all triangles.
 fn samples(dice: &mut Rng, side: u32, triangles: &[&[ScreenCorner; 3]]) -> Vec<[u32; 2]> {
     let viewport = Viewport { width: side, height: side };
     let regions: Vec<_> = triangles
@@ -125,21 +125,21 @@ fn samples(dice: &mut Rng, side: u32, triangles: &[&[ScreenCorner; 3]]) -> Vec<[
     pixels
 }
 
-/// Creates a draft of one triangle, or `None` if it contains no pixel centre.
+/// Creates a test case of one triangle, or returns `None` if the triangle contains no pixel centre.
 fn draft(dice: &mut Rng, note: impl Into<String>, side: u32, vertices: [ScreenCorner; 3]) -> Option<CaseDraft> {
     let eval = samples(dice, side, &[&vertices]);
     let body = Body::TriAttr(AttributeCase { width: side, height: side, vertices, eval: eval.clone() });
     (!eval.is_empty()).then(|| CaseDraft::new(note, body))
 }
 
-/// Returns a vertex at a random position in the image, with random attributes.
+/// Returns a vertex with the given w, at a random position in the image, with random depth and texture coordinates.
 fn corner(dice: &mut Rng, side: u32, w: f64) -> ScreenCorner {
     let [x, y] = [(); 2].map(|()| dice.on_grid(0, side as i32));
     let [z, u, v] = to_f32([(); 3].map(|()| dice.uniform(0.0, 1.0)));
     ScreenCorner { x, y, z, w: w as f32, uv: [u, v] }
 }
 
-/// Creates eight triangles; `w` returns the w of each vertex.
+/// Creates eight test cases of one random triangle each; `w` returns the w of the next vertex.
 fn eight(dice: &mut Rng, side: u32, note: &str, mut w: impl FnMut(&mut Rng) -> f64) -> Vec<CaseDraft> {
     let mut drafts = Vec::new();
     while drafts.len() < 8 {
@@ -175,8 +175,8 @@ fn w_ratio(dice: &mut Rng) -> Vec<CaseDraft> {
     drafts
 }
 
-/// Creates a sliver from a pixel centre on the left to one on the right of the image. At its start, it extends `half`
-/// px to both sides. Its axis rises by whole pixels over whole pixels, so it passes through pixel centres.
+/// Creates a test case of a sliver whose axis joins a pixel centre on the left of the image to one on the right and
+/// passes through pixel centres between them. The left edge is vertical and extends `half` px above and below the axis.
 fn sliver(dice: &mut Rng, side: u32, half: f32) -> Option<CaseDraft> {
     let rises = dice.integer(3..(side as i32 / 8).min(100));
     let run = (side as i32 - 4) / rises * rises;
@@ -191,7 +191,7 @@ fn sliver(dice: &mut Rng, side: u32, half: f32) -> Option<CaseDraft> {
     draft(dice, format!("{half} px high on both sides"), side, corners)
 }
 
-/// Half heights of the slivers in pixels, all on the snapping grid.
+/// Half the length of the slivers' left edges, in pixels; all values are multiples of the snapping step, 1/256 px.
 const HALF_HEIGHTS: [f32; 5] = [0.5, 0.125, 0.031_25, 0.007_812_5, 0.003_906_25];
 
 fn thin(dice: &mut Rng) -> Vec<CaseDraft> {

@@ -1,19 +1,19 @@
-//! Cases of triangles that extend beyond what can be projected: behind the eye, to infinity, and to non-finite
-//! coordinates.
+//! Test cases of triangles that cannot be projected without special treatment: vertices lie behind the eye, have
+//! extremely large coordinates, or are not finite.
 
 use super::rng::{Rng, to_f32};
 use super::{CaseDraft, Class, Family};
 use crate::report::stability::case::{Body, ClipSpace};
 use crate::report::stability::metric::{Bound, Metric};
 
-/// Side of the image, in pixels.
+/// Side length of the image, in pixels.
 const SIDE: u32 = 32;
 
-/// Distance of the near plane of the view that projects the vertices; [`FAR`] is that of the far plane.
+/// Distance of the near plane from the eye, in view-space units; [`FAR`] is the distance of the far plane.
 const NEAR: f64 = 0.1;
 const FAR: f64 = 100.0;
 
-/// Bounds: nothing is drawn at the wrong place, no pixel is drawn twice, and weights are accurate to f32.
+/// Bounds: no pixel is clearly wrong or drawn twice, all values are finite, and weight errors are at most 1e-6.
 const CLIPPED: &[Bound] = &[
     Bound::none(Metric::WrongStrict),
     Bound::none(Metric::Doubles),
@@ -78,8 +78,8 @@ fn clip_space(note: impl Into<String>, triangles: Vec<[[f32; 4]; 3]>) -> CaseDra
     CaseDraft::new(note, Body::ClipTri(ClipSpace { width: SIDE, height: SIDE, triangles }))
 }
 
-/// Projects a view-space point, given by x, y and distance, to clip space. z/w ranges from 0 at [`NEAR`] to 1 at
-/// [`FAR`].
+/// Projects a view-space point, given by x, y and its distance from the eye, to clip space. z/w ranges from 0 at
+/// [`NEAR`] to 1 at [`FAR`].
 fn project([x, y, distance]: [f64; 3]) -> [f32; 4] {
     to_f32([x, y, (distance - NEAR) * FAR / (FAR - NEAR), distance])
 }

@@ -1,4 +1,4 @@
-//! Cases for the resolution of the depth buffer.
+//! Test cases for the resolution of depth buffers.
 
 use super::rng::Rng;
 use super::{CaseDraft, Class, Family};
@@ -6,13 +6,14 @@ use crate::report::stability::case::{Body, DepthCase, DepthPairs};
 use crate::report::stability::metric::{Bound, Metric};
 use crate::report::stability::oracle::{DepthMapping, DepthStorage};
 
-/// Number of pairs of close distances per case in the normal classes.
+/// Number of pairs of nearly equal distances per case, except in the published experiment.
 const PAIRS: usize = 150;
 
-/// Number of pairs per case in the published experiment.
+/// Number of random pairs per case in the class that repeats a published experiment.
 const PUBLISHED_PAIRS: u32 = 200_000;
 
-/// Bounds: all pairs keep their order, and all depths are finite and in range.
+/// Bounds: the stored depths of every pair differ and are in the correct order, and all depths are finite and between
+/// 0 and 1.
 const KEPT_APART: &[Bound] =
     &[Bound::none(Metric::Lost), Bound::none(Metric::NotFinite), Bound::none(Metric::OutOfRange)];
 
@@ -59,7 +60,7 @@ fn draft(near: f64, far: f64, z: Vec<f32>) -> CaseDraft {
     )
 }
 
-/// Returns ascending distances between two planes, log-uniform, each with a close neighbour.
+/// Returns log-uniform distances between the near and the far plane, each with a close neighbour, in ascending order.
 fn distances(dice: &mut Rng, near: f64, far: f64) -> Vec<f32> {
     let mut distances: Vec<f32> = (0..PAIRS)
         .flat_map(|_| {

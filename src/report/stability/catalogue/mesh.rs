@@ -1,4 +1,4 @@
-//! Cases of triangles that share edges and together cover every pixel of the image exactly once.
+//! Test cases of triangle meshes that cover every pixel of the image exactly once.
 
 use std::f64::consts::TAU;
 
@@ -17,7 +17,7 @@ const SMALL: Size = [32, 32];
 /// Image size of the cases with large meshes.
 const LARGE: Size = [1024, 256];
 
-/// Extent of meshes beyond the image, in pixels.
+/// Distance by which meshes extend beyond each edge of the image, in pixels.
 const MARGIN: f64 = 4.0;
 
 /// Bounds: every pixel is covered exactly once, and by the correct triangle.
@@ -73,7 +73,8 @@ fn mesh(dice: &mut Rng, note: impl Into<String>, [width, height]: Size, triangle
     CaseDraft::new(note, Body::TriCoverage(Coverage { width, height, rule, triangles, exactly_once: true }))
 }
 
-/// Creates `spokes` triangles around `hub`, whose rim lies outside the image.
+/// Creates a test case of `spokes` triangles around the vertex `hub`. The other vertices lie outside the image, at a
+/// distance from `hub` that is proportional to `reach`.
 fn fan(dice: &mut Rng, size: Size, hub: [f32; 2], spokes: usize, reach: f64) -> CaseDraft {
     let start = dice.uniform(0.0, TAU);
     let rim: Vec<[f32; 2]> = (0..spokes)
@@ -101,8 +102,8 @@ fn fans(dice: &mut Rng) -> Vec<CaseDraft> {
     drafts
 }
 
-/// Creates a grid of cells over the image and its margin. Inner vertices are jittered by a fraction of a cell, then
-/// rounded to multiples of 1/`lattice` px if `lattice` is set.
+/// Creates a test case of a grid of `cells` × `cells` quads over the image and its margin. Inner vertices are displaced
+/// at random by up to `jitter` quad widths, then rounded to multiples of 1/`lattice` px if `lattice` is set.
 fn grid(dice: &mut Rng, cells: usize, jitter: f64, lattice: Option<f64>) -> CaseDraft {
     let size = SMALL;
     let step = (f64::from(size[0]) + 2.0 * MARGIN) / cells as f64;
@@ -137,7 +138,8 @@ fn grids(dice: &mut Rng) -> Vec<CaseDraft> {
     kinds.into_iter().chain(large).map(|(cells, jitter, lattice)| grid(dice, cells, jitter, lattice)).collect()
 }
 
-/// Creates adjacent quads between two lines of vertices, each split into two triangles.
+/// Creates a test case of adjacent quads, each split into two triangles. `sides` lists the edges between the quads and
+/// at both ends, each as a pair of endpoints.
 fn strip(dice: &mut Rng, note: String, size: Size, sides: &[[[f32; 2]; 2]]) -> CaseDraft {
     let quads = sides.windows(2).flat_map(|pair| {
         let ([a, b], [d, c]) = (pair[0], pair[1]);
@@ -147,7 +149,8 @@ fn strip(dice: &mut Rng, note: String, size: Size, sides: &[[[f32; 2]; 2]]) -> C
     mesh(dice, note, size, triangles)
 }
 
-/// Creates strips from left to right with roughly horizontal borders at random heights.
+/// Creates a test case of `count` strips from the left to the right of the image. Their borders lie at random heights
+/// and are nearly horizontal: each endpoint is displaced by up to `tilt` px.
 fn level(dice: &mut Rng, size: Size, count: usize, tilt: f64) -> CaseDraft {
     let [width, height] = size.map(f64::from);
     let mut heights: Vec<f64> = (1..count).map(|_| dice.uniform(-MARGIN, height + MARGIN)).collect();
@@ -168,7 +171,7 @@ fn level(dice: &mut Rng, size: Size, count: usize, tilt: f64) -> CaseDraft {
     strip(dice, format!("{count} strips from left to right"), size, &sides)
 }
 
-/// Creates slanted strips of equal width, from above the image to below it.
+/// Creates a test case of `count` slanted strips of equal width, from above the image to below it.
 fn slanted(dice: &mut Rng, count: usize) -> CaseDraft {
     let [width, height] = SMALL.map(f64::from);
     let slant = dice.uniform(5.0, 15.0);

@@ -1,8 +1,9 @@
-//! Catalogue of stiff and extreme cases: for each class, the difficulty it exercises and a generator of its cases.
+//! Catalogue of numerically hard test cases: for each class, a description of the difficulty and a generator of its
+//! cases.
 //!
 //! Cases are random except for the property that makes them hard. They depend only on the seed and their class, so a
-//! class yields the same cases alone or together with all others. A new class is a function that creates drafts, and an
-//! entry in the list of its family.
+//! class yields the same cases alone or together with all others. To add a class, write a function that creates its
+//! cases, and add an entry to the list of its family.
 
 mod attributes;
 
@@ -24,7 +25,7 @@ use super::case::{Body, StabilityCase};
 use super::metric::{Bound, Metric};
 use rng::Rng;
 
-/// Subject of a class, which determines what is measured.
+/// Group of classes that test the same part of the engine and share the same metrics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Family {
@@ -32,7 +33,7 @@ pub(crate) enum Family {
     Coverage,
     /// Triangles that share edges, so that every pixel is covered exactly once.
     Mesh,
-    /// Triangles that extend beyond what can be projected.
+    /// Clip-space triangles that must be clipped or rejected before projection.
     ClipSpace,
     /// Cost per pixel of triangles with unfavourable shapes.
     Throughput,
@@ -72,27 +73,27 @@ impl Family {
     }
 }
 
-/// Class of cases that exercise the same difficulty.
+/// Class of test cases that share one numerical difficulty.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Class {
     /// Id used on the command line and in files.
     pub id: &'static str,
     /// Display name of the class.
     pub name: &'static str,
-    /// Family of the class, which determines what is measured.
+    /// Family of the class, which determines the metrics.
     pub(crate) family: Family,
     /// One-sentence description of the difficulty and the typical failure.
     pub(crate) about: &'static str,
     /// Most informative metric of the class.
     pub(crate) headline: Metric,
-    /// Bounds that a subject must meet to pass.
+    /// Bounds on the metrics that a configuration must meet to pass.
     pub(crate) bounds: &'static [Bound],
-    /// Generator of the cases, without ids.
+    /// Function that generates the test cases, without their ids.
     #[serde(skip)]
     draft: fn(&mut Rng) -> Vec<CaseDraft>,
 }
 
-/// A case without its id and class.
+/// Test case without its id and class.
 #[derive(Clone, Debug)]
 struct CaseDraft {
     note: String,
@@ -106,7 +107,7 @@ impl CaseDraft {
 }
 
 impl Class {
-    /// Generates the cases for a seed.
+    /// Generates the test cases of this class for a seed.
     pub(crate) fn cases(&self, seed: u64) -> Vec<StabilityCase> {
         let mut dice = Rng::new(seed, self.id);
         let drafts = (self.draft)(&mut dice);

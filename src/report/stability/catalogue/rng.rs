@@ -14,7 +14,7 @@ impl Rng {
         Self(fastrand::Rng::with_seed(seed ^ hash))
     }
 
-    /// Returns a seed for another random number generator.
+    /// Returns a seed for another random number generator, below 2⁵³ so that every JSON reader preserves it.
     pub(super) fn seed(&mut self) -> u64 {
         // 53 bits survive every JSON reader.
         self.0.u64(..1 << 53)
@@ -28,7 +28,7 @@ impl Rng {
         self.0.bool()
     }
 
-    /// Returns −1 or 1.
+    /// Returns −1 or 1 with equal probability.
     pub(super) fn sign(&mut self) -> f64 {
         if self.0.bool() { 1.0 } else { -1.0 }
     }
@@ -43,17 +43,17 @@ impl Rng {
         10.0_f64.powf(self.uniform(low.log10(), high.log10()))
     }
 
-    /// Returns a multiple of 1/256 in `low..high`, which snapping does not move.
+    /// Returns a random multiple of 1/256 in `low..high`, which vertex snapping does not change.
     pub(super) fn on_grid(&mut self, low: i32, high: i32) -> f32 {
         self.integer(low * 256..high * 256) as f32 / 256.0
     }
 
-    /// Returns the coordinate of a pixel centre in `low..high`.
+    /// Returns the coordinate of a random pixel centre in `low..high`.
     pub(super) fn centre(&mut self, low: i32, high: i32) -> f32 {
         self.integer(low..high) as f32 + 0.5
     }
 
-    /// Returns a random unit vector.
+    /// Returns a unit vector in a random direction.
     pub(super) fn direction(&mut self) -> [f64; 2] {
         let (sin, cos) = self.uniform(0.0, TAU).sin_cos();
         [cos, sin]
@@ -65,13 +65,13 @@ impl Rng {
         corners
     }
 
-    /// Shuffles a list.
+    /// Shuffles a list in place.
     pub(super) fn shuffle<T>(&mut self, list: &mut [T]) {
         self.0.shuffle(list);
     }
 }
 
-/// Rounds coordinates to floats.
+/// Rounds coordinates to f32.
 pub(super) fn to_f32<const N: usize>(point: [f64; N]) -> [f32; N] {
     point.map(|c| c as f32)
 }

@@ -1,4 +1,4 @@
-//! Cases for the coverage of individual triangles.
+//! Test cases for the coverage of individual triangles.
 
 use super::rng::{Rng, to_f32};
 use super::{CaseDraft, Class, Family};
@@ -6,13 +6,13 @@ use crate::pipeline::settings::FillRule;
 use crate::report::stability::case::{Body, Coverage};
 use crate::report::stability::metric::{Bound, Metric};
 
-/// Side of the image in most classes, in pixels.
+/// Side length of the image in most classes, in pixels.
 const SIDE: u32 = 32;
 
-/// Side of the image in pixels, as a coordinate.
+/// Side length of the image in most classes, in pixels, as a floating-point number.
 const SIDE_PX: f64 = SIDE as f64;
 
-/// Bound: every pixel is correct for the vertices after snapping, if any.
+/// Bound: no pixel is wrong relative to the vertices as the configuration snaps them.
 pub(super) const EXACT: &[Bound] = &[Bound::none(Metric::Wrong)];
 
 pub(super) const CLASSES: &[Class] = &[
@@ -127,7 +127,7 @@ pub(super) const CLASSES: &[Class] = &[
     },
 ];
 
-/// Creates a draft of triangles in a square image under the top-left rule.
+/// Creates a test case of triangles in a square image, with the top-left fill rule.
 fn square(note: impl Into<String>, triangles: Vec<[[f32; 2]; 3]>) -> CaseDraft {
     coverage(note, [SIDE; 2], triangles)
 }
@@ -137,7 +137,7 @@ pub(super) fn coverage(note: impl Into<String>, [width, height]: [u32; 2], trian
     CaseDraft::new(note, Body::TriCoverage(Coverage { width, height, rule, triangles, exactly_once: false }))
 }
 
-/// Creates `drafts` drafts of `triangles` triangles each.
+/// Creates `drafts` test cases of `triangles` triangles each; `one` generates a triangle.
 fn several(
     dice: &mut Rng,
     drafts: usize,

@@ -1,4 +1,4 @@
-//! Cases of triangles that cost more than their pixel count suggests: each is timed against a compact triangle with as
+//! Test cases of triangles with a high cost per pixel. Each case is timed against compact triangles that cover about as
 //! many pixels.
 
 use super::rng::{Rng, to_f32};
@@ -48,7 +48,7 @@ pub(super) const CLASSES: &[Class] = &[
     },
 ];
 
-/// Side of the image of the slivers, in pixels.
+/// Side length of the image in most classes, in pixels.
 const SIDE: u32 = 512;
 
 fn long_slivers(dice: &mut Rng) -> Vec<CaseDraft> {

@@ -8,7 +8,7 @@ use crate::report::stability::column::ReportColumn;
 use crate::report::stability::metric::{LEVELS, Metric, Verdict, short};
 use crate::report::stability::sweep::{ClassReport, ReportCell, StabilityReport};
 
-/// Returns the heat map of rasterizers × arithmetics.
+/// Returns the heat map of rasterization errors, with one column for each combination of rasterizer and arithmetic.
 pub(super) fn coverage(report: &StabilityReport) -> String {
     let families = [Family::Coverage, Family::Mesh, Family::ClipSpace, Family::Throughput];
     let text = "Single triangles count wrong pixels relative to the corners that the configuration declares (snapped \
@@ -19,7 +19,8 @@ pub(super) fn coverage(report: &StabilityReport) -> String {
     section(report, &families, "Rasterizers and arithmetics", text)
 }
 
-/// Returns the heat map of interpolation formulas × arithmetics.
+/// Returns the heat map of interpolation errors, with one column for each combination of interpolation formula and
+/// arithmetic.
 pub(super) fn weights(report: &StabilityReport) -> String {
     let text = "Largest error of a weight relative to perspective-correct weights; for huge texture coordinates, in \
         texels of a texture 1024 wide; for coplanar triangles, samples where two triangles in one plane have different \
@@ -28,7 +29,7 @@ pub(super) fn weights(report: &StabilityReport) -> String {
     section(report, &[Family::Weights], "Weights and attributes", text)
 }
 
-/// Returns the heat map of depth formats, and the published experiment in detail.
+/// Returns the heat map of depth buffer formats, followed by a table that compares them in a published experiment.
 pub(super) fn depth(report: &StabilityReport) -> String {
     let text = "Share of neighbouring distances that get the same stored depth or swap their order; below, the largest \
         error in units in the last place of the stored format.";
@@ -40,7 +41,7 @@ pub(super) fn depth(report: &StabilityReport) -> String {
     }
 }
 
-/// Returns one heat map; empty if none of its classes ran.
+/// Returns one heat map as an HTML section, or an empty string if no class of these families was measured.
 fn section(report: &StabilityReport, families: &[Family], title: &str, text: &str) -> String {
     let classes: Vec<&ClassReport> = report.classes.iter().filter(|c| families.contains(&c.class.family)).collect();
     let Some(first) = classes.first().filter(|class| !class.cells.is_empty()) else { return String::new() };
@@ -194,7 +195,7 @@ fn tooltip(class: &ClassReport, cell: &ReportCell) -> String {
     lines.join("\n")
 }
 
-/// Returns the last row: the time per pixel over all classes, as a geometric mean.
+/// Returns the footer row of a heat map: the geometric mean over all classes of the time per pixel.
 fn footer(classes: &[&ClassReport], columns: &[ReportColumn]) -> String {
     let mean = |column: &ReportColumn| {
         let times = classes.iter().filter_map(|class| {
@@ -218,7 +219,8 @@ fn footer(classes: &[&ClassReport], columns: &[ReportColumn]) -> String {
     )
 }
 
-/// Returns an HTML table of the published experiment by setting: ties + inversions, in percent of all pairs.
+/// Returns the published depth experiment as an HTML table with one row per setting. Each cell shows the tied and the
+/// inverted pairs, in percent of all pairs.
 fn experiment(class: &ClassReport) -> String {
     let Some(first) = class.cells.first() else { return String::new() };
     let heads: String =
@@ -245,7 +247,7 @@ fn experiment(class: &ClassReport) -> String {
     )
 }
 
-/// Formats a percentage with as many decimals as the published tables.
+/// Formats a percentage with two decimals, as in the published tables.
 fn percent(value: f64) -> String {
     if value == 0.0 { "0".to_owned() } else { format!("{value:.2}") }
 }

@@ -39,9 +39,9 @@ fn head(report: &StabilityReport) -> String {
         (format!("{:.0} s", report.duration.as_secs_f64()), "to run"),
     ];
     format!(
-        "<h1>Stability report</h1>\n<p class=\"soft\">Errors and costs of stiff and extreme cases on every rasterizer, \
-         arithmetic and depth format of Rasterscope {}. The correct results come from exact arithmetic that shares no \
-         code with the code under test.</p>\n{}{}",
+        "<h1>Stability report</h1>\n<p class=\"soft\">Errors and costs of ill-conditioned and extreme cases on every \
+         rasterizer, arithmetic and depth format of Rasterscope {}. The correct results come from exact arithmetic \
+         that shares no code with the code under test.</p>\n{}{}",
         escaped(report.machine.version),
         partial(report.partial),
         tiles(figures)

@@ -49,7 +49,7 @@ pub(super) fn section(report: &StabilityReport) -> String {
     )
 }
 
-/// Returns the colour index of the arithmetic of a column. Published methods have their own colour.
+/// Returns the colour index of a column, which depends on its arithmetic. Published methods have a separate colour.
 fn color(column: ReportColumn) -> usize {
     let place = |arithmetic: Arithmetic| Arithmetic::ALL.iter().position(|a| *a == arithmetic).unwrap_or(0);
     match column {
@@ -60,7 +60,7 @@ fn color(column: ReportColumn) -> usize {
     }
 }
 
-/// Returns the marker index of the method of a column.
+/// Returns the index of the marker shape of a column, which depends on its method.
 fn shape(column: ReportColumn) -> usize {
     match column {
         ReportColumn::Coverage(by) => Rasterizer::ALL.iter().position(|r| *r == by.rasterizer).unwrap_or(0),
@@ -94,11 +94,12 @@ struct LogAxis {
 }
 
 impl LogAxis {
-    /// Creates an axis around all positive values, with some margin on both sides. Returns `None` if there are none.
+    /// Creates an axis that covers all positive, finite values, with a margin on both sides. Returns `None` if there
+    /// are no such values.
     fn around(values: impl Iterator<Item = f64>) -> Option<Self> {
         /// Margin on each side, as a fraction of the range.
         const ROOM: f64 = 0.06;
-        /// Minimum range that determines the margin, in powers of ten.
+        /// Range below which the margin no longer shrinks, in powers of ten.
         const LEAST: f64 = 0.5;
         let powers = values.filter(|v| *v > 0.0 && v.is_finite()).map(f64::log10);
         let (low, high) = powers.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
@@ -274,7 +275,7 @@ fn drawn(plot: &ScatterPlot, point: &TradeoffPoint) -> String {
     )
 }
 
-/// Returns the SVG of a marker, which has one of seven shapes.
+/// Returns the SVG of a marker at (`x`, `y`) with radius `r`, in SVG units; `shape` selects one of seven shapes.
 fn marker((x, y): (f64, f64), shape: usize, color: usize, r: f64, style: &str) -> String {
     let class = format!("class=\"mark k{color} {style}\"");
     let polygon = |corners: &[(f64, f64)]| {
@@ -342,7 +343,8 @@ fn overlap(a: &Rectangle, b: &Rectangle) -> bool {
     a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
 }
 
-/// Returns a short label: the method, and the arithmetic if there is a choice.
+/// Returns a short label of a column: the method alone if it is a published one, otherwise the method and the
+/// arithmetic.
 fn name(column: ReportColumn) -> String {
     if column.is_published() { column.method().to_owned() } else { column.label() }
 }

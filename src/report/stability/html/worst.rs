@@ -1,4 +1,5 @@
-//! Worst cases, ready to be copied and opened again.
+//! Section of the HTML report with the worst case of each class and configuration, as JSON that can be saved and opened
+//! again.
 
 use std::collections::BTreeMap;
 
@@ -7,10 +8,11 @@ use crate::report::html::escaped;
 use crate::report::stability::metric::Measures;
 use crate::report::stability::sweep::{ClassReport, StabilityReport, Worst};
 
-/// A case, and the labels of the cells for which it was the worst.
+/// A worst case, with the labels of the configurations for which it is the worst.
 type WorstCase<'a> = (&'a Worst, Vec<String>);
 
-/// Maximum length of a printed case in bytes; longer ones are available from the command line.
+/// Maximum length of a test case printed in the report, in bytes of JSON. Longer cases are available from the command
+/// line.
 const LONGEST_JSON: usize = 20_000;
 
 /// Returns the HTML anchor of a case.

@@ -12,7 +12,8 @@ use crate::report::stability::oracle::{ClipTriangle, ExactRegion, error};
 use crate::report::stability::spans::{difference, pixel_count};
 use crate::report::stability::subject::ClipFragment;
 
-/// Number of fragments per triangle whose weights are compared; exact fractions are slow.
+/// Maximum number of fragments per triangle whose weights and depth are compared, because exact rational arithmetic is
+/// slow.
 const COMPARED: usize = 48;
 
 /// Expected result of one triangle.
@@ -85,7 +86,8 @@ fn evaluate_one(right: &ExpectedTriangle, viewport: Viewport, fragments: &[ClipF
     measures
 }
 
-/// Compares weights and depth of a fragment, unless it is outside or borderline.
+/// Compares the weights and the depth of a fragment with the exact values. Skips fragments outside the triangle or too
+/// close to its border.
 fn compare(triangle: &ClipTriangle, region: &ExactRegion, fragment: &ClipFragment, measures: &mut Measures) {
     let [x, y] = fragment.pixel;
     if !region.contains(x, y) || region.is_borderline(x, y) {
@@ -112,7 +114,8 @@ mod tests {
 
     const VIEW: Viewport = Viewport { width: 16, height: 16 };
 
-    /// Returns a floor with one vertex behind the eye, and an all-zero triangle.
+    /// Returns a case of two triangles: a floor with one vertex behind the eye, and a triangle whose coordinates are
+    /// all zero.
     fn case() -> ClipSpace {
         let floor = [[-4.0, -1.0, 5.0, 5.1], [4.0, -1.0, 5.0, 5.1], [0.0, -1.0, -2.0, -1.9]];
         ClipSpace { width: 16, height: 16, triangles: vec![floor, [[0.0; 4]; 3]] }

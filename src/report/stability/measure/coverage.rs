@@ -8,7 +8,7 @@ use crate::report::stability::metric::{Measures, Metric};
 use crate::report::stability::oracle::{ExactRegion, Snap};
 use crate::report::stability::spans::{HitCounts, difference, pixel_count};
 
-/// Maximum number of triangles reported as the culprits of a case.
+/// Maximum number of triangles that are reported as the cause of a fault.
 const MAX_CULPRITS: usize = 4;
 
 /// Expected pixels of each triangle.
@@ -26,7 +26,7 @@ impl ExpectedCoverage {
         Self { unsnapped: of(Snap::Unsnapped), snapped: of(Snap::Grid256) }
     }
 
-    /// Returns the expected pixels of each triangle, with its vertices snapped or not.
+    /// Returns the expected pixels of each triangle, with its vertices snapped as `snap` specifies.
     fn at(&self, snap: Snap) -> &[Vec<Span>] {
         match snap {
             Snap::Unsnapped => &self.unsnapped,
@@ -40,7 +40,8 @@ impl ExpectedCoverage {
     }
 }
 
-/// Compares the spans of each triangle with the expected ones, for vertices declared to be at `snap`.
+/// Compares the spans of each triangle with the expected ones. `snap` is the vertex snapping that the configuration
+/// declares.
 pub(super) fn evaluate(
     case: &Coverage,
     expected: &ExpectedCoverage,
@@ -74,7 +75,7 @@ pub(super) fn evaluate(
     MeasureOutcome::new(measures, culprits)
 }
 
-/// Returns the triangles with the most wrong pixels.
+/// Returns the indices of up to [`MAX_CULPRITS`] triangles, those with the most wrong pixels first.
 fn worst(wrong: &[u64]) -> Vec<usize> {
     let mut indices: Vec<usize> = (0..wrong.len()).filter(|index| wrong[*index] > 0).collect();
     indices.sort_by_key(|index| std::cmp::Reverse(wrong[*index]));
@@ -82,7 +83,7 @@ fn worst(wrong: &[u64]) -> Vec<usize> {
     indices
 }
 
-/// Returns the triangles that cover a pixel or should cover it.
+/// Returns the indices of up to [`MAX_CULPRITS`] triangles that cover a pixel or should cover it.
 fn around((column, row): (u32, u32), expected: &[Vec<Span>], answers: &[Vec<Span>]) -> Vec<usize> {
     let holds = |spans: &Vec<Span>| spans.iter().any(|s| s.row == row && (s.left..s.right).contains(&column));
     let touching =
@@ -99,7 +100,8 @@ mod tests {
         Coverage { width: 8, height: 8, rule: FillRule::TopLeft, triangles, exactly_once }
     }
 
-    /// Returns a square over the whole image as two triangles, split through pixel centres.
+    /// Returns a case of a square that fills the image, split into two triangles along a diagonal through pixel
+    /// centres.
     fn square() -> Coverage {
         let [a, b, c, d] = [[0.0, 0.0], [8.0, 0.0], [8.0, 8.0], [0.0, 8.0]];
         case(vec![[a, b, c], [a, c, d]], true)

@@ -1,4 +1,4 @@
-//! Measurement of depth buffers: errors of stored distances, and pairs of distances whose order is lost.
+//! Measurement of depth buffers: errors of stored depths, and pairs of distances whose order is lost.
 
 use std::cmp::Ordering;
 
@@ -9,10 +9,11 @@ use crate::report::stability::metric::{Measures, Metric};
 use crate::report::stability::oracle::{exact_depth, ideal_code};
 use crate::report::stability::subject::{DepthBuffer, distance, meaning};
 
-/// Tangent of half the field of view of the random views: about 53°.
+/// Tangent of half the field of view of the random views, which is about 53°.
 const TANGENT: f64 = 0.5;
 
-/// Records whether the order of two stored depths is preserved, and returns it. The first distance is the smaller one.
+/// Counts a pair of stored depths, and whether it is tied or inverted. Returns the order of the depths by distance.
+/// `first` must belong to the smaller distance.
 fn note_order(first: f64, second: f64, reversed: bool, measures: &mut Measures) -> Ordering {
     let order = if reversed { second.total_cmp(&first) } else { first.total_cmp(&second) };
     measures.note(Metric::Pairs, 1.0);
@@ -21,13 +22,13 @@ fn note_order(first: f64, second: f64, reversed: bool, measures: &mut Measures) 
     order
 }
 
-/// Stores every distance of a case, and compares neighbours.
+/// Stores every distance of a case in a depth buffer, and measures the errors of the stored depths.
 pub(super) fn distances(case: &DepthCase, format: DepthFormat) -> MeasureOutcome {
     let buffer = DepthBuffer::new(format, case.near, case.far.unwrap_or(f32::MAX));
     evaluate(case, format, &case.z.iter().map(|z| buffer.stored(*z)).collect::<Vec<_>>())
 }
 
-/// Compares stored values with the exact ones, and neighbours with each other.
+/// Compares the stored depths with the exact ones, and each stored depth with the next one.
 fn evaluate(case: &DepthCase, format: DepthFormat, stored: &[f64]) -> MeasureOutcome {
     let (mapping, storage) = meaning(format);
     let right: Vec<_> = case.z.iter().map(|z| exact_depth(mapping, case.near, case.far, *z)).collect();
@@ -56,7 +57,7 @@ fn evaluate(case: &DepthCase, format: DepthFormat, stored: &[f64]) -> MeasureOut
     MeasureOutcome::new(measures, confused.unwrap_or(worst.1))
 }
 
-/// Stores random pairs of points and counts lost orders.
+/// Stores the depths of random pairs of points, and counts the ties and inversions.
 pub(super) fn pairs(case: &DepthPairs, format: DepthFormat) -> MeasureOutcome {
     let buffer = DepthBuffer::new(format, case.near, case.far);
     let reversed = meaning(format).0.is_reversed();
@@ -76,14 +77,14 @@ pub(super) fn pairs(case: &DepthPairs, format: DepthFormat) -> MeasureOutcome {
     MeasureOutcome::new(measures, culprit.map(|(_, index)| index).into_iter().collect())
 }
 
-/// Returns pair number `index` as a case of two distances.
+/// Returns the pair with this index as a case of two distances, or `None` if the index is out of range.
 pub(crate) fn only_pair(case: &DepthPairs, index: usize) -> Option<DepthCase> {
     let DepthPairs { mapping, format, near, far, .. } = *case;
     let pair = pair_distances(case).nth(index)?;
     Some(DepthCase { mapping, format, near, far: Some(far), z: pair.to_vec() })
 }
 
-/// Returns the distances of all pairs, computed by the matrices of their views.
+/// Returns the distances of all pairs of points, each pair as computed with its own view matrix.
 fn pair_distances(case: &DepthPairs) -> impl Iterator<Item = [f32; 2]> {
     let mut random = fastrand::Rng::with_seed(case.seed);
     (0..case.pairs).map(move |_| {
@@ -92,8 +93,8 @@ fn pair_distances(case: &DepthPairs) -> impl Iterator<Item = [f32; 2]> {
     })
 }
 
-/// Returns a random view and two points. The view is the matrix row that computes the distance. The points lie on one
-/// line of sight, at distances z and z · (1 + gap). The eye is within one unit of the origin on each axis.
+/// Returns a random view, and two points on one line of sight at distances z and z · (1 + gap). The view is given by
+/// the matrix row that computes the distance. Each coordinate of the eye is between −1 and 1.
 fn sight(random: &mut fastrand::Rng, case: &DepthPairs) -> ([f32; 4], [[f32; 3]; 2]) {
     let mut signed = || random.f64() * 2.0 - 1.0;
     let eye = [signed(), signed(), signed()];

@@ -1,8 +1,8 @@
-//! Error of the engine's answers to one case.
+//! Comparison of the engine's results for one test case with the exact results.
 //!
-//! [`Expected`] holds the correct answer, computed once per case. [`answer`] runs the engine in one of its
-//! configurations and compares. Each kind of case has a function from expected and actual answers to [`Measures`],
-//! independent of where the answers come from.
+//! [`Expected`] holds the exact results, computed once per case. [`answer`] runs the engine in one of its
+//! configurations and compares. For each kind of case, a function computes [`Measures`] from expected and actual
+//! results, independent of the origin of the results.
 
 mod clip_space;
 
@@ -23,7 +23,7 @@ use clip_space::ExpectedTriangle;
 use coverage::ExpectedCoverage;
 pub(crate) use depth::only_pair;
 
-/// Correct answers to all parts of a case.
+/// Exact results for all parts of a test case.
 #[derive(Clone, Debug)]
 pub(crate) enum Expected {
     /// Expected pixels of each triangle.
@@ -32,14 +32,14 @@ pub(crate) enum Expected {
     ClipSpace(Vec<ExpectedTriangle>),
     /// Expected weights, depths and attributes, one entry per triangle.
     Samples(Vec<samples::ExpectedSamples>),
-    /// Depths; they depend on the format and are computed during the comparison.
+    /// Depths, which depend on the format and are therefore computed during the comparison.
     Depth,
 }
 
-/// Result of comparing the engine's answers to one case.
+/// Outcome of comparing the engine's results for one test case with the exact ones.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MeasureOutcome {
-    /// Measured errors; `None` if the engine refused to answer.
+    /// Measured errors; `None` if the engine produced no result.
     pub(crate) measures: Option<Measures>,
     /// Indices of the parts of the case (see [`StabilityCase::only`]) that show the fault; empty for the whole case.
     pub(crate) culprits: Vec<usize>,
@@ -59,7 +59,7 @@ impl MeasureOutcome {
 }
 
 impl Expected {
-    /// Computes the correct answer to a case.
+    /// Computes the exact results for a test case.
     pub(crate) fn new(case: &StabilityCase) -> Self {
         match &case.body {
             Body::TriCoverage(body) => Self::Coverage(ExpectedCoverage::new(body)),
@@ -72,7 +72,7 @@ impl Expected {
         }
     }
 
-    /// Returns the number of pixels, samples or values in a complete answer.
+    /// Returns the number of pixels, samples or depths in the exact result.
     pub(crate) fn units(&self, case: &StabilityCase) -> u64 {
         match (self, &case.body) {
             (Self::Coverage(expected), _) => expected.pixels(Snap::Unsnapped),
@@ -85,7 +85,8 @@ impl Expected {
     }
 }
 
-/// Runs the engine on a case and compares. Returns `None` if the column does not apply to such cases.
+/// Runs the engine on a case in the configuration `column` and compares the results with `expected`. Returns `None` if
+/// the configuration does not apply to this kind of case.
 pub(crate) fn answer(case: &StabilityCase, expected: &Expected, column: ReportColumn) -> Option<MeasureOutcome> {
     let measured = match (&case.body, expected, column) {
         (Body::TriCoverage(body), Expected::Coverage(expected), ReportColumn::Coverage(by)) => attempt(|| {

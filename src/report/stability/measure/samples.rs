@@ -5,7 +5,7 @@ use crate::report::stability::metric::{Measures, Metric};
 use crate::report::stability::oracle::{ExactSample, ScreenCorner, error, exact_sample, ulps};
 use crate::report::stability::subject::Sampled;
 
-/// Width of the texture that defines the size of a texel for errors.
+/// Texture width that converts errors of texture coordinates to texels.
 const TEXTURE_WIDTH: f64 = 1024.0;
 
 /// Expected values at each evaluated pixel; `None` where the triangle has no area.
@@ -15,8 +15,8 @@ pub(super) fn expected(corners: &[ScreenCorner; 3], eval: &[[u32; 2]]) -> Expect
     eval.iter().map(|[column, row]| exact_sample(corners, *column, *row)).collect()
 }
 
-/// Compares the samples of one or two triangles with the expected ones. Two triangles are coplanar and should agree in
-/// depth.
+/// Compares the samples of one or two triangles with the expected ones. Two triangles must be coplanar; their depths
+/// should be equal.
 pub(super) fn evaluate(expected: &[ExpectedSamples], answers: &[Vec<Sampled>]) -> MeasureOutcome {
     let mut all = Measures::default();
     let mut worst = (0.0, None);
@@ -41,12 +41,13 @@ pub(super) fn evaluate(expected: &[ExpectedSamples], answers: &[Vec<Sampled>]) -
     MeasureOutcome::new(all, worst.1.into_iter().collect())
 }
 
-/// Returns a sort key for the worst fault of a sample: non-finite values first, then differing depths, then weights,
-/// then depth errors.
+/// Returns the severity of a sample's faults as a sort key. Non-finite values weigh most, then differing depths, then
+/// errors of weights and texture coordinates, then depth errors.
 fn badness(measures: &Measures) -> f64 {
-    /// Factor of non-finite values, larger than any finite error.
+    /// Factor for the number of non-finite values in the sort key, larger than any finite error.
     const NO_NUMBER: f64 = 1e300;
-    /// Factor of differing depths, larger than any relevant error of a weight or in texels.
+    /// Factor for differing depths in the sort key, larger than any relevant error of a weight or, in texels, of a
+    /// texture coordinate.
     const FLIP: f64 = 1e9;
     let value = |metric| measures.get(metric).unwrap_or(0.0);
     value(Metric::NotFinite) * NO_NUMBER

@@ -1,9 +1,9 @@
-//! Exact results of clip-space triangles, computed without clipping and without dividing by w.
+//! Exact coverage, weights and depth of clip-space triangles, computed without clipping and without dividing by w.
 //!
 //! For vertices (xᵢ, yᵢ, zᵢ, wᵢ), let λ(p) be the numbers with Σ λᵢ·(xᵢ, yᵢ, wᵢ) = (x, y, 1), where (x, y) is the point
-//! p in normalised device coordinates. They are affine functions of p, and p shows the triangle exactly where none of
-//! them is negative (Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", 1997). Points behind
-//! the eye have negative λ, so vertices with w ≤ 0 need no special case. z/w at p is Σ λᵢ·zᵢ, and the
+//! p in normalised device coordinates. They are affine functions of p, and the triangle is visible at p exactly if none
+//! of them is negative (Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", 1997). Points
+//! behind the eye have negative λ, so vertices with w ≤ 0 need no special case. z/w at p is Σ λᵢ·zᵢ, and the
 //! perspective-correct weights of the vertices are λᵢ / Σ λⱼ.
 
 use num_bigint::BigInt;
@@ -18,18 +18,18 @@ use crate::pipeline::viewport::Viewport;
 /// Exact clip-space triangle, as seen in a viewport.
 #[derive(Clone, Debug)]
 pub(crate) struct ClipTriangle {
-    /// λ₀, λ₁ and λ₂ as functions of the pixel, multiplied by `unit`.
+    /// Numbers λ₀, λ₁ and λ₂ (see the module) as affine functions of pixel column and row, multiplied by `unit`.
     weights: [ExactHalfPlane; 3],
-    /// z/w as a function of the pixel, multiplied by `unit`.
+    /// z/w as an affine function of pixel column and row, multiplied by `unit`.
     depth: ExactHalfPlane,
-    /// Common denominator of the other fields, > 0.
+    /// Common denominator of `weights` and `depth`, greater than 0.
     unit: BigInt,
 }
 
 impl ClipTriangle {
-    /// Creates a triangle from vertices (x, y, z, w), with 0 ≤ z ≤ w inside, x = y = 0 in the centre and y up. Returns
-    /// `None` if a coordinate is not finite, or if the eye lies in the plane of the triangle, so that it is seen
-    /// edge-on.
+    /// Creates a triangle from clip-space vertices (x, y, z, w), with y pointing up and 0 ≤ z ≤ w inside the view
+    /// volume. Returns `None` if a coordinate is not finite, or if the plane of the triangle contains the eye, so that
+    /// the triangle is seen edge-on.
     pub(crate) fn new(corners: [[f32; 4]; 3], viewport: Viewport) -> Option<Self> {
         if corners.iter().flatten().any(|c| !c.is_finite()) {
             return None;
@@ -74,13 +74,13 @@ impl ClipTriangle {
     }
 }
 
-/// Computes the cross product of (x, y, w) of two vertices.
+/// Computes the cross product of two vertices, taken as vectors (x, y, w).
 fn cross(p: &[BigInt; 4], q: &[BigInt; 4]) -> [BigInt; 3] {
     [&p[1] * &q[3] - &p[3] * &q[1], &p[3] * &q[0] - &p[0] * &q[3], &p[0] * &q[1] - &p[1] * &q[0]]
 }
 
-/// Converts a·x + b·y + c in device coordinates to a function of the pixel, multiplied by width · height: x
-/// = (2·column + 1 − width) / width and y = (height − 2·row − 1) / height.
+/// Converts a·x + b·y + c in normalised device coordinates to a function of pixel column and row, multiplied by the
+/// number of pixels. A pixel centre is at x = (2·column + 1 − width) / width and y = (height − 2·row − 1) / height.
 fn over_pixels([a, b, c]: [BigInt; 3], viewport: Viewport) -> ExactHalfPlane {
     let (width, height) = (BigInt::from(viewport.width), BigInt::from(viewport.height));
     ExactHalfPlane {
@@ -91,7 +91,7 @@ fn over_pixels([a, b, c]: [BigInt; 3], viewport: Viewport) -> ExactHalfPlane {
     }
 }
 
-/// Computes Σ `forms`ᵢ · `factors`ᵢ.
+/// Computes the linear combination Σ `forms`ᵢ · `factors`ᵢ of affine functions.
 fn combined(forms: &[ExactHalfPlane; 3], factors: [&BigInt; 3]) -> ExactHalfPlane {
     let sum = |part: fn(&ExactHalfPlane) -> &BigInt| {
         forms.iter().zip(factors).map(|(form, factor)| part(form) * factor).sum()

@@ -1,4 +1,4 @@
-//! Ideal contents of a depth buffer.
+//! Exact depths, and their rounding to the storage format of a depth buffer.
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -22,7 +22,7 @@ pub(crate) enum DepthMapping {
 }
 
 impl DepthMapping {
-    /// Whether nearer distances have larger depths.
+    /// Whether smaller distances map to larger depths.
     pub(crate) fn is_reversed(self) -> bool {
         matches!(self, Self::Reversed | Self::ReversedInf)
     }
@@ -50,7 +50,8 @@ impl DepthStorage {
         }
     }
 
-    /// Returns the error of a stored depth in units of the last place; infinite if the depth is not finite.
+    /// Returns the error of a stored depth in units in the last place of the format; infinite if the depth is not
+    /// finite.
     pub(crate) fn error(self, stored: f64, right: &BigRational) -> f64 {
         let Some(largest) = self.largest_code() else { return ulps(stored, right) };
         let to_codes = |value: BigRational| value * BigInt::from(largest);
@@ -75,8 +76,8 @@ pub(crate) fn exact_depth(mapping: DepthMapping, near: f32, far: Option<f32>, di
     })
 }
 
-/// Rounds a depth once to its storage format: an integer code, or a float; both preserve the order. Two distances with
-/// the same result are indistinguishable, however precise the computation.
+/// Rounds an exact depth once to its storage format, as an integer code or a float; both preserve the order. Distances
+/// with the same result are indistinguishable, however precise the computation of the depth.
 pub(crate) fn ideal_code(storage: DepthStorage, value: &BigRational) -> BigRational {
     match storage.largest_code() {
         Some(largest) => {

@@ -1,9 +1,10 @@
-//! Correct answers, computed in exact arithmetic.
+//! Reference results, computed in exact arithmetic.
 //!
-//! Nothing here rounds, and nothing is shared with the code under test. Coordinates become integers of arbitrary
-//! length, weights become fractions of such integers, and each question is answered in the simplest practical way.
-//! Coverage intersects the half-planes of a triangle row by row, so its cost depends on rows, not pixels. Triangles
-//! that reach behind the eye are solved in homogeneous coordinates, without clipping and without division by w.
+//! The arithmetic does not round and shares no code with the engine under test. Coordinates become integers of
+//! arbitrary length, weights become fractions of such integers, and every result is computed in the simplest practical
+//! way. Coverage intersects the half-planes of a triangle row by row, so its cost depends on rows, not pixels.
+//! Triangles that reach behind the eye are solved in homogeneous coordinates, without clipping and without division by
+//! w.
 //!
 //! ```text
 //! number    f32 → integer or fraction, rounding to the 1/256 px grid, errors in ulp

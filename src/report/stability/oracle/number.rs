@@ -20,24 +20,24 @@ pub(super) fn exact_f64(value: f64) -> Option<BigRational> {
     BigRational::from_float(value)
 }
 
-/// Returns an approximation of a fraction, for display and for comparing errors.
+/// Converts a fraction to an approximate f64, for display and for comparing errors.
 pub(crate) fn approximate(value: &BigRational) -> f64 {
     value.to_f64().unwrap_or(f64::NAN)
 }
 
-/// Returns the absolute error of an answer; infinite if it is not finite.
+/// Returns the absolute error of a computed value; infinite if the value is not finite.
 pub(crate) fn error(answer: f64, right: &BigRational) -> f64 {
     exact_f64(answer).map_or(f64::INFINITY, |answer| approximate(&(answer - right).abs()))
 }
 
-/// Returns the error of an answer in units of the last place of an f32 of the same magnitude; infinite if it is not
-/// finite. At most 0.5 means correctly rounded.
+/// Returns the error of a computed value in units in the last place of an f32 of the exact value's magnitude. An error
+/// of at most 0.5 means correctly rounded; the error is infinite if the computed value is not finite.
 pub(crate) fn ulps(answer: f64, right: &BigRational) -> f64 {
     exact_f64(answer).map_or(f64::INFINITY, |answer| approximate(&((answer - right).abs() / last_place(right))))
 }
 
-/// Returns the unit of the last place of an f32 of the magnitude of `value`: 2^(e − 23) where 2^e ≤ |value| <
-/// 2^(e + 1), but at least the smallest positive f32.
+/// Returns the unit in the last place of an f32 of the magnitude of `value`, but at least the smallest positive f32.
+/// The unit is 2^(e − 23) where 2^e ≤ |value| < 2^(e + 1).
 fn last_place(value: &BigRational) -> BigRational {
     let bits = |n: &BigInt| n.magnitude().bits() as i32;
     if value.is_zero() {
@@ -70,18 +70,20 @@ fn parts(value: f32) -> (i64, i32) {
     (if value.is_sign_negative() { -mantissa } else { mantissa }, exponent + zeros as i32)
 }
 
-/// Returns the number of fractional bits that a finite f32 needs.
+/// Returns the number of fractional bits needed to represent a finite f32 exactly.
 pub(super) fn places(value: f32) -> u32 {
     parts(value).1.min(0).unsigned_abs()
 }
 
-/// Returns `value` · 2^`scale` of a finite f32; `scale` must be at least its number of [`places`].
+/// Returns `value` · 2^`scale` as an integer. `value` must be finite and need at most `scale` fractional bits (see
+/// [`places`]).
 pub(super) fn scaled(value: f32, scale: u32) -> BigInt {
     let (mantissa, exponent) = parts(value);
     BigInt::from(mantissa) << (exponent + scale as i32)
 }
 
-/// Rounds a finite f32 to the nearest multiple of 2^−`target_places`, ties to even, and returns it in this unit.
+/// Rounds a finite f32 to the nearest multiple of 2^−`target_places`, ties to even, and returns the result as
+/// an integer in that unit.
 pub(super) fn rounded(value: f32, target_places: u32) -> BigInt {
     let surplus = places(value).saturating_sub(target_places);
     let precise = scaled(value, target_places + surplus);

@@ -8,7 +8,7 @@ use crate::pipeline::raster::Span;
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::Viewport;
 
-/// Vertex positions assumed for a triangle.
+/// Vertex snapping applied before coverage is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Snap {
     /// Vertices used as given.
@@ -20,12 +20,12 @@ pub(crate) enum Snap {
 /// Number of fractional bits of [`Snap::Grid256`].
 const GRID_PLACES: u32 = 8;
 
-/// Reciprocal of the borderline distance, in 1/px. A centre this close to a line may fall on either side if vertices
-/// are snapped or rounded during projection.
+/// Reciprocal of the borderline distance, in 1/px. A pixel centre this close to an edge may fall on either side of it
+/// if vertices are snapped or rounded during projection.
 const BORDERLINE: i32 = 128;
 
-/// Half-plane where `by_column` · column + `by_row` · row + `origin` is positive at pixel centres, including the line
-/// itself if it is `closed`.
+/// Half-plane of the pixels for which `by_column` · column + `by_row` · row + `origin` is positive, or zero if the
+/// half-plane is `closed`.
 #[derive(Clone, Debug)]
 pub(super) struct ExactHalfPlane {
     pub(super) by_column: BigInt,
@@ -40,8 +40,8 @@ impl ExactHalfPlane {
         &self.by_column * column + &self.by_row * row + &self.origin
     }
 
-    /// Returns the first and last columns of a row in the half-plane, each `None` if unbounded; `None` as a whole if
-    /// there are no columns.
+    /// Returns the first and the last column of a row that lie in the half-plane, each `None` if unbounded. Returns
+    /// `None` instead of the pair if no column of the row lies in the half-plane.
     fn columns(&self, row: u32) -> Option<(Option<BigInt>, Option<BigInt>)> {
         // Values are integers, so positive means at least 1.
         let value = &self.by_row * row + &self.origin - u8::from(!self.closed);
@@ -76,7 +76,7 @@ impl ExactHalfPlane {
     }
 }
 
-/// Intersection of half-planes. Empty if there are none: a triangle without area covers nothing.
+/// Intersection of half-planes, or nothing if there are no half-planes, as for a triangle without area.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ExactRegion {
     pub(super) bounds: Vec<ExactHalfPlane>,
@@ -168,6 +168,7 @@ fn integer_corners(corners_px: [[f32; 2]; 3], snap: Snap) -> ([[BigInt; 2]; 3], 
 }
 
 /// Returns the half-plane clockwise of the line `from` → `to` (y down), where (to − from) × (p − from) is positive.
+/// Coordinates are in units of 2^−`scale` px.
 fn line(from: &[BigInt; 2], to: &[BigInt; 2], scale: u32) -> ExactHalfPlane {
     let (by_x, by_y) = (&from[1] - &to[1], &to[0] - &from[0]);
     let constant = -(&by_x * &from[0] + &by_y * &from[1]);
@@ -199,8 +200,8 @@ mod tests {
 
     const VIEW: Viewport = Viewport { width: 12, height: 10 };
 
-    /// Computes coverage from the signs of three areas in fractions; on an edge, from their change along the shift of
-    /// the fill rule.
+    /// Returns whether a triangle covers a pixel centre, from the signs of three areas in rational arithmetic. On an
+    /// edge, the direction in which the fill rule shifts the centre decides.
     fn covers(corners: &[[BigRational; 2]; 3], column: u32, row: u32, rule: FillRule) -> bool {
         let half = BigRational::new(1.into(), 2.into());
         let centre = [column, row].map(|pixel| BigRational::from_integer(pixel.into()) + &half);
@@ -226,8 +227,8 @@ mod tests {
         winding != 0 && sides.iter().all(inside)
     }
 
-    /// Returns a coordinate of one of several kinds: arbitrary, on centres, on the grid, between grid steps, far away,
-    /// tiny.
+    /// Returns a random coordinate of one of six kinds: arbitrary, at a pixel centre, on the snapping grid, halfway
+    /// between grid steps, far away, or an integer plus a tiny number.
     fn coordinate(random: &mut fastrand::Rng, kind: u8) -> f32 {
         let anywhere = random.f32() * 20.0 - 4.0;
         match kind {

@@ -67,7 +67,7 @@ fn mean(weights: &[BigRational; 3], values: [BigRational; 3]) -> BigRational {
     weights.iter().zip(values).map(|(weight, value)| weight * value).sum()
 }
 
-/// Returns all values if none is missing.
+/// Returns the values, or `None` if any of them is `None`.
 fn all<T, const N: usize>(values: [Option<T>; N]) -> Option<[T; N]> {
     let found: Vec<T> = values.into_iter().collect::<Option<_>>()?;
     found.try_into().ok()

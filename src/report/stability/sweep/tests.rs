@@ -7,7 +7,7 @@ use crate::report::stability::html::html;
 use crate::report::stability::text::text;
 use crate::report::stability::tradeoff;
 
-/// Returns a plan with these classes.
+/// Returns a plan for the classes with these ids.
 fn plan(classes: &[&str], timed: bool) -> StabilityPlan {
     let classes = classes.iter().map(|id| catalogue::by_id(id).unwrap()).collect();
     StabilityPlan { classes, timed, ..StabilityPlan::default() }
@@ -17,7 +17,7 @@ fn report(plan: &StabilityPlan) -> StabilityReport {
     run(plan, &|_| {}, &AtomicBool::new(false)).unwrap()
 }
 
-/// Returns a report on small classes without times, computed only once.
+/// Returns a report on fast classes without times, computed only once.
 fn small() -> &'static StabilityReport {
     static SMALL: LazyLock<StabilityReport> = LazyLock::new(|| {
         let classes = [

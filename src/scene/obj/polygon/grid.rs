@@ -6,7 +6,7 @@ use i_triangle::i_overlay::i_float::int::point::IntPoint;
 /// Point of the grid. Coordinates are at most [`HALF_EXTENT`] in magnitude.
 pub(super) type GridPoint = IntPoint<i32>;
 
-/// Grid steps from the centre of a polygon to the farther sides of its bounding box. The grid is finer than the
+/// Number of grid steps from the centre of a polygon's bounding box to its farthest sides. The grid is finer than the
 /// corners' f32 precision.
 const HALF_EXTENT: f64 = (1 << 29) as f64;
 

@@ -1,8 +1,8 @@
 //! Sweep-line triangulation of a polygon that does not touch itself, in O(n log n).
 //!
-//! The sweep line visits the corners from left to right. Each part of the line inside the polygon has a lower edge and
-//! a chain of corners. The chain holds the corners on the left that are not yet cut off, from the lower to the upper
-//! edge. A new corner cuts off the visible part of the chain (Hertel and Mehlhorn, "Fast Triangulation of Simple
+//! The sweep line visits the corners from left to right. Each section of the line inside the polygon has a lower edge
+//! and a chain of corners. The chain holds the corners on the left that are not yet cut off, from the lower to the
+//! upper edge. A new corner cuts off the visible part of the chain (Hertel and Mehlhorn, "Fast Triangulation of Simple
 //! Polygons", 1983). Neighbouring edges are tested for contact during the sweep (Shamos and Hoey, "Geometric
 //! Intersection Problems", 1976), which rejects all other outlines. All decisions are exact, on an integer grid.
 
@@ -15,7 +15,7 @@ use super::grid::{GridPoint, crosses, dot, orientation};
 /// Number of corners visited between cancellation checks.
 const CORNERS_PER_TEST: usize = 1 << 12;
 
-/// Edge of the polygon, with its ends in sweep order.
+/// Edge of the polygon, with its endpoints in sweep order.
 #[derive(Clone, Copy)]
 struct SweepEdge {
     left: GridPoint,
@@ -30,8 +30,8 @@ impl SweepEdge {
         orientation(self.left, self.right, point)
     }
 
-    /// Returns the order of two edges, of which `later` starts at the same x or farther right. Compares the left end of
-    /// `later`, or its right end if the left end lies on the line of `self`.
+    /// Returns the vertical order of two edges. `later` must start at the same x or farther right. Compares the left
+    /// endpoint of `later` with `self`, or the right endpoint if the left one lies on the line of `self`.
     fn order(&self, later: &Self) -> Ordering {
         let side = self.side(later.left);
         let side = if side == 0 { self.side(later.right) } else { side };
@@ -63,16 +63,17 @@ impl PartialEq for SweepEdge {
 
 impl Eq for SweepEdge {}
 
-/// Corners left of the sweep line that are not yet cut off, from the lower edge to the upper edge.
+/// Corners left of the sweep line that are not yet triangulated, between a lower and an upper edge, from bottom to top.
 #[derive(Default)]
 struct Chain {
     corners: VecDeque<usize>,
-    /// Index in `corners` of the rightmost corner, from which the whole part of the sweep line is visible.
+    /// Index in `corners` of the rightmost corner, which sees the whole section of the sweep line between the two
+    /// edges.
     rightmost: usize,
 }
 
-/// Returns the triangles of a closed counter-clockwise polygon as corner indices. All triangles are counter-clockwise,
-/// and there are two fewer than corners.
+/// Returns the triangles of a closed counter-clockwise polygon as corner indices. All triangles are counter-clockwise;
+/// a polygon of n corners has n − 2 of them.
 ///
 /// Returns `None` if edges touch anywhere but at a common corner, if the polygon is clockwise, or if the triangulation
 /// is cancelled.
@@ -102,8 +103,8 @@ pub(super) fn triangulate(corners: &[GridPoint], is_cancelled: &dyn Fn() -> bool
 
 struct Sweep<'a> {
     corners: &'a [GridPoint],
-    /// Edges that cross the sweep line, from bottom to top. An edge with the inside above it has the chain of that
-    /// part.
+    /// Edges that cross the sweep line, from bottom to top. An edge with the inside of the polygon above it holds the
+    /// chain of that section of the line.
     line: BTreeMap<SweepEdge, Option<Chain>>,
     triangles: Vec<[u32; 3]>,
 }
@@ -198,18 +199,19 @@ impl Sweep<'_> {
         Some(())
     }
 
-    /// Takes the chain of the part below an edge that is not in the sweep line.
+    /// Removes and returns the chain of the section of the sweep line below `edge`. The edge must not be in the sweep
+    /// line.
     fn take_below(&mut self, edge: &SweepEdge) -> Option<Chain> {
         self.line.range_mut(..edge).next_back()?.1.take()
     }
 
-    /// Stores the chain of the part below an edge that is not in the sweep line.
+    /// Stores the chain of the section of the sweep line below `edge`. The edge must not be in the sweep line.
     fn put_below(&mut self, edge: &SweepEdge, chain: Chain) -> Option<()> {
         *self.line.range_mut(..edge).next_back()?.1 = Some(chain);
         Some(())
     }
 
-    /// Adds a corner at the lower end of a chain, after cutting off the visible corners.
+    /// Adds a corner at the lower end of a chain, after cutting off the chain's corners that are visible from it.
     fn add_below(&mut self, chain: &mut Chain, corner: usize) {
         while let (Some(&low), Some(&high)) = (chain.corners.front(), chain.corners.get(1)) {
             if !self.cut(low, high, corner) {
@@ -221,7 +223,7 @@ impl Sweep<'_> {
         chain.rightmost = 0;
     }
 
-    /// Adds a corner at the upper end of a chain, after cutting off the visible corners.
+    /// Adds a corner at the upper end of a chain, after cutting off the chain's corners that are visible from it.
     fn add_above(&mut self, chain: &mut Chain, corner: usize) {
         while let [Some(&low), Some(&high)] =
             [chain.corners.len().checked_sub(2).and_then(|i| chain.corners.get(i)), chain.corners.back()]
@@ -261,8 +263,8 @@ impl Chain {
         Self { corners: upper, rightmost: 0 }
     }
 
-    /// Appends a chain that starts with this chain's last corner, which becomes the rightmost. Only the shorter chain
-    /// is moved.
+    /// Appends a chain that starts with this chain's last corner. That corner becomes the rightmost one. Only the
+    /// shorter chain is moved.
     fn join(&mut self, mut upper: Self) {
         self.rightmost = self.corners.len() - 1;
         self.corners.pop_back();

@@ -20,10 +20,11 @@ const CROSSINGS_PER_CORNER: usize = 8;
 /// Number of crossings allowed for any polygon.
 const FREE_CROSSINGS: usize = 1000;
 
-/// Maximum number of crossings of any polygon, which takes about 100 MB during triangulation.
+/// Maximum number of crossings of any polygon. Triangulating that many takes about 100 MB.
 const MAX_CROSSINGS: usize = 200_000;
 
-/// Maximum number of edge pairs that are on the sweep line together, which takes about 0.2 s.
+/// Maximum number of edge pairs that are compared because both edges are on the sweep line. Comparing that many takes
+/// about 0.2 s.
 const MAX_PAIRS: usize = 100_000_000;
 
 /// Point where the outline crosses itself, on the edge from corner `edge` to the next.
@@ -79,14 +80,14 @@ fn cutter(corners: usize) -> IntTriangulator<i32, u32> {
 /// Number of edges visited between cancellation checks.
 const EDGES_PER_TEST: usize = 1 << 10;
 
-/// Binary logarithm of the cell size: the maximum distance, in grid steps, between the true crossing of two edges and
-/// the crate's rounded point.
+/// Binary logarithm of the cell size in grid steps. The cell size is the maximum distance between the true crossing of
+/// two edges and the rounded point that the crate returns.
 const CELL_BITS: u32 = 4;
 
 /// Edges of a polygon and their crossings.
 struct Outline<'a> {
     corners: &'a [GridPoint],
-    /// Indices of edges that cross another one, by the grid cell of the crossing.
+    /// Indices of edges that cross another one, by the cell that contains the crossing.
     cells: HashMap<[i32; 2], Vec<u32>>,
 }
 
@@ -145,8 +146,8 @@ impl<'a> Outline<'a> {
         [self.corners[number], self.corners[(number + 1) % self.corners.len()]]
     }
 
-    /// Returns the crossing at `point`. It is on the nearest edge with a crossing nearby, or else on the nearest of all
-    /// edges.
+    /// Returns the crossing at `point`. Its edge is the nearest one that crosses another edge nearby, or else the
+    /// nearest of all edges.
     fn crossing_at(&self, point: GridPoint) -> OutlineCrossing {
         let [x, y] = [point.x >> CELL_BITS, point.y >> CELL_BITS];
         let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| [x + dx, y + dy]));
@@ -176,7 +177,7 @@ impl<'a> Outline<'a> {
     }
 }
 
-/// Whether two segments have more in common than one end point.
+/// Whether two segments meet anywhere except at one common endpoint.
 fn crosses_inside([a, b]: [GridPoint; 2], [c, d]: [GridPoint; 2]) -> bool {
     let runs_back = |joint: GridPoint, end: GridPoint, other: GridPoint| {
         orientation(joint, end, other) == 0 && dot(end, joint, other) > 0
@@ -190,7 +191,7 @@ fn crosses_inside([a, b]: [GridPoint; 2], [c, d]: [GridPoint; 2]) -> bool {
     }
 }
 
-/// Returns the rounded intersection of two crossing segments; for parallel segments, an end point that lies on both.
+/// Returns the rounded intersection of two crossing segments; for parallel segments, an endpoint that lies on both.
 fn intersection([a, b]: [GridPoint; 2], [c, d]: [GridPoint; 2]) -> [i32; 2] {
     let (from, to) = (orientation(c, d, a) as f64, orientation(c, d, b) as f64);
     if from == to {

@@ -14,7 +14,7 @@ use crate::ui::theme::{font_size, space, tokens};
 /// Height of a row of error metrics, in points.
 pub(super) const LINE: f32 = 15.0;
 
-/// Width of one error metric with its name, in points.
+/// Width of one error metric including its name, in points.
 const FIGURE: f32 = 108.0;
 
 /// Returns the number of rows that a picture's error metrics take in a column `width` points wide.
@@ -53,14 +53,14 @@ pub(super) fn figures_of_both(ui: &Ui, footer: Rect, compared: &Compared, sessio
     figures_of(ui, 1, right, compared, session);
 }
 
-/// Draws the error metrics of a tile, and below them those of the region.
+/// Draws the error metrics of a tile, and below them the error metrics of the region.
 pub(super) fn figures_of(ui: &Ui, index: usize, footer: Rect, compared: &Compared, session: &Session) {
     let Some(tile) = compared.tiles.get(index) else { return };
     let response = ui.interact(footer, egui::Id::unique(("figures of tile", index)), Sense::hover());
     let drawn = format!("{} of the pixels drawn", format::percent(tile.drawn_share));
     let lines = figure_lines(footer.width()) as f32 * LINE;
     let words = match &tile.measured {
-        None => "measuring …".to_owned(),
+        None => "measuring…".to_owned(),
         Some(measured) => match &measured.figures {
             None => "not measured: this picture and the reference have different sizes".to_owned(),
             Some(figures) => draw_figures(ui, footer, figures, tokens(ui).text),
@@ -94,7 +94,7 @@ fn words_of(figures: &ErrorMetrics, count: usize) -> String {
     words.collect::<Vec<_>>().join(" · ")
 }
 
-/// Draws error metrics in columns from the top of `rect`. Returns them as text.
+/// Draws error metrics in columns, starting at the top of `rect`, and returns them as text.
 fn draw_figures(ui: &Ui, rect: Rect, figures: &ErrorMetrics, color: Color32) -> String {
     let painter = ui.painter();
     let count = figure_count(rect.width());

@@ -1,4 +1,4 @@
-//! Row above a picture: the letter of its tile and a list of upscalers.
+//! Header above a picture: the letter of its tile and a list of upscalers.
 
 use eframe::egui::{self, Rect, Role, Ui, UiBuilder, WidgetInfo, vec2};
 
@@ -57,7 +57,7 @@ fn header(ui: &mut Ui, tile: usize, rect: Rect, session: &Session, commands: &mu
 }
 
 /// Draws the list of upscalers and returns the newly selected one. `anchor` is `Some` if the sample positions of the
-/// compared pictures differ; the caption then names it.
+/// compared pictures differ; the list's caption then includes the anchor.
 fn upscalers(ui: &mut Ui, width: f32, recipe: Recipe, anchor: Option<Anchor>) -> Option<Upscaling> {
     let mut chosen = recipe.upscaler;
     let caption = if anchor.is_some() { chosen.label_with_anchor() } else { chosen.label() };
@@ -67,7 +67,11 @@ fn upscalers(ui: &mut Ui, width: f32, recipe: Recipe, anchor: Option<Anchor>) ->
         }
     });
     if let Some(anchor) = anchor {
-        let help = format!("The compared pictures differ in anchor. Here: “{}”. {}", anchor.name(), anchor.help());
+        let help = format!(
+            "The compared pictures use different anchors. This picture uses “{}”. {}",
+            anchor.name(),
+            anchor.help()
+        );
         list.response.on_hover_text(help);
     }
     (chosen != recipe.upscaler).then_some(chosen)

@@ -11,7 +11,7 @@ use crate::ui::theme::space;
 /// Gap between tiles, in points.
 const GAP: f32 = space::XS;
 
-/// Screen rectangles of one tile, in points.
+/// Screen rectangles of the parts of one tile, in points.
 #[derive(Clone, Copy)]
 pub(super) struct TileLayout {
     pub(super) header: Rect,

@@ -11,5 +11,5 @@ pub(super) fn ui(ui: &mut Ui, lesson: &mut CircleLesson) {
     ui.checkbox(&mut lesson.sides, "Show the sign of F(x, y)").on_hover_text(
         "Colours each pixel by the side of the curve that its centre lies on: the sign of the implicit function F",
     );
-    hint(ui, "Drag the centre and the radius; an ellipse has two radii.");
+    hint(ui, "Drag the handles of the centre and of the radius; an ellipse has two radii.");
 }

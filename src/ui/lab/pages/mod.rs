@@ -45,7 +45,7 @@ pub(super) fn controls(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
     }
 }
 
-/// Draws all options of a choice as radio buttons with their help texts below a title.
+/// Draws a title and, below it, all options of a setting as radio buttons with help texts.
 fn list<C: Choice>(ui: &mut Ui, title: &str, value: &mut C) {
     section_header(ui, title, |_| {});
     for choice in C::ALL {
@@ -67,7 +67,7 @@ fn presets<C: Choice>(ui: &mut Ui) -> Option<C> {
     clicked
 }
 
-/// Draws a hint about the use of the mouse on a page.
+/// Draws a hint that explains how to use the mouse on a page.
 fn hint(ui: &mut Ui, text: &str) {
     ui.add_space(space::S);
     ui.label(RichText::new(text).color(tokens(ui).text_weak).small());

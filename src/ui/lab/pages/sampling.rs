@@ -14,7 +14,7 @@ pub(super) fn ui(ui: &mut Ui, lesson: &mut SamplingLesson) {
     list(ui, "Sampling method", &mut lesson.method);
     ui.add_space(crate::ui::theme::space::S);
     if matches!(lesson.method, SamplingMethod::Grid | SamplingMethod::Jittered) {
-        row(ui, "Points", "Sample points along each axis of a pixel: n × n in all", |ui| {
+        row(ui, "Points", "Number n of sample points along each axis of a pixel, which has n × n points", |ui| {
             ui.add(Slider::new(&mut lesson.points, 1..=MAX_POINTS));
         });
     }

@@ -1,4 +1,4 @@
-//! Background evaluation of a part of a case.
+//! Background evaluation of one part of a test case.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -10,14 +10,14 @@ use crate::case::{Case, Control, Options};
 use crate::report::comparison::{DisplayedResult, PixelCounts, show};
 use crate::ui::task::{BackgroundTask, TaskStatus};
 
-/// Request to evaluate a part of a case.
+/// Request to evaluate one part of a test case.
 #[derive(Clone, Debug)]
 pub(crate) struct EvaluationRequest {
     /// Case to evaluate.
     pub(crate) case: Arc<Case>,
-    /// Index of the part of the case.
+    /// Index of the part to evaluate.
     pub(crate) part: usize,
-    /// Rasterizer and arithmetic of the evaluation.
+    /// Rasterizer and arithmetic with which the case is evaluated.
     pub(crate) options: Options,
 }
 
@@ -27,20 +27,20 @@ impl EvaluationRequest {
         self.is_about(&other.case) && (self.part, self.options) == (other.part, other.options)
     }
 
-    /// Whether the request is about this case, compared by pointer.
+    /// Whether the request concerns this case, compared by pointer.
     pub(super) fn is_about(&self, case: &Arc<Case>) -> bool {
         Arc::ptr_eq(&self.case, case)
     }
 }
 
-/// Result of an evaluation, with its request.
+/// Result of an evaluation, together with its request.
 #[derive(Debug)]
 pub(crate) struct Evaluation {
     /// Request that was evaluated.
     pub(crate) request: EvaluationRequest,
     /// Result to display.
     pub(super) shown: DisplayedResult,
-    /// Pixel counts of a picture result; zero for text.
+    /// Pixel counts of the result; zero if the result is text.
     pub(super) figures: PixelCounts,
 }
 
@@ -56,12 +56,12 @@ impl Evaluation {
     }
 }
 
-/// Evaluation in a background thread; dropping it cancels it.
+/// Evaluation in a background thread. Dropping it cancels the evaluation.
 #[derive(Debug)]
 pub(super) struct Running {
     pub(super) question: EvaluationRequest,
     pub(super) since: Instant,
-    /// Completed share of the evaluation, in [0, 1]; `None` before the first report.
+    /// Completed fraction of the evaluation, from 0 to 1; `None` before the first report.
     pub(super) progress: Option<f32>,
     task: BackgroundTask<f32, Evaluation>,
 }
@@ -74,7 +74,8 @@ impl Running {
         Self { question, since: Instant::now(), progress: None, task: BackgroundTask::start(context, work) }
     }
 
-    /// Returns the evaluation once it is complete. If the thread panicked, its result is an error message.
+    /// Returns the evaluation once it is complete, otherwise `None`. If the thread panicked, the result is an error
+    /// message.
     pub(super) fn poll(&mut self) -> Option<Evaluation> {
         match self.task.poll(&mut self.progress) {
             TaskStatus::Ended(Some(evaluation)) => Some(*evaluation),

@@ -1,7 +1,7 @@
-//! The pixels of a case: one picture, or two pictures side by side that pan and zoom together.
+//! The pictures of a case: one picture, or two pictures side by side that pan and zoom together.
 //!
-//! Pictures of cases may exceed the maximum texture size. Only the visible part becomes a texture, with at most as many
-//! texels as screen pixels. It is rebuilt when the view changes.
+//! A picture may exceed the maximum texture size. Therefore, only its visible part becomes a texture, with at most as
+//! many texels as screen pixels. The texture is rebuilt when the view changes.
 
 use eframe::egui::{
     Align2, Color32, ColorImage, FontId, Pos2, Rect, Sense, Stroke, TextureHandle, TextureOptions, Ui, Vec2, pos2, vec2,
@@ -10,46 +10,48 @@ use eframe::egui::{
 use crate::report::comparison::{Agreement, PixelComparison};
 use crate::ui::theme::{font_size, space, tokens};
 
-/// Minimum size of a pixel, in points, for grid lines to be drawn.
+/// Minimum side length of an enlarged pixel for which grid lines are drawn, in points.
 const GRID_FROM: f32 = 7.0;
 
-/// Maximum size of a pixel, in points.
+/// Maximum side length of an enlarged pixel, in points.
 const LARGEST_PIXEL: f32 = 64.0;
 
-/// Colour of a pixel covered by neither the engine nor the exact result.
+/// Colour of a pixel covered by neither the tested rasterizer nor the exact result.
 const OUTSIDE: Color32 = Color32::from_rgb(0x22, 0x25, 0x2B);
 
-/// Colour of a pixel covered by both the engine and the exact result.
+/// Colour of a pixel covered by both the tested rasterizer and the exact result.
 const COVERED: Color32 = Color32::from_rgb(0xB9, 0xC3, 0xD2);
 
-/// Colour of a pixel covered by the engine only. Orange differs from blue for all common colour vision deficiencies.
+/// Colour of a pixel covered by the tested rasterizer only. Orange differs from blue for all common colour vision
+/// deficiencies.
 const EXTRA: Color32 = Color32::from_rgb(0xF5, 0x8A, 0x1F);
 
 /// Colour of a pixel covered by the exact result only.
 const MISSING: Color32 = Color32::from_rgb(0x2F, 0x7D, 0xF6);
 
-/// View of the pictures of a case, and the textures of its visible part.
+/// Pan and zoom of the pictures of a case, and the textures of the visible part.
 #[derive(Default)]
 pub(super) struct Pictures {
-    /// Scale in points per pixel, and the picture position at the centre, in pixels; `None` fits the picture.
+    /// Scale in points per pixel, and the picture position at the centre of the view, in pixels; `None` fits the
+    /// picture into the view.
     view: Option<(f32, Vec2)>,
     tiles: [Option<(Visible, TextureHandle)>; 2],
 }
 
-/// Visible part of a picture, and the texture resolution it is drawn at.
+/// Visible part of a picture, and the resolution of the texture that shows it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Visible {
     /// First visible column and row.
     first: [u32; 2],
     /// One past the last visible column and row.
     end: [u32; 2],
-    /// Number of texels along both axes, at most one per pixel.
+    /// Number of texels along x and y, at most one per pixel.
     texels: [usize; 2],
 }
 
 impl Visible {
-    /// Returns the part of a picture of `size` px within `rect`. `pixel` maps points on screen to positions in the
-    /// picture.
+    /// Returns the part of a picture that is visible in `rect`. `size` is the size of the picture in pixels, and
+    /// `pixel` maps a screen position in points to a picture position in pixels.
     fn new(size: (u32, u32), rect: Rect, pixel: impl Fn(Pos2) -> Vec2, pixels_per_point: f32) -> Self {
         let (least, greatest) = (pixel(rect.min), pixel(rect.max));
         let along = |least: f32, greatest: f32, size: u32, points: f32| {
@@ -63,7 +65,7 @@ impl Visible {
         Self { first: [left, top], end: [right, bottom], texels: [columns, rows] }
     }
 
-    /// Builds the texture image: each texel has the colour of the pixel at its middle.
+    /// Builds the texture image. Each texel has the colour of the pixel at its centre.
     fn image(self, color: impl Fn(u32, u32) -> Color32) -> ColorImage {
         let [columns, rows] = [0, 1].map(|axis| {
             let (first, texels) = (self.first[axis], self.texels[axis] as u64);
@@ -80,7 +82,7 @@ impl Visible {
 }
 
 impl Pictures {
-    /// Drops the textures, which must be rebuilt after the picture has changed.
+    /// Drops the textures, so that they are rebuilt. Must be called after the picture has changed.
     pub(super) fn invalidate(&mut self) {
         self.tiles = [None, None];
     }
@@ -91,7 +93,7 @@ impl Pictures {
         self.view = Some((scale, vec2(x as f32 + 0.5, y as f32 + 0.5)));
     }
 
-    /// Draws the picture of the engine, and the exact result beside it if there is one.
+    /// Draws the pixels covered by the tested rasterizer and, beside them, the exact result if there is one.
     pub(super) fn ui(&mut self, ui: &mut Ui, comparison: &PixelComparison) {
         let (area, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         let count = if comparison.exact.is_some() { 2.0 } else { 1.0 };
@@ -201,7 +203,8 @@ mod tests {
 
     const TILE: Rect = Rect { min: Pos2::ZERO, max: Pos2::new(500.0, 300.0) };
 
-    /// Returns the visible part of a picture at `scale` points per pixel, with the position `center` in the middle.
+    /// Returns the visible part of a picture of `size` pixels at `scale` points per pixel, with the picture position
+    /// `center` in the middle.
     fn visible(size: (u32, u32), scale: f32, center: Vec2) -> Visible {
         Visible::new(size, TILE, |point| (point - TILE.center()) / scale + center, 1.0)
     }

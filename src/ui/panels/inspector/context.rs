@@ -1,4 +1,4 @@
-//! Enlarged neighbourhood of the picked pixel, as shown on the canvas.
+//! Enlarged neighbourhood of the picked pixel, in the colours shown on the canvas.
 
 use eframe::egui::{self, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, vec2};
 
@@ -10,7 +10,7 @@ use crate::ui::theme::{self, tokens};
 /// Number of pixels shown on each side of the picked pixel.
 const REACH: i64 = 7;
 
-/// Side of an enlarged pixel, in points.
+/// Side length of an enlarged pixel, in points.
 const CELL: f32 = 8.0;
 
 /// Width and height of the widget, in points.
@@ -41,19 +41,20 @@ pub(super) fn ui(ui: &mut Ui, view: &RenderedView, picked: (u32, u32), commands:
     response.on_hover_text(format!("{x}, {y}: {}\n{what}", one_line(view.value(x, y))));
 }
 
-/// Returns the rectangle of the pixel at this offset from the picked one, in points.
+/// Returns the screen rectangle, in points, of the pixel that lies `right` columns and `down` rows from the picked
+/// pixel.
 fn cell(frame: Rect, right: i64, down: i64) -> Rect {
     Rect::from_center_size(frame.center() + vec2(right as f32, down as f32) * CELL, Vec2::splat(CELL))
 }
 
-/// Returns the pixel that the widget shows at a point, if there is one.
+/// Returns the pixel that the widget shows at the screen position `at`; `None` if it shows no pixel there.
 fn pixel_at(frame: Rect, at: Pos2, picked: (u32, u32)) -> Option<(u32, u32)> {
     let from_middle = ((at - frame.center()) / CELL).round();
     let (right, down) = (from_middle.x as i64, from_middle.y as i64);
     (right.abs() <= REACH && down.abs() <= REACH).then(|| beside(picked, right, down)).flatten()
 }
 
-/// Returns the pixel at an offset from a pixel, unless a coordinate is negative or overflows.
+/// Returns the pixel `right` columns and `down` rows from (x, y); `None` if a coordinate is negative or overflows.
 fn beside((x, y): (u32, u32), right: i64, down: i64) -> Option<(u32, u32)> {
     Some((u32::try_from(i64::from(x) + right).ok()?, u32::try_from(i64::from(y) + down).ok()?))
 }

@@ -1,4 +1,4 @@
-//! Diagram of a fragment's triangle in screen space with its sample, and the weights of its corners.
+//! Diagram of a fragment's triangle in screen space with its sample, and the barycentric weights of its vertices.
 
 use eframe::egui::{self, Align2, Color32, FontId, Pos2, RichText, Sense, Stroke, Ui, Vec2, vec2};
 
@@ -17,8 +17,8 @@ pub(super) enum SampleLocation {
     Outside,
 }
 
-/// Draws the triangle in screen space with the sample. A sample inside splits the triangle into three parts in the
-/// colours of the weights.
+/// Draws the triangle in screen space with the sample. A sample inside the triangle splits it into three parts, in the
+/// colours of the barycentric weights.
 pub(super) fn triangle_diagram(ui: &mut Ui, corners_px: [[f32; 2]; 3], place: SampleLocation, report: &PixelReport) {
     let (response, painter) = ui.allocate_painter(vec2(ui.available_width(), SIDE), Sense::hover());
     let frame = response.rect;
@@ -75,15 +75,15 @@ fn corners_center(corners: &[Pos2; 3]) -> Pos2 {
     ((corners[0].to_vec2() + corners[1].to_vec2() + corners[2].to_vec2()) / 3.0).to_pos2()
 }
 
-/// Draws the weights of the corners, both in screen space and as used for interpolation.
+/// Draws the barycentric weights of the vertices, both in screen space and as used for attribute interpolation.
 pub(super) fn weights(ui: &mut Ui, fragment: &FragmentRecord) {
     egui::Grid::new("weights").num_columns(3).spacing([12.0, 2.0]).min_col_width(92.0).show(ui, |ui| {
         ui.label("");
         for (heading, help) in [
             ("λ on screen", "Area opposite to the corner, divided by the area of the triangle, in screen space"),
             (
-                "λ in space",
-                "Weight for attribute interpolation: λ/w divided by the sum of all three, unless \
+                "Attribute weights",
+                "Weight for attribute interpolation: λ/w, divided by the sum of all three, unless \
                             interpolation is affine",
             ),
         ] {

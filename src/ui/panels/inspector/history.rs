@@ -1,5 +1,5 @@
-//! The history of the pixel as a list: its clear value, every fragment in drawing order with its effect, triangles
-//! without a fragment here with the reason, and the final value. Chips filter the list.
+//! The history of the picked pixel as a list: its clear value, every fragment in drawing order with its effect,
+//! triangles without a fragment here with the reason, and the final value. Chips filter the list.
 
 use eframe::egui::{self, Align, Button, Color32, Label, Layout, RichText, Sense, Ui, UiBuilder};
 
@@ -14,21 +14,22 @@ use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::{Status, chip, icon_button, section_header, swatch};
 
-/// Maximum number of fragments listed at each end of the history; a pixel may have ten thousand.
+/// Maximum number of fragments listed at the beginning and at the end of the history. A pixel may have ten thousand
+/// fragments.
 const LISTED_AT_AN_END: usize = 50;
 
-/// Maximum number of triangles listed that have no fragment at the pixel; the first ones are the most relevant.
+/// Maximum number of listed triangles that have no fragment at the pixel. The most relevant ones come first.
 const LISTED_ABSENT: usize = 60;
 
 /// Selected entry and filters of the history.
 pub(super) struct HistoryView {
-    /// Entry that is explained below the list; `None` means the visible fragment.
+    /// Entry whose details are shown below the list; `None` means the visible fragment.
     pub(super) chosen: Option<Chosen>,
     /// Whether entries of each kind are listed, in the order of [`Kind::ALL`].
     listed: [bool; Kind::ALL.len()],
 }
 
-/// Entry of the history.
+/// Selected entry of the history.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Chosen {
     /// Fragment, by its index in the report.
@@ -38,7 +39,8 @@ pub(super) enum Chosen {
 }
 
 impl Default for HistoryView {
-    /// Lists everything except near misses, which are many.
+    /// Returns a view that lists all kinds of entries except triangles that narrowly miss the pixel, which are
+    /// numerous.
     fn default() -> Self {
         Self { chosen: None, listed: [0, 1, 2, 3, 4].map(|place| Kind::ALL[place] != Kind::Missed) }
     }
@@ -96,7 +98,7 @@ impl HistoryView {
                 if index == LISTED_AT_AN_END {
                     let left_out = count - 2 * LISTED_AT_AN_END;
                     ui.weak(format!(
-                        "… {} more, which the copied JSON of this pixel lists …",
+                        "… {} more, listed in the copied JSON of this pixel …",
                         format::count(left_out as u64)
                     ));
                 }
@@ -123,7 +125,7 @@ impl HistoryView {
             }
         }
         if let Some(more) = listed.len().checked_sub(LISTED_ABSENT).filter(|more| *more > 0) {
-            ui.weak(format!("… {} more, which the copied JSON of this pixel lists …", format::count(more as u64)));
+            ui.weak(format!("… {} more, listed in the copied JSON of this pixel …", format::count(more as u64)));
         }
     }
 }
@@ -134,7 +136,7 @@ fn chip_text(kind: Kind, count: usize, words: bool) -> String {
     if words && count > 0 { format!("{} {number}", kind.name()) } else { number }
 }
 
-/// Whether all filter chips fit in one row with their names. Otherwise only the tooltips show the names.
+/// Whether all filter chips, including their names, fit in one row. Otherwise, only their tooltips show the names.
 fn words_fit(ui: &Ui, report: &PixelReport) -> bool {
     let font = egui::FontId::proportional(theme::font_size::SMALL);
     let spacing = ui.spacing();
@@ -156,7 +158,7 @@ fn icon(kind: Kind) -> Icon {
     }
 }
 
-/// Draws the state of the sample before or after its history.
+/// Draws the colour and depth of the sample before the first or after the last entry of the history.
 fn state_row(ui: &mut Ui, word: &str, help: &str, state: SampleState) {
     ui.horizontal(|ui| {
         chip(ui, Status::Neutral, word, help);
@@ -167,22 +169,22 @@ fn state_row(ui: &mut Ui, word: &str, help: &str, state: SampleState) {
     });
 }
 
-/// Row of the history.
+/// Row of the history, for a fragment or for a triangle without a fragment.
 struct HistoryRow<'a> {
     status: Status,
     word: &'a str,
     /// Triangle number and object name.
     title: String,
     reason: &'a str,
-    /// States of the sample before and after the entry.
+    /// Colour and depth of the sample before and after the fragment; `None` if nothing was written.
     change: Option<[SampleState; 2]>,
     /// Index of the triangle among all rasterized triangles; `None` if it was not rasterized.
     submission: Option<usize>,
-    /// Triangle of the entry.
+    /// Identifier of the triangle that the row describes.
     triangle: TriangleId,
-    /// Whether exactly this triangle is selected in the picture.
+    /// Whether this triangle, and no other, is selected in the picture.
     is_selected: bool,
-    /// Whether the entry has details to show.
+    /// Whether the row can be clicked to show details.
     can_be_chosen: bool,
     /// Name of the row for screen readers.
     name: String,
@@ -243,7 +245,7 @@ fn row(ui: &mut Ui, chosen: bool, row: &HistoryRow<'_>, commands: &mut Vec<Comma
         .response;
     response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, chosen, &row.name));
     let response =
-        if row.can_be_chosen { response.on_hover_text("Click to show the numbers of this entry") } else { response };
+        if row.can_be_chosen { response.on_hover_text("Click to show the values of this entry") } else { response };
     response.clicked()
 }
 
@@ -263,10 +265,10 @@ fn row_content(ui: &mut Ui, row: &HistoryRow<'_>, commands: &mut Vec<Command>) {
     ui.add(Label::new(RichText::new(row.reason).small().color(tokens(ui).text)).wrap());
 }
 
-/// Draws a button that shows the frame right after this triangle.
+/// Draws a button that shows the frame as it was right after this triangle was drawn.
 fn jump_button(ui: &mut Ui, row: &HistoryRow<'_>, commands: &mut Vec<Command>) {
     let Some(submission) = row.submission else { return };
-    let help = "Show the frame as it was right after this triangle: moves the triangle slider";
+    let help = "Show the frame right after this triangle was drawn: moves the triangle slider";
     if icon_button(ui, Icon::SkipForward, help).clicked() {
         commands.push(Command::LimitTriangles(Some(submission + 1)));
     }
@@ -290,7 +292,7 @@ fn is_selected(session: &Session, triangle: TriangleId) -> bool {
     session.selection.len() == 1 && session.selection.contains(triangle)
 }
 
-/// Draws the colours before and after a fragment, in a right-to-left layout.
+/// Draws the colours of the pixel before and after the fragment, in a right-to-left layout.
 fn change(ui: &mut Ui, row: &HistoryRow<'_>) {
     let Some([before, after]) = row.change else { return };
     swatch(ui, to_color(after.color)).on_hover_text(format!("after: {}", codes(after.color)));

@@ -1,5 +1,5 @@
-//! The inspector on the right: the picked pixel with its verdict, the sample in its triangle, the history, and the
-//! numbers of the selected fragment.
+//! The inspector panel on the right. It shows the picked pixel with an explanation of its colour, a diagram of the
+//! sample in its triangle, the history of the pixel, and the numeric values of the selected fragment.
 
 mod context;
 
@@ -103,7 +103,7 @@ impl Inspector {
                 numbers(ui, fragment);
                 let help = "Saves the visible triangle of this pixel as a case file in the current folder, to report \
                             it or to open it again";
-                if ui.button("Save triangle as case").on_hover_text(help).clicked() {
+                if ui.button("Save triangle as case file").on_hover_text(help).clicked() {
                     commands.push(Command::SaveCase);
                 }
             }
@@ -120,7 +120,7 @@ fn arithmetic_button(ui: &mut Ui, report: &PixelReport, fragment: &FragmentRecor
     }
 }
 
-/// Returns the fragment that violates an assertion at this pixel, if there is one.
+/// Returns the fragment at this pixel that violates an assertion first; `None` if there is none.
 fn violating(session: &Session, report: &PixelReport) -> Option<Chosen> {
     let (found, frame) = session.checks.found.as_ref()?;
     let (_, violation) = found.first_violation()?;
@@ -129,7 +129,7 @@ fn violating(session: &Session, report: &PixelReport) -> Option<Chosen> {
     Some(Chosen::Fragment(index))
 }
 
-/// Draws the value of the shown buffer under the pointer.
+/// Draws the position of the pixel under the pointer and its value of the shown quantity.
 fn hover_line(ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>, commands: &mut Vec<Command>) {
     let here = hovered.and_then(|(x, y)| {
         let view = what_if::visible_view(ui, session)?;
@@ -195,7 +195,8 @@ fn headline(ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
     ui.add_space(theme::space::XS);
 }
 
-/// Draws the samples that an anti-aliased pixel averages, and its colour before the post filter.
+/// Draws the colours of the samples that are averaged for an anti-aliased pixel, and the pixel's colour before the post
+/// filter.
 fn samples(ui: &mut Ui, report: &PixelReport) {
     if let Some(before) = report.unfiltered {
         section_header(ui, "Before the post filter", |_| {});

@@ -1,4 +1,4 @@
-//! Numbers of one fragment in the inspector: depth, corners, edges, transparency and shading.
+//! Numeric values of one fragment in the inspector: depth, vertices, edges, transparency and shading.
 
 use eframe::egui::{self, RichText, Ui};
 
@@ -30,12 +30,12 @@ pub(super) fn numbers(ui: &mut Ui, fragment: &FragmentRecord) {
     }
     match fragment.stored_depth {
         Some(stored) => {
-            depth_rows(ui, "Stored depth before", stored, "Content of the depth buffer before this fragment");
+            depth_rows(ui, "Depth in the buffer", stored, "Content of the depth buffer before this fragment");
             let step = format::f32_full(fragment.depth.resolution as f32);
-            value_row(ui, "Depth resolution here", &step, STEP_HELP);
+            value_row(ui, "Depth resolution", &step, STEP_HELP);
         }
         None => {
-            value_row(ui, "Stored depth before", "–", "Without a depth test, no depth is stored");
+            value_row(ui, "Depth in the buffer", "–", "Without a depth test, no depth is stored");
         }
     }
     section_header(ui, "Corners", |_| {});
@@ -64,13 +64,13 @@ pub(super) fn numbers(ui: &mut Ui, fragment: &FragmentRecord) {
     value_row(ui, "Triangle", &triangle, "Number of the triangle in the scene, in drawing order, from 0");
     value_row(
         ui,
-        "Slider position",
+        "Triangle slider",
         &(fragment.submission + 1).to_string(),
         "First position of the triangle slider at which this fragment is drawn",
     );
     if let Some(alpha) = fragment.alpha {
         let help = if fragment.transparency == Transparency::Blended {
-            "Opacity over the surfaces behind: opacity of the material × alpha of the texture"
+            "Opacity of the fragment over the surfaces behind it: opacity of the material × alpha of the texture"
         } else {
             "Alpha of the texture; below one half the alpha test discards the fragment"
         };
@@ -82,7 +82,7 @@ pub(super) fn numbers(ui: &mut Ui, fragment: &FragmentRecord) {
     }
 }
 
-/// Draws the known values of a triangle without a fragment at this pixel.
+/// Draws the known values of a triangle that has no fragment at this pixel.
 pub(super) fn absent_numbers(ui: &mut Ui, absent: &Absent) {
     section_header(ui, "Triangle without a fragment", |_| {});
     value_row(ui, "Triangle", &absent.triangle.0.to_string(), "Number of the triangle in the scene, from 0");
@@ -97,7 +97,7 @@ pub(super) fn absent_numbers(ui: &mut Ui, absent: &Absent) {
     }
 }
 
-/// Draws a depth, and its code if the depth format stores integers.
+/// Draws a depth value, and the stored integer if the depth format stores integers.
 fn depth_rows(ui: &mut Ui, label: &str, depth: DepthRecord, help: &str) {
     float_row(ui, label, depth.value, help);
     if let Some(code) = depth.code {
@@ -144,10 +144,10 @@ fn shading_numbers(ui: &mut Ui, shading: &ShadingRecord) {
         float_row(ui, "N·L", cosine, "Cosine of the angle between normal and light direction");
     }
     if let Some(light) = shading.light {
-        float_row(ui, "Light", light, "Factor by which the light multiplies the colour");
+        float_row(ui, "Light", light, "Factor of the lighting, by which the surface colour is multiplied");
     }
     if let Some(highlight) = shading.highlight {
-        float_row(ui, "Highlight", highlight, "max(0, N·H)^Ns, by which the specular colour is multiplied");
+        float_row(ui, "Highlight", highlight, "Factor of the specular colour: max(0, N·H)^Ns");
     }
     if let Some([r, g, b]) = shading.emission {
         value_row(ui, "Emission", &format!("{r:.4}  {g:.4}  {b:.4}"), "Emitted light, added after lighting is applied");

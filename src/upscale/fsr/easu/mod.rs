@@ -10,8 +10,8 @@
 //!                    3. The result is the weighted mean, clamped to the range of f, g, j, k.
 //! ```
 //!
-//! Let s be the squared distance from the pixel, scaled along and across the edge. For a lobe λ, the publication gives
-//! the weight as (25/16 (2/5 s − 1)² − 9/16) (λ s − 1)², cut off at s = 1/λ. That equals ¼ · (s − 1) (s − 4)
+//! Let s be the squared distance from the pixel, scaled along and across the edge. For a lobe λ, AMD's publication
+//! gives the weight as (25/16 (2/5 s − 1)² − 9/16) (λ s − 1)², cut off at s = 1/λ. That equals ¼ · (s − 1) (s − 4)
 //! (λ s − 1)². With w = 1 − λ s, clamped to 0, it is w² (w² − (2 − 5 λ) w + (1 − λ) (1 − 4 λ)) times a factor common to
 //! all weights of a pixel. The factor cancels when the weights are normalised, so it is omitted. λ s is a quadratic
 //! form in x and y.
@@ -22,7 +22,7 @@
 //! Slopes and the kernel are floats. The twelve weights are 16-bit fixed point, because a register holds twice as many
 //! of them; each product is rounded once ([`times_one`]). Sums of weighted samples are exact. Rounding changes a
 //! channel by at most 0.2 of an 8-bit step for random black and white samples, and by at most 0.3 in a search for bad
-//! cases. In photographs, one channel value in a thousand differs by one from the nearest.
+//! cases. In photographs, one channel value in a thousand differs by one from correct rounding.
 //!
 //! This file contains the scalar version for one pixel. [`wide`] is the SIMD version; it reads the per-sample data of
 //! [`source`] and uses the operations of [`super::words`].
@@ -36,25 +36,25 @@ use crate::upscale::lattice::{Lattice, LatticePosition};
 
 pub(super) use wide::{EasuScratch, fill};
 
-/// Squared slope below which there is no edge direction: (1/181)² of the 8-bit range, less than one step over the width
-/// of the kernel.
+/// Squared slope below which no edge direction is computed. The slope is 1/181 of the 8-bit range, less than one 8-bit
+/// step over the width of the kernel.
 const MIN_SLOPE: f32 = 255.0 * 255.0 / 32768.0;
 
-/// Change of the lobe λ at a clear edge, relative to ½.
+/// Difference between the lobe λ at a clear edge and its value of ½ elsewhere.
 const EDGE_LOBE: f32 = 0.25 - 0.04 - 0.5;
 
 /// 2²³: adding it to a float rounds the float to an integer, which is then the low byte of the bit pattern.
 const WHOLE: f32 = (1 << 23) as f32;
 
-/// Columns and rows of the twelve samples b to o, relative to f.
+/// Column and row offsets of the twelve samples b to o, relative to f.
 const PLACES: [(i32, i32); 12] =
     [(0, -1), (1, -1), (-1, 0), (0, 0), (1, 0), (2, 0), (-1, 1), (0, 1), (1, 1), (2, 1), (0, 2), (1, 2)];
 
 /// Indices of the four nearest samples in [`PLACES`].
 const NEAREST: [usize; 4] = [3, 4, 7, 8];
 
-/// Returns the slope between the two neighbours of a value, and the straightness: 1 if both sides share the slope, 0 at
-/// a ridge.
+/// Returns the slope between the two neighbours of a value, and its straightness: 1 if the slope is equal on both
+/// sides, 0 at a ridge.
 #[inline(always)]
 fn slope(before: f32, at: f32, after: f32) -> (f32, f32) {
     let slope = after - before;
@@ -65,7 +65,7 @@ fn slope(before: f32, at: f32, after: f32) -> (f32, f32) {
     (slope, straight * straight)
 }
 
-/// Position of the pixel relative to the sample f, in samples, in [0, 1).
+/// Position of an output pixel relative to the sample f, in samples, in [0, 1).
 #[derive(Clone, Copy)]
 struct Spot {
     x: f32,
@@ -78,34 +78,36 @@ impl Spot {
         Self { x, y }
     }
 
-    /// Interpolates a quantity of the four nearest samples bilinearly.
+    /// Interpolates a quantity bilinearly from its values at the four nearest samples.
     fn mix(self, [f, g, j, k]: [f32; 4]) -> f32 {
         let (left, right) = (f * (1.0 - self.y) + j * self.y, g * (1.0 - self.y) + k * self.y);
         left * (1.0 - self.x) + right * self.x
     }
 }
 
-/// Fixed-point representation of 1 while w is computed. 16 bits then reach down to w = −2, which no sample reaches.
+/// Fixed-point representation of 1 for w before it is clamped. 16 bits then reach down to w = −2, which no sample
+/// reaches.
 const ONE: i16 = 15 << 10;
 
-/// Fixed-point representation of 1 for w after doubling, once w is in [0, 1], and for the factor of w.
+/// Fixed-point representation of 1 for w after it is clamped to [0, 1] and doubled, and for the coefficient of w.
 const ONE_DOUBLED: f32 = 2.0 * ONE as f32;
 
 /// Fixed-point representation of 1 for w².
 const ONE_SQUARED: f32 = ONE_DOUBLED * ONE_DOUBLED / 32768.0;
 
-/// Fixed-point representation of 1 for the factors of x², xy and y², which are at most ½. The squared distance between
-/// two samples must fit in 16 bits in [`Distances`]: four times [`ONE`] divided by this is less than 1.
+/// Fixed-point representation of 1 for the coefficients of x², xy and y², which are at most ½. It is large enough that
+/// squared offsets of samples fit in 16 bits in [`Distances`]: four times [`ONE`] divided by this is less than 1.
 const FACTOR: f32 = 61_500.0;
 
-/// Kernel at a pixel, rotated along the edge and scaled along both axes, in floats that are rounded later.
+/// Kernel of an output pixel, rotated along the edge and scaled along both axes, in floats that are rounded later.
 #[derive(Clone, Copy)]
 struct EasuKernel {
-    /// Coefficient of x² in λ s, in units of 1 / [`FACTOR`]; `xy` and `yy` are those of xy and y².
+    /// Coefficient of x² in λ s. The fields `xy` and `yy` hold the coefficients of xy and y². All are in units of 1 /
+    /// [`FACTOR`].
     xx: f32,
     xy: f32,
     yy: f32,
-    /// Coefficient 2 − 5 λ, in units of 1 / [`ONE_DOUBLED`]; `rest` is (1 − λ) (1 − 4 λ), in units of 1 /
+    /// Coefficient 2 − 5 λ, in units of 1 / [`ONE_DOUBLED`]. The field `rest` holds (1 − λ) (1 − 4 λ), in units of 1 /
     /// [`ONE_SQUARED`].
     slope: f32,
     rest: f32,
@@ -156,8 +158,8 @@ impl EasuKernel {
     }
 }
 
-/// Offsets of the samples from a pixel, scaled so that products with the coefficients of a [`EasuKernel`] are in units of
-/// 1 / [`ONE`].
+/// Offsets of the samples from a pixel, scaled so that products with the coefficients of a [`EasuKernel`] are in units
+/// of 1 / [`ONE`].
 #[derive(Clone, Copy)]
 struct Distances {
     /// Squared horizontal offsets of the four columns; `yy` holds the squared vertical offsets of the four rows.
@@ -176,7 +178,7 @@ impl Distances {
     }
 }
 
-/// Returns the factor that normalises the weights.
+/// Returns the reciprocal of the sum of the weights, which normalises them.
 fn share(weights: &[i16; 12]) -> f32 {
     1.0 / f32::from(weights.iter().sum::<i16>())
 }
@@ -190,7 +192,8 @@ fn code(weights: &[i16; 12], share: f32, samples: &[u8; 12]) -> u8 {
     (value + WHOLE).to_bits() as u8
 }
 
-/// Returns the column and row positions of a pixel, its weights, and the factor that normalises them.
+/// Returns the horizontal and vertical position of an output pixel between the samples, its weights, and the factor
+/// that normalises the weights.
 fn weights_at(
     drawn: &Image<Rgba8>,
     lattice: Lattice,

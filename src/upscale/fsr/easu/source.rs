@@ -1,4 +1,4 @@
-//! Per-sample data, computed once for all pixels that read it.
+//! Data of each sample for EASU, such as slopes, computed once for all output pixels that read the sample.
 
 use std::ops::Range;
 
@@ -6,20 +6,21 @@ use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 use crate::upscale::lattice::{Lattice, LatticePosition};
 
-/// Number of pixels of one phase, in adjacent cells, whose kernels are prepared together. They are filtered [`WIDE`] at
-/// a time.
+/// Number of output pixels with equal phase, from as many adjacent cells, whose kernels are computed together. They are
+/// then filtered [`WIDE`] at a time.
 pub(super) const AHEAD: usize = 4 * WIDE;
 
-/// Number of cells in a tile: the data of its samples stays in the L1 cache from row to row.
+/// Number of cells in a tile, small enough that the data of its samples stays in the L1 cache from row to row.
 pub(super) const TILE: usize = 4 * AHEAD;
 
-/// Number of border samples on each side: more than the kernel and slopes need, so that cells start at cache lines.
+/// Number of border samples added on each side. It is larger than the kernel and the slopes need, so that cells start
+/// at cache-line boundaries.
 pub(super) const MARGIN: usize = WIDE;
 
-/// Number of channel planes per row; each value holds a sample and the next one, see [`pair`].
+/// Number of channel planes per row. Each value of a plane packs two adjacent samples; see [`pair`].
 const CHANNELS: usize = 4;
 
-/// Number of float planes per sample: horizontal slope, vertical slope, straightness, luma.
+/// Number of float planes per row: horizontal slope, vertical slope, straightness and luma.
 const PLANES: usize = 4;
 
 /// Plane indices of horizontal slope, vertical slope and straightness.
@@ -28,16 +29,16 @@ const SLOPES: Range<usize> = 0..3;
 /// Index of the luma plane.
 const LUMA: usize = 3;
 
-/// Two cache lines, in 4-byte values. The stride of a plane is an odd multiple of this, so that equal positions of
-/// adjacent planes do not map to the same L1 cache set.
+/// Size of two cache lines, in 4-byte values. The stride of a plane is an odd multiple of it, so that equal positions
+/// of adjacent planes do not map to the same L1 cache set.
 const TWO_LINES: usize = 2 * WIDE;
 
-/// Returns the stride of a plane for rows of `samples` samples.
+/// Returns the stride of a plane in values, for rows of `samples` samples.
 fn stride_of(samples: usize) -> usize {
     ((samples + 2 * MARGIN + AHEAD + WIDE).div_ceil(TWO_LINES) | 1) * TWO_LINES
 }
 
-/// Reusable buffer whose values start at a cache line.
+/// Reusable buffer whose values start at a cache-line boundary.
 #[derive(Default)]
 struct Values<T> {
     memory: Vec<T>,
@@ -70,11 +71,11 @@ impl<T: Copy + Default> Values<T> {
 pub(super) struct SourceRows {
     /// Number of values in a plane of a row; a multiple of [`WIDE`].
     stride: usize,
-    /// Sample row of the first planes. Rows outside the image repeat its first or last row.
+    /// Index of the first stored sample row. Rows outside the image repeat its first or last row.
     first_row: i32,
-    /// Channels of all rows, row by row.
+    /// Channel planes of all rows, in row order.
     channels: Values<u32>,
-    /// Float planes of all rows, row by row: slopes, straightness and luma.
+    /// Float planes of all rows, in row order: slopes, straightness and luma.
     planes: Values<f32>,
     /// Whether alpha is 255 in every sample, so that it needs no filtering.
     pub(super) opaque: bool,
@@ -115,7 +116,7 @@ impl SourceRows {
         self.channels.row_mut(row * CHANNELS + channel, self.stride)
     }
 
-    /// Writes a row of samples to the channels and the luma plane. Returns whether all samples are opaque.
+    /// Splits a row of samples into the channel planes and the luma plane. Returns whether all samples are opaque.
     #[inline(always)]
     fn spread<S: Simd>(&mut self, simd: S, samples: &[Rgba8], row: usize) -> bool {
         let end = MARGIN + samples.len();
@@ -160,7 +161,8 @@ impl SourceRows {
         (opaque & full).simd_eq(full).all_true() && rest.iter().all(|sample| sample[3] == 255)
     }
 
-    /// Computes the slopes of a row at `samples` samples and their neighbours. The rows above and below must exist.
+    /// Computes slopes and straightness of the `samples` samples of a row and of some border samples. The rows above
+    /// and below must be stored already.
     #[inline(always)]
     fn find_slopes<S: Simd>(&mut self, simd: S, row: usize, samples: usize) {
         for at in (MARGIN - WIDE / 2..MARGIN + samples + 2).step_by(WIDE) {
@@ -174,15 +176,16 @@ impl SourceRows {
         }
     }
 
-    /// Returns four rows of a channel, starting one row above that of the cell; each value holds two samples, see
-    /// [`pair`].
+    /// Returns the plane of a channel in four rows, starting one row above row `cell`. Each value packs two adjacent
+    /// samples; see [`pair`].
     #[inline(always)]
     pub(super) fn channel(&self, channel: usize, cell: i32) -> [&[u32]; 4] {
         let first = (cell - 1 - self.first_row) as usize;
         each!(below in [0, 1, 2, 3] => self.channels.row((first + below) * CHANNELS + channel, self.stride))
     }
 
-    /// Returns the slope or straightness plane `which` in the row of a cell and the row below.
+    /// Returns the plane of a slope or of straightness in row `cell` and in the row below; `which` is its index in
+    /// [`SLOPES`].
     #[inline(always)]
     fn slopes(&self, which: usize, cell: i32) -> [&[f32]; 2] {
         let first = (cell - self.first_row) as usize;
@@ -190,7 +193,7 @@ impl SourceRows {
     }
 }
 
-/// Packs the values of a sample and the next one as 16-bit halves, as the pairwise dot product needs them.
+/// Packs a channel value of a sample and of the next one as 16-bit halves, in the layout of the pairwise dot product.
 fn pair(own: u8, next: u8) -> u32 {
     u32::from(own) | u32::from(next) << 16
 }
@@ -205,7 +208,7 @@ fn packed<S: Simd>(simd: S, samples: &[Rgba8; WIDE]) -> u32x16<S> {
     u32x16::load_array(simd, words)
 }
 
-/// Computes [`super::slope`] for 16 samples.
+/// Computes slope and straightness of 16 samples; see [`super::slope`].
 #[inline(always)]
 fn slopes<S: Simd>(simd: S, before: f32x16<S>, at: f32x16<S>, after: f32x16<S>) -> (f32x16<S>, f32x16<S>) {
     let zero = f32x16::splat(simd, 0.0);
@@ -215,25 +218,27 @@ fn slopes<S: Simd>(simd: S, before: f32x16<S>, at: f32x16<S>, after: f32x16<S>) 
     (slope, straight * straight)
 }
 
-/// Data shared by the pixels of one row within a tile. Bounds are shared by all horizontal phases, and interpolated
-/// slopes also by adjacent cells.
+/// Data shared by the pixels of one output row within a tile. All horizontal phases share the bounds of a cell, and
+/// adjacent cells also share interpolated slopes.
 #[derive(Default)]
 pub(super) struct CellRow {
     stride: usize,
     /// Index of the first cell of the tile.
     from: usize,
     cell: Option<i32>,
-    /// Per channel, the minimum and maximum of the four samples at the corners of a cell, indexed by its first sample.
-    /// Then horizontal slope, vertical slope and straightness, interpolated vertically at this row of pixels.
+    /// Per channel, the minimum and maximum of the four samples at the corners of each cell, indexed by the first of
+    /// these samples. The last rows hold horizontal slope, vertical slope and straightness of each sample column,
+    /// interpolated vertically for this output row.
     rows: Values<f32>,
 }
 
-/// Row index of the maxima, which follow the minima; [`MIXED`] is that of the interpolated slopes.
+/// Index of the first row of maxima, after the rows of minima; [`MIXED`] is the index of the first row of interpolated
+/// slopes.
 const GREATEST: usize = 4;
 const MIXED: usize = 8;
 
 impl CellRow {
-    /// Allocates the rows for the samples of `source`.
+    /// Allocates the rows, each as long as those of `source`.
     pub(super) fn prepare(&mut self, source: &SourceRows) {
         self.stride = source.stride;
         self.rows.reserve(source.stride * (MIXED + SLOPES.len()));
@@ -244,7 +249,7 @@ impl CellRow {
         (self.from, self.cell) = (from, None);
     }
 
-    /// Returns the minimum and maximum of a channel per cell.
+    /// Returns the minimum and the maximum of a channel in each cell.
     #[inline(always)]
     pub(super) fn bounds(&self, channel: usize) -> [&[f32]; 2] {
         each!(row in [channel, GREATEST + channel] => self.rows.row(row, self.stride))
@@ -256,7 +261,7 @@ impl CellRow {
         self.rows.row(MIXED + which, self.stride)
     }
 
-    /// Computes the data for a row of pixels at vertical position `place`.
+    /// Computes the data for an output row at vertical position `place`.
     #[inline(always)]
     pub(super) fn find<S: Simd>(&mut self, simd: S, source: &SourceRows, lattice: Lattice, place: LatticePosition) {
         let range = self.from + MARGIN - WIDE..self.from + MARGIN + TILE + WIDE;

@@ -1,7 +1,7 @@
 //! SIMD version of [`super`] for 16 pixels at a time: pixels of one phase in adjacent cells, which read adjacent
 //! samples. Floats are added in the same order, and integer sums are exact, so results are bit-identical.
 //!
-//! The code avoids closures: closures that the standard library calls would be compiled without the features of the
+//! The code avoids closures: those that the standard library calls would be compiled without the CPU features of the
 //! wide lanes.
 
 use super::source::{AHEAD, CellRow, MARGIN, SourceRows, TILE, values};
@@ -12,16 +12,17 @@ use crate::upscale::fsr::words::{pairs, rounded, times};
 use crate::upscale::lanes::window;
 use crate::upscale::lattice::{Lattice, LatticePosition};
 
-/// Number of sample columns read by a run of [`WIDE`] pixels of one phase.
+/// Number of sample columns read by a run, which is [`WIDE`] pixels of one phase in adjacent cells.
 const RUN: usize = WIDE + 3;
 
-/// Number of runs processed in parallel.
+/// Number of runs whose computation is interleaved.
 const RUNS: usize = AHEAD / WIDE;
 
 /// Number of sample columns read by [`RUNS`] runs.
 const SPAN: usize = AHEAD + 3;
 
-/// Upscales a non-empty image of samples into rows of `width` px, the first of which is row `first` of the full image.
+/// Upscales a non-empty image of samples into `rows` of `width` px. The first of these is row `first` of the full
+/// image.
 pub(in super::super) fn fill(
     lanes: Lanes,
     drawn: &Image<Rgba8>,
@@ -53,13 +54,13 @@ pub(in super::super) fn fill(
 
 /// Data shared by all pixels of a phase.
 struct PixelPhase {
-    /// Cell of the first pixel of the phase.
+    /// Horizontal index of the cell that contains the first pixel of the phase.
     cell: i32,
     spot: Spot,
     distances: WideDistances,
 }
 
-/// All phases of a lattice. In each direction, `pixels` output pixels correspond to `samples` samples.
+/// All phases of a lattice. Along each axis, a period has `pixels` output pixels and `samples` samples.
 struct Phases {
     pixels: usize,
     samples: usize,
@@ -79,7 +80,7 @@ impl Phases {
         Self { pixels: pixels as usize, samples: samples as usize, all }
     }
 
-    /// Returns the phases of a row of pixels.
+    /// Returns the phases of the pixels in output row `row`.
     fn of_row(&self, row: u32) -> &[PixelPhase] {
         &self.all[row as usize % self.pixels * self.pixels..][..self.pixels]
     }
@@ -106,7 +107,7 @@ struct PixelRun {
 
 /// Inputs for a row of output pixels.
 struct RowInputs<'a> {
-    /// Four rows of samples per channel, starting one row above that of the cells.
+    /// Four rows of samples per channel, starting one row above the cells.
     samples: [[&'a [u32]; 4]; 4],
     of_cells: &'a CellRow,
     opaque: bool,
@@ -118,7 +119,7 @@ impl<'a> RowInputs<'a> {
         Self { samples, of_cells, opaque: source.opaque }
     }
 
-    /// Returns the inputs of the cells whose first samples start at index `at` of the rows.
+    /// Returns the inputs of [`RUNS`] adjacent runs of cells, of which the first starts at index `at` of the rows.
     #[inline(always)]
     fn part(&self, at: usize) -> RunInputs<'a> {
         let [red, green, blue, alpha] = each!(channel in [0, 1, 2, 3] => {
@@ -146,7 +147,7 @@ struct RunInputs<'a> {
 }
 
 impl RunInputs<'_> {
-    /// Whether the four nearest samples are equal in all cells of a run, and so the pixels between them.
+    /// Whether the four nearest samples are equal in every cell of a run, so that its pixels need no filtering.
     #[inline(always)]
     fn is_plain<S: Simd>(&self, simd: S, at: usize) -> bool {
         let [red, green, blue] = each!(channel in [0, 1, 2] => self.colors[channel].is_plain(simd, at));
@@ -157,7 +158,7 @@ impl RunInputs<'_> {
         }
     }
 
-    /// Returns the pixels of a plain run; see [`Self::is_plain`].
+    /// Returns the colours of a run in which every cell is uniform; see [`Self::is_plain`].
     #[inline(always)]
     fn plain<S: Simd>(&self, simd: S, at: usize) -> u32x16<S> {
         let [red, green, blue] =
@@ -169,7 +170,7 @@ impl RunInputs<'_> {
         red | green << 8 | blue << 16 | alpha << 24
     }
 
-    /// Filters the pixels of a run with its weights.
+    /// Computes the colours of a run with the given sample weights.
     #[inline(always)]
     fn codes<S: Simd>(&self, simd: S, at: usize, weights: &TapWeights<S>) -> u32x16<S> {
         let [red, green, blue] = each!(channel in [0, 1, 2] => self.colors[channel].codes(simd, at, weights));
@@ -182,16 +183,16 @@ impl RunInputs<'_> {
     }
 }
 
-/// Values of one channel: pairs of adjacent samples, starting one sample before the first cell, and the bounds in each
-/// cell.
+/// Inputs of one channel: pairs of adjacent samples, starting one sample before the first cell, and the minimum and
+/// maximum in each cell.
 struct ChannelRows<'a> {
     samples: [&'a [u32; SPAN]; 4],
     least: &'a [f32; AHEAD],
     greatest: &'a [f32; AHEAD],
 }
 
-/// Fills the pixels of a row from cell `from` to cell `end`, phase by phase. `codes` holds the packed RGBA pixels of
-/// each phase, cell by cell, with red in the lowest byte.
+/// Fills the pixels of a row from cell `from` to cell `end`, phase by phase. `codes` is scratch space for the packed
+/// RGBA pixels of each phase, cell by cell, with red in the lowest byte.
 #[inline(always)]
 fn fill_tile<S: Simd>(
     simd: S,
@@ -230,8 +231,8 @@ fn fill_tile<S: Simd>(
     }
 }
 
-/// Computes the pixels of [`RUNS`] runs, each step for all runs before the next step. A step is a dependency chain of
-/// sums with a division or a square root; interleaving runs hides its latency.
+/// Computes the pixels of [`RUNS`] runs, and performs each step for all runs before the next step. A step is a
+/// dependency chain that contains a division or a square root; interleaving runs hides its latency.
 #[inline(always)]
 fn fill_runs<S: Simd>(
     simd: S,
@@ -263,7 +264,7 @@ fn fill_runs<S: Simd>(
     }
 }
 
-/// Computes the horizontal half of [`Spot::mix`] for 16 pixels.
+/// Interpolates 16 pixels horizontally between vertically interpolated values, as in [`Spot::mix`].
 #[inline(always)]
 fn mixed<S: Simd>(simd: S, row: &[f32], at: usize, spot: Spot) -> f32x16<S> {
     values(simd, row, at) * (1.0 - spot.x) + values(simd, row, at + 1) * spot.x
@@ -275,7 +276,8 @@ impl ChannelRows<'_> {
         values(simd, self.least, at).simd_eq(values(simd, self.greatest, at))
     }
 
-    /// Computes [`super::code`] for 16 pixels. Returns the bits of floats whose low byte is the 8-bit value.
+    /// Computes one channel of 16 pixels; see [`super::code`]. Returns the bits of floats whose low byte is the 8-bit
+    /// value.
     #[inline(always)]
     fn codes<S: Simd>(&self, simd: S, at: usize, weights: &TapWeights<S>) -> u32x16<S> {
         let [above, upper, lower, below]: [&[u32; RUN]; 4] =
@@ -295,7 +297,7 @@ impl ChannelRows<'_> {
     }
 }
 
-/// Edge directions of 16 pixels: the first half of computing [`super::EasuKernel`], up to its division.
+/// Edge directions of 16 pixels: intermediate values of [`super::EasuKernel::new`], up to and including its division.
 struct EdgeDirection<S: Simd> {
     across: f32x16<S>,
     down: f32x16<S>,
@@ -330,7 +332,7 @@ impl<S: Simd> EdgeDirection<S> {
     }
 }
 
-/// [`super::EasuKernel`] of 16 pixels.
+/// Kernels of 16 pixels; see [`super::EasuKernel`].
 struct EasuKernelLanes<S: Simd> {
     xx: f32x16<S>,
     xy: f32x16<S>,
@@ -340,7 +342,7 @@ struct EasuKernelLanes<S: Simd> {
 }
 
 impl<S: Simd> EasuKernelLanes<S> {
-    /// Computes the kernel from the edge direction: the second half of computing [`super::EasuKernel`].
+    /// Computes the kernels from the edge directions, which is the second half of [`super::EasuKernel::new`].
     #[inline(always)]
     fn new(simd: S, EdgeDirection { across, down, inverse, edge }: EdgeDirection<S>) -> Self {
         let one = f32x16::splat(simd, 1.0);
@@ -375,7 +377,7 @@ impl<S: Simd> EasuKernelLanes<S> {
     }
 }
 
-/// [`Distances`], with each value repeated for 16 pixels.
+/// Offsets of the samples from a pixel, each repeated for 16 pixels; see [`Distances`].
 struct WideDistances {
     xx: [[i16; WIDE]; 4],
     yy: [[i16; WIDE]; 4],
