@@ -114,8 +114,8 @@ impl TriangleSamples {
     }
 }
 
-/// Returns the depth at a sample. Inside the triangle it equals the depth of the pipeline; outside, it is extrapolated
-/// without the pipeline's clamping.
+/// Returns the depth at a sample. Inside the triangle, it equals the depth that the pipeline computes; outside, it is
+/// extrapolated without clamping.
 fn depth(triangle: &ScreenTriangle, sample: &RasterSample) -> f64 {
     if sample.edges.iter().all(|edge| *edge >= 0.0) {
         return depth_at(triangle, sample).into();

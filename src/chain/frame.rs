@@ -24,18 +24,18 @@ use crate::upscale::{GBuffer, History, Sampling, UpscaleInputs};
 /// Wall-clock time of each part of a frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FrameTimes {
-    /// Time of the geometry stages, from plan to cull, summed over all passes.
+    /// Time spent in the geometry stages, from plan to cull, summed over all passes.
     pub(crate) geometry: Duration,
-    /// Time of the pixel stages, from rasterize to shade, summed over all passes. Includes averaging of samples if
-    /// sample positions differ from pixel to pixel.
+    /// Time spent in the pixel stages, from rasterize to shade, summed over all passes; includes averaging of samples
+    /// if sample positions differ from pixel to pixel.
     pub(crate) pixels: Duration,
-    /// Time to average the supersampling passes.
+    /// Time spent averaging the supersampling passes.
     pub(crate) resolve: Duration,
-    /// Time to draw the G-buffer, for upscalers that read it.
+    /// Time spent drawing the G-buffer, for upscalers that read it.
     pub(crate) surfaces: Duration,
-    /// Time to fill in pixels that were not drawn, and to store the frame as history.
+    /// Time spent filling in pixels that were not drawn, and storing the frame as history.
     pub(crate) upscale: Duration,
-    /// Time of the post filter and the wireframe.
+    /// Time spent on the post filter and the wireframe.
     pub(crate) post: Duration,
     /// Total time from the plan to the finished picture.
     pub total: Duration,

@@ -169,7 +169,7 @@ impl Recipe {
         keys
     }
 
-    /// Checks that numeric settings lie in their ranges, as far as their types do not enforce it. Returns an error
+    /// Checks that numeric settings lie in their ranges, unless their types already enforce it. Returns an error
     /// message if a number is out of range.
     pub(crate) fn check(&self) -> Result<(), String> {
         let light = &self.pipeline.light;

@@ -19,7 +19,7 @@ pub(crate) struct ScrubReport {
     triangles: usize,
     /// Time to prepare the frame for stepping, in milliseconds.
     preparing_ms: f64,
-    /// Time of the first complete drawing of the frame, which also copies the framebuffer at checkpoints, in
+    /// Duration of the first complete drawing of the frame, which also copies the framebuffer at checkpoints, in
     /// milliseconds.
     first_walk_ms: f64,
     /// Number of framebuffer copies made by the first complete drawing.
@@ -29,7 +29,7 @@ pub(crate) struct ScrubReport {
     steps: Vec<(&'static str, Summary)>,
 }
 
-/// Measures the time of `count` steps of each kind, spread evenly over the frame.
+/// Measures the durations of `count` steps of each kind, spread evenly over the frame.
 pub(crate) fn measure(view: &RequestedView, viewport: Viewport, count: usize) -> ScrubReport {
     let RequestedView { scene, camera, recipe, .. } = view;
     let frame = run(scene, camera, recipe, viewport, &mut ());

@@ -130,7 +130,7 @@ fn unless_interrupted(outcome: Result<(), Failure>) -> Result<(), Failure> {
 }
 
 /// Writes a result as one line of JSON. It is written piece by piece, because the complete text may take several times
-/// the memory of the result.
+/// as much memory as the result.
 fn write_line(result: &CaseResult, out: &mut dyn Write) -> io::Result<()> {
     let mut out = BufWriter::new(Interruptible { out, stop: interrupt::flag() });
     serde_json::to_writer(&mut out, result)?;

@@ -175,7 +175,7 @@ impl RenderedQuantity<'_> {
         }
     }
 
-    /// Returns the range of values that the colour map shows; `None` if the quantity has no range.
+    /// Returns the range of values that the colour map shows; `None` if the rendered quantity has no range.
     fn range(&self) -> Option<Range> {
         let (size, value) = (self.frame.image().size(), |x: u32, y: u32| self.value(x, y));
         match (self.stage, self.captured) {
@@ -185,7 +185,7 @@ impl RenderedQuantity<'_> {
         }
     }
 
-    /// Returns the picture of the quantity, without overlays.
+    /// Returns the picture of the rendered quantity, without overlays.
     fn colored(&self) -> Image<Rgba8> {
         let as_at_first = self.display == Display::default();
         match (self.stage, self.captured) {
@@ -211,7 +211,7 @@ impl RenderedQuantity<'_> {
         layers.iter().map(|layer| layer.sheet(&context)).collect()
     }
 
-    /// Returns the exact values of the quantity at all pixels.
+    /// Returns the exact values of the rendered quantity at all pixels.
     fn planes(&self) -> Floats {
         planes(self.frame.image().size(), |x, y| self.value(x, y))
     }

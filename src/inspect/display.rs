@@ -60,7 +60,7 @@ impl ColorMap {
 pub(crate) struct Display {
     /// Rule that determines the low and high ends of the displayed range.
     pub(crate) rule: Rule,
-    /// Colour map; `None` for the default map of the quantity.
+    /// Colour map; `None` for the default map of the displayed quantity.
     pub(crate) map: Option<ColorMap>,
     /// Whether the colour map is reversed.
     pub(crate) reversed: bool,

@@ -50,9 +50,9 @@ pub(crate) struct BenchReport {
     pub(crate) partial: bool,
     /// Noise floor, from comparing the times of odd frames with those of even frames. `None` for a single frame.
     pub(crate) noise: Option<Noise>,
-    /// Time of a whole frame, in milliseconds.
+    /// Frame time, in milliseconds.
     pub(crate) frame_ms: Summary,
-    /// Time of each stage in milliseconds, in pipeline order; the medians add up to the median frame time.
+    /// Time spent in each stage, in milliseconds and in pipeline order; the medians add up to the median frame time.
     pub(crate) stages: Vec<StageSummary>,
     /// Time to write the bytes of the frame, as a baseline for the frame time.
     pub(crate) writing: Writing,
@@ -69,11 +69,11 @@ pub(crate) struct BenchReport {
 /// Memory in use after the last frame, in bytes.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Bytes {
-    /// Bytes of the images of one frame, including its depth buffer if it is kept.
+    /// Memory used by the images of one frame, including its depth buffer if it is kept.
     pub(crate) frame: usize,
-    /// Bytes that the renderer keeps from frame to frame.
+    /// Memory that the renderer keeps from frame to frame.
     pub(crate) renderer: usize,
-    /// Bytes of the scene's meshes and textures.
+    /// Memory used by the scene's meshes and textures.
     pub(crate) scene: usize,
 }
 
@@ -90,7 +90,7 @@ pub(crate) struct BenchFrames<'a> {
 struct FrameSample {
     total: Duration,
     stages: Vec<(&'static str, Duration)>,
-    /// Bytes of the frame's images.
+    /// Memory used by the frame's images, in bytes.
     bytes: usize,
     execution: &'static str,
     counts: Vec<(&'static str, u64)>,
@@ -157,8 +157,8 @@ fn ms(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }
 
-/// Returns the times of filling a buffer of `bytes` bytes, `times` times. Each thread of the pool fills an equal share.
-/// Warm-up runs are not returned.
+/// Fills a buffer of `bytes` bytes `times` times, and returns the duration of each fill. Each thread of the pool fills
+/// an equal share. The durations of warm-up runs are not returned.
 fn times_of_writing(bytes: usize, times: usize) -> Vec<Duration> {
     let mut memory = vec![0_u8; bytes.max(1)];
     let share = memory.len().div_ceil(rayon::current_num_threads());

@@ -469,8 +469,9 @@ mod tests {
         color.map(|code| (3 * code + grey) / 4)
     }
 
-    /// Checks means and maxima against the authors' own program: the package `flip-evaluator` 1.7 of PyPI, `evaluate(a,
-    /// b, "LDR", applyMagma=False)` of PNG files of these images, with all other settings at their defaults.
+    /// Compares the mean and maximum FLIP errors with those of the authors' implementation: `evaluate(a, b, "LDR",
+    /// applyMagma=False)` from the PyPI package `flip-evaluator` 1.7, called on PNG files of the same images, with
+    /// default settings otherwise.
     #[test]
     fn errors_are_those_of_the_authors_program() {
         let mixed = |x, y| {

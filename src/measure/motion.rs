@@ -124,7 +124,8 @@ pub(crate) struct Playback {
 #[derive(Debug)]
 struct RenderRun {
     renderer: Renderer,
-    /// Numbers of the frames drawn. A still view repeats one frame; the repetitions are counted from 0.
+    /// Range of frame numbers drawn so far. In a still view, every frame is the same, and the numbers count the
+    /// repetitions from 0.
     frames: Range<i64>,
 }
 

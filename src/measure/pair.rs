@@ -15,7 +15,7 @@ pub(crate) struct PairTimes {
     pub(crate) a_ms: Summary,
     /// Frame times of recipe B.
     pub(crate) b_ms: Summary,
-    /// Time of B minus time of A in the same round.
+    /// Frame time of B minus that of A in the same round.
     pub(crate) change_ms: Summary,
     /// Noise floor, from timing each recipe twice per round.
     pub(crate) noise: Noise,

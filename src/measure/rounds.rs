@@ -37,7 +37,7 @@ pub(crate) struct Timed {
     pub(crate) times: FrameTimes,
 }
 
-/// Incremental timer that draws several recipes round by round.
+/// Timer for several recipes, drawn in interleaved rounds. Each step draws at most one frame.
 #[derive(Debug)]
 pub(crate) struct RoundTimer {
     /// All recipes in their order, followed by the repetitions.

@@ -31,7 +31,7 @@ impl ScalingQuantity {
     /// All quantities, in the order of the report.
     pub(crate) const ALL: [Self; 4] = [Self::Triangles, Self::Pixels, Self::Layers, Self::Threads];
 
-    /// Returns the display name of the quantity.
+    /// Returns the display name of the varied quantity.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Triangles => "triangles",
@@ -83,38 +83,38 @@ impl ScalingPlan {
     }
 }
 
-/// Cost of a frame at one value of the quantity that varies.
+/// Cost of a frame at one value of the varied quantity.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct ScalingPoint {
-    /// Value of the quantity that varies.
+    /// Value of the varied quantity.
     pub(crate) value: f64,
     /// Frame times, in milliseconds.
     pub(crate) ms: Summary,
-    /// Bytes of the frame, the renderer's buffers, meshes and textures.
+    /// Memory used by the frame, the renderer's buffers, meshes and textures, in bytes.
     pub(crate) bytes: usize,
 }
 
 /// Cost of a frame as a function of one quantity.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Series {
-    /// Quantity that varies.
+    /// Varied quantity.
     pub(crate) quantity: ScalingQuantity,
-    /// Points in ascending order of value.
+    /// Measured points, in ascending order of the varied quantity.
     pub(crate) points: Vec<ScalingPoint>,
 }
 
-/// Linear model of frame cost: a fixed part plus a part proportional to the quantity.
+/// Linear model of frame cost: a fixed part plus a part proportional to the varied quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct CostLine {
-    /// Intercept, in milliseconds; negative if cost grows faster than the quantity.
+    /// Intercept, in milliseconds; negative if cost grows faster than the varied quantity.
     pub(crate) fixed_ms: f64,
-    /// Slope, in nanoseconds per unit of the quantity.
+    /// Slope, in nanoseconds per unit of the varied quantity.
     pub(crate) ns_each: f64,
 }
 
 impl CostLine {
-    /// Returns the value at which the fixed and proportional parts are equal. Below it, cost hardly depends on the
-    /// quantity; above it, cost is proportional to the quantity.
+    /// Returns the value of the varied quantity at which the fixed and proportional parts are equal. Below it, cost
+    /// hardly depends on the quantity; above it, cost is nearly proportional to it.
     pub(crate) fn bend(&self) -> f64 {
         self.fixed_ms * 1e6 / self.ns_each
     }

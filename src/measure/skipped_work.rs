@@ -37,11 +37,12 @@ pub(crate) struct Saving {
 /// Time saved by all work that a view skips.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Savings {
-    /// Time of a frame with every skip enabled, in milliseconds.
+    /// Frame time with every skip enabled, in milliseconds.
     pub(crate) planned_ms: Summary,
     /// Noise floor, from drawing the frame with every skip enabled twice per round.
     pub(crate) noise: Noise,
-    /// Milliseconds to compute the draw plans of a frame, which is the only overhead for a view that skips nothing.
+    /// Time spent computing the draw plans of a frame, in milliseconds; it is the only overhead for a view that skips
+    /// nothing.
     pub(crate) planning_ms: Summary,
     /// Parts that no draw skips, not counting draws outside the view.
     pub(crate) needed: Vec<PipelinePart>,

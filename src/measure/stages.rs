@@ -23,36 +23,36 @@ use crate::pipeline::LastStage;
 use crate::pipeline::settings::{DepthTest, Execution};
 use crate::scene::{Camera, Scene};
 
-/// Time of each stage of a frame; `None` for a stage that did not run or is timed as part of another stage.
+/// Time spent in each stage of a frame; `None` for a stage that did not run or is timed as part of another stage.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct StageTimes {
-    /// Time of planning and vertex transform. In tiled execution, includes projection.
+    /// Time spent planning draws and transforming vertices; includes projection in tiled execution.
     pub(crate) transform: Duration,
-    /// Time of homogeneous clipping.
+    /// Time spent on homogeneous clipping.
     pub(crate) clip: Option<Duration>,
-    /// Time of perspective division, viewport transform and snapping.
+    /// Time spent on perspective division, viewport transform and snapping.
     pub(crate) project: Option<Duration>,
-    /// Time of the facing test and edge setup. In tiled execution, includes clipping and binning.
+    /// Time spent on the facing test and edge setup; includes clipping and binning in tiled execution.
     pub(crate) cull: Duration,
-    /// Time to clear the framebuffer and find covered samples. In tiled execution, includes the depth test.
+    /// Time spent clearing the framebuffer and finding covered samples; includes the depth test in tiled execution.
     pub(crate) rasterize: Duration,
-    /// Time of depth test and depth write.
+    /// Time spent on depth test and depth write.
     pub(crate) depth: Option<Duration>,
-    /// Time of attribute interpolation.
+    /// Time spent on attribute interpolation.
     pub(crate) interpolate: Option<Duration>,
-    /// Time of shading and colour writes. In tiled execution, includes interpolation.
+    /// Time spent on shading and colour writes; includes interpolation in tiled execution.
     pub(crate) shade: Duration,
-    /// Time to average the supersampling passes.
+    /// Time spent averaging the supersampling passes.
     pub(crate) resolve: Option<Duration>,
-    /// Time to find the visible surface of each pixel, for upscalers that read it.
+    /// Time spent finding the visible surface of each pixel, for upscalers that read it.
     pub(crate) surfaces: Option<Duration>,
-    /// Time of upscaling: filling in pixels that were not drawn, and storing the frame as history.
+    /// Time spent on upscaling: filling in pixels that were not drawn, and storing the frame as history.
     pub(crate) upscale: Duration,
-    /// Time of post filter and wireframe.
+    /// Time spent on post filter and wireframe.
     pub(crate) post: Option<Duration>,
-    /// Time between the stages, for buffers, thread pool and copies.
+    /// Time spent between the stages, on buffers, thread pool and copies.
     pub(crate) other: Duration,
-    /// Time of the whole frame: the sum of all stages.
+    /// Frame time: the sum of all stages.
     pub(crate) frame: Duration,
 }
 
@@ -251,7 +251,7 @@ pub(crate) fn stage_times(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, 
     }
 }
 
-/// Time of a stage over a series of frames, in milliseconds.
+/// Time spent in one stage over a series of frames, in milliseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct StageMs {
     /// Fraction of the frame time that the stage takes in the middle half of the frames, multiplied by the median frame
@@ -263,12 +263,12 @@ pub(crate) struct StageMs {
     pub(crate) p90: f64,
 }
 
-/// Time of a named stage over a series of frames.
+/// Name of a stage, and the time spent in it over a series of frames.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct StageSummary {
     /// Name of the stage, as in [`StageTimes::named`].
     pub(crate) stage: &'static str,
-    /// Time of the stage in milliseconds.
+    /// Time spent in the stage, in milliseconds.
     pub(crate) ms: StageMs,
 }
 

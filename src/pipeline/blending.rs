@@ -20,7 +20,7 @@ use super::viewport::ScreenTriangle;
 use super::{Extent, Geometry, LastStage, partial};
 use crate::image::Image;
 
-/// Number of pixel rows whose fragments are collected at a time, which bounds the memory of the fragment list.
+/// Number of pixel rows whose fragments are collected at a time, which bounds the memory used by the fragment list.
 const ROWS: u32 = 16;
 
 /// Splits a range of triangles into those that are drawn in order and those whose fragments are sorted by depth.

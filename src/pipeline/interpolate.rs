@@ -145,7 +145,7 @@ pub struct Fragment {
     pub light: f32,
     /// Barycentric weights of the corners of the triangle before clipping.
     pub source_weights: Vec3,
-    /// Change of the texture coordinates per pixel to the right and per pixel downwards; zero unless the draw reads it.
+    /// Gradients of the texture coordinates, ∂(u, v)/∂x and ∂(u, v)/∂y, per pixel; zero unless the draw reads them.
     pub uv_gradient: [Vec2; 2],
 }
 
@@ -188,7 +188,7 @@ pub(crate) fn interpolate(triangle: &ScreenTriangle, sample: RasterSample, attri
     fragment
 }
 
-/// Returns the change of the three edge values per pixel to the right and per pixel downwards.
+/// Returns the gradients of the three edge functions: the changes per pixel in x and in y.
 pub(crate) fn edge_slopes(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> [[f32; 3]; 2] {
     let [[x0, y0], [x1, y1], [x2, y2]] = triangle.corners_in(arithmetic);
     let side = |x: f32, y: f32| [f64::from(x) - f64::from(x0), f64::from(y) - f64::from(y0)];
@@ -198,9 +198,9 @@ pub(crate) fn edge_slopes(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> 
     [[(y1 - y2) * unit, (y2 - y0) * unit, (y0 - y1) * unit], [(x2 - x1) * unit, (x0 - x2) * unit, (x1 - x0) * unit]]
 }
 
-/// Returns the change of the second and the third corner's perspective-correct weights, per pixel to the right and per
-/// pixel downwards. The weights are pᵢ = qᵢ / Σ qⱼ, where qᵢ = eᵢ·rᵢ is affine in screen space, so pᵢ' = (qᵢ' − pᵢ·Σ
-/// qⱼ') / Σ qⱼ.
+/// Returns the gradients of the second and the third corner's perspective-correct weights: the changes per pixel in x
+/// and in y. The weights are pᵢ = qᵢ / Σ qⱼ, where qᵢ = eᵢ·rᵢ is affine in screen space, so pᵢ' = (qᵢ' − pᵢ·Σ qⱼ') / Σ
+/// qⱼ.
 pub(crate) fn weight_gradient(
     triangle: &ScreenTriangle,
     sample: &RasterSample,
@@ -216,8 +216,8 @@ pub(crate) fn weight_gradient(
     })
 }
 
-/// Returns the perspective-correct derivatives of the texture coordinates at a sample, per pixel to the right and per
-/// pixel downwards.
+/// Returns the perspective-correct gradients of the texture coordinates at a sample: ∂(u, v)/∂x and ∂(u, v)/∂y, per
+/// pixel.
 pub(crate) fn uv_gradient(triangle: &ScreenTriangle, sample: &RasterSample, arithmetic: Arithmetic) -> [Vec2; 2] {
     let [a, b, c] = triangle.vertices.each_ref().map(|v| v.varyings.uv);
     weight_gradient(triangle, sample, arithmetic).map(|[p1, p2]| (b - a) * p1 + (c - a) * p2)

@@ -91,7 +91,7 @@ pub struct Geometry {
     pub(crate) depth_scale: DepthScale,
     /// Draw plans, one per instance.
     pub plans: Vec<DrawPlan>,
-    /// Time of each geometry stage, summed over all draws.
+    /// Time spent in each geometry stage, summed over all draws.
     pub(crate) times: GeometryTimes,
     /// Number of transformed vertices.
     pub(crate) vertices: usize,
@@ -355,7 +355,7 @@ pub(crate) struct Extent {
 }
 
 impl Extent {
-    /// Returns the extent of all triangles over the whole picture.
+    /// Returns the extent that includes every triangle and the whole picture.
     pub(crate) fn all(geometry: &Geometry, viewport: Viewport) -> Self {
         Self { triangles: 0..geometry.triangles.len(), scissor: Scissor::full(viewport.width, viewport.height) }
     }

@@ -1,10 +1,10 @@
 //! Hooks for observing the pipeline, without cost if they are not used.
 //!
 //! Stages are generic over an [`Observer`] whose hooks do nothing by default. `()` observes nothing, and its hooks are
-//! removed at compile time: with the hooks and their calls deleted, the loops over samples of all four arithmetics
-//! compiled to the same 4,290 instructions in the same order (x86-64, rustc 1.95). No loop tests at run time whether an
-//! observer is attached. Values that a stage returns when it is called again (matrices, clipped polygons) have no hook,
-//! because the inspector calls the stage.
+//! removed at compile time: with the hooks and their calls deleted, the loops over samples for all four kinds of
+//! arithmetic compiled to the same 4,290 instructions in the same order (x86-64, rustc 1.95). No loop tests at run time
+//! whether an observer is attached. There are no hooks for the return values of a stage (matrices, clipped polygons):
+//! the inspector calls the stage again to obtain them.
 
 use serde::Serialize;
 
@@ -55,9 +55,9 @@ impl Fate {
 pub struct DepthOutcome {
     /// Depth of the fragment that was tested.
     pub new: f32,
-    /// Depth that the buffer held before the test.
+    /// Depth that the buffer held before the depth test.
     pub stored: f32,
-    /// Whether the fragment passed the test.
+    /// Whether the fragment passed the depth test.
     pub(crate) passed: bool,
 }
 

@@ -140,10 +140,10 @@ impl Sampler {
         neighbours(unit, size, self.address).1
     }
 
-    /// Returns the two mip levels that trilinear filtering reads for a pixel, with their weights. `uv_gradient` is the
-    /// change of the texture coordinates per pixel to the right and down. Level 0 is the texture itself, level `copies`
-    /// the smallest. The ideal level, whose texels are as long as the pixel's longer side, lies between the two, so no
-    /// texel is missed.
+    /// Returns the two mip levels that trilinear filtering reads for a pixel, with their weights. `uv_gradient` holds
+    /// the gradients of the texture coordinates: ∂(u, v)/∂x and ∂(u, v)/∂y, per pixel. Level 0 is the texture itself,
+    /// level `copies` the smallest. The ideal level, whose texels are as long as the pixel's longer side, lies between
+    /// the two, so no texel is missed.
     pub(crate) fn levels((width, height): (u32, u32), copies: usize, uv_gradient: [Vec2; 2]) -> [(usize, f32); 2] {
         let squared_texels = |change: Vec2| (change * Vec2::new(width as f32, height as f32)).length_squared();
         let [right, down] = uv_gradient.map(squared_texels);

@@ -14,11 +14,11 @@ const STYLE: &str = "svg .points { fill: none; stroke: var(--c0); stroke-width: 
     svg .bar { stroke: var(--c0); opacity: 0.55; } svg .line { fill: none; stroke: var(--soft); stroke-dasharray: 5 4; }\n\
     table.rows td, table.rows th { text-align: right; padding: 3px 10px; }\n";
 
-/// Texts that describe a measured quantity, such as the number of triangles, in the report.
+/// Texts that describe a varied quantity, such as the number of triangles, in the report.
 struct QuantityDescription {
     title: &'static str,
     of: &'static str,
-    /// Singular noun for the quantity, such as "triangle".
+    /// Singular noun for one unit of the varied quantity, such as "triangle".
     one: &'static str,
 }
 
@@ -38,7 +38,7 @@ fn view(quantity: ScalingQuantity) -> QuantityDescription {
     QuantityDescription { title, of, one }
 }
 
-/// Returns the frame time per unit of the quantity, in nanoseconds.
+/// Returns the frame time per unit of the varied quantity, in nanoseconds.
 fn ns_each(point: &ScalingPoint) -> f64 {
     point.ms.median * 1e6 / point.value
 }
@@ -277,7 +277,8 @@ fn section(series: &Series) -> String {
     )
 }
 
-/// Returns an SVG plot of frame time against the quantity on logarithmic axes, with the reference curve of [`guide`].
+/// Returns an SVG plot of frame time against the varied quantity, on logarithmic axes, with the reference curve of
+/// [`guide`].
 fn drawing(series: &Series) -> String {
     let times = series.points.iter().flat_map(|point| [point.ms.p10, point.ms.median, point.ms.p90]);
     let times = times.chain(guide(series).into_iter().map(|(_, ms)| ms));

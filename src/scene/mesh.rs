@@ -54,7 +54,7 @@ pub(crate) enum MeshError {
     NotFinite {
         /// Name of the attribute.
         attribute: &'static str,
-        /// Index of the value in the attribute array.
+        /// Index of the non-finite value in the attribute array.
         index: usize,
     },
 }

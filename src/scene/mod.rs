@@ -148,7 +148,7 @@ impl Scene {
             .collect()
     }
 
-    /// Returns the triangles with a normal or texture coordinate that was not finite, in ascending order.
+    /// Returns the ids of the triangles with a normal or texture coordinate that was not finite, in ascending order.
     pub(crate) fn broken_triangles(&self) -> impl Iterator<Item = TriangleId> {
         let meshes = self.instances.iter().map(|instance| self.library.mesh(instance.mesh));
         meshes.zip(self.first_triangles()).flat_map(|(mesh, TriangleId(first))| {
@@ -170,11 +170,11 @@ impl Scene {
 /// Memory used by a scene, in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SceneMemory {
-    /// Memory of meshes and textures, in bytes, each counted once.
+    /// Memory used by meshes and textures, in bytes, each counted once.
     pub(crate) shared_bytes: usize,
-    /// Memory of the meshes, in bytes, as part of `shared_bytes`.
+    /// Memory used by the meshes, in bytes, as part of `shared_bytes`.
     pub(crate) mesh_bytes: usize,
-    /// Memory of the instance records and their names, in bytes.
+    /// Memory used by the instance records and their names, in bytes.
     pub(crate) instance_bytes: usize,
     /// Memory that the meshes would take if every instance had its own copy of its mesh, in bytes.
     pub(crate) unshared_bytes: usize,

@@ -207,7 +207,7 @@ pub(crate) struct KeyBinding {
     pub(crate) key: Key,
     /// Modifiers that must be held.
     pub(crate) modifiers: Modifiers,
-    /// Constructs the command.
+    /// Constructor of the command.
     pub(crate) command: fn() -> Command,
     /// Description for tooltips and the key sheet.
     pub(crate) description: &'static str,

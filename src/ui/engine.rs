@@ -40,7 +40,7 @@ pub(crate) enum Shown {
 }
 
 impl Shown {
-    /// Returns the display name of the quantity.
+    /// Returns the display name of the shown buffer, stage or intermediate value.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Buffer(buffer) => buffer.name(),
@@ -49,7 +49,7 @@ impl Shown {
         }
     }
 
-    /// Returns a description of the quantity, in one sentence.
+    /// Returns a description of the shown buffer, stage or intermediate value, in one sentence.
     pub(crate) fn help(self) -> &'static str {
         match self {
             Self::Buffer(buffer) => buffer.help(),

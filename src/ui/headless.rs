@@ -25,9 +25,9 @@ const LARGEST_TEXTURE_SIDE: usize = 16_384;
 /// CPU cost of one pass of the user interface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PassCost {
-    /// Time for laying out panels and text and handling input.
+    /// Time spent laying out panels and text and handling input.
     pub(crate) layout: Duration,
-    /// Time for tessellating shapes into triangles.
+    /// Time spent tessellating shapes into triangles.
     pub(crate) tessellation: Duration,
     /// Number of vertices of the tessellated triangles.
     pub(crate) vertices: usize,

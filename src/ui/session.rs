@@ -96,7 +96,7 @@ pub(crate) struct Session {
     pub(crate) compared: Option<Compared>,
     /// Recorded frame times and errors of each upscaler.
     pub(crate) timings: Timings,
-    /// Times of the user interface itself.
+    /// Time spent in the user interface itself, for each of the most recent frames of the window.
     pub(crate) window_times: WindowTimes,
     /// Running measurement of all upscalers, if any.
     pub(crate) measuring: Option<Measuring>,

@@ -66,7 +66,8 @@ impl<P: Send + 'static, T: Send + 'static> BackgroundTask<P, T> {
         self.stop.store(true, Ordering::Relaxed);
     }
 
-    /// Handles all messages from the thread. Sets `progress` to the latest report, or to `None` at the end of the task.
+    /// Receives all pending messages from the thread. Sets `progress` to the latest report, or to `None` at the end of
+    /// the task.
     pub(crate) fn poll(&self, progress: &mut Option<P>) -> TaskStatus<T> {
         loop {
             match self.receiver.try_recv() {

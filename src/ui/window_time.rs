@@ -1,5 +1,5 @@
-//! Time of the user interface itself: laying out the panels, tessellating them and submitting the triangles to the
-//! graphics driver. The picture is not included, because other threads draw it.
+//! Time spent in the user interface itself: laying out the panels, tessellating them and submitting the triangles to
+//! the graphics driver. The picture is not included, because other threads draw it.
 
 use std::collections::VecDeque;
 

@@ -129,7 +129,8 @@ impl Upscaling {
         Self { deringing, ..self }.offered()
     }
 
-    /// Returns a copy with `sharpening` percent of sharpening, at most 100; 0 if the upscaler does not support it.
+    /// Returns a copy with the sharpening set to `sharpening` percent, clamped to 100; 0 if the upscaler does not
+    /// support sharpening.
     pub(crate) fn with_sharpening(self, sharpening: u32) -> Self {
         Self { sharpening, ..self }.offered()
     }

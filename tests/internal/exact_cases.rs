@@ -73,7 +73,7 @@ fn triangles_cover_the_exact_samples_by_every_sound_algorithm() {
             }
         }
     }
-    eprintln!("{} tri_coverage cases checked by five algorithms in two arithmetics", samples.len());
+    eprintln!("{} tri_coverage cases checked by five algorithms in two kinds of arithmetic", samples.len());
 }
 
 #[test]
@@ -96,7 +96,7 @@ fn triangles_in_clip_space_cover_what_lies_clearly_inside() {
             }
         }
     }
-    eprintln!("{} clip_tri cases checked by five algorithms in two arithmetics", samples.len());
+    eprintln!("{} clip_tri cases checked by five algorithms in two kinds of arithmetic", samples.len());
 }
 
 #[test]

@@ -17,7 +17,10 @@ use rasterscope::scene::{Scene, Transparency, TriangleId, builtin};
 use rasterscope::upscale::{Anchor, Upscaling};
 
 /// Size of the pictures, odd so that blocks and squares do not divide it.
-const SIZE: (u32, u32) = (47, 35);
+const SIZE: (u32, u32) = (31, 23);
+
+/// Size of the pictures for long lists of recipes, smaller than [`SIZE`].
+const SIZE_OF_MANY: (u32, u32) = (19, 13);
 
 /// Returns a recipe for each value of a setting, with the other settings at their defaults.
 fn each<C: Choice>(set: fn(&mut Recipe, C)) -> impl Iterator<Item = Recipe> {
@@ -209,7 +212,7 @@ fn every_pixel_replays_to_the_frame_under_every_switch() {
 fn every_pixel_replays_to_the_frame_under_all_combinations_of_visibility_rules() {
     let recipes = combined_switches();
     assert_eq!(recipes.len(), FillRule::ALL.len() * DepthTest::ALL.len() * DepthFormat::ALL.len());
-    replay_all(&scenes(), &recipes, SIZE);
+    replay_all(&scenes(), &recipes, SIZE_OF_MANY);
 }
 
 #[test]
@@ -229,14 +232,14 @@ fn every_pixel_replays_to_the_frame_under_every_upscaler() {
 
 #[test]
 fn every_pixel_replays_to_the_frame_under_every_antialiasing_and_post_filter() {
-    replay_all(&scenes(), &smooth(), (17, 13));
+    replay_all(&scenes(), &smooth(), (11, 7));
 }
 
 #[test]
 fn every_pixel_of_every_builtin_scene_replays_to_the_frame_under_every_upscaler() {
     let scenes: Vec<_> = builtin::ALL.iter().map(|b| (b.id, b.build())).collect();
     let recipes: Vec<_> = upscalers_at_their_first_scale(false).collect();
-    replay_all(&scenes, &recipes, (23, 17));
+    replay_all(&scenes, &recipes, (13, 9));
 }
 
 #[test]

@@ -555,7 +555,7 @@ fn a_stability_report_of_one_class_is_printed_as_text() {
     assert_eq!(
         lines.iter().filter(|line| line.starts_with("  needles ")).count(),
         5,
-        "four arithmetics, and as published"
+        "four kinds of arithmetic, and as published"
     );
     assert_eq!(lines.last(), Some(&"3 PASS, 2 MEASURED, 0 REFUSED"));
 }

@@ -14,8 +14,8 @@ pub(super) struct Owner {
 }
 
 impl Owner {
-    /// Creates the test for a triangle from the corner positions that determine coverage and the recipe's fill rule. A
-    /// fill rule that does not draw shared edges exactly once is replaced by top-left.
+    /// Creates the ownership test for a triangle from the corner positions that determine coverage and the recipe's
+    /// fill rule. A fill rule that does not draw shared edges exactly once is replaced by top-left.
     pub(super) fn of(triangle: &ScreenTriangle, settings: &Settings) -> Self {
         let corners_px = match settings.arithmetic {
             Arithmetic::Fixed => triangle.snapped_px(),

@@ -75,7 +75,7 @@ pub(crate) struct Total {
     pub(crate) name: &'static str,
     /// Value of the total, in `unit`.
     pub(crate) number: f64,
-    /// Unit displayed after the value; may be empty.
+    /// Unit displayed after `number`; may be empty.
     pub(crate) unit: &'static str,
 }
 

@@ -20,7 +20,7 @@ choice! {
 pub(crate) struct Timeline {
     /// Number of rasterized triangles in the frame.
     pub(crate) triangles: usize,
-    /// Index of the first triangle of each draw, in ascending order, and the instance that it draws.
+    /// Index of the first triangle of each draw and the instance that it draws, in ascending order of that index.
     pub(crate) draws: Vec<(usize, u32)>,
     /// Fragment counts of the last drawn triangle, partial or complete, and of the next triangle.
     pub(crate) fragments: [usize; 2],

@@ -59,7 +59,7 @@ fn mixed(subject: &TracedFragment<'_>, component: impl Fn(&Varyings) -> f32) -> 
     given("a₀", a) + from_first("a₁", b) * given("weight 1", p1) + from_first("a₂", c) * given("weight 2", p2)
 }
 
-/// Writes the screen-space derivatives of weights and texture coordinates, per pixel to the right and downwards.
+/// Writes the screen-space gradients of weights and texture coordinates, per pixel in x and in y.
 fn gradient(subject: &TracedFragment<'_>, arithmetic: Arithmetic, scribe: &mut TraceRecorder) {
     const DIRECTIONS: [&str; 2] = ["to the right", "downwards"];
     const NAMES: [[&str; 2]; 2] = [["du/dx", "dv/dx"], ["du/dy", "dv/dy"]];
@@ -89,8 +89,8 @@ fn gradient(subject: &TracedFragment<'_>, arithmetic: Arithmetic, scribe: &mut T
     }
 }
 
-/// Returns the formula for the change of an edge value per pixel in one direction: a component of the opposite side
-/// rotated by 90°, in the unit of edge values.
+/// Returns the formula for the gradient of an edge function in one direction: a component of the opposite side rotated
+/// by 90°, in the unit of edge values.
 fn edge_change(subject: &TracedFragment<'_>, arithmetic: Arithmetic, direction: usize, corner: usize) -> Formula {
     let corners = subject.triangle.corners_in(arithmetic);
     let coordinate = |corner: usize, axis: usize| given(format!("{}{corner}", ["x", "y"][axis]), corners[corner][axis]);

@@ -11,7 +11,7 @@ use crate::pipeline::raster::numbers::Inward;
 use crate::pipeline::raster::steps::{EdgeNumbers, EdgeSteps, FloatSteps};
 use crate::pipeline::settings::{Arithmetic, Choice as _};
 
-/// Buffers that display the three edge values.
+/// Intermediate values of the three edge functions.
 const EDGE_BUFFERS: [Intermediate; 3] = [Intermediate::Edge0, Intermediate::Edge1, Intermediate::Edge2];
 
 /// Writes the trace lines of the triangle's area, the edge values and the coverage decisions.

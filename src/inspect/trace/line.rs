@@ -84,7 +84,7 @@ pub struct TraceLine {
     pub stage: TraceStage,
     /// Name of the computed quantity.
     pub what: String,
-    /// Formula with names and operators, or the source of the value.
+    /// Formula with names and operators, or the source of the line's value.
     pub(crate) formula: String,
     /// Formula with numbers instead of names; empty for values that are read.
     pub(crate) numbers: String,
@@ -109,7 +109,7 @@ pub struct TraceLine {
     pub(crate) aside: bool,
     /// Notable properties of the line.
     pub(crate) flags: Vec<Flag>,
-    /// Buffer that shows the quantity over the whole picture, if there is one.
+    /// Intermediate value that corresponds to the line and can be shown for the whole picture, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub buffer: Option<Intermediate>,
 }
@@ -275,7 +275,7 @@ impl TraceLine {
         self
     }
 
-    /// Links the line to the buffer that displays its quantity for every pixel of the picture.
+    /// Links the line to the corresponding intermediate value, which can be shown for the whole picture.
     pub(super) fn shown_by(&mut self, buffer: Intermediate) -> &mut Self {
         self.buffer = Some(buffer);
         self

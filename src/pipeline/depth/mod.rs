@@ -4,7 +4,7 @@
 //! vertex ── DepthScale ──► depth in f64 ── DepthFunction ──► depth of a sample ── DepthEncoding ──► stored value
 //! ```
 //!
-//! A [depth bias](bias) is added to all depths of a triangle. A depth is quantised before it is tested, so that the
+//! A [depth bias](bias) is added to all depths of a triangle. A depth is quantised before the depth test, so that the
 //! test sees exactly what the buffer will hold.
 
 mod bias;
@@ -52,7 +52,7 @@ impl DepthComparison {
         }
     }
 
-    /// Returns whether a fragment of depth `new` passes the test against `stored`.
+    /// Returns whether a fragment of depth `new` passes the depth test against `stored`.
     #[inline]
     pub(crate) fn passes(self, new: f32, stored: f32) -> bool {
         match self {
@@ -76,7 +76,8 @@ impl DepthComparison {
     }
 }
 
-/// Returns the clear value of the depth buffer, against which every depth strictly between 0 and 1 passes the test.
+/// Returns the clear value of the depth buffer, against which every depth strictly between 0 and 1 passes the depth
+/// test.
 pub(crate) fn clear_value(settings: &Settings) -> f32 {
     match DepthComparison::of(settings) {
         DepthComparison::Greater | DepthComparison::GreaterEqual => 0.0,

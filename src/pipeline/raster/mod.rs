@@ -1,8 +1,8 @@
 //! Rasterization: finds the samples that lie inside a triangle.
 //!
 //! A rasterizer knows nothing of depth or colour. It takes a [`RasterTriangle`] and emits the covered samples as
-//! [`Span`]s. Five algorithms, one file each, run in four arithmetics ([`numbers`]). In fixed point and in exact
-//! arithmetic all five find exactly the same samples; in floats they differ by rounding.
+//! [`Span`]s. Five algorithms, one file each, run in four kinds of arithmetic ([`numbers`]). In fixed point and in
+//! exact arithmetic all five find exactly the same samples; in floats they differ by rounding.
 
 pub(crate) mod numbers;
 
@@ -56,8 +56,8 @@ pub struct RasterSample {
     /// Row of the sample's pixel in the full picture.
     pub y: u32,
     /// Values of the three edge functions, in the order of the vertices opposite the edges. Up to rounding they sum to
-    /// the doubled area. In fixed point they are integers in units of 1/2¹⁶ px². In the other arithmetics they are in
-    /// px², times a power of two that brings the doubled area near 1.
+    /// the doubled area. In fixed point they are integers in units of 1/2¹⁶ px². In the other kinds of arithmetic they
+    /// are in px², times a power of two that brings the doubled area near 1.
     pub edges: [f64; 3],
 }
 

@@ -4,7 +4,7 @@ use super::numbers::{Numbers, RasterEdge};
 use super::{PixelRange, RasterSample};
 use crate::pipeline::settings::FillRule;
 
-/// Triangle of nonzero area, set up for rasterization in one of the arithmetics.
+/// Triangle of nonzero area, set up for rasterization in one kind of arithmetic.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RasterTriangle<N: Numbers> {
     corners: [[N::Coordinate; 2]; 3],

@@ -13,9 +13,9 @@
 //! distance from a plane is the difference of two components, or a single one, in doubles: its sign is that of the
 //! exact difference. So if the exact distance is less than −(8u · max M + 2⁻¹⁴⁷) for every point of a box, the pipeline
 //! computes every vertex in the box as outside. [`ROUNDING`] and [`UNDERFLOW`] exceed these terms by at least a factor
-//! of four. This covers the rounding of the test itself, which is computed in doubles. Over a box, an affine function
-//! is greatest at the corner that the signs of its coefficients select. M is greatest at the largest magnitudes on each
-//! axis.
+//! of four. This covers the rounding of the culling test itself, which is computed in doubles. Over a box, an affine
+//! function is greatest at the corner that the signs of its coefficients select. M is greatest at the largest
+//! magnitudes on each axis.
 //!
 //! **Back-facing**: the doubled area of the snapped vertices has the sign of the culled side, or is zero. In a picture
 //! of W × H px, the exact doubled area on the screen, before snapping, is S = −(W·H/4) · D / (w₀ w₁ w₂). D is the

@@ -32,10 +32,10 @@ pub(crate) type JitterChoice<'a> = &'a (dyn Fn(usize, (&[u32], u32), &mut [u8]) 
 /// Functions that combine the samples of pixels into colours, sixteen pixels at a time.
 #[derive(Clone, Copy)]
 pub(crate) struct SumOfSamples<'a> {
-    /// Adds the colour of one sample per pixel to the sums.
+    /// Function that adds the colour of one sample per pixel to the sums.
     pub(crate) add: &'a (dyn Fn(&[Rgba8], &mut [Sums]) + Sync),
-    /// Computes the pixel colours from the sums of all samples. A pixel whose samples all have the same colour gets
-    /// exactly that colour.
+    /// Function that computes the pixel colours from the sums of all samples. A pixel whose samples all have the same
+    /// colour gets exactly that colour.
     pub(crate) mean: &'a (dyn Fn(&[Sums], &mut [Rgba8]) + Sync),
 }
 

@@ -330,7 +330,7 @@ impl<S: Simd> AttributeWeights<S> {
         Self { of_corners: each!(i in [0, 1] => wanted.select(self.of_corners[i], nothing)), ..self }
     }
 
-    /// Returns the changes of the weights per pixel to the right and per pixel down.
+    /// Returns the gradients of the second and the third vertex's weights: the changes per pixel in x and in y.
     #[inline(always)]
     pub(super) fn gradient(&self, simd: S, source: impl TriangleSource) -> [[f32x16<S>; 2]; 2] {
         let (slopes, relative_inv_w) = (source.edge_slopes(simd), source.relative_inv_w(simd));

@@ -205,7 +205,7 @@ pub(super) trait TriangleSource: Copy {
         [r0, r1, r2]
     }
 
-    /// Returns the changes of the edge values per pixel to the right and per pixel down.
+    /// Returns the gradients of the edge functions: the changes per pixel in x and in y.
     #[inline(always)]
     fn edge_slopes<S: Simd>(self, simd: S) -> [[f32x16<S>; 3]; 2] {
         let (first, second) = (self.quad(simd, Record::FIRST_EDGE), self.quad(simd, Record::SECOND_EDGE));

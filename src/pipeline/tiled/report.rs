@@ -11,13 +11,13 @@ use crate::pipeline::plan::DrawPlan;
 /// to the thread time spent on each.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct TiledTimes {
-    /// Time of planning and vertex processing.
+    /// Time spent planning draws and processing vertices.
     pub(crate) transform: Duration,
-    /// Time of culling, clipping and binning.
+    /// Time spent on culling, clipping and binning.
     pub(crate) cull: Duration,
-    /// Time of rasterization: coverage and depth.
+    /// Time spent on rasterization: coverage and depth.
     pub(crate) rasterize: Duration,
-    /// Time of interpolation and shading.
+    /// Time spent on interpolation and shading.
     pub(crate) shade: Duration,
 }
 

@@ -1,7 +1,7 @@
 //! Transparency: alpha-tested and blended triangles.
 //!
-//! Alpha-tested triangles are drawn together with the opaque ones, because samples that fail the test are simply not
-//! stored. Blended triangles are drawn over the shaded tile, in the order that the settings select. Both are shaded
+//! Alpha-tested triangles are drawn together with the opaque ones, because samples that fail the alpha test are simply
+//! not stored. Blended triangles are drawn over the shaded tile, in the order that the settings select. Both are shaded
 //! with SIMD, two rows at a time, if a kernel supports their shading. Otherwise the code of the classic path shades
 //! them sample by sample. Fragments that are sorted individually are always blended by that code.
 

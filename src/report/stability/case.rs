@@ -138,7 +138,8 @@ pub(crate) struct DepthPairs {
     /// Distance of the far plane from the eye, in view-space units.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
     pub(crate) far: f32,
-    /// Relative difference between the two distances of a pair.
+    /// Relative difference between the view-space distances of a pair's two points, as a fraction of the smaller
+    /// distance.
     pub(crate) gap: f64,
     /// Number of random pairs.
     pub(crate) pairs: u32,

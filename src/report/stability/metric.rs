@@ -93,7 +93,7 @@ impl Metric {
     }
 
     /// Returns the thresholds between severity levels, in ascending order. For a metric that counts a part of a total,
-    /// they apply to the fraction of the total, otherwise to the value.
+    /// they apply to the fraction of the total, otherwise to the value of the metric.
     pub(crate) fn thresholds(self) -> [f64; LEVELS] {
         match self {
             Self::AffineError | Self::WeightError | Self::SumError | Self::DepthError => {

@@ -27,7 +27,7 @@ pub(crate) struct StabilityPlan {
     pub(crate) classes: Vec<&'static Class>,
     /// Rasterizers to run, in the classes that compare rasterizers.
     pub(crate) rasterizers: Vec<Rasterizer>,
-    /// Arithmetics to run, in the classes that compare arithmetics.
+    /// Kinds of arithmetic to run, in the classes that compare them.
     pub(crate) arithmetics: Vec<Arithmetic>,
     /// Seed from which the random cases are generated.
     pub(crate) seed: u64,

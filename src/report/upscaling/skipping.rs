@@ -32,23 +32,24 @@ const GRIDS: [SampleGrid; 5] = [
     SampleGrid::Block { step: 4 },
 ];
 
-/// Times of both ways to draw a given fraction of the pixels, in milliseconds.
+/// Frame times of both ways to draw a given fraction of the pixels, in milliseconds.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct PixelShareTimes {
     /// Fraction of the pixels that are drawn, in (0, 1].
     pub(crate) drawn: f64,
-    /// Times of skipping pixels inside the loop.
+    /// Frame time if pixels are skipped inside the loop.
     pub(crate) skipping: Split,
-    /// Times of visiting only the wanted pixels.
+    /// Frame time if only the wanted pixels are visited.
     pub(crate) visiting: Split,
 }
 
 /// Frame time split into rasterization and shading, in milliseconds.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Split {
-    /// Time to clear the framebuffer, find samples and test their depth, in milliseconds.
+    /// Time spent clearing the framebuffer, finding samples and testing their depth, in milliseconds.
     pub(crate) raster: Summary,
-    /// Time of the whole frame, including shading, in milliseconds. The difference from `raster` is the shading time.
+    /// Duration of the whole frame, including shading, in milliseconds. The difference from `raster` is the shading
+    /// time.
     pub(crate) whole: Summary,
 }
 

@@ -118,9 +118,9 @@ pub struct UpscalingRow {
     pub recipe: Recipe,
     /// Fraction of the pixels that were drawn, in (0, 1].
     pub(crate) drawn: f64,
-    /// Times of whole frames, in milliseconds.
+    /// Frame time, in milliseconds.
     pub(crate) frame_ms: Summary,
-    /// Median times of the parts of a frame, in milliseconds.
+    /// Median time spent in each part of a frame, in milliseconds.
     pub(crate) parts_ms: Parts,
     /// Error of the image in the still view.
     pub(crate) error: ErrorMetrics,
@@ -147,7 +147,7 @@ impl UpscalingRow {
     }
 }
 
-/// Times of the parts of a frame, in milliseconds.
+/// Time spent in each part of a frame, in milliseconds.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Parts {
     /// Median geometry time, from planning to culling, in milliseconds.

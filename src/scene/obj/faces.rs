@@ -26,7 +26,7 @@ pub(super) const NONE: u32 = u32::MAX;
 /// Maximum number of triangles of a scene: the indices of their corners have 32 bits.
 const MAX_TRIANGLES: usize = u32::MAX as usize / 3;
 
-/// Estimated memory of a [`MeshPart`] in bytes, excluding its triangles. Each part becomes a mesh and an instance.
+/// Estimated memory used by a [`MeshPart`] in bytes, excluding its triangles. Each part becomes a mesh and an instance.
 const PART_BYTES: u64 = 1024;
 
 /// Number of copies of a part's names that are kept in memory, for memory accounting.
@@ -68,7 +68,8 @@ pub(super) struct Faces {
     pub(super) parts: Vec<MeshPart>,
     /// Text after each `mtllib` statement, and its line number.
     pub(super) libraries: Vec<(String, usize)>,
-    /// Runs of triangles with equal smoothing, in ascending order; empty if the file has no `s` statement.
+    /// Runs of triangles with equal smoothing, in ascending order of their first triangle; empty if the file has no `s`
+    /// statement.
     pub(super) smoothing: Vec<SmoothingRun>,
 }
 
@@ -187,7 +188,8 @@ impl<'a, 'l> FaceReader<'a, 'l> {
         Ok(None)
     }
 
-    /// Handles a comment, a keyword in another letter case, or a statement that is not rendered.
+    /// Handles a comment, a keyword with unexpected capitalisation, a statement that does not affect rendering, or an
+    /// unknown keyword.
     fn other_statement(&mut self, line: usize, keyword: &str, rest: &str) -> StatementOutcome {
         match statements::find(Format::Obj, keyword) {
             Some(known) if known.treatment == Treatment::Warned => Ok(Some(known.not_rendered())),

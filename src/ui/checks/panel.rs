@@ -17,13 +17,13 @@ use crate::ui::widgets::{Status, chip};
 /// Draws the buttons of the tab, beside the tab names.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let checks = &session.checks;
-    let help = "Draws this frame once more and checks every fragment";
+    let help = "Draw this frame once more and check every fragment";
     let run = Button::new((theme::icon(Icon::ListChecks), "Check this frame"));
     if ui.add_enabled(checks.progress.is_none(), run).on_hover_text(help).clicked() {
         commands.push(Command::Checks(ChecksChange::Run));
     }
     let help =
-        "Checks each new frame until an assertion is violated, then picks that pixel. Meanwhile, frames take longer";
+        "Check each new frame until an assertion is violated, then pick that pixel. Meanwhile, frames take longer";
     if ui.add(Button::selectable(checks.every_frame, "Check every frame")).on_hover_text(help).clicked() {
         commands.push(Command::Checks(ChecksChange::ToggleEveryFrame));
     }

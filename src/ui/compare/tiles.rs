@@ -101,8 +101,8 @@ impl TilesView {
         hovered
     }
 
-    /// Handles dragging of regions and of the wipe line, and the pan, zoom and camera input that a single picture also
-    /// has.
+    /// Handles pointer input on the tiles: dragging of regions and of the wipe line, and pan, zoom and camera movement
+    /// as in a single picture.
     fn input(
         &mut self,
         ui: &Ui,

@@ -37,7 +37,7 @@ pub(super) struct PaintTriangle<'a> {
     /// vertex `i`.
     edges: [EdgeFunction; 3],
     attributes: [PaintAttributes; 3],
-    /// Change of the attributes per pixel to the right.
+    /// Horizontal gradient of the attributes: the change per pixel in x.
     attributes_dx: PaintAttributes,
     doubled_area: f64,
     /// Minimum and maximum y of the snapped vertices, in subpixels of 1/256 px.
@@ -151,7 +151,7 @@ impl<'a> PaintTriangle<'a> {
 struct EdgeFunction {
     /// Value at the centre of pixel (0, 0).
     origin: i64,
-    /// Change of the value per pixel to the right; `dy` is the change per pixel down.
+    /// Gradient of the edge function: `dx` and `dy` are its changes per pixel in x and in y.
     dx: i64,
     dy: i64,
     /// Minimum value at a covered pixel centre: 0 for a top or left edge, 1 for other edges.

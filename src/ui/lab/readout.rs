@@ -39,7 +39,7 @@ pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
         ui,
         "time",
         &in_words(lab.run_time),
-        "Time of one run of the algorithm without recording; the shortest of several rounds",
+        "Duration of one run of the algorithm without recording; the shortest of several rounds",
     );
     for (name, value) in &lab.recording.facts {
         value_row(ui, name, value, "");
@@ -50,7 +50,7 @@ pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
         let button = ui
             .add_enabled(compares, eframe::egui::Button::new((theme::icon(Icon::ChartScatter), "Compare all methods")));
         let help =
-            "Runs all methods on a larger input, and measures the time of each and its error against the exact result";
+            "Run all methods on a larger input, and measure the time of each and its error against the exact result";
         if button
             .on_hover_text(help)
             .on_disabled_hover_text(

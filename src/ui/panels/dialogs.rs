@@ -112,7 +112,7 @@ impl OpenDialog {
                 let idle = self.browsing.is_none();
                 if ui
                     .add_enabled(idle, eframe::egui::Button::new("Browse…"))
-                    .on_hover_text("Opens the system's file dialog")
+                    .on_hover_text("Open the system file dialog")
                     .clicked()
                 {
                     self.browse(ui);

@@ -78,7 +78,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         ui.add(ProgressBar::new(measuring.progress).desired_width(240.0).show_percentage());
     } else {
         let measure = Button::new((crate::ui::theme::icon(Icon::Timer), "Measure all upscalers"));
-        let help = "Times every upscaler in interleaved rounds with the current scene, view and size, and measures its \
+        let help = "Time every upscaler in interleaved rounds with the current scene, view and size, and measure its \
                     error on the same frames. The tab “Error vs time” selects a moving or a still camera";
         if ui.add(measure).on_hover_text(help).clicked() {
             commands.push(Command::Measure);
@@ -100,7 +100,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         commands.push(Command::ExportTimings);
     }
     for (view, name, help) in [
-        (TimingsView::Lines, "Lines", "Time of every frame, in the order in which they were drawn"),
+        (TimingsView::Lines, "Lines", "Frame times in drawing order"),
         (TimingsView::Distribution, "Distribution", "Cumulative distribution of frame times"),
     ] {
         if ui.selectable_label(session.timings.view == view, name).on_hover_text(help).clicked() {
@@ -134,10 +134,10 @@ fn lines(ui: &mut Ui, series: &[MethodTimes], size: egui::Vec2) {
     Plot::new("frame times")
         .width(size.x)
         .height(size.y)
-        .x_axis_label("frame")
+        .x_axis_label("Frame")
         .include_x(0.0)
         .include_x(MIN_FRAMES)
-        .y_axis_label("ms")
+        .y_axis_label("Frame time (ms)")
         .include_y(0.0)
         .y_grid_spacer(uniform_grid_spacer(|input| round_steps(&input)))
         .y_axis_formatter(ticks::number)
@@ -172,8 +172,8 @@ fn distribution(ui: &mut Ui, series: &[MethodTimes], size: egui::Vec2) {
     Plot::new("distribution of frame times")
         .width(size.x)
         .height(size.y)
-        .x_axis_label("ms")
-        .y_axis_label("share of frames")
+        .x_axis_label("Frame time (ms)")
+        .y_axis_label("Share of frames")
         .include_y(0.0)
         .include_y(1.0)
         .allow_scroll(false)
@@ -212,15 +212,15 @@ fn spikes(ui: &mut Ui, session: &Session) {
     ui.add(egui::Label::new(text).wrap()).on_hover_text("Slowest frames since scene, settings or size last changed");
 }
 
-/// Draws the median and the 99th percentile of the time of a pass of the user interface, excluding the rendering of the
-/// picture.
+/// Draws the median and the 99th percentile of the time spent in a pass of the user interface, excluding the rendering
+/// of the picture.
 fn window(ui: &mut Ui, session: &Session) {
     let Some(Summary { median, p99, .. }) = session.window_times.summary() else { return };
     let text = format!("User interface: median {}, p99 {}", format::ms(median), format::ms(p99));
     ui.add(egui::Label::new(RichText::new(text).small().color(tokens(ui).text_weak)).wrap()).on_hover_text(
-        "Time of one pass of the user interface: laying out the panels, tessellating them and submitting the triangles \
-         to the graphics driver. The picture is not included, because other threads draw it. Median and 99th \
-         percentile of the last passes; an idle window runs none",
+        "Time spent in one pass of the user interface: laying out the panels, tessellating them and submitting the \
+         triangles to the graphics driver. The picture is not included, because other threads draw it. Median and \
+         99th percentile of the last passes; an idle window runs none",
     );
 }
 
@@ -230,7 +230,7 @@ fn bars(ui: &mut Ui, series: &[MethodTimes], size: egui::Vec2) {
     Plot::new("medians")
         .width(size.x)
         .height(size.y)
-        .y_axis_label("median ms")
+        .y_axis_label("Median frame time (ms)")
         .show_x(false)
         .include_y(0.0)
         .include_x(-0.6)

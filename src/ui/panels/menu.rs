@@ -129,7 +129,7 @@ fn lessons(ui: &mut Ui, commands: &mut Vec<Command>) {
     for lesson in lesson::ALL {
         if ui
             .button(lesson.question)
-            .on_hover_text("Opens a small scene. Click its black spot: the inspector names the cause")
+            .on_hover_text("Open a small scene. Click its black spot: the inspector names the cause")
             .clicked()
         {
             commands.extend([Command::OpenBuiltin(lesson.scene.to_owned()), Command::SetRecipe(lesson.recipe())]);
@@ -242,8 +242,7 @@ fn figures(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if let Some(ms) = warm_ms.filter(|_| view.request.triangle_limit.is_none()) {
         let fps = "Frames per second if frames were drawn continuously; a frame is drawn only if something changes";
         figures.push((format!("{:.0} fps", 1e3 / ms.max(1e-3)), fps));
-        figures
-            .push((format::ms(ms), "Median time of a frame with warm caches, from planning to the finished picture"));
+        figures.push((format::ms(ms), "Median frame time with warm caches, from planning to the finished picture"));
     }
     for (text, help) in figures {
         ui.label(RichText::new(text).monospace().color(tokens(ui).text)).on_hover_text(help);

@@ -45,7 +45,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         let reset = ui.add_enabled(changed, egui::Button::new("Reset all settings"));
         if reset
-            .on_hover_text("Sets every setting to its default")
+            .on_hover_text("Reset every setting to its default")
             .on_disabled_hover_text("All settings are at their defaults")
             .clicked()
         {
@@ -55,8 +55,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
 }
 
-/// Draws the times of work outside the listed stages, and the time of the whole frame, which is the sum of all times in
-/// the panel.
+/// Draws the time spent outside the listed stages, and the frame time, which is the sum of all times in the panel.
 fn rest(ui: &mut Ui, session: &Session) {
     let Some(StageFigures { times, .. }) = session.stages.as_ref() else { return };
     let rows = [
@@ -152,10 +151,10 @@ fn figures(ui: &mut Ui, stage: Stage, shown: bool, session: &Session, commands: 
     }
     let time = session.stages.as_ref().and_then(|figures| time_of(stage, &figures.times));
     let time = time.map_or_else(|| "–".to_owned(), |t| format::ms(t.as_secs_f64() * 1e3));
-    let help = "Time of this stage in the frame with the median time of several. Tiled execution includes projection \
-                in transform, clipping in cull, depth in rasterize, and interpolation in shade. Classic execution \
-                divides the time of rasterize, depth, interpolate and shade in proportion to partial frames that each \
-                run one more stage; 0 means too short to measure";
+    let help = "Time spent in this stage, in the frame with the median time of several. Tiled execution includes \
+                projection in transform, clipping in cull, depth in rasterize, and interpolation in shade. Classic \
+                execution divides the time of rasterize, depth, interpolate and shade in proportion to partial frames \
+                that each run one more stage; 0 means too short to measure";
     figure(ui, &time, 62.0, tokens(ui).text).on_hover_text(help);
     if let Some((number, what)) = session.view.as_ref().and_then(|view| count_of(stage, session, view)) {
         let help = format!("{} {what}", format::count(number));

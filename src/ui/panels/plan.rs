@@ -27,7 +27,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         return;
     }
     let measure = Button::new((crate::ui::theme::icon(Icon::Timer), "Measure savings"));
-    let help = "Measures the time that skipping saves: draws this view with every skip enabled, and with each skip \
+    let help = "Measure the time that skipping saves: draw this view with every skip enabled, and with each skip \
                 disabled in turn. Takes a few seconds";
     if ui.add(measure).on_hover_text(help).clicked() {
         commands.push(Command::MeasurePlan);

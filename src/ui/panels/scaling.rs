@@ -24,7 +24,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         return;
     }
     let measure = Button::new((crate::ui::theme::icon(Icon::Timer), "Measure scaling"));
-    let help = "Draws generated scenes with increasing numbers of triangles, pixels, layers and threads, with the \
+    let help = "Draw generated scenes with increasing numbers of triangles, pixels, layers and threads, with the \
                 current settings; takes about a minute";
     if ui.add(measure).on_hover_text(help).clicked() {
         commands.push(Command::MeasureScaling);
@@ -73,7 +73,7 @@ fn plot(ui: &mut Ui, series: &Series, size: eframe::egui::Vec2) {
         .width(size.x)
         .height(size.y)
         .x_axis_label(series.quantity.name())
-        .y_axis_label("ms")
+        .y_axis_label("Median frame time (ms)")
         .allow_scroll(false)
         .allow_drag(false)
         .allow_zoom(false)

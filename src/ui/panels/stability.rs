@@ -57,7 +57,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         return;
     }
     let run = Button::new((crate::ui::theme::icon(Icon::Play), "Run the stability report"));
-    let help = "Tests every rasterizer, arithmetic and depth format on ill-conditioned and extreme cases; takes about \
+    let help = "Test every rasterizer, arithmetic and depth format on ill-conditioned and extreme cases; takes about \
                 a minute";
     if ui.add(run).on_hover_text(help).clicked() {
         commands.push(Command::RunStability);

@@ -75,10 +75,10 @@ fn assemble(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let memory = scene.memory();
     let bytes = |number: usize| format::bytes(number as u64);
     let figures = [
-        ("Texture memory", memory.shared_bytes - memory.mesh_bytes, "Memory of all textures, each stored once"),
-        ("Mesh memory", memory.mesh_bytes, "Memory of all meshes, each stored once for all its instances"),
+        ("Texture memory", memory.shared_bytes - memory.mesh_bytes, "Memory used by all textures, each stored once"),
+        ("Mesh memory", memory.mesh_bytes, "Memory used by all meshes, each stored once for all its instances"),
         ("Unshared mesh memory", memory.unshared_bytes, "Memory that meshes would need if every instance had a copy"),
-        ("Instance records", memory.instance_bytes, "Memory of the records that place mesh instances in the scene"),
+        ("Instance records", memory.instance_bytes, "Memory used by the records that place meshes in the scene"),
     ];
     for (label, number, help) in figures {
         value_row(ui, label, &bytes(number), help);
@@ -158,12 +158,12 @@ fn camera(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         commands.push(Command::SetCamera(camera));
     }
     ui.horizontal(|ui| {
-        if ui.button("Reset view").on_hover_text("Returns to the scene's home view  (H)").clicked() {
+        if ui.button("Reset view").on_hover_text("Return to the scene's home view  (H)").clicked() {
             commands.push(Command::ResetCamera);
         }
         if ui
             .button("Fit scene")
-            .on_hover_text("Moves the camera until the whole scene is visible, without turning it")
+            .on_hover_text("Move the camera until the whole scene is visible, without turning it")
             .clicked()
         {
             commands.push(Command::FitCamera);
@@ -199,7 +199,7 @@ fn clip(ui: &mut Ui, session: &Session) {
         ui,
         "Clipped",
         &format::count(figures.counters.clipped),
-        "Number of triangles that cross a clipping plane and were clipped",
+        "Number of triangles clipped because they cross a clipping plane",
     );
     for fate in [Fate::Outside, Fate::ClippedAway, Fate::NotFinite] {
         fate_row(ui, figures, fate);
@@ -385,7 +385,7 @@ fn background(ui: &mut Ui, session: &Session, background: &mut Background) {
         }
         let is_own = *background != Background::Scene;
         let button = ui.add_enabled(is_own, Button::new("Use scene colour"));
-        if button.on_hover_text("Restores the background colour of the scene").clicked() {
+        if button.on_hover_text("Restore the background colour of the scene").clicked() {
             *background = Background::Scene;
         }
     });

@@ -28,7 +28,7 @@ const FIGURE_POINTS: f32 = 62.0;
 
 /// Headings of the numeric columns of the table, with their tooltips.
 const HEADINGS: [(&str, &str); 6] = [
-    ("ms", "Median time of a frame"),
+    ("ms", "Median frame time"),
     ("FLIP", "Mean FLIP error over the frames, which ranks the upscalers"),
     ("worst", "FLIP error of the worst frame"),
     ("at rest", "FLIP error of the still view after it has converged"),
@@ -52,7 +52,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         ui.add(ProgressBar::new(measuring.progress).desired_width(200.0).show_percentage());
     } else {
         let measure = Button::new((crate::ui::theme::icon(Icon::Timer), "Measure error and time"));
-        let help = "Times every upscaler in interleaved rounds, and compares each frame with the reference for the \
+        let help = "Time every upscaler in interleaved rounds, and compare each frame with the reference for the \
                     same camera. Takes a minute or more in motion, and a few seconds for a still view";
         if ui.add(measure).on_hover_text(help).clicked() {
             commands.push(Command::Measure);
@@ -188,7 +188,7 @@ fn plot(ui: &mut Ui, points: &[TradeOff], in_motion: bool, size: egui::Vec2) -> 
     let response = Plot::new("error against time of upscalers")
         .width(size.x)
         .height(size.y)
-        .x_axis_label("median ms")
+        .x_axis_label("Median frame time (ms)")
         .y_axis_label(if in_motion { "FLIP in motion" } else { "FLIP" })
         .allow_scroll(false)
         .x_grid_spacer(|input| log_marks(&input))

@@ -79,8 +79,7 @@ fn heading(ui: &mut Ui, text: &str, help: &str) {
     ui.label(RichText::new(text).small().color(tokens(ui).text_weak)).on_hover_text(help);
 }
 
-/// Returns the distinct values in ascending order, without duplicates. The index of a value is its column or row in a
-/// grid without gaps.
+/// Returns the distinct `values` in ascending order. The index of a value is its column or row in a grid without gaps.
 fn ranks(values: impl Iterator<Item = u32>) -> Vec<u32> {
     values.collect::<BTreeSet<_>>().into_iter().collect()
 }
@@ -174,7 +173,7 @@ fn feeds(
 fn sums(ui: &mut Ui, how: Upscaling, mixture: &Mixture, height: f32) {
     const COLUMN: f32 = 66.0;
     let what = if how.light() == FilterSpace::Linear { "linear light" } else { "sRGB codes" };
-    heading(ui, &format!("Weighted sum of {what}"), "Sum over all samples of red, green and blue times the weight");
+    heading(ui, &format!("Weighted sum of {what}"), "Weighted sum of all samples, for red, green and blue");
     ScrollArea::vertical().id_salt("weights").max_height((height - 20.0).max(60.0)).show(ui, |ui| {
         egui::Grid::new("sums").num_columns(4).spacing([6.0, 1.0]).show(ui, |ui| {
             let mut line = |name: &str, values: [String; 3], strong: bool| {

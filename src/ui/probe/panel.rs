@@ -31,8 +31,8 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         ui.add(ProgressBar::new(progress).desired_width(200.0).show_percentage());
         return;
     }
-    let help = "Draws the view repeatedly, with the camera or the vertices displaced by a few units in the last place, \
-                and counts the pixels that change";
+    let help = "Draw the view repeatedly, with the camera or the vertices displaced by a few units in the last place, \
+                and count the pixels that change";
     let run = Button::new((theme::icon(Icon::Play), "Run the probe"));
     if ui.add(run).on_hover_text(help).clicked() {
         commands.push(Command::Probe(ProbeChange::Start));
@@ -115,7 +115,7 @@ fn finding(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         if session.view.as_ref().is_some_and(|view| !session.probing.is_of(view)) {
             let is_there = std::sync::Arc::ptr_eq(&found.subject.scene, &session.scene);
             let back = ui.add_enabled(is_there, Button::new("Restore the probed view"));
-            let back = back.on_hover_text("The view has changed since the probe: restores the probed view");
+            let back = back.on_hover_text("The view has changed since the probe: restore the probed view");
             if back.on_disabled_hover_text("The probed scene is no longer open").clicked() {
                 commands.push(Command::Probe(ProbeChange::GoBack));
             }

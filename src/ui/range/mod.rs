@@ -23,7 +23,7 @@ use crate::measure::region::PixelRegion;
 /// Display settings of one buffer or stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Setting {
-    /// Range, colour map and channels of the quantity.
+    /// Range, colour map and channels of the buffer or stage.
     pub(crate) display: Display,
     /// Range of the histogram's axis; `None` spans all values.
     pub(crate) axis: Option<Range>,
@@ -68,7 +68,7 @@ pub(crate) enum RangeChange {
     ZoomAxis,
     /// Resets the range and the histogram's axis.
     Reset,
-    /// Sets the colour map; `None` means the default of the quantity.
+    /// Sets the colour map; `None` means the default of the shown quantity.
     Map(Option<ColorMap>),
     /// Sets whether the colour map is reversed.
     Reverse(bool),

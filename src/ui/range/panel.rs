@@ -59,7 +59,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         commands.push(Command::Range(RangeChange::LogCounts(log)));
     }
     let mut open = session.range.open;
-    let help = "Shows the same histogram over the picture, with the range controls";
+    let help = "Show the same histogram over the picture, with the range controls";
     if ui.checkbox(&mut open, "show over the picture").on_hover_text(help).changed() {
         commands.push(Command::Range(RangeChange::Open(open)));
     }

@@ -30,7 +30,7 @@ const GRIP: f32 = 5.0;
 pub(crate) struct HistogramPlot<'a> {
     /// View on screen, which contains the histograms.
     pub(crate) view: &'a RenderedView,
-    /// Display settings of the quantity.
+    /// Display settings of the shown quantity.
     pub(crate) setting: Setting,
     /// Whether bar heights are logarithms of the counts.
     pub(crate) log_counts: bool,

@@ -17,8 +17,11 @@ const COLUMNS: [(&str, &str); 9] = [
     ("Depth", "Final value of the depth buffer"),
     ("Triangle", "Number of the visible triangle in the scene"),
     ("Object", "Object that the visible triangle belongs to"),
-    ("λ on screen", "Screen-space weights of the corners of the visible triangle"),
-    ("Attribute weights", "Weights of the corners of the visible triangle for attribute interpolation"),
+    ("λ on screen", "Screen-space barycentric coordinates in the visible triangle"),
+    (
+        "Attribute weights",
+        "Barycentric coordinates in the visible triangle for attributes: perspective-correct unless affine",
+    ),
     ("Overdraw", "Number of triangles that cover the pixel's centre"),
     ("Shaded", "Number of fragments at the pixel's centre that were shaded"),
 ];
@@ -28,11 +31,11 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     let watched = |pixel| session.watch.pixels.contains(&pixel);
     let addable = session.pick.is_some_and(|pixel| !watched(pixel));
     let add = ui.add_enabled(addable, Button::new((theme::icon(Icon::Pin), "Watch the picked pixel")));
-    if add.on_hover_text("Adds the picked pixel to the list  (Enter)").clicked() {
+    if add.on_hover_text("Add the picked pixel to the list  (Enter)").clicked() {
         commands.push(Command::Watch(WatchChange::AddPick));
     }
     let clear = ui.add_enabled(!session.watch.pixels.is_empty(), Button::new("Clear"));
-    if clear.on_hover_text("Removes all pixels from the list").clicked() {
+    if clear.on_hover_text("Remove all pixels from the list").clicked() {
         commands.push(Command::Watch(WatchChange::Clear));
     }
 }

@@ -94,7 +94,7 @@ fn palette_button(ui: &mut Ui, commands: &mut Vec<Command>) {
 
 fn buttons(ui: &mut Ui, session: &Session, differs: bool, chosen: &mut Vec<WhatIfChange>) {
     let pinned = session.what_if.pinned;
-    let help = "Keeps A while you change several settings. Otherwise, every change makes the frame before it the new A";
+    let help = "Keep A while you change several settings. Otherwise, every change makes the frame before it the new A";
     if ui.add(Button::new((theme::icon(Icon::Pin), "Pin A")).selected(pinned)).on_hover_text(help).clicked() {
         chosen.push(WhatIfChange::Pin(!pinned));
     }
@@ -103,8 +103,8 @@ fn buttons(ui: &mut Ui, session: &Session, differs: bool, chosen: &mut Vec<WhatI
             chosen.push(change);
         }
     };
-    button(ui, Icon::Undo2, "Revert", "Restores the settings of frame A", WhatIfChange::Revert);
-    button(ui, Icon::ArrowLeftRight, "Swap", "Swaps the settings of A and B", WhatIfChange::Swap);
+    button(ui, Icon::Undo2, "Revert", "Restore the settings of frame A", WhatIfChange::Revert);
+    button(ui, Icon::ArrowLeftRight, "Swap", "Swap the settings of A and B", WhatIfChange::Swap);
 }
 
 fn close(ui: &mut Ui, chosen: &mut Vec<WhatIfChange>) {
@@ -233,10 +233,10 @@ pub(crate) fn label(ui: &Ui, canvas: Rect, session: &Session) {
     }
     let held = ui.input(|input| input.modifiers.shift);
     let (text, color) = match what_if.show {
-        _ if held => ("A  before", tokens(ui).a),
-        Show::Before => ("A  before", tokens(ui).a),
-        Show::After => ("B  now", tokens(ui).b),
-        Show::Changed => ("B  only changes", tokens(ui).b),
+        _ if held => ("A, before the change", tokens(ui).a),
+        Show::Before => ("A, before the change", tokens(ui).a),
+        Show::After => ("B, current frame", tokens(ui).b),
+        Show::Changed => ("B, changed pixels only", tokens(ui).b),
     };
     let painter = ui.painter().with_clip_rect(canvas);
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(font_size::TITLE), color);

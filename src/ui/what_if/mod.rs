@@ -32,7 +32,7 @@ pub(crate) enum Show {
 impl Show {
     /// All options, each with its name and help text.
     pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
-        (Self::Changed, "Only changes", "Show B with unchanged pixels in dark grey. Hold Shift to show A"),
+        (Self::Changed, "Changed pixels only", "Show B with unchanged pixels in dark grey. Hold Shift to show A"),
         (Self::Before, "A", "Show A, the frame before the change"),
         (Self::After, "B", "Show B, the current frame. Hold Shift to show A"),
     ];

@@ -10,9 +10,11 @@ pub(in crate::upscale) const NOT_VISIBLE: u32 = u32::MAX;
 
 /// Reprojected positions of eight pixels: indices of the four pixels around each, and bilinear weights.
 pub(in crate::upscale) struct ReprojectedLanes<S: Simd> {
-    /// Index of the upper left pixel, or [`NOT_VISIBLE`].
+    /// Index of the upper left of the four history pixels to interpolate; [`NOT_VISIBLE`] if the reprojected pixel was
+    /// not visible.
     pub(crate) upper: u32x8<S>,
-    /// Index of the lower left pixel; meaningless if the pixel was not visible.
+    /// Index of the lower left of the four history pixels to interpolate; meaningless if the reprojected pixel was not
+    /// visible.
     pub(crate) lower: u32x8<S>,
     /// Index step from left to right: 1, or 0 at the border.
     pub(crate) step: u32x8<S>,

@@ -1,9 +1,9 @@
 //! Traversal of an image for separable interpolation, along rows first and then along columns.
 //!
-//! Each row of samples is widened once and kept in a ring buffer of as many rows as the kernel has taps. The output
-//! rows between two rows of samples form a *cell* and are computed in one sweep. Every widened row is therefore read
-//! once per cell instead of once per output row. Bands of rows are independent; their boundaries do not affect the
-//! result.
+//! Each row of samples is upscaled horizontally (*widened*) once and kept in a ring buffer of as many rows as the
+//! kernel has taps. The output rows between two rows of samples form a *cell* and are computed in one sweep. Every
+//! widened row is therefore read once per cell instead of once per output row. Bands of rows are independent; their
+//! boundaries do not affect the result.
 
 use std::array;
 
@@ -16,17 +16,17 @@ pub(in crate::upscale) const MAX_TAPS: usize = 6;
 
 /// Arithmetic of the horizontal and the vertical pass of an interpolation.
 pub(super) trait Pass: Sync {
-    /// A row of samples, widened to output pixels.
+    /// A row of samples, upscaled horizontally.
     type Row: Default;
 
     /// Number of taps along an axis: even, at most [`MAX_TAPS`].
     const TAPS: usize;
 
-    /// Widens a row of samples to output pixels. Overwrites `wide`, which may hold any values.
+    /// Upscales a row of samples horizontally. Overwrites `wide`, which may hold any values.
     fn widen(&self, samples: &[Rgba8], wide: &mut Self::Row);
 
-    /// Computes contiguous output rows of one cell, one for each of `phases`, from the [`Pass::TAPS`] surrounding
-    /// widened rows.
+    /// Computes the contiguous output rows between two rows of samples, one per entry of `phases`, from the
+    /// [`Pass::TAPS`] nearest horizontally upscaled rows.
     fn mix(&self, around: &[&Self::Row], phases: &[u32], rows: &mut [Rgba8]);
 }
 

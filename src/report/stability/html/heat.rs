@@ -16,7 +16,7 @@ pub(super) fn coverage(report: &StabilityReport) -> String {
         the two counts agree. Meshes count pixels that were not drawn exactly once; clip space counts pixels that are \
         clearly wrong; throughput is the time relative to a compact triangle. The published rasterizers compute with \
         their own number types.";
-    section(report, &families, "Rasterizers and arithmetics", text)
+    section(report, &families, "Rasterizers and arithmetic", text)
 }
 
 /// Returns the heat map of interpolation errors, with one column for each combination of interpolation formula and

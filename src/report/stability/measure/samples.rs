@@ -44,10 +44,10 @@ pub(super) fn evaluate(expected: &[ExpectedSamples], answers: &[Vec<Sampled>]) -
 /// Returns the severity of a sample's faults as a sort key. Non-finite values weigh most, then differing depths, then
 /// errors of weights and texture coordinates, then depth errors.
 fn badness(measures: &Measures) -> f64 {
-    /// Factor for the number of non-finite values in the sort key, larger than any finite error.
+    /// Weight of each non-finite value in the sort key. Exceeds any finite error.
     const NO_NUMBER: f64 = 1e300;
-    /// Factor for differing depths in the sort key, larger than any relevant error of a weight or, in texels, of a
-    /// texture coordinate.
+    /// Weight of differing depths in the sort key. Exceeds any relevant error of a weight or, in texels, of a texture
+    /// coordinate.
     const FLIP: f64 = 1e9;
     let value = |metric| measures.get(metric).unwrap_or(0.0);
     value(Metric::NotFinite) * NO_NUMBER

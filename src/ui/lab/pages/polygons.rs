@@ -15,12 +15,12 @@ pub(super) fn ui(ui: &mut Ui, lesson: &mut PolygonLesson) {
     ui.horizontal(|ui| {
         if ui
             .button((theme::icon(Icon::Plus), "Add contour"))
-            .on_hover_text("Adds a small triangle in the middle of the grid as a contour")
+            .on_hover_text("Add a small triangle in the middle of the grid as a contour")
             .clicked()
         {
             lesson.add_contour();
         }
-        let turn = ui.button("Reverse winding").on_hover_text("Reverses the vertex order of the last contour");
+        let turn = ui.button("Reverse winding").on_hover_text("Reverse the vertex order of the last contour");
         if let (true, Some(last)) = (turn.clicked(), lesson.contours.last_mut()) {
             last.reverse();
         }

@@ -18,7 +18,7 @@ pub(super) fn ui(ui: &mut Ui, lesson: &mut SeedFillLesson, brush: &mut Paint) {
         let options = [
             (Paint::Wall, "Wall", "Stops a boundary fill and a flood fill"),
             (Paint::Spot, "Spot", "Pixel of another colour: stops only a flood fill"),
-            (Paint::Paper, "Paper", "Erases walls and spots"),
+            (Paint::Paper, "Paper", "Erase walls and spots"),
         ];
         choice(ui, brush, &options);
     });

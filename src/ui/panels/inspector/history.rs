@@ -98,7 +98,7 @@ impl HistoryView {
                 if index == LISTED_AT_AN_END {
                     let left_out = count - 2 * LISTED_AT_AN_END;
                     ui.weak(format!(
-                        "… {} more, listed in the copied JSON of this pixel …",
+                        "… {} more; copy this pixel as JSON to see them all …",
                         format::count(left_out as u64)
                     ));
                 }
@@ -125,7 +125,7 @@ impl HistoryView {
             }
         }
         if let Some(more) = listed.len().checked_sub(LISTED_ABSENT).filter(|more| *more > 0) {
-            ui.weak(format!("… {} more, listed in the copied JSON of this pixel …", format::count(more as u64)));
+            ui.weak(format!("… {} more; copy this pixel as JSON to see them all …", format::count(more as u64)));
         }
     }
 }

@@ -101,7 +101,7 @@ impl Inspector {
             }
             if let Some(fragment) = fragment {
                 numbers(ui, fragment);
-                let help = "Saves the visible triangle of this pixel as a case file in the current folder, to report \
+                let help = "Save the visible triangle of this pixel as a case file in the current folder, to report \
                             it or to open it again";
                 if ui.button("Save triangle as case file").on_hover_text(help).clicked() {
                     commands.push(Command::SaveCase);
