@@ -179,7 +179,7 @@ struct ContrastEdges<S: Simd> {
     towards_before: mask16x32<S>,
     /// Luma of each pixel plus the luma of its neighbour across the edge.
     line: i16x32<S>,
-    /// Minimum change of [`ContrastEdges::line`] along the edge at which the edge ends.
+    /// The edge ends where [`ContrastEdges::line`] has risen or fallen by at least this much.
     ends_at: i16x32<S>,
 }
 

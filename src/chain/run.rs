@@ -158,7 +158,7 @@ pub(super) fn mean_of_passes(
 
 /// Draws the triangles of a frame again into a new framebuffer, up to the stage `until`. `recipe` may differ from the
 /// frame's recipe only in per-sample settings, such as depth test and shading. Transparency does not change:
-/// alpha-tested fragments stay discarded, and blended fragments are drawn last and store no depth.
+/// fragments that failed the alpha test stay discarded, and blended fragments are drawn last and do not write depth.
 pub(crate) fn redraw<O: Observer>(
     scene: &Scene,
     recipe: &Recipe,

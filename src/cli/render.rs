@@ -37,7 +37,7 @@ pub(crate) struct RenderArgs {
     #[arg(long, default_value = "color", value_parser = parse::either::<Buffer, Intermediate>())]
     buffer: Either<Buffer, Intermediate>,
 
-    /// Pipeline stage after which the picture is shown, instead of a buffer
+    /// Show the picture after this pipeline stage instead of a buffer
     #[arg(long, conflicts_with = "buffer", value_parser = parse::choice::<Stage>())]
     stage: Option<Stage>,
 

@@ -19,7 +19,7 @@ pub(crate) struct SeenArgs {
     #[arg(long, value_parser = parse::either::<Buffer, Intermediate>())]
     pub(crate) buffer: Option<Either<Buffer, Intermediate>>,
 
-    /// Pipeline stage after which the picture is shown, instead of a buffer
+    /// Show the picture after this pipeline stage instead of a buffer
     #[arg(long, conflicts_with = "buffer", value_parser = parse::choice::<Stage>())]
     pub(crate) stage: Option<Stage>,
 

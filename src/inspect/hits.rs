@@ -354,8 +354,9 @@ impl<'a> FaultSearch<'a> {
         meetings
     }
 
-    /// Returns the triangle that should have hit the sample, and its neighbour across the edge at which the sample was
-    /// lost. Returns `None` if there is no such edge, or if a moved outline may be the cause.
+    /// Returns a triangle that should have hit the sample but did not, and its neighbour across an edge near the
+    /// sample. Returns `None` if there is no such neighbour, or if the rasterizer may have moved an outline past the
+    /// sample.
     fn crack(&self, difference: &CountDifference, meetings: &EdgeTriangles, due: &Image<u32>) -> Option<[usize; 2]> {
         if self.settings.rasterizer.is_published() && self.is_near_outline(difference, due) {
             return None;

@@ -16,7 +16,7 @@ pub(crate) const WITHIN: &str = "within noise";
 /// Label of a difference that is larger than the noise floor.
 pub(crate) const ABOVE: &str = "larger than the noise";
 
-/// Minimum number of rounds per block: the fewest whose median ignores an outlier.
+/// Minimum number of rounds per block. With fewer, a single outlier would distort the median.
 const ROUNDS_PER_BLOCK: usize = 3;
 
 /// Maximum number of blocks of a run; longer runs have longer blocks and therefore a lower floor.

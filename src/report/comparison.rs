@@ -296,7 +296,7 @@ mod tests {
         Case::parse(json.as_bytes(), "test.json".as_ref()).unwrap()
     }
 
-    /// Shows a part of a case without cancellation.
+    /// Computes the displayable result of a part of a case. The computation is never cancelled.
     fn shown(case: &Case, part: usize, options: Options) -> DisplayedResult {
         show(case, part, options, &Control::default()).unwrap()
     }

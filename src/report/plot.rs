@@ -35,8 +35,8 @@ pub(super) struct PlotAxis {
 }
 
 impl PlotAxis {
-    /// Creates a logarithmic axis around all positive values, with some margin on both sides. Returns `None` if there
-    /// are none.
+    /// Creates a logarithmic axis that spans all finite positive values, with some margin at both ends. Returns `None`
+    /// if there are none.
     pub(super) fn log(values: impl Iterator<Item = f64>) -> Option<Self> {
         /// Margin on each side, as a fraction of the range.
         const ROOM: f64 = 0.07;

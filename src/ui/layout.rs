@@ -3,7 +3,7 @@
 
 use eframe::egui::Context;
 
-/// Serialises the layout of windows, panels and headings as text. Returns an empty text if that fails.
+/// Serialises the layout of windows, panels and headings as a string. Returns an empty string if that fails.
 pub(super) fn text(context: &Context) -> String {
     // If serialisation fails, the next window has the default layout.
     context.memory(ron::to_string).unwrap_or_default()

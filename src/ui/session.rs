@@ -326,7 +326,7 @@ impl Session {
         }
     }
 
-    /// Applies a command to this state. Returns the command that the window must run, for example to access files.
+    /// Applies a command to this state. If work is left for the window, such as file access, returns a command for it.
     pub(crate) fn apply(&mut self, command: Command) -> Option<Command> {
         match self.lab.claim(command)? {
             Command::ToggleLab => {

@@ -14,7 +14,7 @@ use eframe::egui::{
 
 use super::theme::{self, CONTROL_HEIGHT, Icon, space, tokens};
 
-/// Fraction of a row's width for its label.
+/// Fraction of a row's width that its label takes up.
 const LABEL_SHARE: f32 = 0.4;
 
 /// Minimum padding on both sides of the text in a segment of a picker, in points.

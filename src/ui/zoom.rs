@@ -14,8 +14,8 @@ const MIN_FIT: f32 = 1.0 / 65_536.0;
 /// Minimum scale that zooming rounds to an integer, in screen pixels per picture pixel.
 const WHOLE_FROM: f32 = 8.0;
 
-/// Minimum scale for bringing a pixel into view, in screen pixels per picture pixel. It is large enough to show the
-/// neighbours of the pixel and the slope of an edge.
+/// Minimum scale for bringing a pixel into view, in screen pixels per picture pixel. It is large enough to tell the
+/// pixel from its neighbours and to see the slope of an edge.
 const SEEN_FROM: f32 = 16.0;
 
 /// Scale and position of a picture in a rectangle.

@@ -148,7 +148,7 @@ pub struct Reads {
 /// Options of an upscaler; the first value of each list is the default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Offers {
-    /// Offered scales per axis, in ascending order; a single one if there is no choice.
+    /// Offered scale factors, which apply to both axes, in ascending order; a single one if there is no choice.
     pub scales: &'static [Scale],
     /// Offered positions of a sample within its block.
     pub anchors: &'static [Anchor],

@@ -27,8 +27,8 @@ impl Scale {
     /// Factor 4: four output pixels per sample and axis.
     pub const FOUR: Self = Self { halves: 8 };
 
-    /// Returns the factor as a fraction in lowest terms: the number of output pixels and the number of samples in one
-    /// period.
+    /// Returns the factor as a fraction in lowest terms: `(pixels, samples)` means that `pixels` output pixels span
+    /// `samples` samples along each axis.
     pub(crate) fn ratio(self) -> (u32, u32) {
         if self.halves.is_multiple_of(2) { (self.halves / 2, 1) } else { (self.halves, 2) }
     }

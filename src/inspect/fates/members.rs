@@ -9,7 +9,7 @@ use crate::scene::TriangleId;
 pub(crate) enum Bin {
     /// Triangles with this fate.
     Triangles(TriangleFate),
-    /// Triangles with at least one fragment of this fate.
+    /// Triangles with at least one fragment that met this fate.
     Fragments(FragmentFate),
 }
 

@@ -32,7 +32,7 @@ const BOUNDARIES_PERCENT: Range<usize> = 80..100;
 /// A vertex on the boundary of regions, in the cell between four samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct BoundaryVertex {
-    /// Column of the cell, equal to the column of the samples on its right.
+    /// Column index of the cell, equal to that of the sample column to its right.
     column: u32,
     /// Position of the vertex on the screen, in samples.
     place: DVec2,

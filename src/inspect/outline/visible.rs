@@ -171,7 +171,7 @@ impl Sum {
         self.count += other.count;
     }
 
-    /// Returns the mean colour of the samples, rounded to nearest; `None` without samples.
+    /// Returns the mean colour of the samples, rounded to nearest; `None` if there are no samples.
     fn mean(&self) -> Option<Rgb> {
         let Self { codes, count } = *self;
         (count > 0).then(|| codes.map(|code| ((code + count / 2) / count) as u8))

@@ -36,7 +36,7 @@ fn is_nothing(factor: f32, settings: &Settings) -> bool {
     factor <= limit
 }
 
-/// Describes each factor of the pixel's colour that is black by itself, with its value.
+/// Describes each factor that alone makes the pixel's colour black, and states its value.
 fn factors(
     scene: &Scene,
     settings: &Settings,

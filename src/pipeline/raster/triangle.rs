@@ -102,9 +102,9 @@ pub(super) fn doubled_area<N: Numbers>(corners_px: [[f32; 2]; 3]) -> Option<(f64
 pub(super) struct Sides<E> {
     /// Edge from the top to the bottom vertex.
     pub(super) long: E,
-    /// Edge from the top to the middle vertex. It bounds no row if it is horizontal.
+    /// Edge from the top to the middle vertex. A horizontal edge bounds no row.
     pub(super) upper: E,
-    /// Edge from the middle to the bottom vertex. It bounds no row if it is horizontal.
+    /// Edge from the middle to the bottom vertex. A horizontal edge bounds no row.
     pub(super) lower: E,
     /// Pixel rows that may contain covered samples.
     pub(super) rows: PixelRange,

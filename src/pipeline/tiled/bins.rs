@@ -31,7 +31,8 @@ impl TriangleKey {
         Self(Self::PIECE | (chunk as u32) << Self::PIECE_BITS | index as u32)
     }
 
-    /// Returns the chunk of a piece made by clipping and its index in that chunk; `None` for an unclipped triangle.
+    /// For a piece that clipping produced, returns its chunk and its index in that chunk. Returns `None` for an
+    /// unclipped triangle.
     #[inline(always)]
     pub(super) fn as_piece(self) -> Option<(usize, usize)> {
         let index = self.0 & !Self::PIECE;

@@ -23,7 +23,8 @@ pub(super) struct DepthRules {
 }
 
 impl DepthRules {
-    /// Creates the depth rules of a frame. `asked_for` is `true` if the caller reads the depths of the frame.
+    /// Creates the depth rules of a frame. `asked_for` is `true` if the caller needs the frame's depths, so that
+    /// they must be stored.
     pub(super) fn new(settings: &Settings, scale: &DepthScale, asked_for: bool) -> Self {
         let comparison = DepthComparison::of(settings);
         Self {

@@ -162,7 +162,7 @@ pub(super) mod tests {
         vec![cube(), sphere(24), torus(0.4, 24, 12), cone(2.0, 24), capsule(1.5, 16), trefoil(0.2, 120, 12)]
     }
 
-    /// Returns the number of triangles that use each edge, with vertices of equal position merged.
+    /// Returns the number of triangles that use each edge, after merging vertices with the same position.
     pub(in super::super) fn edge_uses(mesh: &MeshData) -> HashMap<[[u32; 3]; 2], u32> {
         // Adding zero turns −0 into +0, so that equal positions have equal bits.
         let key = |i: u32| (mesh.positions[i as usize] + Vec3::ZERO).to_array().map(f32::to_bits);

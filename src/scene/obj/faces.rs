@@ -129,7 +129,8 @@ struct FaceReader<'a, 'l> {
     name: String,
     material: Option<String>,
     material_line: usize,
-    /// Indices of the parts of the current object and material, without and with texture coordinates.
+    /// Indices of the mesh parts for the current object and material: first the part for faces without texture
+    /// coordinates, then the part for faces with them.
     current: [Option<usize>; 2],
     known: HashMap<(String, Option<String>, bool), usize>,
     corners: Vec<FaceCorner>,

@@ -59,7 +59,7 @@ fn a_cancelled_measurement_keeps_its_samples() {
 fn wait(bench: &mut Bench, what: &str, done: impl Fn(&Bench) -> bool) {
     let start = Instant::now();
     while !done(bench) {
-        assert!(start.elapsed() < Duration::from_secs(60), "waited for {what}");
+        assert!(start.elapsed() < Duration::from_secs(300), "waited for {what}");
         std::thread::sleep(Duration::from_millis(10));
         bench.window.run_steps(1);
     }

@@ -6,7 +6,8 @@ use crate::report::stability::case::{Body, DepthCase, DepthPairs};
 use crate::report::stability::metric::{Bound, Metric};
 use crate::report::stability::oracle::{DepthMapping, DepthStorage};
 
-/// Number of pairs of nearly equal distances per case, except in the published experiment.
+/// Number of pairs of nearly equal distances per case. The class that repeats a published experiment uses
+/// [`PUBLISHED_PAIRS`] instead.
 const PAIRS: usize = 150;
 
 /// Number of random pairs per case in the class that repeats a published experiment.

@@ -12,7 +12,7 @@ const SIDE: u32 = 32;
 /// Side length of the image in most classes, in pixels, as a floating-point number.
 const SIDE_PX: f64 = SIDE as f64;
 
-/// Bound: no pixel is wrong relative to the vertices as the configuration snaps them.
+/// Bound: every pixel is correct for the vertices as snapped by the configuration.
 pub(super) const EXACT: &[Bound] = &[Bound::none(Metric::Wrong)];
 
 pub(super) const CLASSES: &[Class] = &[

@@ -1,4 +1,4 @@
-//! Stability report as a self-contained HTML page, without scripts, in the light or dark theme of the reader's system.
+//! Stability report as a self-contained HTML page without scripts. It follows the system's light or dark theme.
 
 mod heat;
 

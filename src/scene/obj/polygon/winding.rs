@@ -87,7 +87,7 @@ const CELL_BITS: u32 = 4;
 /// Edges of a polygon and their crossings.
 struct Outline<'a> {
     corners: &'a [GridPoint],
-    /// Indices of edges that cross another one, by the cell that contains the crossing.
+    /// Indices of edges that cross another edge, keyed by the cell that contains the crossing.
     cells: HashMap<[i32; 2], Vec<u32>>,
 }
 

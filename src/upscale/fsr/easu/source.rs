@@ -69,7 +69,7 @@ impl<T: Copy + Default> Values<T> {
 /// Sample rows with a margin, split by channel, and their slopes.
 #[derive(Default)]
 pub(super) struct SourceRows {
-    /// Number of values in a plane of a row; a multiple of [`WIDE`].
+    /// Number of values per row of each channel and each computed quantity, including padding; a multiple of [`WIDE`].
     stride: usize,
     /// Index of the first stored sample row. Rows outside the image repeat its first or last row.
     first_row: i32,
