@@ -21,8 +21,8 @@ pub(crate) struct Tables {
     buckets: Box<[u32; BUCKETS]>,
 }
 
-/// Bit pattern of 2⁻¹³ as an `f32`, the start of the first bucket. Smaller linear values have code 0, because
-/// code 1 begins at 0.5 / 255 / 12.92 = 1.5 · 10⁻⁴ > 2⁻¹³.
+/// Bit pattern of 2⁻¹³ as an `f32`, the start of the first bucket. Smaller linear values have code 0, because code 1
+/// begins at 0.5 / 255 / 12.92 = 1.5 · 10⁻⁴ > 2⁻¹³.
 const MIN_BITS: u32 = 0x3900_0000;
 
 /// Right shift from the bits of an `f32` to its bucket. There are 2⁸ buckets per octave, so a bucket is 0.4 % wide.

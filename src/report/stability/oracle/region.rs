@@ -60,8 +60,8 @@ impl ExactHalfPlane {
         &value * &value <= squared_gradient
     }
 
-    /// Whether the fill rule counts a pixel centre exactly on the line as inside. A rule named after a corner acts as if
-    /// the centre were moved by a tiny distance horizontally and a far smaller one vertically.
+    /// Whether the fill rule counts a pixel centre exactly on the line as inside. A rule named after a corner acts as
+    /// if the centre were moved by a tiny distance horizontally and a far smaller one vertically.
     pub(super) fn owns_its_line(&self, rule: FillRule) -> bool {
         let (right, down) = match rule {
             FillRule::TopLeft => (1, 1),
