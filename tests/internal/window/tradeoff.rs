@@ -136,7 +136,7 @@ fn the_picked_pixel_s_samples_are_shown_with_their_weights() {
         assert!(bench.says(&format!("Sample {x}, {y}: weight 0.25")), "{x}, {y}");
     }
     assert!(bench.mentions("Pixel 82, 50 · Bilinear ×4 · 4 samples"));
-    assert!(bench.mentions("feeds 49 pixels"), "a tent of ±4 px, without its ends");
+    assert!(bench.mentions("contributes to 49 pixels"), "a tent of ±4 px, without its ends");
     let plate = bench.window.get_by_role_and_label(Role::Image, "Zone plate").rect();
     assert!(plate.size() != Vec2::ZERO);
     bench.session_mut().pick = None;
