@@ -8,7 +8,7 @@ use crate::pipeline::settings::{Choice, ColorSpace, choice};
 
 choice! {
     /// Anti-aliasing method: sample positions in a drawn pixel, and the work done per sample.
-    AntialiasMethod {
+    pub AntialiasMethod {
         None = "none", "None",
             "One sample at the pixel centre: stair-stepping along edges, moiré where a pattern is finer than a pixel.";
         Regular = "regular", "Supersampling, regular",
@@ -35,7 +35,7 @@ choice! {
 
 choice! {
     /// Number of samples per pixel.
-    SampleCount {
+    pub SampleCount {
         Four = "4", "4", "2 × 2, or one level of subdivision.";
         Sixteen = "16", "16", "4 × 4, or two levels of subdivision.";
         SixtyFour = "64", "64", "8 × 8, or three levels of subdivision.";
@@ -124,7 +124,7 @@ impl Antialiasing {
 
 choice! {
     /// Kind of filter applied to the finished picture.
-    PostFilterKind {
+    pub PostFilterKind {
         None = "none", "None", "No filter.";
         Fxaa = "fxaa", "Edges (FXAA)",
             "Finds edges by their contrast in luma, follows each to its ends, and blends in the share that a slanted \

@@ -24,8 +24,8 @@ pub(crate) fn table(scene: &str, Viewport { width, height }: Viewport, found: &E
     }
     for ExecutionVariant { lanes, threads, difference } in &found.ways {
         let unit = if *threads == 1 { "thread" } else { "threads" };
-        let told = difference.as_ref().map_or_else(|| "equal".to_owned(), in_words);
-        text += &format!("{lanes:10} {threads:3} {unit:8} {told}\n");
+        let result = difference.as_ref().map_or_else(|| "equal".to_owned(), in_words);
+        text += &format!("{lanes:10} {threads:3} {unit:8} {result}\n");
     }
     text
 }

@@ -43,7 +43,7 @@ pub(crate) fn run(args: &FatesArgs) -> Result<(), Failure> {
     let fates = Fates::of(&scene, &recipe, &frame);
     let Viewport { width, height } = frame.viewport;
     if args.json {
-        let told = FatesJsonOutput {
+        let output = FatesJsonOutput {
             scene: &scene.name,
             size: [width, height],
             triangles: fates.triangle_counts(),
@@ -53,7 +53,7 @@ pub(crate) fn run(args: &FatesArgs) -> Result<(), Failure> {
             balanced: fates.account.is_balanced(),
             account: &fates.account,
         };
-        return output::print_json(&told);
+        return output::print_json(&output);
     }
     output::print(&(format!("{}, {width} × {height} px\n", scene.name) + &text(&fates)))
 }

@@ -92,10 +92,10 @@ pub(crate) fn run(args: &PlanArgs) -> Result<(), Failure> {
         return output::print_json(&planned);
     }
     let head = format!("{}, {width} × {height} px\n", scene.name);
-    let told = groups.iter().map(|group| format!("\n{}", text(group)));
+    let texts = groups.iter().map(|group| format!("\n{}", text(group)));
     let frame = format!("\n{}", whole_text(&frame));
     output::print(
-        &(head + &told.collect::<String>() + &frame + &savings.as_ref().map(savings_text).unwrap_or_default()),
+        &(head + &texts.collect::<String>() + &frame + &savings.as_ref().map(savings_text).unwrap_or_default()),
     )
 }
 
@@ -105,10 +105,11 @@ fn table_of_scenes(args: &PlanArgs, recipe: &Recipe, viewport: Viewport) -> Resu
     let count = views.len() as f32;
     let line = ProgressLine::new();
     let measure = |(number, (name, scene, camera)): (usize, (&'static str, Scene, Camera))| {
-        let tell = |share: f32| line.show_share("measuring", (number as f32 + share) / count);
+        let report_progress = |share: f32| line.show_share("measuring", (number as f32 + share) / count);
         // The flag stays unset: only ending the process cancels.
         let never = AtomicBool::new(false);
-        let savings = savings(&Arc::new(scene), &camera, recipe, viewport, args.rounds as usize, &tell, &never)?;
+        let savings =
+            savings(&Arc::new(scene), &camera, recipe, viewport, args.rounds as usize, &report_progress, &never)?;
         Some(SceneSavings { scene: name, savings })
     };
     let rows: Vec<SceneSavings> = views.into_iter().enumerate().filter_map(measure).collect();

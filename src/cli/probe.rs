@@ -103,8 +103,8 @@ fn json(found: &ProbeResult) -> Result<String, Failure> {
     let ProbedView { scene, viewport, .. } = &found.subject;
     let (width, height) = (viewport.width, viewport.height);
     let (summary, ranking) = (found.summary(), &found.ranking[..]);
-    let told = ProbeJsonOutput { scene: &scene.name, width, height, probe: found.probe, summary, ranking };
-    output::json(&told)
+    let printed = ProbeJsonOutput { scene: &scene.name, width, height, probe: found.probe, summary, ranking };
+    output::json(&printed)
 }
 
 fn text(found: &ProbeResult) -> String {

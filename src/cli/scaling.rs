@@ -49,8 +49,8 @@ pub(crate) fn run(args: &ScalingArgs) -> Result<(), Failure> {
         output::prepare_folder(folder, &FILES)?;
     }
     let line = ProgressLine::new();
-    let tell = |quantity: ScalingQuantity, share: f32| line.show_share(quantity.name(), share);
-    let scaling = measure(&plan, &tell, interrupt::flag());
+    let report_progress = |quantity: ScalingQuantity, share: f32| line.show_share(quantity.name(), share);
+    let scaling = measure(&plan, &report_progress, interrupt::flag());
     drop(line);
     let scaling = scaling.map_err(|error| match error {
         ScalingError::Cancelled => interrupt::nothing(),

@@ -105,7 +105,7 @@ fn set_help() -> String {
     help
 }
 
-/// Environment variable that tells a restarted process that the model's warnings are already printed.
+/// Environment variable of a restarted process. It is set if the warnings about the model have already been printed.
 pub(crate) const WARNED: &str = "RASTERSCOPE_WARNED";
 
 /// Scene, camera and recipe requested by the shared options.

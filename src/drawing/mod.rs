@@ -61,7 +61,7 @@ pub enum Shape {
     Text {
         /// Centre of the text, in units of the drawing.
         at: DVec2,
-        /// Text to show.
+        /// Characters of the line, without line breaks.
         text: String,
         /// Colour of the text.
         color: Rgb,

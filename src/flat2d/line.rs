@@ -54,9 +54,9 @@ pub fn midpoint_line(p0: (i64, i64), p1: (i64, i64)) -> MidpointLine {
 
 /// Returns the pixels of [`midpoint_line`] with a tie rule that does not depend on the direction.
 ///
-/// Where the line passes exactly between two pixels, the tie is decided as `midpoint_line` does when drawing from the
-/// lesser endpoint: the one with the smaller x or, if these are equal, the smaller y. The line from `p1` to `p0`
-/// therefore covers the same pixels in the opposite order.
+/// A tie occurs where the line passes exactly between two pixels. It is resolved as in a [`midpoint_line`] that starts
+/// at the endpoint with the smaller x, or with the smaller y if both x are equal. The line from `p1` to `p0` therefore
+/// covers the same pixels in the opposite order.
 pub(crate) fn direction_independent_line(p0: (i64, i64), p1: (i64, i64)) -> MidpointLine {
     MidpointLine { slants_on_tie: p1 < p0, ..midpoint_line(p0, p1) }
 }

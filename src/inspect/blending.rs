@@ -170,9 +170,9 @@ mod tests {
                 let differs = frame.image().at(x, y) != right;
                 assert_eq!(sheet.values.at(x, y) == 0.0, differs, "{order:?} {x}, {y}");
                 let verdict = inspect(&scene, &recipe, &frame, x, y).unwrap().verdict;
-                let told =
+                let reported =
                     format!("the colour is ({}, {}, {}). Set blending.order to exact.", right[0], right[1], right[2]);
-                assert_eq!(verdict.contains(&told), differs, "{verdict}");
+                assert_eq!(verdict.contains(&reported), differs, "{verdict}");
                 assert_eq!(verdict.contains("wrong order"), differs, "{verdict}");
                 wrong += usize::from(differs);
             }

@@ -16,7 +16,7 @@ use crate::scene::{Scene, TriangleId};
 
 choice! {
     /// A quantity that can be displayed instead of the colour.
-    Buffer {
+    pub Buffer {
         Color = "color", "Colour", "The finished picture.";
         Depth = "depth", "Depth", "The depth buffer at the end of the frame.";
         TriangleId = "triangle-id", "Triangle id", "The triangle that won each sample, one colour per triangle.";

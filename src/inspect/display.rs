@@ -16,7 +16,7 @@ use crate::pipeline::shade::id_color;
 
 choice! {
     /// A colour gradient onto which numbers within a range are mapped.
-    ColorMap {
+    pub(crate) ColorMap {
         Viridis = "viridis", "Viridis", "From dark blue over green to yellow, perceptually uniform, safe for colour-blind users.";
         Cividis = "cividis", "Cividis", "From dark blue to yellow: looks nearly the same with and without colour blindness.";
         Magma = "magma", "Magma", "From black over purple to light yellow, perceptually uniform.";

@@ -65,8 +65,8 @@ pub(crate) fn assignments(recipe: &Recipe) -> Vec<String> {
     let other_upscaler = changed.iter().any(|change| change.key.starts_with(UPSCALER_KEYS));
     let belongs =
         |key: &str| changed.iter().any(|change| change.key == key) || other_upscaler && key.starts_with(UPSCALER_KEYS);
-    let told = fields(recipe).into_iter().filter(|(key, _)| belongs(key));
-    told.map(|(key, value)| format!("{key}={value}")).collect()
+    let reported = fields(recipe).into_iter().filter(|(key, _)| belongs(key));
+    reported.map(|(key, value)| format!("{key}={value}")).collect()
 }
 
 /// Returns the words of `values` that `recipe` accepts as the value of `key`; empty if `key` accepts any number.
@@ -98,10 +98,10 @@ mod tests {
 
     /// Asserts that applying a recipe's assignments to the default recipe restores it.
     fn comes_back(recipe: &Recipe) {
-        let told = assignments(recipe);
+        let reported = assignments(recipe);
         let mut again = Recipe::default();
-        assert_eq!(again.set_all(&told), Ok(()), "{told:?}");
-        assert_eq!(again, *recipe, "{told:?}");
+        assert_eq!(again.set_all(&reported), Ok(()), "{reported:?}");
+        assert_eq!(again, *recipe, "{reported:?}");
     }
 
     #[test]
@@ -125,8 +125,8 @@ mod tests {
     #[test]
     fn fields_are_the_keys_of_a_recipe_in_their_order() {
         let keys: Vec<_> = Recipe::keys().into_iter().map(|(key, _)| key).collect();
-        let told: Vec<_> = fields(&Recipe::default()).into_iter().map(|(key, _)| key).collect();
-        assert_eq!(told, keys);
+        let reported: Vec<_> = fields(&Recipe::default()).into_iter().map(|(key, _)| key).collect();
+        assert_eq!(reported, keys);
     }
 
     #[test]

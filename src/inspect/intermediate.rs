@@ -19,7 +19,7 @@ use crate::scene::Scene;
 
 choice! {
     /// An intermediate value of the pipeline that can be displayed as a buffer.
-    Intermediate {
+    pub Intermediate {
         Edge0 = "edge-0", "Edge value 0", "Edge function of the edge opposite to corner 0: positive inside, 0 on the edge, in the unit of the arithmetic.";
         Edge1 = "edge-1", "Edge value 1", "Edge function of the edge opposite to corner 1: positive inside, 0 on the edge, in the unit of the arithmetic.";
         Edge2 = "edge-2", "Edge value 2", "Edge function of the edge opposite to corner 2: positive inside, 0 on the edge, in the unit of the arithmetic.";

@@ -35,7 +35,7 @@ use crate::upscale::Upscaling;
 
 choice! {
     /// Kind of shapes in a vector drawing of a frame.
-    OutlineKind {
+    pub OutlineKind {
         Wireframe = "wireframe", "Wireframe", "The edges of all drawn triangles.";
         HiddenLine = "hidden-line", "Hidden lines removed", "The parts of edges that no surface hides.";
         Polygons = "polygons", "Polygons", "The visible part of every triangle, in its mean colour in the picture.";

@@ -137,7 +137,7 @@ impl ShadingRecord {
 
 choice! {
     /// Purpose of a texture in a material.
-    TextureMap {
+    pub(crate) TextureMap {
         Color = "color", "Colour", "Colour of the surface (`map_Kd`).";
         Opacity = "opacity", "Opacity", "Factor of the opacity, in alpha (`map_d`).";
         Normal = "normal", "Normal", "Tangent-space normal (`norm`, `map_Bump`).";
@@ -397,13 +397,13 @@ mod tests {
             let frame = run(&scene, &scene.home, &recipe, Viewport { width: 32, height: 24 }, &mut ());
             let reports = (0..32 * 24).filter_map(|i| inspect(&scene, &recipe, &frame, i % 32, i / 32));
             let records: Vec<_> = reports.filter_map(|r| r.visible()?.shading.clone()).collect();
-            let told: Vec<_> = records
+            let reported: Vec<_> = records
                 .iter()
                 .map(|s| [s.uv.is_some(), s.normal.is_some(), s.cosine.is_some(), s.light.is_some()])
                 .collect();
-            assert!(told.contains(&expected), "{shading:?}");
+            assert!(reported.contains(&expected), "{shading:?}");
             // Meshes without texture coordinates record fewer values, and none records more.
-            assert!(told.iter().flat_map(|t| t.iter().zip(expected)).all(|(t, e)| e || !t), "{shading:?}");
+            assert!(reported.iter().flat_map(|t| t.iter().zip(expected)).all(|(t, e)| e || !t), "{shading:?}");
         }
     }
 }

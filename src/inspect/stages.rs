@@ -19,7 +19,7 @@ use crate::scene::{Camera, Scene};
 
 choice! {
     /// Pipeline stage whose result can be displayed.
-    Stage {
+    pub Stage {
         Assemble = "assemble", "Assemble", "Corners of all triangles that reach into the view, as dots. Clipped triangles are shown by the corners of their pieces.";
         Transform = "transform", "Transform", "Vertices from model through world and view to clip space: the edges of all triangles that reach into the view, front- and back-facing.";
         Clip = "clip", "Clip", "Triangles outside the view are removed; pieces of triangles clipped at the near plane, the far plane or the guard band are orange.";

@@ -207,10 +207,14 @@ mod tests {
                     let weights = drawn.varyings.source_weights.to_array();
                     let Some(corner) = weights.iter().position(|weight| *weight == 1.0) else { continue };
                     let index = corners[corner];
-                    let told = object.stages(index).unwrap().screen.unwrap();
+                    let reported = object.stages(index).unwrap().screen.unwrap();
                     let position = drawn.position_px.map(f32::to_bits);
-                    assert_eq!((told.px.map(f32::to_bits), told.snapped), (position, [drawn.x, drawn.y]), "{id}");
-                    assert_eq!((told.inv_w, told.depth), (drawn.inv_w, drawn.depth), "{id}");
+                    assert_eq!(
+                        (reported.px.map(f32::to_bits), reported.snapped),
+                        (position, [drawn.x, drawn.y]),
+                        "{id}"
+                    );
+                    assert_eq!((reported.inv_w, reported.depth), (drawn.inv_w, drawn.depth), "{id}");
                     compared += 1;
                 }
             }
@@ -257,11 +261,11 @@ mod tests {
         for instance in 0..scene.instances.len() {
             let object = ObjectVertices::new(&scene, &scene.home, &settings, SIZE, instance).unwrap();
             for index in 0..object.count() as u32 {
-                let told = object.stages(index).unwrap();
-                assert_eq!(told.screen.is_none(), told.clip.w < MIN_W);
+                let reported = object.stages(index).unwrap();
+                assert_eq!(reported.screen.is_none(), reported.clip.w < MIN_W);
                 // In perspective, w is the distance along the line of sight.
-                assert!((f64::from(told.clip.w) + told.view.z).abs() <= 1e-5 * told.view.z.abs().max(1.0));
-                behind += usize::from(told.screen.is_none());
+                assert!((f64::from(reported.clip.w) + reported.view.z).abs() <= 1e-5 * reported.view.z.abs().max(1.0));
+                behind += usize::from(reported.screen.is_none());
             }
             assert_eq!(object.stages(object.count() as u32), None);
         }

@@ -14,7 +14,7 @@ use crate::pipeline::settings::{Choice, choice};
 
 choice! {
     /// Algorithm that draws a circle or an ellipse.
-    CircleMethod {
+    pub(crate) CircleMethod {
         Midpoint = "midpoint", "Midpoint circle",
             "Integers only: computes one octant and mirrors it into the other seven.";
         Explicit = "explicit", "Explicit, y = ±√(r² − x²)",

@@ -16,7 +16,7 @@ use crate::pipeline::settings::{Choice, choice};
 
 choice! {
     /// Algorithm that draws a line.
-    LineMethod {
+    pub(crate) LineMethod {
         Distance = "distance", "By distance",
             "Tests every pixel of the bounding box; draws those at most half a pixel away from the line.";
         Intersection = "intersection", "By slope, rounded",

@@ -40,7 +40,7 @@ use triangles::TriangleLesson;
 
 choice! {
     /// Page of the lab, which teaches one topic.
-    Page {
+    pub Page {
         Lines = "lines", "Lines",
             "Straight lines: by distance, by slope, DDA, midpoint, exact, and anti-aliased by area.";
         Circles = "circles", "Circles", "Circles and ellipses: midpoint method, explicit form and parametric form.";
@@ -62,13 +62,13 @@ pub(crate) enum Lesson {
     Lines(LineLesson),
     /// Lesson on circles and ellipses.
     Circles(CircleLesson),
-    /// Lesson on polygons.
+    /// Lesson on filling polygons.
     Polygons(PolygonLesson),
     /// Lesson on seed fills.
     SeedFill(SeedFillLesson),
     /// Lesson on drawing primitives.
     Primitives(PrimitiveLesson),
-    /// Lesson on triangles.
+    /// Lesson on rasterizing triangles.
     Triangles(TriangleLesson),
     /// Lesson on sampling and aliasing.
     Sampling(SamplingLesson),

@@ -13,7 +13,7 @@ use crate::pipeline::settings::{Choice, choice};
 
 choice! {
     /// Operation that the page applies to its polygon.
-    PolygonMethod {
+    pub(crate) PolygonMethod {
         EvenOdd = "even-odd", "Fill, even-odd", "A pixel is inside if a ray from it crosses an odd number of edges.";
         NonZero = "non-zero", "Fill, non-zero", "Edges count +1 down and −1 up; a pixel is inside if the sum up to it is not zero.";
         Triangulate = "triangulate", "Ear clipping",
@@ -24,7 +24,7 @@ choice! {
 
 choice! {
     /// Preset polygon.
-    PolygonPreset {
+    pub(crate) PolygonPreset {
         Star = "star", "Star", "Five corners, self-intersecting: the winding number of the middle is 2.";
         Hole = "hole", "Square with a hole", "Two contours with opposite orientation.";
         Overlap = "overlap", "Overlapping squares", "Two contours with the same orientation.";

@@ -14,7 +14,7 @@ use crate::pipeline::settings::{Choice, choice};
 
 choice! {
     /// Primitive topology: the rule by which vertices are assembled into points, lines, triangles or polygons.
-    PrimitiveKind {
+    pub(crate) PrimitiveKind {
         Points = "points", "Points", "Each vertex is a point.";
         Lines = "lines", "Lines", "Each pair of vertices is a line.";
         LineStrip = "line-strip", "Line strip", "A line from each vertex to the next.";
@@ -51,7 +51,7 @@ impl PrimitiveKind {
 
 choice! {
     /// Preset list of vertices.
-    VertexPreset {
+    pub(crate) VertexPreset {
         Zigzag = "zigzag", "Zigzag", "Vertex order of strips.";
         Ring = "ring", "Ring", "Vertex order of fans, loops and polygons.";
         Concave = "concave", "Concave", "A ring with a reflex corner: a fan covers pixels outside it.";

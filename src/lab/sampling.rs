@@ -19,7 +19,7 @@ use crate::pipeline::settings::{Choice, choice};
 
 choice! {
     /// Scene that the page samples.
-    SamplingScene {
+    pub(crate) SamplingScene {
         Edge = "edge", "An edge", "A straight edge at any angle, whose exact area in each pixel is known.";
         ZonePlate = "zone-plate", "Zone plate",
             "Rings that get finer outwards: their period falls below two pixels at a third of the width from the \
@@ -33,7 +33,7 @@ choice! {
 
 choice! {
     /// Method that computes the value of a pixel.
-    SamplingMethod {
+    pub(crate) SamplingMethod {
         Point = "point", "One point", "The value at the pixel's centre.";
         Grid = "grid", "n × n points", "The mean of a regular grid of points in the pixel.";
         Jittered = "jittered", "n × n, jittered",
@@ -97,7 +97,7 @@ const SPOKES: f64 = 8.0;
 /// Input and settings of the lab page on sampling.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SamplingLesson {
-    /// Scene to sample.
+    /// Image function that is sampled at each pixel.
     pub(crate) scene: SamplingScene,
     /// Method that computes the pixels.
     pub(crate) method: SamplingMethod,

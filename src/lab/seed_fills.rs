@@ -11,7 +11,7 @@ use crate::pipeline::settings::{Choice, choice};
 
 choice! {
     /// Criterion by which a pixel belongs to the filled region.
-    RegionKind {
+    pub(crate) RegionKind {
         Flood = "flood", "Flood", "All pixels of the seed's colour that are connected with it.";
         Boundary = "boundary", "Boundary", "All connected pixels up to a wall, of any colour.";
     }
@@ -19,7 +19,7 @@ choice! {
 
 choice! {
     /// Connectivity of the filled region.
-    Neighbours {
+    pub(crate) Neighbours {
         Four = "four", "4-connected", "Neighbours share an edge: right, below, left, above.";
         Eight = "eight", "8-connected", "Neighbours share an edge or a corner.";
     }
@@ -27,7 +27,7 @@ choice! {
 
 choice! {
     /// Order in which a seed fill visits pixels.
-    FillOrder {
+    pub(crate) FillOrder {
         Spans = "spans", "By spans",
             "Fills whole runs and pushes one seed for each run above and below: the stack stays small.";
         Pixels = "pixels", "By pixels",
@@ -37,7 +37,7 @@ choice! {
 
 choice! {
     /// Preset grid.
-    SeedFillPreset {
+    pub(crate) SeedFillPreset {
         Room = "room", "Two rooms", "4-connected walls with a door.";
         DiagonalWall = "diagonal-wall", "Diagonal wall",
             "A wall whose pixels touch at corners only: an 8-connected fill leaks through.";
@@ -51,7 +51,7 @@ choice! {
 /// Content of a pixel of the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Paint {
-    /// Empty pixel.
+    /// Background pixel, which a fill may replace.
     Paper,
     /// Wall: the boundary colour of a boundary fill.
     Wall,

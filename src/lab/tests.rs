@@ -240,13 +240,13 @@ fn a_shared_side_is_drawn_once_by_sound_rules_and_not_by_others() {
     // The shared side runs from (25.5, 7.5) to (9.5, 23.5) and passes through a pixel centre in every row.
     let mut lesson = TriangleLesson::default();
     lesson.corners[2] = DVec2::new(9.5, 23.5);
-    let told = |rule| {
+    let reported = |rule| {
         let recording = TriangleLesson { rule, ..lesson.clone() }.record();
         [fact(&recording, "drawn twice"), fact(&recording, "missed on the shared edge")]
             .map(|n| n.parse::<u32>().unwrap())
     };
-    assert_eq!(told(FillRule::TopLeft), [0, 0]);
-    assert!(told(FillRule::Inclusive)[0] > 10 && told(FillRule::Exclusive)[1] > 10);
+    assert_eq!(reported(FillRule::TopLeft), [0, 0]);
+    assert!(reported(FillRule::Inclusive)[0] > 10 && reported(FillRule::Exclusive)[1] > 10);
 }
 
 #[test]

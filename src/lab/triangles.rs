@@ -13,7 +13,7 @@ use crate::pipeline::viewport::Viewport;
 
 choice! {
     /// Aspect of the triangle that the page shows.
-    TriangleView {
+    pub(crate) TriangleView {
         Pixels = "pixels", "Pixels of both",
             "Owner of each pixel, in the order of the rasterizer; the two triangles share an edge.";
         EdgeA = "edge-a", "Edge opposite A", "The half-plane where the first edge function is positive.";

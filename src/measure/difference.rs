@@ -7,7 +7,7 @@ use crate::pipeline::settings::{Choice, choice};
 
 choice! {
     /// Quantity that a difference image shows.
-    Difference {
+    pub Difference {
         Absolute = "absolute", "Absolute",
             "The largest of the absolute differences of red, green and blue, in sRGB codes.";
         Signed = "signed", "Signed", "The difference of luma, A − B, in sRGB codes: positive if A is lighter.";

@@ -186,15 +186,15 @@ mod tests {
         let mut wrong = right.clone();
         wrong.drawn.color.set(63, 47, [1, 2, 3, 4]);
         wrong.drawn.color.set(5, 9, [1, 2, 3, 4]);
-        let told = difference(&right, &wrong).unwrap();
-        assert_eq!((told.quantity, told.samples, told.first), (ComparedQuantity::Color, 2, (5, 9)));
-        assert_eq!(told.found, "[1, 2, 3, 4]");
+        let reported = difference(&right, &wrong).unwrap();
+        assert_eq!((reported.quantity, reported.samples, reported.first), (ComparedQuantity::Color, 2, (5, 9)));
+        assert_eq!(reported.found, "[1, 2, 3, 4]");
 
         let mut deeper = right.clone();
         let depth = deeper.drawn.depth.as_mut().unwrap();
         depth.set(0, 0, f32::from_bits(depth.at(0, 0).to_bits() ^ 1));
-        let told = difference(&right, &deeper).unwrap();
-        assert_eq!((told.quantity, told.samples, told.first), (ComparedQuantity::Depth, 1, (0, 0)));
+        let reported = difference(&right, &deeper).unwrap();
+        assert_eq!((reported.quantity, reported.samples, reported.first), (ComparedQuantity::Depth, 1, (0, 0)));
 
         let filtered = drawn("post.filter=blur");
         let unfiltered = drawn("post.filter=none");

@@ -18,7 +18,7 @@ pub(crate) struct Machine {
     pub(crate) load_at_end: Option<f64>,
     /// Whether the build is optimised; times of debug builds are not representative.
     pub(crate) optimized: bool,
-    /// Version of Rasterscope.
+    /// Version of the Rasterscope build that measured, as in its package manifest.
     pub(crate) version: &'static str,
 }
 

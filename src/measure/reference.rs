@@ -15,7 +15,7 @@ use crate::scene::{Camera, Scene};
 
 choice! {
     /// Reference image to measure against.
-    Reference {
+    pub Reference {
         Native = "native", "Native, 1 sample",
             "One sample at the centre of each pixel: the picture that an upscaler approximates.";
         Converged = "converged", "Converged, 256 samples",

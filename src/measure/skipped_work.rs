@@ -193,9 +193,9 @@ mod tests {
         recipe.set("shading=checker").unwrap();
         let size = Viewport { width: 64, height: 48 };
         let cancel = AtomicBool::new(false);
-        let told = std::cell::Cell::new(0.0);
-        let found = savings(&scene, &scene.home, &recipe, size, 3, &|share| told.set(share), &cancel).unwrap();
-        assert_eq!((found.planned_ms.n, found.noise.pairs, told.get()), (3, 1, 1.0));
+        let reported = std::cell::Cell::new(0.0);
+        let found = savings(&scene, &scene.home, &recipe, size, 3, &|share| reported.set(share), &cancel).unwrap();
+        assert_eq!((found.planned_ms.n, found.noise.pairs, reported.get()), (3, 1, 1.0));
         for saving in &found.savings {
             let is_small = saving.saved_ms.median.abs() <= found.noise.p90 * found.planned_ms.median;
             assert_eq!(saving.within_noise, is_small, "{saving:?}");

@@ -25,11 +25,10 @@ pub trait Choice: Copy + PartialEq + 'static {
 
 /// Declares an enum of alternatives with id, name and help, and implements [`Choice`] for it.
 macro_rules! choice {
-    ($(#[$meta:meta])* $enum:ident { $($variant:ident = $id:literal, $name:literal, $help:literal;)+ }) => {
+    ($(#[$meta:meta])* $visibility:vis $enum:ident { $($variant:ident = $id:literal, $name:literal, $help:literal;)+ }) => {
         $(#[$meta])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-        #[allow(unreachable_pub, reason = "the visibility is that of the module")]
-        pub enum $enum {
+        $visibility enum $enum {
             $(#[doc = $help] #[serde(rename = $id)] $variant,)+
         }
 
@@ -55,7 +54,7 @@ pub(crate) use choice;
 
 choice! {
     /// Execution strategy of the pipeline. All alternatives give the same picture, bit for bit, but differ in speed.
-    Execution {
+    pub Execution {
         Tiled = "tiled", "Tiled",
             "Draws tile by tile, several samples at a time (SIMD), on all threads; shades each visible sample once.";
         Classic = "classic", "Classic",
@@ -67,7 +66,7 @@ choice! {
 choice! {
     /// Optimisation to disable: the chosen parts of the pipeline run even in draws that do not need them. The picture
     /// is the same; the time shows what skipping the parts saves.
-    DisabledOptimisation {
+    pub DisabledOptimisation {
         Nothing = "nothing", "Nothing", "Every draw skips the parts that it does not need.";
         Everything = "everything", "Everything", "Every part that can be skipped runs in every draw.";
         Vertices = "vertices", "Vertices", "Objects wholly outside the view are still transformed and clipped.";
@@ -88,7 +87,7 @@ choice! {
 
 choice! {
     /// Culling of triangles by their facing.
-    Culling {
+    pub Culling {
         None = "none", "None", "Front-facing and back-facing triangles are drawn.";
         Back = "back", "Back", "Back-facing triangles are culled: in a closed mesh they are always hidden.";
         Front = "front", "Front", "Front-facing triangles are culled: shows the inside of closed meshes.";
@@ -98,7 +97,7 @@ choice! {
 choice! {
     /// Algorithm that finds the samples inside a triangle. All except the two "as published" find the same samples,
     /// with different amounts of work.
-    Rasterizer {
+    pub Rasterizer {
         BoundingBox = "bounding-box", "Bounding box",
             "Tests every pixel in the bounding box of a triangle against the three edges: the simplest algorithm.";
         Scanline = "scanline", "Scanline",
@@ -134,7 +133,7 @@ impl Rasterizer {
 
 choice! {
     /// Arithmetic in which edge functions are computed to decide coverage.
-    Arithmetic {
+    pub Arithmetic {
         Fixed = "fixed", "24.8 fixed point",
             "Vertices are snapped to 1/256 px; from there on, everything is exact integer arithmetic, as in hardware.";
         F32 = "f32", "f32",
@@ -150,7 +149,7 @@ choice! {
 
 choice! {
     /// Fill rule: decides whether a triangle owns a pixel centre that lies exactly on one of its edges.
-    FillRule {
+    pub FillRule {
         TopLeft = "top-left", "Top-left",
             "A pixel centre on an edge belongs to the triangle for which it is a top or left edge. Shared edges are \
              drawn exactly once.";
@@ -176,7 +175,7 @@ impl FillRule {
 choice! {
     /// Depth test: comparison that a fragment must pass to replace the stored depth. The names refer to standard depth;
     /// reversed depth mirrors the comparison.
-    DepthTest {
+    pub DepthTest {
         Off = "off", "Off", "The last triangle drawn wins (painter's algorithm). There is no depth buffer.";
         Less = "less", "Less", "The nearer fragment wins; at equal depth, the first one drawn.";
         LessEqual = "less-equal", "Less or equal", "The nearer fragment wins; at equal depth, the last one drawn.";
@@ -188,7 +187,7 @@ choice! {
 
 choice! {
     /// Format of the stored depths.
-    DepthFormat {
+    pub DepthFormat {
         F32 = "f32", "f32",
             "z/w as a float, 0 at the near plane and 1 at the far plane. Most of its precision lies close to the near \
              plane.";
@@ -211,7 +210,7 @@ choice! {
 
 choice! {
     /// Method of interpolating vertex attributes across a triangle.
-    Interpolation {
+    pub Interpolation {
         Affine = "affine", "Affine",
             "Attributes vary linearly in screen space: wrong in perspective (textures swim and kink).";
         Perspective = "perspective", "Perspective-correct",
@@ -224,7 +223,7 @@ choice! {
 
 choice! {
     /// Source of a fragment's colour.
-    Shading {
+    pub Shading {
         Texture = "texture", "Texture, unlit", "Texture × material colour, unlit.";
         VertexColor = "vertex-color", "Vertex colour", "Interpolated vertex colours, unlit.";
         Gouraud = "gouraud", "Gouraud",
@@ -270,7 +269,7 @@ impl Shading {
 
 choice! {
     /// Texture filter, which computes colours between texel centres.
-    TexelFilter {
+    pub TexelFilter {
         Point = "point", "Point", "Nearest texel: blocky up close, shimmers in the distance.";
         Bilinear = "bilinear", "Bilinear",
             "Four surrounding texels, weighted by distance: smooth up close, still shimmers in the distance.";
@@ -282,7 +281,7 @@ choice! {
 
 choice! {
     /// Treatment of alpha when a texture filter mixes texels.
-    AlphaMode {
+    pub AlphaMode {
         Straight = "straight", "Straight",
             "Colour and alpha are filtered separately: the colour of texels with alpha 0 bleeds into visible edges.";
         Premultiplied = "premultiplied", "Premultiplied",
@@ -293,7 +292,7 @@ choice! {
 
 choice! {
     /// Addressing mode for texture coordinates outside of [0, 1].
-    AddressMode {
+    pub AddressMode {
         Clamp = "clamp", "Clamp", "Border texels extend beyond the texture.";
         Repeat = "repeat", "Repeat", "The texture repeats in both directions.";
         Mirror = "mirror", "Mirror", "The texture repeats with every second copy mirrored: no seams.";
@@ -302,7 +301,7 @@ choice! {
 
 choice! {
     /// Colour space in which light is computed and textures are filtered.
-    ColorSpace {
+    pub ColorSpace {
         Linear = "linear", "Linear light", "sRGB codes are decoded to linear light first: physically correct.";
         Bytes = "bytes", "sRGB",
             "Computes directly with 8-bit sRGB codes, as many simple renderers do: shading comes out too dark.";
@@ -311,7 +310,7 @@ choice! {
 
 choice! {
     /// Order in which fragments of blended materials are blended over what lies behind them.
-    BlendingOrder {
+    pub BlendingOrder {
         Objects = "objects", "Objects, as submitted",
             "Blended triangles are drawn in submission order, object by object: correct only where the scene lists \
              them from far to near.";

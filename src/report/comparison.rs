@@ -59,10 +59,10 @@ const MAX_OUTLINE_CORNERS: usize = 1 << 14;
 
 /// Computes the displayable result of part `part` of a case. Returns `None` if cancelled.
 pub(crate) fn show(case: &Case, part: usize, options: Options, control: &Control<'_>) -> Option<DisplayedResult> {
-    let told = |reason: String| DisplayedResult::Text(vec![reason]);
+    let text = |reason: String| DisplayedResult::Text(vec![reason]);
     match pixels_or_numbers(case, part, options, control) {
         Ok(shown) => Some(shown),
-        Err(Unanswered::Refused(refusal)) => Some(told(refusal.to_string())),
+        Err(Unanswered::Refused(refusal)) => Some(text(refusal.to_string())),
         Err(Unanswered::Cancelled) => None,
     }
 }
@@ -332,8 +332,8 @@ mod tests {
     #[test]
     fn answers_without_an_image_are_shown_as_numbers() {
         let case = case(r#"{"id":"d","kind":"depth","mapping":"standard","format":"f32","near":1,"far":3,"z":[1,2]}"#);
-        let DisplayedResult::Text(told) = shown(&case, 0, Options::default()) else { panic!("not text") };
-        assert!(told[0].contains("`case`") && told[2].contains("0.75"), "{told:?}");
+        let DisplayedResult::Text(text) = shown(&case, 0, Options::default()) else { panic!("not text") };
+        assert!(text[0].contains("`case`") && text[2].contains("0.75"), "{text:?}");
     }
 
     #[test]
@@ -342,10 +342,10 @@ mod tests {
         let case = case(&format!(
             r#"{{"id":"d","kind":"depth","mapping":"standard","format":"f32","near":1,"far":3,"z":[{z}]}}"#
         ));
-        let DisplayedResult::Text(told) = shown(&case, 0, Options::default()) else { panic!("not text") };
-        assert!(told.iter().all(|line| line.len() <= MAX_LINE_BYTES), "a line is too long");
-        assert!(told.iter().map(String::len).sum::<usize>() < MAX_TEXT_BYTES + 1000);
-        assert!(told.last().unwrap().starts_with("… and more"), "{:?}", told.last());
+        let DisplayedResult::Text(text) = shown(&case, 0, Options::default()) else { panic!("not text") };
+        assert!(text.iter().all(|line| line.len() <= MAX_LINE_BYTES), "a line is too long");
+        assert!(text.iter().map(String::len).sum::<usize>() < MAX_TEXT_BYTES + 1000);
+        assert!(text.last().unwrap().starts_with("… and more"), "{:?}", text.last());
     }
 
     #[test]

@@ -157,11 +157,11 @@ mod tests {
         let scene = builtin::by_id("triangle").unwrap().build();
         let mut recipe = Recipe::default();
         recipe.set_all(&["upscaler.method=nearest", "upscaler.scale=4"]).unwrap();
-        let told = whole_text(&whole(&scene, &recipe, Viewport { width: 64, height: 48 }));
-        assert!(told.starts_with("The frame: 192 of 3072 pixels are rasterized, 6.25 %\n"), "{told}");
-        assert!(told.contains("  Every pixel           skipped: the upscaler reads fewer"), "{told}");
-        assert!(told.contains("  Upscaling             run\n"), "{told}");
-        assert_eq!(told.lines().count(), 1 + FramePart::ALL.len());
+        let reported = whole_text(&whole(&scene, &recipe, Viewport { width: 64, height: 48 }));
+        assert!(reported.starts_with("The frame: 192 of 3072 pixels are rasterized, 6.25 %\n"), "{reported}");
+        assert!(reported.contains("  Every pixel           skipped: the upscaler reads fewer"), "{reported}");
+        assert!(reported.contains("  Upscaling             run\n"), "{reported}");
+        assert_eq!(reported.lines().count(), 1 + FramePart::ALL.len());
     }
 
     #[test]
@@ -170,10 +170,13 @@ mod tests {
         assert!(text(all).starts_with("1 draw: "), "{}", text(all));
         let cubes = of("cubes");
         let most = cubes.iter().max_by_key(|g| g.draws).unwrap();
-        let told = text(most);
-        assert!(told.starts_with(&format!("{} draws: ", most.draws)) && told.contains(", … "), "{told}");
-        assert_eq!(told.lines().count(), 1 + PipelinePart::ALL.len());
-        assert!(told.contains("  Alpha test            skipped: no texture that is read has alpha\n"), "{told}");
-        assert!(told.contains("  Depth buffer          run\n"), "{told}");
+        let reported = text(most);
+        assert!(reported.starts_with(&format!("{} draws: ", most.draws)) && reported.contains(", … "), "{reported}");
+        assert_eq!(reported.lines().count(), 1 + PipelinePart::ALL.len());
+        assert!(
+            reported.contains("  Alpha test            skipped: no texture that is read has alpha\n"),
+            "{reported}"
+        );
+        assert!(reported.contains("  Depth buffer          run\n"), "{reported}");
     }
 }

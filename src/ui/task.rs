@@ -49,10 +49,10 @@ impl<P: Send + 'static, T: Send + 'static> BackgroundTask<P, T> {
         let stop = Arc::new(AtomicBool::new(false));
         let cancelled = stop.clone();
         std::thread::spawn(move || {
-            let tell = Mutex::new(sender);
+            let sender = Mutex::new(sender);
             let say = |news| {
                 // The receiver is gone if the window is closed.
-                drop(tell.lock().map(|sender| sender.send(news)));
+                drop(sender.lock().map(|sender| sender.send(news)));
                 context.request_repaint();
             };
             let result = work(&|progress| say(Message::Progress(progress)), &cancelled);

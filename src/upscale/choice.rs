@@ -10,7 +10,7 @@ use crate::pipeline::settings::{Choice, choice};
 choice! {
     /// Colour space in which an upscaler filters.
     #[derive(PartialOrd, Ord)]
-    FilterSpace {
+    pub FilterSpace {
         Bytes = "bytes", "sRGB", "Filters sRGB codes, as most programs do: steps that look equal count as equal.";
         Linear = "linear", "Linear",
             "Filters linear light: physically correct averages, but dark edges ring more. Slower: each sample is \

@@ -17,7 +17,7 @@ use crate::pipeline::settings::{Choice, choice};
 choice! {
     /// Position of a sample within its block.
     #[derive(PartialOrd, Ord)]
-    Anchor {
+    pub Anchor {
         Corner = "corner", "Corner",
             "The sample lies on the first pixel of its block, which interpolating filters leave unchanged.";
         Centre = "centre", "Centre",
@@ -137,10 +137,10 @@ pub(super) mod tests {
                 let LatticePosition { cell, phase } = lattice.place(at);
                 let origin = lattice.position_px(0);
                 let place = (f64::from(at) + 0.5 - origin) / lattice.scale.value();
-                let told = f64::from(cell) + f64::from(phase) / f64::from(lattice.phases());
+                let computed = f64::from(cell) + f64::from(phase) / f64::from(lattice.phases());
                 assert!(
-                    (place - told).abs() < 1e-12 && phase < lattice.phases(),
-                    "{lattice:?} {at}: {told}, not {place}"
+                    (place - computed).abs() < 1e-12 && phase < lattice.phases(),
+                    "{lattice:?} {at}: {computed}, not {place}"
                 );
             }
         }

@@ -204,9 +204,9 @@ fn check_known(known: &Known<'_>) {
     assert!((area(&polygon) - std::f32::consts::PI).abs() < 1e-4);
 
     let outside = sample(known.library_outside).unwrap();
-    let told = outside.warnings.iter().map(ToString::to_string).collect::<String>();
+    let reported = outside.warnings.iter().map(ToString::to_string).collect::<String>();
     let secret = std::fs::read_to_string("/etc/os-release").unwrap_or_default();
-    assert!(secret.lines().filter(|line| !line.is_empty()).all(|line| !told.contains(line)), "{told}");
+    assert!(secret.lines().filter(|line| !line.is_empty()).all(|line| !reported.contains(line)), "{reported}");
 }
 
 #[test]
@@ -328,8 +328,8 @@ fn faults_in_materials_are_warnings_with_file_and_line() {
         ("newmtl m\nmap_Kd .\n", "a.mtl:2:", "folder"),
     ] {
         let loaded = load_texts(&[("a.obj", &model), ("a.mtl", library)]).unwrap();
-        let told: Vec<_> = loaded.warnings.iter().map(ToString::to_string).collect();
-        assert!(told.iter().any(|w| w.contains(place) && w.contains(why)), "{library:?}: {told:?}");
+        let reported: Vec<_> = loaded.warnings.iter().map(ToString::to_string).collect();
+        assert!(reported.iter().any(|w| w.contains(place) && w.contains(why)), "{library:?}: {reported:?}");
         assert_eq!(sound(&loaded), Ok(()));
     }
 }
@@ -342,8 +342,8 @@ fn a_missing_texture_is_recorded_and_named_in_the_verdict_of_its_pixels() {
     assert_eq!(scene.library.materials()[0].missing_texture.as_deref(), Some("nowhere.png"));
     let recipe = Recipe { pipeline: Settings { culling: Culling::None, ..Settings::default() }, ..Recipe::default() };
     let frame = run(&scene, &scene.home, &recipe, Viewport { width: 33, height: 33 }, &mut ());
-    let told = (0..33 * 33).filter_map(|i| inspect(&scene, &recipe, &frame, i % 33, i / 33));
-    let verdict = told.map(|report| report.verdict).find(|verdict| verdict.contains("Won by")).unwrap();
+    let reported = (0..33 * 33).filter_map(|i| inspect(&scene, &recipe, &frame, i % 33, i / 33));
+    let verdict = reported.map(|report| report.verdict).find(|verdict| verdict.contains("Won by")).unwrap();
     let why = "Black: the texture “nowhere.png” could not be read, and the fallback, the colour of its material “m”, \
                is (0, 0, 0). Won by";
     assert!(verdict.starts_with(why), "{verdict}");

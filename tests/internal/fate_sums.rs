@@ -74,15 +74,15 @@ fn check(scene: &Scene, recipe: &Recipe, met: &Met) {
         let frame = run(scene, &camera, recipe, SIZE, &mut counters);
         let fates = Fates::of(scene, recipe, &frame);
         let (triangles, fragments) = (fates.triangle_counts(), fates.fragment_counts());
-        let told = format!("{} {camera:?} {recipe:?}", scene.name);
+        let reported = format!("{} {camera:?} {recipe:?}", scene.name);
         let in_meshes = scene.instances.iter().map(|instance| scene.library.mesh(instance.mesh).triangles.len());
-        assert_eq!(triangles.sum(), in_meshes.sum::<usize>() as u64, "{told}");
-        assert_eq!(triangles.of(TriangleFate::Unaccounted), 0, "{told}");
+        assert_eq!(triangles.sum(), in_meshes.sum::<usize>() as u64, "{reported}");
+        assert_eq!(triangles.of(TriangleFate::Unaccounted), 0, "{reported}");
         for fate in Fate::ALL {
-            assert_eq!(triangles.of(fate.into()), counters.fate(fate), "{told} {fate:?}");
+            assert_eq!(triangles.of(fate.into()), counters.fate(fate), "{reported} {fate:?}");
         }
-        assert_eq!(fragments.sum(), counters.covered, "{told}");
-        assert_eq!(fates.account.complaints(), [""; 0], "{told}");
+        assert_eq!(fragments.sum(), counters.covered, "{reported}");
+        assert_eq!(fates.account.complaints(), [""; 0], "{reported}");
         for fate in TriangleFate::ALL {
             met.triangles[*fate as usize].fetch_add(triangles.of(*fate), Ordering::Relaxed);
         }

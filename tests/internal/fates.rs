@@ -161,9 +161,9 @@ fn fates_of_triangles_and_fragments_equal_an_independent_count() {
                 let fragments = expected_fragments(&scene, &frame, depth_test == DepthTest::Less);
                 let rejections = expected_rejections(&scene, *culling);
                 for (id, (expected, rejected)) in fragments.iter().zip(&rejections).enumerate() {
-                    let told = format!("triangle {id}, {culling:?}, {depth_test:?}");
+                    let reported = format!("triangle {id}, {culling:?}, {depth_test:?}");
                     let counted = FragmentFate::ALL.iter().map(|fate| fates.fragments[id].of(*fate));
-                    assert_eq!(counted.collect::<Vec<_>>(), expected, "{told}");
+                    assert_eq!(counted.collect::<Vec<_>>(), expected, "{reported}");
                     let best = FragmentFate::ALL.iter().rev().find(|fate| expected[**fate as usize] > 0);
                     let fate = rejected.unwrap_or(match best {
                         None => TriangleFate::NoCentre,
@@ -173,7 +173,7 @@ fn fates_of_triangles_and_fragments_equal_an_independent_count() {
                         Some(FragmentFate::BlendedOver) => TriangleFate::BlendedOver,
                         Some(FragmentFate::Visible) => TriangleFate::Visible,
                     });
-                    assert_eq!(fates.triangles[id], fate, "{told}");
+                    assert_eq!(fates.triangles[id], fate, "{reported}");
                     met[fate as usize] = true;
                 }
             }

@@ -56,20 +56,20 @@ fn texels(scene: &Scene, texture: Option<rasterscope::scene::TextureId>) -> &[Rg
 #[test]
 fn colours_and_numbers_reach_the_material() {
     let folder = folder_with("newmtl m\nKE 1 0.5 0\nKs 0.25\nnS 77\nkd 0.1 0.2 0.3\n");
-    let (loaded, told) = load(folder.path());
+    let (loaded, reported) = load(folder.path());
     let Material { emission, specular, shininess, diffuse, .. } = material(&loaded.scene);
     assert_eq!((*emission, *specular, *shininess), (Vec3::new(1.0, 0.5, 0.0), Vec3::splat(0.25), 77.0));
     assert_eq!(*diffuse, Vec3::new(0.1, 0.2, 0.3));
-    assert!(told.is_empty(), "{told:?}");
+    assert!(reported.is_empty(), "{reported:?}");
 }
 
 #[test]
 fn texture_coordinates_are_moved_as_the_file_says_with_v_up() {
     let folder = folder_with("newmtl m\nmap_Kd -o 0.25 0.5 -s 2 4 -clamp on a.png\n");
     write_picture(&folder.path().join("a.png"), &[[1, 2, 3, 255]]);
-    let (loaded, told) = load(folder.path());
+    let (loaded, reported) = load(folder.path());
     let Material { uv_scale, uv_offset, clamp, .. } = *material(&loaded.scene);
-    assert!(clamp && told.is_empty(), "{told:?}");
+    assert!(clamp && reported.is_empty(), "{reported:?}");
     for up in [Vec2::ZERO, Vec2::new(0.5, 0.25), Vec2::new(-1.0, 3.0)] {
         let down = Vec2::new(up.x, 1.0 - up.y);
         let expected = up * Vec2::new(2.0, 4.0) + Vec2::new(0.25, 0.5);
@@ -89,10 +89,10 @@ fn an_opacity_texture_is_read_from_alpha_luminance_or_the_named_channel() {
     ] {
         let folder = folder_with(&format!("newmtl m\nKd 1 1 1\nMap_D {options}mask.png\n"));
         write_picture(&folder.path().join("mask.png"), &[texel]);
-        let (loaded, told) = load(folder.path());
+        let (loaded, reported) = load(folder.path());
         let texture = material(&loaded.scene).alpha_texture;
         assert_eq!(texels(&loaded.scene, texture)[0][3], expected, "{options}{texel:?}");
-        assert!(told.is_empty(), "{told:?}");
+        assert!(reported.is_empty(), "{reported:?}");
     }
 }
 
@@ -100,9 +100,9 @@ fn an_opacity_texture_is_read_from_alpha_luminance_or_the_named_channel() {
 fn the_alpha_of_a_picture_that_is_named_twice_counts_once() {
     let folder = folder_with("newmtl m\nmap_Kd leaf.png\nmap_d leaf.png\n");
     write_picture(&folder.path().join("leaf.png"), &[[1, 2, 3, 128]]);
-    let (loaded, told) = load(folder.path());
+    let (loaded, reported) = load(folder.path());
     assert_eq!(material(&loaded.scene).alpha_texture, None);
-    assert!(material(&loaded.scene).texture.is_some() && told.is_empty(), "{told:?}");
+    assert!(material(&loaded.scene).texture.is_some() && reported.is_empty(), "{reported:?}");
 }
 
 #[test]
@@ -116,11 +116,11 @@ fn bump_maps_are_rendered_if_their_texels_are_normals() {
     ] {
         let folder = folder_with(&format!("newmtl m\n{keyword} -bm 3 b.png\n"));
         write_picture(&folder.path().join("b.png"), &[texel; 3]);
-        let (loaded, told) = load(folder.path());
+        let (loaded, reported) = load(folder.path());
         let found = material(&loaded.scene);
         assert_eq!(found.normal_texture.is_some(), is_rendered, "{keyword}");
         assert_eq!(found.normal_scale, 3.0, "{keyword}");
-        assert!(told.join("").starts_with(text) && told.is_empty() == text.is_empty(), "{told:?}");
+        assert!(reported.join("").starts_with(text) && reported.is_empty() == text.is_empty(), "{reported:?}");
     }
 }
 
@@ -131,7 +131,7 @@ fn statements_that_are_not_rendered_give_one_warning_each() {
     let model =
         format!("mtllib a.mtl\n{SQUARE}usemtl m\n{FACE}P 1\nl 1 2\nl 2 3\ncurv 0 1 1 2\nbevel on\nnonsense 1\n");
     fs::write(folder.path().join("a.obj"), model).unwrap();
-    let (_, told) = load(folder.path());
+    let (_, reported) = load(folder.path());
     let expected = [
         "a.obj:12: `p` (points) is not rendered",
         "a.obj:13: `l` (lines) is not rendered (2 times, here first)",
@@ -146,7 +146,7 @@ fn statements_that_are_not_rendered_give_one_warning_each() {
         "a.mtl:7: `Ni` (index of refraction) is not rendered",
         "a.mtl:8: `Ka` (ambient colour; ambient light is a setting) is not rendered",
     ];
-    assert_eq!(told, expected);
+    assert_eq!(reported, expected);
 }
 
 #[test]
@@ -161,10 +161,11 @@ fn the_meaning_of_tr_is_inferred_unless_it_is_given() {
         ("newmtl m\nd 0\nTr 1\n", 0.0, ""),
     ] {
         let folder = folder_with(library);
-        let (loaded, told) = load(folder.path());
+        let (loaded, reported) = load(folder.path());
         assert_eq!(material(&loaded.scene).opacity, expected, "{library}");
-        let said = told.iter().any(|text| text.contains("`Tr` is treated as opacity because") && text.contains(reason));
-        assert_eq!(said, !reason.is_empty(), "{library}: {told:?}");
+        let said =
+            reported.iter().any(|text| text.contains("`Tr` is treated as opacity because") && text.contains(reason));
+        assert_eq!(said, !reason.is_empty(), "{library}: {reported:?}");
     }
     let folder = folder_with(meshlab);
     for (meaning, expected) in [(TrMeaning::Transparency, 0.25), (TrMeaning::Opacity, 0.75)] {
@@ -189,16 +190,19 @@ fn alpha_0_everywhere_is_no_alpha_in_tga_and_a_warning_elsewhere() {
     for (name, bits) in [("t.tga", 0), ("t.TGA", 8)] {
         let folder = folder_with(&format!("newmtl m\nmap_Kd {name}\n"));
         fs::write(folder.path().join(name), tga(bits, 0)).unwrap();
-        let (loaded, told) = load(folder.path());
+        let (loaded, reported) = load(folder.path());
         let texture = material(&loaded.scene).texture.unwrap();
         assert_eq!(loaded.scene.library.texture(texture).alpha(), Alpha::Opaque);
         assert_eq!(texels(&loaded.scene, Some(texture)), [[30, 20, 10, 255], [60, 50, 40, 255]]);
-        assert!(told.len() == 1 && told[0].contains("has alpha 0 everywhere; drawn opaque"), "{told:?}");
+        assert!(reported.len() == 1 && reported[0].contains("has alpha 0 everywhere; drawn opaque"), "{reported:?}");
     }
     let folder = folder_with("newmtl m\nmap_Kd t.png\n");
     write_picture(&folder.path().join("t.png"), &[[9, 9, 9, 0]; 4]);
-    let (_, told) = load(folder.path());
-    assert_eq!(told, ["a.mtl:2: texture \"t.png\" has alpha 0 everywhere: surfaces of this material are invisible"]);
+    let (_, reported) = load(folder.path());
+    assert_eq!(
+        reported,
+        ["a.mtl:2: texture \"t.png\" has alpha 0 everywhere: surfaces of this material are invisible"]
+    );
     write_picture(&folder.path().join("t.png"), &[[9, 9, 9, 0], [9, 9, 9, 1]]);
     assert!(load(folder.path()).1.is_empty());
 }
@@ -219,16 +223,16 @@ fn files_are_found_in_any_normal_form_and_in_other_case_with_a_warning() {
     for (written, on_disk) in [(composed, decomposed), (decomposed, composed)] {
         let folder = folder_with(&format!("newmtl m\nmap_Kd {written}\n"));
         write_picture(&folder.path().join(on_disk), &[[1, 2, 3, 255]]);
-        let (loaded, told) = load(folder.path());
-        assert!(material(&loaded.scene).texture.is_some() && told.is_empty(), "{told:?}");
+        let (loaded, reported) = load(folder.path());
+        assert!(material(&loaded.scene).texture.is_some() && reported.is_empty(), "{reported:?}");
     }
     let folder = folder_with("newmtl m\nmap_Kd Wall.PNG\n");
     write_picture(&folder.path().join("wall.png"), &[[1, 2, 3, 255]]);
     fs::rename(folder.path().join("a.mtl"), folder.path().join("A.Mtl")).unwrap();
-    let (loaded, told) = load(folder.path());
+    let (loaded, reported) = load(folder.path());
     assert!(material(&loaded.scene).texture.is_some());
     assert_eq!(
-        told,
+        reported,
         [
             "a.obj:1: material library \"a.mtl\" is read from \"A.Mtl\": the names differ in case",
             "A.Mtl:2: texture \"Wall.PNG\" is read from \"wall.png\": the names differ in case",
@@ -340,9 +344,9 @@ fn broken_normals_and_texture_coordinates_load_with_a_warning() {
     let folder = tempfile::tempdir().unwrap();
     let text = format!("{SQUARE}vt nan 0\nvn 0 0 1\nvn nan 0 1\nf 1/1/1 2/2/1 3/3/2\nf 1/1/1 3/5/1 4/4/1\n");
     fs::write(folder.path().join("a.obj"), text).unwrap();
-    let (loaded, told) = load(folder.path());
+    let (loaded, reported) = load(folder.path());
     assert_eq!(
-        told,
+        reported,
         [
             "a.obj:9: texture coordinate that is not finite; treated as 0 0",
             "a.obj:11: normal that is not finite; corners that use it receive no direct light",
@@ -374,8 +378,8 @@ fn a_pixel_lists_the_texels_of_every_map() {
     for (_, statement, texel) in &maps {
         write_picture(&folder.path().join(statement.split(' ').nth(1).unwrap()), &[*texel; 4]);
     }
-    let (loaded, told) = load(folder.path());
-    assert!(told.is_empty(), "{told:?}");
+    let (loaded, reported) = load(folder.path());
+    assert!(reported.is_empty(), "{reported:?}");
     for filter in ["point", "bilinear", "trilinear"] {
         let (recipe, drawn) = frame(&loaded.scene, &["shading=lambert", &format!("filter={filter}")]);
         let report = inspect(&loaded.scene, &recipe, &drawn, 30, 23).unwrap();
@@ -399,11 +403,11 @@ fn a_crease_angle_is_only_used_and_reported_without_smoothing_groups() {
     for (statement, is_reported) in [("", true), ("s 1\n", false), ("s off\n", false), ("S 0\n", false)] {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("a.obj"), format!("{roof}{statement}f 1 2 3 4\nf 4 3 5 6\n")).unwrap();
-        let (loaded, told) = load(folder.path());
+        let (loaded, reported) = load(folder.path());
         let text = "no smoothing groups (`s`): where normals are missing, edges above 45° are hard";
         let expected: &[&str] = if is_reported { &[text] } else { &[] };
         let notes: Vec<_> = loaded.notes.iter().map(|note| note.text.as_str()).collect();
-        assert!(told.is_empty(), "{told:?}");
+        assert!(reported.is_empty(), "{reported:?}");
         assert_eq!(notes, expected, "{statement}");
     }
 }

@@ -202,11 +202,11 @@ fn compare_all(recipes: &[Recipe], size: Viewport, traces: Traces) {
         for (recipe, frame) in frames(scene, recipe, size) {
             compared.frames[recipe.execution as usize].fetch_add(1, Ordering::Relaxed);
             for (x, y) in (0..size.height).flat_map(|y| (0..size.width).map(move |x| (x, y))) {
-                let told = || format!("{name} ({x}, {y}) {recipe:?}");
+                let reported = || format!("{name} ({x}, {y}) {recipe:?}");
                 let report = inspect(scene, &recipe, &frame, x, y).expect("inside of the picture");
-                replay_is_the_frame(&report, &frame, &told);
+                replay_is_the_frame(&report, &frame, &reported);
                 if traces == Traces::Written {
-                    traces_are_the_frame(scene, &recipe, &frame, &report, &compared, &told);
+                    traces_are_the_frame(scene, &recipe, &frame, &report, &compared, &reported);
                 }
                 compared.pixels.fetch_add(1, Ordering::Relaxed);
             }
@@ -226,9 +226,9 @@ fn compare_all(recipes: &[Recipe], size: Viewport, traces: Traces) {
 }
 
 /// Checks that the final colour and the stored depth of a replay equal those of the frame.
-fn replay_is_the_frame(report: &PixelReport, frame: &Frame, told: &impl Fn() -> String) {
-    assert_eq!(report.color, frame.image().at(report.x, report.y), "{}", told());
-    assert_eq!(report.final_depth.map(|depth| depth.value.to_bits()), stored(report, frame), "{}", told());
+fn replay_is_the_frame(report: &PixelReport, frame: &Frame, reported: &impl Fn() -> String) {
+    assert_eq!(report.color, frame.image().at(report.x, report.y), "{}", reported());
+    assert_eq!(report.final_depth.map(|depth| depth.value.to_bits()), stored(report, frame), "{}", reported());
 }
 
 /// Returns the bits of the depth that the frame holds at the drawn pixel of a report.
@@ -257,7 +257,7 @@ fn traces_are_the_frame(
     frame: &Frame,
     report: &PixelReport,
     compared: &Compared,
-    told: &impl Fn() -> String,
+    reported: &impl Fn() -> String,
 ) {
     let written = report.fragments.iter().rposition(|fragment| fragment.outcome.is_written());
     let stores = report.fragments.iter().rposition(|fragment| {
@@ -270,19 +270,19 @@ fn traces_are_the_frame(
     let drawn = opaque(frame.drawn.color.at(column, row));
     let trace = Trace::of(scene, recipe, frame, report, written);
     let pixel = opaque(frame.image().at(report.x, report.y));
-    assert_eq!(codes(&trace, |channel| format!("pixel {channel}")), Some(pixel), "{}", told());
+    assert_eq!(codes(&trace, |channel| format!("pixel {channel}")), Some(pixel), "{}", reported());
     if !frame.antialias.is_off() {
-        assert_eq!(codes(&trace, |channel| format!("mean {channel}")), Some(drawn), "{}", told());
+        assert_eq!(codes(&trace, |channel| format!("mean {channel}")), Some(drawn), "{}", reported());
         compared.colors.fetch_add(1, Ordering::Relaxed);
     } else if written.is_some() {
-        assert_eq!(codes(&trace, |channel| format!("{channel} code")), Some(drawn), "{}", told());
+        assert_eq!(codes(&trace, |channel| format!("{channel} code")), Some(drawn), "{}", reported());
         compared.colors.fetch_add(1, Ordering::Relaxed);
     }
     let Some(stores) = stores else { return };
     let trace = if Some(stores) == written { trace } else { Trace::of(scene, recipe, frame, report, Some(stores)) };
     let line = trace.lines.iter().find(|line| line.what == "depth as stored");
     let depth = line.and_then(TraceLine::number).map(|number| (number.to_f64() as f32).to_bits());
-    assert_eq!(depth, stored(report, frame), "{}", told());
+    assert_eq!(depth, stored(report, frame), "{}", reported());
     compared.depths.fetch_add(1, Ordering::Relaxed);
 }
 

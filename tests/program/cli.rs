@@ -279,7 +279,7 @@ fn t_junctions_are_counted_checked_and_named_at_the_pixels_that_they_open() {
 #[test]
 fn the_hit_count_prints_cracks_and_double_hits_on_a_separate_line() {
     let folder = folder();
-    for (rule, told) in [
+    for (rule, reported) in [
         ("top-left", "0 cracks · 0 double hits"),
         ("inclusive", "0 cracks · "),
         ("exclusive", " cracks · 0 double hits"),
@@ -289,7 +289,7 @@ fn the_hit_count_prints_cracks_and_double_hits_on_a_separate_line() {
         let output = run(&folder, &args);
         assert_success(&output);
         let lines: Vec<_> = stdout(&output).lines().collect();
-        assert!(lines[0].starts_with("out.png: ") && lines[1].contains(told), "{lines:?}");
+        assert!(lines[0].starts_with("out.png: ") && lines[1].contains(reported), "{lines:?}");
         let is_grey = |pixel: &Rgba8| pixel[0] == pixel[1] && pixel[1] == pixel[2];
         let marked = picture(&folder, "out.png").pixels().iter().filter(|pixel| !is_grey(pixel)).count();
         let numbers = lines[1].split(|c: char| !c.is_ascii_digit()).filter_map(|word| word.parse::<usize>().ok());
@@ -476,10 +476,10 @@ fn the_plan_lists_the_same_skipped_parts_and_reasons_as_text_and_as_json() {
     assert_success(&output);
     let text = stdout(&output);
     assert!(text.starts_with("128 cubes, 64 × 48 px\n\n128 draws: "), "{text}");
-    let told = |part: &str| text.lines().find_map(|line| line.trim().strip_prefix(part)).map(str::trim);
-    assert_eq!(told("Vertices"), Some("run"));
-    assert_eq!(told("Clipping"), Some("skipped: the whole object is inside the view"));
-    assert_eq!(told("Normals"), Some("skipped: this shading reads no normal"));
+    let reported = |part: &str| text.lines().find_map(|line| line.trim().strip_prefix(part)).map(str::trim);
+    assert_eq!(reported("Vertices"), Some("run"));
+    assert_eq!(reported("Clipping"), Some("skipped: the whole object is inside the view"));
+    assert_eq!(reported("Normals"), Some("skipped: this shading reads no normal"));
 
     let output = run(&folder, &[&args[..], &["--json"]].concat());
     assert_success(&output);
@@ -594,18 +594,18 @@ fn stability_names_unknown_classes_and_unwritable_files() {
 fn depths_are_printed_with_their_code_and_their_step_in_world_units() {
     // The pixel shows a panel at distance 1000; the near plane is at 0.1 and the far plane at 100 000.
     let args = ["pixel", "z-fighting", "--at", "240,150", "--size", "1280x720", "--set"];
-    let told = |format: &str, options: &[&str]| {
+    let reported = |format: &str, options: &[&str]| {
         let output = run(&folder(), &[&args[..], &[&format!("depth-format={format}")], options].concat());
         assert_success(&output);
         stdout(&output).to_owned()
     };
     for (format, code) in [("f32", false), ("unorm16", true), ("unorm24", true), ("w-buffer", false)] {
-        let text = told(format, &[]);
+        let text = reported(format, &[]);
         assert!(text.contains("One step of the depth buffer is "), "{format}:\n{text}");
         assert_eq!(text.contains("(code "), code, "{format}:\n{text}");
     }
     // One step of 1/65535 at w = 1000 is w²/n/65535, about 150 world units.
-    let report: serde_json::Value = serde_json::from_str(&told("unorm16", &["--json"])).unwrap();
+    let report: serde_json::Value = serde_json::from_str(&reported("unorm16", &["--json"])).unwrap();
     let depth = &report["final_depth"];
     let code = depth["code"].as_f64().unwrap();
     assert_eq!(depth["value"].as_f64().unwrap() as f32, (code / 65_535.0) as f32);
@@ -958,9 +958,13 @@ mod workbench {
 fn every_page_of_the_lab_is_printed_and_written() {
     let folder = folder();
     for page in Page::ALL {
-        let told = run(&folder, &["lab", page.id(), "--step", "3"]);
-        assert_success(&told);
-        assert!(stdout(&told).contains("    3  ") && !stdout(&told).contains("    4  "), "{}", stdout(&told));
+        let reported = run(&folder, &["lab", page.id(), "--step", "3"]);
+        assert_success(&reported);
+        assert!(
+            stdout(&reported).contains("    3  ") && !stdout(&reported).contains("    4  "),
+            "{}",
+            stdout(&reported)
+        );
         let written = run(&folder, &["lab", page.id(), "--step", "3", "-o", "page.svg"]);
         assert_success(&written);
         assert!(stdout(&written).starts_with("page.svg: 3 of "), "{}", stdout(&written));
@@ -1062,10 +1066,10 @@ fn diff_counts_the_pixels_that_two_pictures_differ_in() {
     let changed: Vec<_> = before.pixels().iter().zip(after.pixels()).map(|(a, b)| a != b).collect();
     let count = changed.iter().filter(|changed| **changed).count();
     let common = ["diff", "shared-edges", "--size", "96x64", "--set", "fill_rule=inclusive", "--rounds", "1"];
-    let told =
+    let reported =
         run(&folder, &[&common[..], &["--against", "fill_rule=top-left", "--json", "-o", "marked.png"]].concat());
-    assert_success(&told);
-    let json: serde_json::Value = serde_json::from_str(stdout(&told)).unwrap();
+    assert_success(&reported);
+    let json: serde_json::Value = serde_json::from_str(stdout(&reported)).unwrap();
     assert!(count > 0);
     assert_eq!(json["changed_pixels"], count);
     assert_eq!(json["times"]["noise"]["pairs"], 2, "one round of both recipes twice");
@@ -1094,10 +1098,10 @@ fn an_invalid_setting_to_compare_with_is_named() {
 #[test]
 fn every_triangle_and_fragment_is_counted_in_one_bin_and_the_sums_match() {
     let size = ["--size", "64x48"];
-    let told = run(&folder(), &[&["fates", "near-plane"], &size[..]].concat());
-    assert_success(&told);
+    let reported = run(&folder(), &[&["fates", "near-plane"], &size[..]].concat());
+    assert_success(&reported);
     for words in ["triangles", "fragments", "outside the view", "corridor", "All sums match"] {
-        assert!(stdout(&told).contains(words), "{words}: {}", stdout(&told));
+        assert!(stdout(&reported).contains(words), "{words}: {}", stdout(&reported));
     }
     let json = run(&folder(), &[&["fates", "near-plane", "--json"], &size[..]].concat());
     let json: serde_json::Value = serde_json::from_str(stdout(&json)).unwrap();
@@ -1114,10 +1118,10 @@ fn every_triangle_and_fragment_is_counted_in_one_bin_and_the_sums_match() {
 #[test]
 fn bench_measures_stepping_to_triangles_and_fragments() {
     let args = ["bench", "cubes", "--scrub", "--size", "64x48", "--frames", "2"];
-    let told = run(&folder(), &args);
-    assert_success(&told);
+    let reported = run(&folder(), &args);
+    assert_success(&reported);
     for words in ["first pass", "copies", "one triangle forward", "one triangle back", "one fragment forward", "jump"] {
-        assert!(stdout(&told).contains(words), "{words}: {}", stdout(&told));
+        assert!(stdout(&reported).contains(words), "{words}: {}", stdout(&reported));
     }
     let json = run(&folder(), &[&args[..], &["--json"]].concat());
     let json: serde_json::Value = serde_json::from_str(stdout(&json)).unwrap();

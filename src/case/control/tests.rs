@@ -60,9 +60,9 @@ fn case(kind: &str) -> Case {
 fn every_kind_reports_its_progress() {
     for kind in Task::KINDS {
         let shares = RefCell::new(Vec::new());
-        let tell = |share| shares.borrow_mut().push(share);
+        let report_progress = |share| shares.borrow_mut().push(share);
         let never = AtomicBool::new(false);
-        answer(&case(kind), Options::default(), &Control::new(&tell, &never)).unwrap();
+        answer(&case(kind), Options::default(), &Control::new(&report_progress, &never)).unwrap();
         let shares = shares.into_inner();
         assert!(shares.len() >= 3, "{kind}: {shares:?}");
         assert!(shares.is_sorted() && shares.iter().all(|share| (0.0..=1.0).contains(share)), "{kind}: {shares:?}");
@@ -74,12 +74,12 @@ fn every_kind_can_be_cancelled_in_the_middle() {
     for kind in Task::KINDS {
         let reports = Cell::new(0);
         let stop = AtomicBool::new(false);
-        let tell = |_| {
+        let report_progress = |_| {
             reports.set(reports.get() + 1);
             stop.store(true, Ordering::Relaxed);
         };
         let case = case(kind);
-        assert!(solve(&case, Options::default(), &Control::new(&tell, &stop)).is_none(), "{kind}");
+        assert!(solve(&case, Options::default(), &Control::new(&report_progress, &stop)).is_none(), "{kind}");
         assert_eq!(reports.get(), 1, "{kind} goes on after it was cancelled");
         assert!(solve(&case, Options::default(), &Control::default()).is_some(), "{kind}");
     }

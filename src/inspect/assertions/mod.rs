@@ -30,7 +30,7 @@ use crate::scene::{Scene, TriangleId};
 
 choice! {
     /// An assertion: a property that must hold for every fragment, or for every vertex on an open edge of the mesh.
-    Assertion {
+    pub Assertion {
         Owner = "owner", "Owner is exact", "The triangle that owns a sample contains its centre, in exact arithmetic and by a fill rule that draws shared edges once.";
         EdgeSum = "edge-sum", "Edges sum to the area", "The three edge values sum to the doubled area: exactly in fixed point, otherwise within 4 ε of f64, relative to the area.";
         Weights = "weights", "Weights in 0…1", "No corner weight is below 0 or above 1: the sample lies inside the triangle.";
@@ -102,7 +102,7 @@ const PIXELS_AT_ONCE: u64 = 1 << 20;
 /// Number of rows drawn between two checks of the stop flag if fragments are sorted by depth.
 const ROWS_AT_ONCE: usize = 32;
 
-/// Checks assertions on every fragment of a frame, sampled at the centre of each drawn pixel. Calls `tell` with the
+/// Checks assertions on every fragment of a frame, sampled at the centre of each drawn pixel. Calls `report_progress` with the
 /// progress, in [0, 1]. Returns `None` once `stop` is set.
 ///
 /// # Examples
@@ -133,7 +133,7 @@ pub fn check(
     recipe: &Recipe,
     frame: &Frame,
     wanted: &[Assertion],
-    tell: &dyn Fn(f32),
+    report_progress: &dyn Fn(f32),
     stop: &AtomicBool,
 ) -> Option<AssertionReport> {
     let (raster, settings, geometry) = (frame.raster, &recipe.pipeline, &*frame.geometry);
@@ -147,7 +147,7 @@ pub fn check(
         if stop.load(Ordering::Relaxed) {
             return None;
         }
-        tell(next as f32 / count as f32);
+        report_progress(next as f32 / count as f32);
         let whole = Scissor::full(raster.width, raster.height);
         if next < sorted_from {
             let end = next + drawn_at_once(&geometry.triangles[next..sorted_from], raster);
@@ -160,7 +160,7 @@ pub fn check(
         // Depth-sorted fragments cannot be drawn in batches of triangles, but rows are independent of each other.
         for top in (0..raster.height).step_by(ROWS_AT_ONCE) {
             let drawn = f64::from(top) / f64::from(raster.height) * (count - next) as f64;
-            tell((next as f64 + drawn) as f32 / count as f32);
+            report_progress((next as f64 + drawn) as f32 / count as f32);
             if stop.load(Ordering::Relaxed) {
                 return None;
             }

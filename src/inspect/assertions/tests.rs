@@ -162,10 +162,10 @@ fn blended_triangles_are_checked_in_rows_and_stopped_between_them() {
     let last = shares[shares.len() - 1];
     // Stopping before the last rows gives no report.
     let stop_at_last = |share: f32| stop.fetch_or(share >= last, Ordering::Relaxed);
-    let tell = |share| {
+    let report_progress = |share| {
         stop_at_last(share);
     };
     let rows = VIEW.height.div_ceil(ROWS_AT_ONCE as u32) as usize;
     assert!(rows > 1 && shares.len() > rows, "{shares:?}");
-    assert_eq!(check(&scene, &recipe, &frame, Assertion::ALL, &tell, &stop), None);
+    assert_eq!(check(&scene, &recipe, &frame, Assertion::ALL, &report_progress, &stop), None);
 }

@@ -137,7 +137,7 @@ mod tests {
 
     #[test]
     fn invalid_text_is_rejected_with_the_valid_forms() {
-        for (text, told) in [
+        for (text, reported) in [
             ("map=rainbow", "turbo"),
             ("range=2..1", "two numbers"),
             ("range=0..inf", "two numbers"),
@@ -146,7 +146,7 @@ mod tests {
             ("bright", "reversed"),
         ] {
             let error = text.parse::<Display>().unwrap_err();
-            assert!(error.contains(told), "{text}: {error}");
+            assert!(error.contains(reported), "{text}: {error}");
         }
     }
 }

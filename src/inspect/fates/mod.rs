@@ -40,7 +40,7 @@ use tally::FateTally;
 choice! {
     /// Fate of a triangle. The fate of a rasterized triangle is the best fate of its fragments, that is, the last in
     /// this order.
-    TriangleFate {
+    pub TriangleFate {
         Unaccounted = "unaccounted", "Unaccounted for", "The triangle was neither rejected nor rasterized. Always 0; any other number is a bug in this program.";
         Outside = "outside", "Outside the view", "All corners of the triangle lie beyond the same plane of the view: left, right, top, bottom, near or far.";
         NotFinite = "not-finite", "Non-finite corner", "A corner of the triangle is NaN or infinite, in the model or after the transform.";
@@ -59,7 +59,7 @@ choice! {
 
 choice! {
     /// Fate of a fragment that the rasterizer generated, from worst to best.
-    FragmentFate {
+    pub FragmentFate {
         LostDepth = "lost-depth", "Depth failed", "The fragment failed the depth test.";
         AlphaRejected = "cut-out", "Alpha failed", "The fragment failed the alpha test.";
         Overwritten = "overwritten", "Overwritten", "The fragment was written, but a later fragment covered it: wasted work.";

@@ -47,16 +47,16 @@ fn every_sum_matches_in_every_scene_with_every_setting() {
         for camera in [scene.home, inside(scene)] {
             let frame = run(scene, &camera, recipe, SIZE, &mut ());
             let fates = Fates::of(scene, recipe, &frame);
-            let told = format!("{} {recipe:?}", scene.name);
-            assert_eq!(fates.account.complaints(), [""; 0], "{told}");
-            assert_eq!(fates.triangle_counts().sum(), scene.triangle_count() as u64, "{told}");
-            assert_eq!(fates.triangle_counts().of(TriangleFate::Unaccounted), 0, "{told}");
+            let reported = format!("{} {recipe:?}", scene.name);
+            assert_eq!(fates.account.complaints(), [""; 0], "{reported}");
+            assert_eq!(fates.triangle_counts().sum(), scene.triangle_count() as u64, "{reported}");
+            assert_eq!(fates.triangle_counts().of(TriangleFate::Unaccounted), 0, "{reported}");
             let of_objects = |sum: fn(&ObjectFates) -> u64| fates.objects.iter().map(sum).sum::<u64>();
-            assert_eq!(of_objects(|o| o.triangles.sum()), scene.triangle_count() as u64, "{told}");
-            assert_eq!(of_objects(|o| o.fragments.sum()), fates.fragment_counts().sum(), "{told}");
+            assert_eq!(of_objects(|o| o.triangles.sum()), scene.triangle_count() as u64, "{reported}");
+            assert_eq!(of_objects(|o| o.fragments.sum()), fates.fragment_counts().sum(), "{reported}");
             // Every sample that shows a triangle has exactly one visible fragment.
             let shown = fates.top_triangle.pixels().iter().filter(|id| **id != TriangleId::NONE).count() as u64;
-            assert_eq!(fates.fragment_counts().of(FragmentFate::Visible), shown, "{told}");
+            assert_eq!(fates.fragment_counts().of(FragmentFate::Visible), shown, "{reported}");
         }
     });
 }
@@ -127,8 +127,8 @@ fn each_staged_triangle_has_the_expected_fate() {
     let size = Viewport { width: 200, height: 160 };
     let frame = run(&scene, &scene.home, &recipe, size, &mut ());
     let fates = Fates::of(&scene, &recipe, &frame);
-    let told: Vec<_> = cast.iter().zip(&fates.triangles).map(|((name, ..), fate)| (*name, *fate)).collect();
-    assert_eq!(told, cast.map(|(name, _, _, fate)| (name, fate)));
+    let reported: Vec<_> = cast.iter().zip(&fates.triangles).map(|((name, ..), fate)| (*name, *fate)).collect();
+    assert_eq!(reported, cast.map(|(name, _, _, fate)| (name, fate)));
     assert!(fates.account.is_balanced());
 
     // The representative pixel shows the triangle or contains it.

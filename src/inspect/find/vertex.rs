@@ -63,11 +63,11 @@ pub(super) fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, (object, numbe
     // Positions on the right and bottom border of the view lie past the last pixel.
     let [x, y] = screen.px;
     let pixel = ((x as u32).min(size.width - 1), (y as u32).min(size.height - 1));
-    let mut told = format!("{words} lies at {x:.3}, {y:.3} px, {:.4} units from the eye", -vertex.view.z);
+    let mut text = format!("{words} lies at {x:.3}, {y:.3} px, {:.4} units from the eye", -vertex.view.z);
     if let Some(shown) = shown_distance(frame, pixel) {
-        told += &format!("; the surface at this pixel is {shown:.4} units from the eye");
+        text += &format!("; the surface at this pixel is {shown:.4} units from the eye");
     }
-    SearchResult::At(pixel, told)
+    SearchResult::At(pixel, text)
 }
 
 /// Returns the distance from the eye to the visible surface at a pixel, along the view axis, in world units; `None`
@@ -122,15 +122,15 @@ mod tests {
                     let ndc = clip.truncate() / clip.w;
                     let found = super::super::find(&scene, &recipe, &frame, &SearchTarget::Vertex(object, number));
                     match found {
-                        SearchResult::At((x, y), told) => {
+                        SearchResult::At((x, y), text) => {
                             let place = [(ndc.x * 0.5 + 0.5) * 64.0, (0.5 - ndc.y * 0.5) * 48.0];
                             let off = (place[0] - f64::from(x) - 0.5).abs().max((place[1] - f64::from(y) - 0.5).abs());
-                            assert!(clip.w > 0.0 && off < 0.501, "{told}: {place:?}");
+                            assert!(clip.w > 0.0 && off < 0.501, "{text}: {place:?}");
                             inside += 1;
                         }
-                        SearchResult::Nowhere(told) => {
+                        SearchResult::Nowhere(text) => {
                             let is_out = clip.w <= 0.0 || ndc.abs().max_element() > 0.999 || ndc.z < 0.001;
-                            assert!(is_out && told.contains("outside the view"), "{told}: {ndc}");
+                            assert!(is_out && text.contains("outside the view"), "{text}: {ndc}");
                             outside += 1;
                         }
                         other => panic!("{other:?}"),

@@ -29,7 +29,7 @@ use crate::scene::{Scene, TriangleId};
 
 choice! {
     /// Outcome of a triangle at a pixel. The history of the pixel can be filtered by these outcomes.
-    Kind {
+    pub(crate) Kind {
         Passed = "passed", "Passed", "Fragments that were written, whether or not they are still visible.";
         Failed = "failed", "Failed", "Fragments that failed the depth test or the alpha test.";
         Culled = "culled", "Culled", "Triangles that would cover the pixel but were removed earlier: by culling, for zero area, or by the triangle slider.";

@@ -60,8 +60,8 @@ pub(super) fn at(
         near.extend(nearest);
     }
     near.sort_by(|a, b| a.distance_px.total_cmp(&b.distance_px));
-    let mut told = BTreeSet::new();
-    near.retain(|miss| told.insert(triangles[miss.place].id));
+    let mut listed = BTreeSet::new();
+    near.retain(|miss| listed.insert(triangles[miss.place].id));
     near.truncate(MAX_NEAR_MISSES);
     near.into_iter().filter_map(|miss| absent(scene, settings, &triangles[miss.place], miss, pixel)).collect()
 }

@@ -37,7 +37,7 @@ pub(crate) use picture::shown_at;
 
 choice! {
     /// Style in which the mesh view draws triangles.
-    MeshStyle {
+    pub(crate) MeshStyle {
         Flat = "flat", "Flat", "Flat-shaded in grey, by the orientation of each triangle.";
         Wire = "wire", "Wire", "Edges only: light if the render camera sees the front, red if it sees the back.";
         Facing = "facing", "Facing", "Side that the render camera sees, by the sign of the area on its screen: front or back.";

@@ -113,13 +113,13 @@ mod tests {
             }
             assert_eq!(overlay.id().parse(), Ok(OverlayLayer::from(*overlay)));
         }
-        for (text, told) in [
+        for (text, reported) in [
             ("fog", "facing"),
             ("facing=2", "from 0 to 1"),
             ("facing=", "from 0 to 1"),
             ("facing=1,length=0.1", "has no length"),
         ] {
-            assert!(text.parse::<OverlayLayer>().unwrap_err().contains(told), "{text}");
+            assert!(text.parse::<OverlayLayer>().unwrap_err().contains(reported), "{text}");
         }
     }
 }

@@ -59,7 +59,7 @@ use crate::scene::seams::Seams;
 
 choice! {
     /// An overlay that can be drawn over any picture of a frame.
-    Overlay {
+    pub Overlay {
         Wireframe = "wireframe", "Wireframe", "Edges of all rasterized triangles after projection, before snapping: light lines over dark pixels, dark lines over light ones.";
         SnappedWireframe = "wireframe-snapped", "Wireframe, snapped", "Edges of all rasterized triangles between the corners that the rasterizer uses: in fixed point, snapped to 1/256 px.";
         VertexNormals = "vertex-normals", "Vertex normals", "Normals of all vertices of rasterized triangles as lines, not hidden by surfaces.";

@@ -7,7 +7,7 @@ use crate::pipeline::settings::{Choice, choice};
 
 choice! {
     /// Aspect in which the stability probe compares pixels.
-    Heat {
+    pub(crate) Heat {
         Owner = "owner", "Owner", "Number of runs in which a different triangle was visible at the pixel.";
         Depth = "depth", "Depth", "Number of runs in which the stored depth of the pixel differed, even by one step.";
         Color = "color", "Colour", "Number of runs in which the colour of the pixel differed.";

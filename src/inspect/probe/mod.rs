@@ -33,7 +33,7 @@ pub(crate) use heat::picture;
 
 choice! {
     /// Part of a view that the stability probe moves.
-    JitterTarget {
+    pub(crate) JitterTarget {
         Camera = "camera", "Camera", "Eye and target move along x, y and z by up to the given number of units in the last place of their largest coordinate: the whole picture is recomputed.";
         Vertices = "vertices", "Vertices", "Every vertex moves along x, y and z by up to the given number of units in the last place of its largest coordinate; vertices at the same position move together.";
     }
@@ -185,9 +185,14 @@ fn covers(triangle: &ScreenTriangle, settings: &Settings, (x, y): (u32, u32)) ->
     !spans.is_empty()
 }
 
-/// Probes a view on the threads of the current rayon pool. Calls `tell` with the progress in [0, 1]. Returns `None`
+/// Probes a view on the threads of the current rayon pool. Calls `report_progress` with the progress in [0, 1]. Returns `None`
 /// once `stop` is set. Equal probes of equal views give equal results on any number of threads.
-pub(crate) fn run(subject: &ProbedView, probe: Probe, tell: &dyn Fn(f32), stop: &AtomicBool) -> Option<ProbeResult> {
+pub(crate) fn run(
+    subject: &ProbedView,
+    probe: Probe,
+    report_progress: &dyn Fn(f32),
+    stop: &AtomicBool,
+) -> Option<ProbeResult> {
     let mut tally = tally::ProbeTally::new(draw::draw_still(subject), subject.scene.triangle_count());
     let at_once = rayon::current_num_threads().max(1);
     let runs: Vec<u16> = (0..probe.runs).collect();
@@ -195,7 +200,7 @@ pub(crate) fn run(subject: &ProbedView, probe: Probe, tell: &dyn Fn(f32), stop: 
         if stop.load(Ordering::Relaxed) {
             return None;
         }
-        tell((index * at_once) as f32 / runs.len() as f32);
+        report_progress((index * at_once) as f32 / runs.len() as f32);
         let drawn: Vec<_> = batch.par_iter().map(|run| draw::jittered(subject, probe, *run)).collect();
         // Adds results in the order of the runs, independent of the order in which threads finish.
         drawn.iter().for_each(|drawn| tally.add(drawn));

@@ -125,8 +125,8 @@ fn each_touch_adds_one_fragment_to_the_replay() {
         let report = inspect(&scene, &recipe, &frame, pixel.0, pixel.1).unwrap();
         let expected: Vec<_> =
             report.fragments.iter().map(|f| (f.triangle, f.submission + 1, f.shading.is_some())).collect();
-        let told: Vec<_> = found.iter().map(|t| (t.triangle, t.moment.triangles, t.written)).collect();
-        assert_eq!(told, expected);
+        let reported: Vec<_> = found.iter().map(|t| (t.triangle, t.moment.triangles, t.written)).collect();
+        assert_eq!(reported, expected);
         for (count, touch) in found.iter().enumerate() {
             let fragments = touch.moment.fragments.unwrap();
             for (fragments, expected) in [(fragments - 1, count), (fragments, count + 1)] {

@@ -6,7 +6,7 @@ use crate::pipeline::settings::{Choice, choice};
 
 choice! {
     /// Size of one step when a frame's drawing is played back.
-    Unit {
+    pub(crate) Unit {
         Stage = "stage", "Stage", "Step to the next stage of the pipeline, at the same point in time.";
         Draw = "draw", "Draw", "Step to the next object.";
         Triangle = "triangle", "Triangle", "Step to the next triangle.";

@@ -44,7 +44,7 @@ pub(crate) enum Op {
 /// Function of one number in a formula.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Function {
-    /// The negation −x.
+    /// Negation: −x.
     Negate,
     /// The square root √x.
     SquareRoot,
@@ -52,7 +52,7 @@ pub(crate) enum Function {
     SrgbRoot,
     /// The power x^(12/5) = x^2.4, for sRGB decoding.
     SrgbPower,
-    /// The floor ⌊x⌋.
+    /// Largest integer that does not exceed x.
     Floor,
     /// The integer nearest to x, with ties to even.
     Round,

@@ -9,7 +9,7 @@ use crate::pipeline::settings::{Choice, choice};
 
 choice! {
     /// Pipeline stage to which a trace line belongs.
-    TraceStage {
+    pub TraceStage {
         Model = "model", "Model", "The corners of the triangle as stored in the mesh.";
         Transform = "transform", "Transform", "One matrix per draw transforms corners from model space through world and view to clip space.";
         Clip = "clip", "Clip", "Parts of the triangle outside the view are clipped away before the division by w.";
@@ -28,7 +28,7 @@ choice! {
 
 choice! {
     /// Notable property of a trace line, such as a tie.
-    Notable {
+    pub(crate) Notable {
         NotFinite = "not-finite", "NaN or infinite", "The result is NaN or infinite.";
         Tie = "tie", "Tie", "A value lies exactly on a boundary, so a rule decides.";
         Cancellation = "cancellation", "Cancellation", "Nearly equal numbers were subtracted: at least a third of the digits are lost, and earlier rounding errors grow accordingly.";

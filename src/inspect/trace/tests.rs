@@ -117,8 +117,11 @@ fn agrees(report: &PixelReport, frame: &Frame, trace: &Trace) {
 }
 
 fn is_same(trace: &Trace, what: &str, expected: f32) {
-    let told = line(trace, what).and_then(TraceLine::number);
-    assert!(told.is_some_and(|told| told.same_bits(expected.into())), "{what}: {told:?}, not {expected}");
+    let reported = line(trace, what).and_then(TraceLine::number);
+    assert!(
+        reported.is_some_and(|reported| reported.same_bits(expected.into())),
+        "{what}: {reported:?}, not {expected}"
+    );
 }
 
 /// Whether a line is a single correctly rounded operation. If so, asserts that its error is at most half an ulp.

@@ -36,12 +36,12 @@ pub(super) fn describe_flaws(
 ) -> Option<String> {
     let visible = report.visible()?;
     let (index, instance) = instance_of(scene, visible.triangle)?;
-    let mut told = Vec::new();
+    let mut sentences = Vec::new();
     let material = scene.library.material(instance.material);
     let reads_material = recipe.pipeline.shading.reads_material();
     if let Some(file) = material.missing_texture.as_ref().filter(|file| reads_material && !said.contains(file.as_str()))
     {
-        told.push(format!(
+        sentences.push(format!(
             "The texture “{file}” of its material “{}” could not be read; the plain material colour is used. Put the \
              file where the model expects it.",
             material.name
@@ -50,12 +50,12 @@ pub(super) fn describe_flaws(
     let reads_normals = frame.plans.get(index).is_some_and(|plan| plan.runs(PipelinePart::Normals));
     let lost = lost_normals(visible, scene);
     if reads_normals && !lost.is_empty() && !said.contains(LOST_NORMALS) {
-        told.push(format!(
+        sentences.push(format!(
             "The normal at {} {LOST_NORMALS}, one of {} in this mesh: it is treated as missing, and the surface \
              receives no direct light. Export the normals again.",
             lost.join(", "),
             scene.library.mesh(instance.mesh).lost_normals()
         ));
     }
-    (!told.is_empty()).then(|| told.join(" "))
+    (!sentences.is_empty()).then(|| sentences.join(" "))
 }

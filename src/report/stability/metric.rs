@@ -9,7 +9,7 @@ use crate::pipeline::settings::{Choice, choice};
 
 choice! {
     /// Metric of the stability report: an error, a cost, or a count.
-    Metric {
+    pub(crate) Metric {
         Pixels = "pixels", "pixels", "Pixels that the exact answer covers.";
         Wrong = "wrong", "wrong",
             "Pixels drawn by mistake or missing, relative to the corners that the configuration declares.";

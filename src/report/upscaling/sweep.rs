@@ -165,13 +165,13 @@ const CROP: (u32, u32) = (160, 110);
 /// may have fewer rounds.
 pub fn run(
     plan: &UpscalingPlan,
-    tell: &dyn Fn(UpscalingProgress),
+    report_progress: &dyn Fn(UpscalingProgress),
     cancelled: &dyn Fn() -> bool,
 ) -> Option<UpscalingReport> {
     let machine = Machine::at_start();
     let mut scenes = Vec::with_capacity(plan.subjects.len());
     for subject in &plan.subjects {
-        match of_scene(plan, subject, tell, cancelled) {
+        match of_scene(plan, subject, report_progress, cancelled) {
             Some(scene) => scenes.push(scene),
             None if cancelled() && !scenes.is_empty() => break,
             None => return None,
@@ -203,10 +203,10 @@ struct MeasuredImage {
 fn of_scene(
     plan: &UpscalingPlan,
     subject: &NamedView,
-    tell: &dyn Fn(UpscalingProgress),
+    report_progress: &dyn Fn(UpscalingProgress),
     cancelled: &dyn Fn() -> bool,
 ) -> Option<SceneReport> {
-    let say = |stage, done, of| tell(UpscalingProgress { scene: subject.name.clone(), stage, done, of });
+    let say = |stage, done, of| report_progress(UpscalingProgress { scene: subject.name.clone(), stage, done, of });
     let NamedView { scene, camera, .. } = subject;
     let shot = FrameSequence { scene, camera, viewport: plan.viewport, turn: plan.turn };
     let still = FrameSequence { turn: Turn::STILL, ..shot };
@@ -288,10 +288,10 @@ fn time(
     cancelled: &dyn Fn() -> bool,
 ) -> Option<RoundTimer> {
     let mut timer = RoundTimer::new(&plan.recipes, plan.rounds);
-    let mut told = None;
+    let mut reported_rounds = None;
     while !timer.is_complete() {
-        if told != Some(timer.rounds()) {
-            told = Some(timer.rounds());
+        if reported_rounds != Some(timer.rounds()) {
+            reported_rounds = Some(timer.rounds());
             say(timer.rounds(), plan.rounds);
         }
         if cancelled() {

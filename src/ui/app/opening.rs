@@ -108,8 +108,8 @@ impl Workbench {
             return;
         }
         let wanted = path.clone();
-        let task = BackgroundTask::start(ui.ctx().clone(), move |tell: &(dyn Fn(f32) + Sync), stop| {
-            opened_case(&wanted, options, &Control::new(tell, stop))
+        let task = BackgroundTask::start(ui.ctx().clone(), move |report_progress: &(dyn Fn(f32) + Sync), stop| {
+            opened_case(&wanted, options, &Control::new(report_progress, stop))
         });
         self.loading = None;
         self.opening_case = Some(OpeningCase { path, task, progress: None, since: Instant::now() });

@@ -20,8 +20,8 @@ impl Workbench {
         self.tab = Tab::Stability;
         self.session.stability.progress = Some(StabilityProgress { stage: SweepStage::Judging, done: 0, of: 1 });
         let plan = StabilityPlan::default();
-        self.measuring_stability = Some(BackgroundTask::start(ui.ctx().clone(), move |tell, stop| {
-            sweep::run(&plan, tell, stop).filter(|report| !report.partial)
+        self.measuring_stability = Some(BackgroundTask::start(ui.ctx().clone(), move |report_progress, stop| {
+            sweep::run(&plan, report_progress, stop).filter(|report| !report.partial)
         }));
     }
 
@@ -31,9 +31,9 @@ impl Workbench {
         const ROUNDS: usize = 21;
         let request = self.session.request();
         self.session.savings.progress = Some(0.0);
-        self.measuring_savings = Some(BackgroundTask::start(ui.ctx().clone(), move |tell, stop| {
+        self.measuring_savings = Some(BackgroundTask::start(ui.ctx().clone(), move |report_progress, stop| {
             let Request { scene, camera, recipe, viewport, .. } = &request;
-            let found = savings(scene, camera, recipe, *viewport, ROUNDS, tell, stop)?;
+            let found = savings(scene, camera, recipe, *viewport, ROUNDS, report_progress, stop)?;
             Some((found, request))
         }));
     }
@@ -46,9 +46,9 @@ impl Workbench {
         let recipe = self.session.state.recipe;
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
         self.session.scaling.progress = Some((ScalingQuantity::Triangles, 0.0));
-        self.measuring_scaling = Some(BackgroundTask::start(ui.ctx().clone(), move |tell, stop| {
+        self.measuring_scaling = Some(BackgroundTask::start(ui.ctx().clone(), move |report_progress, stop| {
             let plan = scaling::ScalingPlan::new(recipe, MAX_SCALING.0, threads, MAX_SCALING.1);
-            let found = scaling::measure(&plan, &|quantity, share| tell((quantity, share)), stop).ok();
+            let found = scaling::measure(&plan, &|quantity, share| report_progress((quantity, share)), stop).ok();
             let found = found.filter(|found| !found.partial)?;
             Some((found, recipe))
         }));

@@ -94,8 +94,10 @@ impl Runner {
         }
         (session.checks.progress, session.checks.cancelled) = (Some(0.0), false);
         let frame = view.frame.clone();
-        self.running =
-            Some((BackgroundTask::start(context.clone(), move |tell, stop| checked(&view, tell, stop)), frame));
+        self.running = Some((
+            BackgroundTask::start(context.clone(), move |report_progress, stop| checked(&view, report_progress, stop)),
+            frame,
+        ));
     }
 
     fn listen(&mut self, session: &mut Session) {
@@ -115,8 +117,8 @@ impl Runner {
 }
 
 /// Checks all assertions on the frame of `view`. Returns `None` if cancelled.
-fn checked(view: &RenderedView, tell: &dyn Fn(f32), stop: &AtomicBool) -> Option<AssertionReport> {
-    check(&view.request.scene, &view.request.recipe, &view.frame, Assertion::ALL, tell, stop)
+fn checked(view: &RenderedView, report_progress: &dyn Fn(f32), stop: &AtomicBool) -> Option<AssertionReport> {
+    check(&view.request.scene, &view.request.recipe, &view.frame, Assertion::ALL, report_progress, stop)
 }
 
 /// Stores a report. If it contains a violation, stops checking and picks the pixel of the first violation.

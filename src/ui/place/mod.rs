@@ -168,7 +168,7 @@ impl Session {
                 format!("{words} is hidden: it covers {count} pixels but is visible in none of them"),
                 Some(*pixel),
             ),
-            SearchResult::At(pixel, told) => (Severity::Info, told.clone(), Some(*pixel)),
+            SearchResult::At(pixel, text) => (Severity::Info, text.clone(), Some(*pixel)),
             SearchResult::Nowhere(reason) => (Severity::Error, reason.clone(), None),
         };
         self.report(level, text);

@@ -131,8 +131,8 @@ pub(crate) fn probe_now(session: &mut Session) {
 fn start(session: &mut Session, context: &Context) {
     let (subject, probe) = (subject_of(&session.request()), session.probing.probe);
     session.probing.progress = Some(0.0);
-    let work = BackgroundTask::start(context.clone(), move |tell: &(dyn Fn(f32) + Sync), stop| {
-        probe::run(&subject, probe, &|share| tell(share), stop)
+    let work = BackgroundTask::start(context.clone(), move |report_progress: &(dyn Fn(f32) + Sync), stop| {
+        probe::run(&subject, probe, &|share| report_progress(share), stop)
     });
     session.probing.task = Some(work);
 }

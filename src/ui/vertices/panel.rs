@@ -318,8 +318,8 @@ mod tests {
                 assert_eq!(cells.len(), columns, "{line}");
                 let stages = object.stages(index).unwrap();
                 let numbers: Vec<f32> = cells[1..8].iter().map(|cell| cell.parse().unwrap()).collect();
-                let told = [&stages.model.to_array()[..], &stages.clip.to_array()[..]].concat();
-                assert_eq!(numbers, told, "{line}");
+                let reported = [&stages.model.to_array()[..], &stages.clip.to_array()[..]].concat();
+                assert_eq!(numbers, reported, "{line}");
             }
         }
     }

@@ -148,9 +148,9 @@ fn error_is_reported_first_and_time_after_all_rounds() {
     assert_eq!((error.differing_pixels, found.error), (found.changes.count, Some(error)));
     let mut pieces = 0;
     while drawer.has_work() {
-        let told = drawer.step().is_some_and(|found| found.times.is_some());
+        let reported = drawer.step().is_some_and(|found| found.times.is_some());
         pieces += 1;
-        assert_eq!(told, !drawer.has_work());
+        assert_eq!(reported, !drawer.has_work());
     }
     assert!(pieces > super::drawer::ROUNDS);
 }

@@ -331,8 +331,8 @@ fn a_depth_bias_follows_the_formula_of_vulkan_and_clamps() {
                 // Both depths are rounded to a code if codes are stored, and to a float; the offset is rounded to f64.
                 let code = encoding.largest_code().map_or(0.0, |largest| 1.0 / f64::from(largest));
                 let rounding = code + before.max(after) * f64::from(f32::EPSILON) + f64::MIN_POSITIVE;
-                let told = || format!("{format:?} {bias:?}: {before} by {offset} became {after}, not {expected}");
-                assert!((after - expected).abs() <= rounding + offset.abs() * 1e-9, "{}", told());
+                let reported = || format!("{format:?} {bias:?}: {before} by {offset} became {after}, not {expected}");
+                assert!((after - expected).abs() <= rounding + offset.abs() * 1e-9, "{}", reported());
                 compared += 1;
                 clamped += usize::from(expected != before + offset);
             }

@@ -122,8 +122,8 @@ fn shows_the_scene(bench: &Bench) -> bool {
 
 /// Returns the number of differing pixels and the number of compared pixels, as displayed.
 fn differing(bench: &Bench) -> (u32, u32) {
-    let told = bench.window.get_by_label_contains(" pixels differ").accesskit_node();
-    let text = told.label().or_else(|| told.value()).unwrap();
+    let reported = bench.window.get_by_label_contains(" pixels differ").accesskit_node();
+    let text = reported.label().or_else(|| reported.value()).unwrap();
     let numbers: Vec<u32> = text.split(' ').filter_map(|word| word.parse().ok()).collect();
     (numbers[0], numbers[1])
 }

@@ -117,9 +117,9 @@ fn back_faces_are_reported_exactly_where_they_would_have_a_fragment() {
         let whole = reports(&scene, &both_sides, &frame(&scene, &both_sides, &scene.home));
         let mut count = 0;
         for (culled, whole) in culled.iter().zip(&whole) {
-            let told = absent(culled, Cause::BackFacing);
-            count += told.len();
-            let all: BTreeSet<_> = there(culled).union(&told).copied().collect();
+            let reported = absent(culled, Cause::BackFacing);
+            count += reported.len();
+            let all: BTreeSet<_> = there(culled).union(&reported).copied().collect();
             assert_eq!(all, there(whole), "{arithmetic:?} ({}, {})", culled.x, culled.y);
         }
         assert!(count > 500, "{count}");
@@ -137,9 +137,9 @@ fn the_near_plane_is_reported_exactly_where_a_nearer_plane_would_show_the_triang
         let whole = reports(&scene, &recipe, &frame(&scene, &recipe, &nearer));
         let mut count = 0;
         for (cut, whole) in cut.iter().zip(&whole) {
-            let told = absent(cut, Cause::NearPlane);
-            count += told.len();
-            let all: BTreeSet<_> = there(cut).union(&told).copied().collect();
+            let reported = absent(cut, Cause::NearPlane);
+            count += reported.len();
+            let all: BTreeSet<_> = there(cut).union(&reported).copied().collect();
             // Snapping moves an edge by a fraction of a pixel; an edge that passes the centre is reported as a near
             // miss.
             let beside = |id: &TriangleId| {
@@ -185,9 +185,9 @@ fn triangles_after_the_last_drawn_one_are_reported() {
     let frame = frame.at_moment(&recipe, drawn, Geometry::clone(&frame.geometry));
     let mut count = 0;
     for (cut, whole) in reports(&scene, &recipe, &frame).iter().zip(&whole) {
-        let told = absent(cut, Cause::NotDrawnYet);
-        count += told.len();
-        assert_eq!(&there(cut).union(&told).copied().collect::<BTreeSet<_>>(), whole);
+        let reported = absent(cut, Cause::NotDrawnYet);
+        count += reported.len();
+        assert_eq!(&there(cut).union(&reported).copied().collect::<BTreeSet<_>>(), whole);
     }
     assert!(count > 100, "{count}");
 }

@@ -69,8 +69,9 @@ pub(super) struct Running {
 impl Running {
     pub(super) fn start(context: Context, question: EvaluationRequest) -> Self {
         let asked = question.clone();
-        let work =
-            move |tell: &(dyn Fn(f32) + Sync), stop: &AtomicBool| Evaluation::new(asked, &Control::new(tell, stop));
+        let work = move |report_progress: &(dyn Fn(f32) + Sync), stop: &AtomicBool| {
+            Evaluation::new(asked, &Control::new(report_progress, stop))
+        };
         Self { question, since: Instant::now(), progress: None, task: BackgroundTask::start(context, work) }
     }
 
