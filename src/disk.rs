@@ -105,13 +105,13 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// # Errors
 /// Returns the same errors as [`write()`], and errors of `produce`. An existing file is then unchanged.
 pub(crate) fn write_by(path: &Path, produce: impl FnOnce(&mut dyn io::Write) -> io::Result<()>) -> io::Result<()> {
-    match Target::of(path)? {
-        Target::Direct(path) => {
+    match Destination::of(path)? {
+        Destination::Direct(path) => {
             let mut file = OpenOptions::new().write(true).open(path)?;
             produce(&mut file)?;
             file.flush()
         }
-        Target::Replaced(path) => {
+        Destination::Replaced(path) => {
             // Fails for a file without write permission, which a rename would replace.
             let permissions = OpenOptions::new().write(true).open(&path)?.metadata()?.permissions();
             let file = produced(folder_of(&path), produce)?;
@@ -120,7 +120,7 @@ pub(crate) fn write_by(path: &Path, produce: impl FnOnce(&mut dyn io::Write) -> 
             sync_folder(folder_of(&path));
             Ok(())
         }
-        Target::New(path) => {
+        Destination::New(path) => {
             produced(folder_of(&path), produce)?.persist(&path).map_err(|error| error.error)?;
             sync_folder(folder_of(&path));
             Ok(())
@@ -158,13 +158,13 @@ pub(crate) fn write_new(folder: &Path, stem: &str, extension: &str, bytes: &[u8]
 /// # Errors
 /// Returns the same errors as [`write()`]. Does not detect a disk that becomes full later.
 pub(crate) fn check_writable(path: &Path) -> io::Result<()> {
-    match Target::of(path)? {
-        Target::Direct(path) => OpenOptions::new().write(true).open(path).map(drop),
-        Target::Replaced(path) => {
+    match Destination::of(path)? {
+        Destination::Direct(path) => OpenOptions::new().write(true).open(path).map(drop),
+        Destination::Replaced(path) => {
             OpenOptions::new().write(true).open(&path)?;
             written(folder_of(&path), &[]).map(drop)
         }
-        Target::New(path) => written(folder_of(&path), &[]).map(drop),
+        Destination::New(path) => written(folder_of(&path), &[]).map(drop),
     }
 }
 
@@ -187,7 +187,7 @@ pub(crate) fn lock(path: &Path) -> io::Result<File> {
 }
 
 /// Destination of an output, after following symbolic links.
-enum Target {
+enum Destination {
     /// Device, pipe, or a process's open file in `/proc`, which is written to directly.
     Direct(PathBuf),
     /// Existing regular file, which is replaced atomically.
@@ -196,7 +196,7 @@ enum Target {
     New(PathBuf),
 }
 
-impl Target {
+impl Destination {
     /// Follows symbolic links to the file to write. Returns an error for a folder or a protected input.
     fn of(path: &Path) -> io::Result<Self> {
         let mut path = path.to_owned();

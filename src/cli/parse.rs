@@ -36,7 +36,7 @@ fn pair(text: &str, separators: &[char]) -> Option<(u32, u32)> {
 
 /// Returns a parser for the values of `C`; the help text lists each with its description.
 pub(crate) fn choice<C: Choice + Send + Sync>() -> impl TypedValueParser<Value = C> {
-    PossibleValuesParser::new(possible_values::<C>()).try_map(|id| named::<C>(&id).ok_or("not a possible value"))
+    PossibleValuesParser::new(possible_values::<C>()).try_map(|id| named::<C>(&id).ok_or("unknown value"))
 }
 
 /// Axis that points up in the home view of a scene.
@@ -93,7 +93,7 @@ pub(crate) fn either<A: Choice + Send + Sync, B: Choice + Send + Sync>() -> impl
     let values = possible_values::<A>().chain(possible_values::<B>());
     PossibleValuesParser::new(values).try_map(|id| {
         let first = named::<A>(&id).map(Either::First);
-        first.or_else(|| named::<B>(&id).map(Either::Second)).ok_or("not a possible value")
+        first.or_else(|| named::<B>(&id).map(Either::Second)).ok_or("unknown value")
     })
 }
 

@@ -135,7 +135,7 @@ fn outcome(outcome: FragmentOutcome) -> &'static str {
         FragmentOutcome::Overwritten => "overwritten",
         FragmentOutcome::BlendedOver => "visible through a blended fragment",
         FragmentOutcome::DepthRejected => "rejected by the depth test",
-        FragmentOutcome::CutOut => "discarded by the alpha test",
+        FragmentOutcome::AlphaRejected => "discarded by the alpha test",
     }
 }
 

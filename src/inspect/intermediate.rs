@@ -20,9 +20,9 @@ use crate::scene::Scene;
 choice! {
     /// An intermediate value of the pipeline that can be displayed as a buffer.
     pub Intermediate {
-        Edge0 = "edge-0", "Edge value 0", "Edge function of the edge opposite to corner 0: positive inside, 0 on the edge, in the unit of the arithmetic.";
-        Edge1 = "edge-1", "Edge value 1", "Edge function of the edge opposite to corner 1: positive inside, 0 on the edge, in the unit of the arithmetic.";
-        Edge2 = "edge-2", "Edge value 2", "Edge function of the edge opposite to corner 2: positive inside, 0 on the edge, in the unit of the arithmetic.";
+        Edge0 = "edge-0", "Edge value 0", "Edge function of the edge opposite to corner 0: positive inside, 0 on the edge, in the units of the rasterizer’s arithmetic.";
+        Edge1 = "edge-1", "Edge value 1", "Edge function of the edge opposite to corner 1: positive inside, 0 on the edge, in the units of the rasterizer’s arithmetic.";
+        Edge2 = "edge-2", "Edge value 2", "Edge function of the edge opposite to corner 2: positive inside, 0 on the edge, in the units of the rasterizer’s arithmetic.";
         Lambda0 = "lambda-0", "λ0 on screen", "Screen-space weight of corner 0: its edge value divided by the doubled area.";
         Lambda1 = "lambda-1", "λ1 on screen", "Screen-space weight of corner 1: its edge value divided by the doubled area.";
         Lambda2 = "lambda-2", "λ2 on screen", "Screen-space weight of corner 2: its edge value divided by the doubled area.";

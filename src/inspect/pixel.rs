@@ -36,7 +36,7 @@ pub enum FragmentOutcome {
     /// The fragment failed the depth test.
     DepthRejected,
     /// The alpha test discarded the fragment.
-    CutOut,
+    AlphaRejected,
 }
 
 impl FragmentOutcome {

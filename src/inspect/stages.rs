@@ -210,9 +210,9 @@ mod tests {
         let scene = builtin::by_id("stained-glass").unwrap().build();
         let recipe = Recipe::default();
         let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
-        let cut_out =
-            |t: &&ScreenTriangle| frame.geometry.plans[t.instance as usize].transparency() == Transparency::CutOut;
-        let colors: Vec<_> = frame.geometry.triangles.iter().filter(cut_out).map(|t| id_color(t.id)).collect();
+        let alpha_tested =
+            |t: &&ScreenTriangle| frame.geometry.plans[t.instance as usize].transparency() == Transparency::AlphaTested;
+        let colors: Vec<_> = frame.geometry.triangles.iter().filter(alpha_tested).map(|t| id_color(t.id)).collect();
         let [rasterized, tested] = [Stage::Rasterize, Stage::Depth].map(|stage| {
             let image = picture(&scene, &scene.home, &recipe, &frame, stage);
             image.pixels().iter().filter(|p| colors.contains(p)).count()

@@ -91,7 +91,7 @@ fn fragment_verdict(fragments: &[FragmentRecord], absent: &[Absent], comparison:
         return blended_verdict(fragments, winner);
     }
     let name = name(winner);
-    let there = || fragments.iter().filter(|f| f.outcome != FragmentOutcome::CutOut);
+    let there = || fragments.iter().filter(|f| f.outcome != FragmentOutcome::AlphaRejected);
     let triangles = count_triangles(there());
     let rivals = there().filter(|f| f.triangle != winner.triangle);
     let closest = rivals.map(|f| (f.depth.steps_from(&winner.depth), f)).min_by_key(|(steps, _)| *steps);
@@ -356,12 +356,12 @@ mod tests {
     fn fragments_that_fail_the_alpha_test_are_no_rivals() {
         let mut records = records(DepthEncoding::F32, &[(3, 0.5), (4, 0.5)], Some(0.9));
         let story = |records: &[FragmentRecord]| fragment_verdict(records, &[], DepthComparison::Less);
-        (records[0].transparency, records[0].outcome) = (Transparency::CutOut, FragmentOutcome::CutOut);
+        (records[0].transparency, records[0].outcome) = (Transparency::AlphaTested, FragmentOutcome::AlphaRejected);
         assert_eq!(story(&records), "Won by triangle 4 of “cube”, the only one here that passes the alpha test.");
         assert_eq!(story(&records[..1]), "Background: the only triangle here failed the alpha test.");
         records[1].outcome = FragmentOutcome::DepthRejected;
         assert!(story(&records).ends_with("of the triangles here, 1 failed the depth test and 1 the alpha test."));
-        records[1].outcome = FragmentOutcome::CutOut;
+        records[1].outcome = FragmentOutcome::AlphaRejected;
         assert_eq!(story(&records), "Background: all 2 triangles here failed the alpha test.");
     }
 

@@ -70,7 +70,7 @@ fn values(report: &PixelReport, is_drawn: bool) -> PixelValues {
 fn was_shaded(fragment: &FragmentRecord) -> bool {
     match fragment.outcome {
         FragmentOutcome::Visible | FragmentOutcome::Overwritten | FragmentOutcome::BlendedOver => true,
-        FragmentOutcome::DepthRejected | FragmentOutcome::CutOut => false,
+        FragmentOutcome::DepthRejected | FragmentOutcome::AlphaRejected => false,
     }
 }
 

@@ -26,7 +26,7 @@ choice! {
         Midpoint = "midpoint", "Midpoint (Bresenham)",
             "Integers only: a decision variable holds on which side of the next midpoint the line passes.";
         Exact = "exact", "Nearest pixel, exact",
-            "Real end points; the nearest pixel of every step is decided without rounding.";
+            "Real endpoints; the nearest pixel of every step is decided without rounding.";
         AreaBox = "area-box", "Area, box",
             "The line is a strip one pixel wide; each pixel gets the share of its area that the strip covers.";
         AreaPyramid = "area-pyramid", "Area, pyramid",
@@ -242,13 +242,13 @@ impl LineLesson {
                 "After each pixel there are two candidates: a straight step or a diagonal step. The line passes above \
                  or below the midpoint between them. The sign of the decision variable D, which starts at 2·minor − \
                  major, selects the step, and one addition updates it. All numbers are integers, so nothing drifts. \
-                 The other octants differ only in the signs of the steps: drag the end points to see all eight. Where \
+                 The other octants differ only in the signs of the steps: drag the endpoints to see all eight. Where \
                  the line passes exactly between two pixels, D is 0 and the step is straight, so the reversed line \
-                 takes the other pixel, outlined here. A tie rule that always decides as from the end with the \
-                 smaller x covers the same pixels in both directions."
+                 takes the other pixel, outlined here. If every tie is resolved as for a line that starts at the \
+                 endpoint with the smaller x, both directions cover the same pixels."
             }
             LineMethod::Exact => {
-                "End points need not lie on pixel centres. Every step along the longer axis takes the pixel nearest to \
+                "Endpoints need not lie on pixel centres. Every step along the longer axis takes the pixel nearest to \
                  the true line; where floating point is not certain, exact arithmetic decides. The other methods are \
                  measured against this reference; a tie goes to the larger coordinate."
             }

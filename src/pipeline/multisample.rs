@@ -271,7 +271,7 @@ impl<'a> DrawContext<'a> {
         let RasterSample { column, row, x, y, .. } = fragment.sample;
         let pixel = (x, y);
         let transparency = shader.transparency();
-        if transparency == Transparency::CutOut && shader.fails_alpha_test(fragment) {
+        if transparency == Transparency::AlphaTested && shader.fails_alpha_test(fragment) {
             return;
         }
         let opaque = (transparency != Transparency::Blended).then(|| shader.shade(fragment, seen));

@@ -38,7 +38,7 @@ pub(crate) enum PipelinePart {
     /// Reading the texels of textures.
     Texels,
     /// Alpha test: discarding fragments by the alpha of the texture.
-    CutOut,
+    AlphaTest,
     /// Computing light, at vertices (Gouraud) or per fragment.
     Light,
     /// Replacing the interpolated normal by that of a normal map.
@@ -64,7 +64,7 @@ impl PipelinePart {
         Self::Normals,
         Self::VertexColors,
         Self::Texels,
-        Self::CutOut,
+        Self::AlphaTest,
         Self::Light,
         Self::NormalMap,
         Self::Highlight,
@@ -85,7 +85,7 @@ impl PipelinePart {
             Self::Culling
             | Self::Depth
             | Self::Texels
-            | Self::CutOut
+            | Self::AlphaTest
             | Self::Light
             | Self::NormalMap
             | Self::Highlight
@@ -120,7 +120,7 @@ impl PipelinePart {
             Self::Normals => "Normals",
             Self::VertexColors => "Vertex colours",
             Self::Texels => "Texture reads",
-            Self::CutOut => "Alpha test",
+            Self::AlphaTest => "Alpha test",
             Self::Light => "Light",
             Self::NormalMap => "Normal map",
             Self::Highlight => "Highlight",
@@ -137,13 +137,13 @@ pub(crate) enum PlanStep {
     /// The draw needs the part.
     Run,
     /// The part is skipped for this reason.
-    LeftOut(&'static str),
+    Skipped(&'static str),
 }
 
 impl PlanStep {
     /// Returns [`PlanStep::Run`] if `reason` is `None`, and otherwise the step skipped for that reason.
     pub(crate) fn unless(reason: Option<&'static str>) -> Self {
-        reason.map_or(Self::Run, Self::LeftOut)
+        reason.map_or(Self::Run, Self::Skipped)
     }
 
     /// Returns whether the part runs.
@@ -155,7 +155,7 @@ impl PlanStep {
     pub(crate) fn reason(self) -> Option<&'static str> {
         match self {
             Self::Run => None,
-            Self::LeftOut(reason) => Some(reason),
+            Self::Skipped(reason) => Some(reason),
         }
     }
 }
@@ -278,7 +278,7 @@ impl DrawPlan {
     pub(super) fn with_cull_stats(mut self, clusters: CullStats) -> Self {
         if clusters.culled() > 0 {
             self.steps[PipelinePart::EveryCluster as usize] =
-                PlanStep::LeftOut("clusters wholly outside the view or culled by facing");
+                PlanStep::Skipped("clusters wholly outside the view or culled by facing");
             self.clusters = clusters;
         }
         self
@@ -364,12 +364,12 @@ fn skip_reason(
         PipelinePart::VertexColors => {
             (!reads_albedo && shading != Shading::VertexColor).then_some("this shading reads no vertex colour")
         }
-        PipelinePart::CutOut | PipelinePart::Blending if !reads_albedo => {
+        PipelinePart::AlphaTest | PipelinePart::Blending if !reads_albedo => {
             Some("this shading ignores opacity and alpha")
         }
-        PipelinePart::CutOut => match transparency {
+        PipelinePart::AlphaTest => match transparency {
             Transparency::Opaque => Some("no texture that is read has alpha"),
-            Transparency::CutOut => None,
+            Transparency::AlphaTested => None,
             Transparency::Blended => Some("the material is blended instead"),
         },
         PipelinePart::Light => (!lit).then_some("this shading is unlit"),
@@ -384,7 +384,7 @@ fn skip_reason(
         PipelinePart::Emission => (material.emission == Vec3::ZERO).then_some("the material emits no light"),
         PipelinePart::Blending => match transparency {
             Transparency::Opaque => Some("material and texture are opaque"),
-            Transparency::CutOut => Some("every alpha is 0 or 1: alpha-tested instead"),
+            Transparency::AlphaTested => Some("every alpha is 0 or 1: alpha-tested instead"),
             Transparency::Blended => None,
         },
     }

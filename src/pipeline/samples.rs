@@ -30,7 +30,7 @@ pub(super) fn draw<N: Numbers, O: Observer>(
     let (what, how) = ((triangle, edges), (comparison, until));
     match shader.transparency() {
         Transparency::Opaque => draw_as::<N, O, false, false>(what, spans, shader, how, frame, observer),
-        Transparency::CutOut => draw_as::<N, O, true, false>(what, spans, shader, how, frame, observer),
+        Transparency::AlphaTested => draw_as::<N, O, true, false>(what, spans, shader, how, frame, observer),
         Transparency::Blended => draw_as::<N, O, false, true>(what, spans, shader, how, frame, observer),
     }
 }

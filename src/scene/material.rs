@@ -14,7 +14,7 @@ pub enum Transparency {
     #[default]
     Opaque,
     /// The surface is alpha-tested: opaque where the texture's alpha passes, and not drawn elsewhere.
-    CutOut,
+    AlphaTested,
     /// The surface is blended with the surfaces behind it.
     Blended,
 }
@@ -96,7 +96,7 @@ impl Material {
         }
         let of_texture = |id| match library.texture(id).alpha() {
             Alpha::Opaque => Transparency::Opaque,
-            Alpha::AllOrNothing => Transparency::CutOut,
+            Alpha::AllOrNothing => Transparency::AlphaTested,
             Alpha::Graded => Transparency::Blended,
         };
         read.into_iter().map(of_texture).max().unwrap_or_default()

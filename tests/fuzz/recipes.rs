@@ -24,7 +24,7 @@ const FILE: &str = "scene.txt";
 const REPLAYED: u32 = 10;
 
 /// Alpha codes of textures, by the keyword of the texture in the file.
-const ALPHA: [(&str, &[u8]); 3] = [("opaque", &[255]), ("cut-out", &[0, 255]), ("graded", &[0, 90, 200, 255])];
+const ALPHA: [(&str, &[u8]); 3] = [("opaque", &[255]), ("binary", &[0, 255]), ("graded", &[0, 90, 200, 255])];
 
 /// Fuzz target that draws random scenes with random settings.
 pub(crate) struct Recipes;
@@ -46,7 +46,7 @@ impl Target for Recipes {
         }
         for _ in 0..rng.u8(1..4) {
             let opacity = *pick(rng, &[1.0, 1.0, 0.4, 0.0]);
-            let texture = word(rng, &["none", "none", "opaque", "cut-out", "graded"]);
+            let texture = word(rng, &["none", "none", "opaque", "binary", "graded"]);
             lines.push(format!("object {opacity} {texture}"));
             for _ in 0..rng.u8(1..8) {
                 lines.push(triangle(rng));

@@ -181,7 +181,7 @@ fn emission_is_added_after_light_by_all_shadings_of_materials() {
 #[test]
 fn an_opacity_map_cuts_out_or_blends_as_the_alpha_of_a_texture_does() {
     let mut random = fastrand::Rng::with_seed(6);
-    for (codes, kind) in [(&[0, 255][..], Transparency::CutOut), (&[0, 90, 200, 255], Transparency::Blended)] {
+    for (codes, kind) in [(&[0, 255][..], Transparency::AlphaTested), (&[0, 90, 200, 255], Transparency::Blended)] {
         let color = noise_texture(&mut random);
         let map = with_alpha(&mut random, &Image::filled(5, 7, [255; 4]), codes);
         let both = Image::from_fn(5, 7, |x, y| {

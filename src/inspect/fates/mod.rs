@@ -50,7 +50,7 @@ choice! {
         FrontFacing = "front-facing", "Front-facing", "The triangle is front-facing and removed by culling. To show it, set culling to none.";
         NoCentre = "no-centre", "No pixel centre", "The triangle lies between pixel centres or outside the picture and covers no pixel centre.";
         LostDepth = "lost-depth", "Depth failed", "All fragments of the triangle failed the depth test.";
-        AlphaRejected = "cut-out", "Alpha failed", "No fragment of the triangle was written: those that passed the depth test failed the alpha test.";
+        AlphaRejected = "alpha-failed", "Alpha failed", "No fragment of the triangle was written: those that passed the depth test failed the alpha test.";
         Overwritten = "overwritten", "Overwritten", "The triangle was drawn, but later fragments cover all of it.";
         BlendedOver = "seen-through", "Seen through", "The triangle is visible only through blended surfaces in front of it.";
         Visible = "visible", "Visible", "The triangle is the front surface of at least one pixel.";
@@ -61,7 +61,7 @@ choice! {
     /// Fate of a fragment that the rasterizer generated, from worst to best.
     pub FragmentFate {
         LostDepth = "lost-depth", "Depth failed", "The fragment failed the depth test.";
-        AlphaRejected = "cut-out", "Alpha failed", "The fragment failed the alpha test.";
+        AlphaRejected = "alpha-failed", "Alpha failed", "The fragment failed the alpha test.";
         Overwritten = "overwritten", "Overwritten", "The fragment was written, but a later fragment covered it: wasted work.";
         BlendedOver = "seen-through", "Seen through", "The fragment was written and is visible through later blended fragments.";
         Visible = "visible", "Visible", "The fragment is the front surface in the finished picture.";

@@ -76,7 +76,7 @@ fn fragment_fates_match_the_replays_of_all_pixels() {
                     FragmentOutcome::Overwritten => FragmentFate::Overwritten,
                     FragmentOutcome::BlendedOver => FragmentFate::BlendedOver,
                     FragmentOutcome::DepthRejected => FragmentFate::LostDepth,
-                    FragmentOutcome::CutOut => FragmentFate::AlphaRejected,
+                    FragmentOutcome::AlphaRejected => FragmentFate::AlphaRejected,
                 };
                 expected.0[fate as usize] += 1;
             }

@@ -76,7 +76,7 @@ pub(crate) enum Cause {
     Tie,
     /// The pixel's centre lies inside the triangle, but the rasterizer skips it because of its algorithm or of
     /// rounding.
-    LeftOut,
+    Skipped,
     /// The triangle would cover the pixel, but lies beyond the far plane there.
     FarPlane,
     /// A corner of the triangle is NaN or infinite, so the triangle is not drawn at any pixel.
@@ -96,7 +96,7 @@ impl Cause {
             Self::NearPlane => "near plane",
             Self::NotDrawnYet => "not drawn yet",
             Self::Tie => "edge tie",
-            Self::LeftOut => "skipped",
+            Self::Skipped => "skipped",
             Self::FarPlane => "far plane",
             Self::NotFinite => "not finite",
             Self::ZeroArea => "zero area",
@@ -109,7 +109,7 @@ impl Cause {
         match self {
             Self::BackFacing | Self::FrontFacing | Self::ZeroArea | Self::NotDrawnYet => Kind::Culled,
             Self::NearPlane | Self::FarPlane | Self::NotFinite => Kind::Clipped,
-            Self::Tie | Self::LeftOut | Self::Missed => Kind::Missed,
+            Self::Tie | Self::Skipped | Self::Missed => Kind::Missed,
         }
     }
 }
@@ -218,8 +218,8 @@ mod tests {
         let mut recipe = Recipe::default();
         recipe.pipeline.rasterizer = Rasterizer::BoundingBoxPublished;
         let (_, reports) = reports("triangle", &recipe);
-        let left_out = reports.iter().flat_map(|r| &r.absent).find(|a| a.cause == Cause::LeftOut).unwrap();
-        assert!(left_out.reason.contains("skipped by “Bounding box (as published)”"), "{}", left_out.reason);
+        let skipped = reports.iter().flat_map(|r| &r.absent).find(|a| a.cause == Cause::Skipped).unwrap();
+        assert!(skipped.reason.contains("skipped by “Bounding box (as published)”"), "{}", skipped.reason);
     }
 
     #[test]
@@ -235,7 +235,7 @@ mod tests {
                     let edges = miss.edges.unwrap();
                     assert!(edges.iter().any(|edge| *edge < 0.0) && miss.distance_px > Some(0.0), "{id} {miss:?}");
                 }
-                assert!(report.absent.iter().all(|a| a.cause != Cause::LeftOut), "{id}");
+                assert!(report.absent.iter().all(|a| a.cause != Cause::Skipped), "{id}");
                 assert!(report.absent.iter().all(|a| report.fragments.iter().all(|f| f.triangle != a.triangle)));
             }
             assert!(count > 1000, "{id} {count}");

@@ -129,7 +129,7 @@ fn absent(
     } else {
         let by =
             if settings.rasterizer.is_published() { settings.rasterizer.name() } else { settings.arithmetic.name() };
-        (Cause::LeftOut, format!("has the centre inside, but is skipped by “{by}”: {}", failed_edge(edges)))
+        (Cause::Skipped, format!("has the centre inside, but is skipped by “{by}”: {}", failed_edge(edges)))
     };
     let instance = scene.instances[triangle.instance as usize].name.clone();
     Some(Absent {

@@ -134,7 +134,7 @@ fn discarded_fragments_match_the_replay_of_every_pixel() {
                 let ended = |outcome| report.fragments.iter().filter(|f| f.outcome == outcome).count();
                 let is_culled = |absent: &&Absent| matches!(absent.cause, Cause::BackFacing | Cause::FrontFacing);
                 let culled = report.absent.iter().filter(is_culled).count();
-                let counts = [ended(FragmentOutcome::DepthRejected), ended(FragmentOutcome::CutOut), culled];
+                let counts = [ended(FragmentOutcome::DepthRejected), ended(FragmentOutcome::AlphaRejected), culled];
                 let names = ["depth test", "alpha test", "face culling"].into_iter().zip(counts);
                 let words: Vec<_> = names.filter(|(_, n)| *n > 0).map(|(name, n)| format!("{name} {n}")).collect();
                 let expected = (!words.is_empty()).then(|| words.join(", "));

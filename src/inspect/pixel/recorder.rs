@@ -135,7 +135,7 @@ impl Observer for FragmentRecorder<'_> {
         let alpha = self.shaders[triangle.instance as usize].alpha(fragment);
         let Some(record) = self.records.last_mut() else { return };
         record.alpha = Some(alpha);
-        record.outcome = FragmentOutcome::CutOut;
+        record.outcome = FragmentOutcome::AlphaRejected;
         record.reason = format!("failed the alpha test: alpha {alpha} < {ALPHA_TEST_THRESHOLD}");
     }
 

@@ -193,7 +193,7 @@ pub(super) fn unit_component(vector: [f32; 3], axis: usize) -> Formula {
 
 /// Writes the clipping steps. Returns the corners of the piece that contains the fragment.
 fn clip(subject: &TracedFragment<'_>, corners: Vec<NamedVertex>, scribe: &mut TraceRecorder) -> Vec<NamedVertex> {
-    if let PlanStep::LeftOut(reason) = subject.plan.step(PipelinePart::Clipping) {
+    if let PlanStep::Skipped(reason) = subject.plan.step(PipelinePart::Clipping) {
         scribe.decide("clipping", reason, "skipped");
         return corners;
     }

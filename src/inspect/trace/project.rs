@@ -84,7 +84,7 @@ fn depth_formula(subject: &TracedFragment<'_>, vertex: &ClipVertex, screen: &Scr
 /// Writes the trace lines of each corner's 1/w divided by the largest 1/w. Interpolation weights are computed from
 /// these quotients.
 fn relative(subject: &TracedFragment<'_>, corners: &[NamedVertex], scribe: &mut TraceRecorder) {
-    if let PlanStep::LeftOut(reason) = subject.plan.step(PipelinePart::PerspectiveDivision) {
+    if let PlanStep::Skipped(reason) = subject.plan.step(PipelinePart::PerspectiveDivision) {
         scribe.decide("relative 1/w", reason, "1 at all corners");
         return;
     }

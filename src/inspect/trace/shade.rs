@@ -187,7 +187,7 @@ fn opacity(subject: &TracedFragment<'_>, alpha: f32, scribe: &mut TraceRecorder)
         None => formula,
     };
     scribe.compute("alpha", alpha, &formula).shown_by(Intermediate::Alpha);
-    if subject.record.transparency == Transparency::CutOut {
+    if subject.record.transparency == Transparency::AlphaTested {
         let words = format!("alpha < {ALPHA_TEST_THRESHOLD}: discarded");
         let line = scribe.decide("alpha test", words, if alpha < ALPHA_TEST_THRESHOLD { "fails" } else { "passes" });
         line.flag(Notable::Tie, alpha == ALPHA_TEST_THRESHOLD);

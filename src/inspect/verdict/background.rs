@@ -8,7 +8,7 @@ use crate::inspect::pixel::{FragmentOutcome, FragmentRecord};
 /// that does not cover it, if known.
 pub(super) fn verdict(fragments: &[FragmentRecord], absent: &[Absent]) -> String {
     let with = |outcome| count_triangles(fragments.iter().filter(|f| f.outcome == outcome));
-    match (with(FragmentOutcome::DepthRejected), with(FragmentOutcome::CutOut)) {
+    match (with(FragmentOutcome::DepthRejected), with(FragmentOutcome::AlphaRejected)) {
         (0, 0) => absence(absent),
         (1, 0) => "Background: the only triangle here failed the depth test.".to_owned(),
         (lost, 0) => format!("Background: all {lost} triangles here failed the depth test."),

@@ -546,7 +546,7 @@ impl TiledFrame<'_> {
         let transparency = if self.all_opaque { Transparency::Opaque } else { self.transparency(entrants.get(slot)) };
         match transparency {
             Transparency::Opaque => self.draw_opaque(simd, (tile, locations), (triangles, lane, slot), owner),
-            Transparency::CutOut => {
+            Transparency::AlphaTested => {
                 let triangle = triangles.triangle(lane, slot);
                 self.draw_alpha_tested(simd, (tile, locations), &triangle, (entrants, place), owner);
             }

@@ -162,8 +162,8 @@ pub(super) fn keep_tested<S: Simd>(
             let weights = tested.weights(simd, subject);
             locate_texels(simd, shader, shader.plan, subject.one, weights, (&mut taps, coarse.as_mut()));
             let alpha = texture.read_levels_alpha(simd, layout, (&taps, coarse.as_ref())) * shader.shader.opacity();
-            let cut_out = alpha.simd_lt(ALPHA_TEST_THRESHOLD).to_bitmask();
-            tested.passed & !cut_out
+            let failed = alpha.simd_lt(ALPHA_TEST_THRESHOLD).to_bitmask();
+            tested.passed & !failed
         },
     )
 }

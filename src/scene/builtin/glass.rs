@@ -111,7 +111,7 @@ mod tests {
         let scene = STAINED_GLASS.build();
         let kinds = scene.library.materials().iter().map(|m| m.transparency(&scene.library, m.texture));
         let kinds: Vec<_> = kinds.collect();
-        for (kind, count) in [(Transparency::Opaque, 2), (Transparency::CutOut, 1), (Transparency::Blended, 4)] {
+        for (kind, count) in [(Transparency::Opaque, 2), (Transparency::AlphaTested, 1), (Transparency::Blended, 4)] {
             assert_eq!(kinds.iter().filter(|k| **k == kind).count(), count, "{kind:?}");
         }
     }

@@ -42,7 +42,7 @@ impl Mode {
         (
             Self::Tiles,
             "Tiles",
-            "Show pictures side by side with a shared zoom, position and pick; hold Shift to show A in every tile  (T)",
+            "Show pictures side by side with a shared zoom, position and selected pixel; hold Shift to show A in every tile  (T)",
         ),
         (Self::Wipe, "Wipe", "Show A left of a line and B right of it; drag the line to move it  (W)"),
         (Self::Flip, "Flip", "Show A in the whole canvas; hold Shift to show B  (B)"),

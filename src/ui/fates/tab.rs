@@ -28,7 +28,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session) {
             ui,
             Status::Error,
             &complaint,
-            "Internal error of the program: every triangle and every fragment must have exactly one fate",
+            "Internal error: some triangle or fragment does not have exactly one fate",
         );
     }
     if !session.state.recipe.antialias.is_off() {

@@ -123,7 +123,7 @@ impl CaseView {
     /// none.
     fn progress(&self, ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         let Some(running) = &self.running else { return };
-        let cancelled = ui.button("Cancel").on_hover_text("Stop the evaluation; the last result stays").clicked();
+        let cancelled = ui.button("Cancel").on_hover_text("Stop the evaluation and keep the last result").clicked();
         ui.add(ProgressBar::new(running.progress.unwrap_or(0.0)).desired_width(200.0).show_percentage());
         if !cancelled {
             return;

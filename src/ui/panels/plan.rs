@@ -75,8 +75,8 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session) {
             let color = if step.runs() { tokens(ui).text_strong } else { tokens(ui).text_weak };
             let drawn = format!("{:.2} % of pixels", frame.drawn_share() * 100.0);
             let text = match step {
-                PlanStep::LeftOut(_) if part == FramePart::EveryPixel => &drawn,
-                PlanStep::LeftOut(_) => "skipped",
+                PlanStep::Skipped(_) if part == FramePart::EveryPixel => &drawn,
+                PlanStep::Skipped(_) => "skipped",
                 PlanStep::Run => "whole frame",
             };
             ui.label(RichText::new(text).monospace().color(color));
@@ -118,7 +118,7 @@ fn saved(ui: &mut Ui, session: &Session, view: &RenderedView, part: PipelinePart
 pub(crate) fn reasons(plans: &[DrawPlan], part: PipelinePart) -> String {
     let mut counts = BTreeMap::new();
     for plan in plans {
-        if let PlanStep::LeftOut(reason) = plan.step(part) {
+        if let PlanStep::Skipped(reason) = plan.step(part) {
             *counts.entry(reason).or_insert(0_u64) += 1;
         }
     }

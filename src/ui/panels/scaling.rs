@@ -17,7 +17,7 @@ const WORDS: f32 = 50.0;
 /// Draws the controls of the tab “Scaling”, beside the tabs.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if let Some((quantity, share)) = session.scaling.progress {
-        if ui.button("Cancel").on_hover_text("Stop the measurement; the last result stays").clicked() {
+        if ui.button("Cancel").on_hover_text("Stop the measurement and keep the last result").clicked() {
             commands.push(Command::CancelScaling);
         }
         ui.add(ProgressBar::new(share).desired_width(240.0).text(quantity.name()));

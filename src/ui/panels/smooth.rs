@@ -12,7 +12,7 @@ use crate::upscale::{self, Upscaling};
 
 /// Draws the anti-aliasing settings.
 pub(super) fn antialias(ui: &mut Ui, antialias: &mut Antialiasing) {
-    row(ui, "Anti-aliasing", "Anti-aliasing method, which places the samples of each drawn pixel", |ui| {
+    row(ui, "Anti-aliasing", "Anti-aliasing method and the pattern of its samples", |ui| {
         pick(ui, &mut antialias.method)
     });
     note(ui, crate::pipeline::settings::Choice::help(antialias.method));
@@ -20,7 +20,7 @@ pub(super) fn antialias(ui: &mut Ui, antialias: &mut Antialiasing) {
         return;
     }
     if antialias.method != AntialiasMethod::RotatedGrid {
-        row(ui, "Samples", "Number of samples of each drawn pixel", |ui| pick(ui, &mut antialias.samples));
+        row(ui, "Samples", "Samples per rendered pixel", |ui| pick(ui, &mut antialias.samples));
     }
     if antialias.method == AntialiasMethod::Jittered {
         row(ui, "Seed", "Different seeds give different sample positions", |ui| {

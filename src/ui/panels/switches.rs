@@ -204,7 +204,7 @@ fn clip(ui: &mut Ui, session: &Session) {
     for fate in [Fate::Outside, Fate::ClippedAway, Fate::NotFinite] {
         fate_row(ui, figures, fate);
     }
-    left_out(ui, view, PipelinePart::Clipping);
+    note_skipped(ui, view, PipelinePart::Clipping);
 }
 
 fn fate_row(ui: &mut Ui, figures: &StageFigures, fate: Fate) {
@@ -218,7 +218,7 @@ fn fate_row(ui: &mut Ui, figures: &StageFigures, fate: Fate) {
     );
 }
 
-fn left_out(ui: &mut Ui, view: &RenderedView, part: PipelinePart) {
+fn note_skipped(ui: &mut Ui, view: &RenderedView, part: PipelinePart) {
     let reasons = plan::reasons(&view.frame.plans, part);
     if !reasons.is_empty() {
         note(ui, format!("Skipped: {reasons}"));
@@ -323,7 +323,7 @@ fn interpolate(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
         pick(ui, &mut recipe.pipeline.interpolation)
     });
     if let Some(view) = &session.view {
-        left_out(ui, view, PipelinePart::PerspectiveDivision);
+        note_skipped(ui, view, PipelinePart::PerspectiveDivision);
     }
 }
 
@@ -357,19 +357,19 @@ fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
         row(ui, "Address", "Addressing of texture coordinates outside 0…1", |ui| pick(ui, &mut settings.address));
         row(ui, "Alpha", "Treatment of alpha when the filter mixes texels", |ui| pick(ui, &mut settings.alpha));
     } else {
-        left_out(ui, view, PipelinePart::Texels);
+        note_skipped(ui, view, PipelinePart::Texels);
     }
     if view.frame.plans.iter().any(|p| p.runs(PipelinePart::Blending)) {
         row(ui, "Blending order", "Order in which the fragments of blended materials are blended", |ui| {
             pick(ui, &mut settings.blending.order)
         });
     } else {
-        left_out(ui, view, PipelinePart::Blending);
+        note_skipped(ui, view, PipelinePart::Blending);
     }
     background(ui, session, &mut settings.background);
     for part in [PipelinePart::NormalMap, PipelinePart::Highlight, PipelinePart::Emission] {
         if settings.shading.reads_material() && !view.frame.plans.iter().any(|plan| plan.runs(part)) {
-            left_out(ui, view, part);
+            note_skipped(ui, view, part);
         }
     }
     row(ui, "Colour space", "Colour space in which light is computed and textures are filtered", |ui| {

@@ -25,7 +25,7 @@ const MAX_SETTINGS: (u32, u16) = (65_536, 4096);
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let probing = &session.probing;
     if let Some(progress) = probing.progress {
-        if ui.button("Cancel").on_hover_text("Stop the probe; the last result stays").clicked() {
+        if ui.button("Cancel").on_hover_text("Stop the probe and keep the last result").clicked() {
             commands.push(Command::Probe(ProbeChange::Cancel));
         }
         ui.add(ProgressBar::new(progress).desired_width(200.0).show_percentage());

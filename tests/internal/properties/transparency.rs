@@ -253,14 +253,14 @@ fn an_alpha_tested_surface_is_drawn_where_its_alpha_is_at_least_one_half() {
     for_seeds(20, |rng| {
         let image = noise_texture(rng);
         let image = with_alpha(rng, &image, &[0, 255]);
-        let [cut_out, opaque] = [image.clone(), image.map(|[r, g, b, _]| [r, g, b, 255])].map(leaning);
+        let [alpha_tested, opaque] = [image.clone(), image.map(|[r, g, b, _]| [r, g, b, 255])].map(leaning);
         let alpha = leaning(image.map(|[_, _, _, a]| [a, a, a, 255]));
         let behind = panes([Pane { z: -1.0, color: Vec3::X, opacity: 1.0 }]);
         for filter in TexelFilter::ALL {
             let mut recipe = recipe(&["color-space=bytes", "shading=texture"]);
             recipe.pipeline.filter = *filter;
-            let [cut_out, opaque, alpha, behind] =
-                [&cut_out, &opaque, &alpha, &behind].map(|s| render(s, &recipe, SIZE));
+            let [alpha_tested, opaque, alpha, behind] =
+                [&alpha_tested, &opaque, &alpha, &behind].map(|s| render(s, &recipe, SIZE));
             let leaning = |x: u32, y: u32| {
                 opaque.drawn.depth.as_ref().unwrap().at(x, y) != behind.drawn.depth.as_ref().unwrap().at(x, y)
             };
@@ -272,9 +272,9 @@ fn an_alpha_tested_surface_is_drawn_where_its_alpha_is_at_least_one_half() {
                     _ => &opaque,
                 };
                 *(if std::ptr::eq(expected, &behind) { &mut gone } else { &mut there }) += 1;
-                assert_eq!(cut_out.image().at(x, y), expected.image().at(x, y), "{x} {y} {filter:?}");
+                assert_eq!(alpha_tested.image().at(x, y), expected.image().at(x, y), "{x} {y} {filter:?}");
                 let depth = |frame: &rasterscope::chain::Frame| frame.drawn.depth.as_ref().map(|d| d.at(x, y));
-                assert_eq!(depth(&cut_out), depth(expected), "{x} {y} {filter:?}");
+                assert_eq!(depth(&alpha_tested), depth(expected), "{x} {y} {filter:?}");
             }
         }
     });
@@ -305,13 +305,13 @@ fn shadings_that_show_no_material_are_opaque_and_say_why() {
         let kinds: Vec<_> = frame.geometry.plans.iter().map(DrawPlan::transparency).collect();
         for (plan, kind) in frame.geometry.plans.iter().zip(&kinds) {
             assert_eq!(plan.runs(PipelinePart::Blending), *kind == Transparency::Blended);
-            assert_eq!(plan.runs(PipelinePart::CutOut), *kind == Transparency::CutOut);
+            assert_eq!(plan.runs(PipelinePart::AlphaTest), *kind == Transparency::AlphaTested);
             if !shading.reads_material() {
-                let PlanStep::LeftOut(reason) = plan.step(PipelinePart::Blending) else { panic!("{shading:?} blends") };
+                let PlanStep::Skipped(reason) = plan.step(PipelinePart::Blending) else { panic!("{shading:?} blends") };
                 assert!(reason.contains("ignores opacity"), "{reason}");
             }
         }
-        for kind in [Transparency::CutOut, Transparency::Blended] {
+        for kind in [Transparency::AlphaTested, Transparency::Blended] {
             assert_eq!(kinds.contains(&kind), shading.reads_material(), "{shading:?} {kind:?}");
         }
         if !shading.reads_material() {

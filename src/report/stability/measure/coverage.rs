@@ -128,8 +128,8 @@ mod tests {
         let case = square();
         let mut answers = ExpectedCoverage::new(&case).unsnapped;
         // The second triangle omits its first pixel on row 7 and covers one of the first triangle's on row 3.
-        let left_out = answers[1].iter_mut().find(|s| s.row == 7).unwrap();
-        left_out.left += 1;
+        let omitted = answers[1].iter_mut().find(|s| s.row == 7).unwrap();
+        omitted.left += 1;
         answers[1].push(Span { row: 3, left: 6, right: 7 });
         let (measures, culprits) = judged(&case, Snap::Unsnapped, &answers);
         assert_eq!(

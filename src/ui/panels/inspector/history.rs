@@ -96,10 +96,10 @@ impl HistoryView {
         for (index, fragment) in report.fragments.iter().enumerate() {
             if count > 2 * LISTED_AT_AN_END && (LISTED_AT_AN_END..count - LISTED_AT_AN_END).contains(&index) {
                 if index == LISTED_AT_AN_END {
-                    let left_out = count - 2 * LISTED_AT_AN_END;
+                    let omitted = count - 2 * LISTED_AT_AN_END;
                     ui.weak(format!(
                         "… {} more; copy this pixel as JSON to see them all …",
-                        format::count(left_out as u64)
+                        format::count(omitted as u64)
                     ));
                 }
                 continue;
@@ -195,9 +195,9 @@ impl<'a> HistoryRow<'a> {
         let (status, word) = match fragment.outcome {
             FragmentOutcome::Visible => (Status::Passed, "visible"),
             FragmentOutcome::Overwritten => (Status::Neutral, "overwritten"),
-            FragmentOutcome::BlendedOver => (Status::Passed, "seen through"),
+            FragmentOutcome::BlendedOver => (Status::Passed, "blended over"),
             FragmentOutcome::DepthRejected => (Status::Rejected, "rejected"),
-            FragmentOutcome::CutOut => (Status::Rejected, "alpha test"),
+            FragmentOutcome::AlphaRejected => (Status::Rejected, "alpha test"),
         };
         Self {
             status,

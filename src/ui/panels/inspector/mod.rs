@@ -186,7 +186,7 @@ fn headline(ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
                 commands.push(Command::Watch(watch::WatchChange::Add(report.x, report.y)));
                 commands.push(Command::OpenTab(Tab::Watch));
             }
-            if crate::ui::widgets::icon_button(ui, Icon::X, "Clear the pick  (Esc)").clicked() {
+            if crate::ui::widgets::icon_button(ui, Icon::X, "Clear the selection  (Esc)").clicked() {
                 commands.push(Command::Pick(None));
             }
         });
