@@ -52,7 +52,7 @@ chapters! {
     Changelog = "16-changelog.md",
 }
 
-/// Section of a chapter: a heading of first or second level, with the text up to the next one.
+/// Section of a chapter: a first-level or second-level heading, with the text up to the next such heading.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Section {
     /// Text of the heading, without its leading `#` marks.
@@ -80,10 +80,18 @@ impl Chapter {
         self.text().lines().find_map(|line| line.strip_prefix("# ")).unwrap_or(self.file())
     }
 
-    /// Returns the chapter that a link within the manual points to, or `None` if it points elsewhere.
-    pub(crate) fn of_link(link: &str) -> Option<Self> {
-        let file = link.split('#').next()?;
-        Self::ALL.iter().copied().find(|chapter| chapter.file() == file)
+    /// Returns the chapter that a link in this chapter points to, and the index of the section in
+    /// [`Chapter::sections`]. Returns `None` if the link leads outside the manual or to an unknown heading.
+    pub(crate) fn linked_section(self, link: &str) -> Option<(Self, usize)> {
+        let (file, wanted) = link.split_once('#').unwrap_or((link, ""));
+        let chapter =
+            if file.is_empty() { self } else { Self::ALL.iter().copied().find(|chapter| chapter.file() == file)? };
+        if wanted.is_empty() {
+            return Some((chapter, 0));
+        }
+        let has_heading =
+            |section: &Section| section.markdown.lines().any(|line| line.starts_with('#') && anchor(line) == wanted);
+        Some((chapter, chapter.sections().iter().position(has_heading)?))
     }
 
     /// Returns the sections in reading order. Images are omitted, because they show the window that the reader is
@@ -176,6 +184,12 @@ pub fn find(query: &str) -> Vec<Passage> {
     found
 }
 
+/// Returns the anchor of a heading, as GitHub generates it.
+fn anchor(heading: &str) -> String {
+    let text = heading.trim_start_matches('#').trim().to_lowercase();
+    text.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).map(|c| if c == ' ' { '-' } else { c }).collect()
+}
+
 /// Returns a line of Markdown as plain text, without its marks.
 fn plain(line: &str) -> Cow<'_, str> {
     let line = line.trim_start_matches(['#', '-', '*', '|', '>', ' ']);
@@ -202,6 +216,34 @@ mod tests {
         assert_eq!((found[0].chapter, found[0].section), (Chapter::GettingStarted, 0));
         assert!(find("getting qqqqq").is_empty());
         assert!(find("  ").is_empty());
+    }
+
+    #[test]
+    fn links_lead_to_the_section_with_the_heading() {
+        let from = Chapter::Stability;
+        let heading = |(chapter, section): (Chapter, usize)| (chapter, chapter.sections()[section].heading);
+        assert_eq!(from.linked_section("#probe").map(heading), Some((from, "Probe")));
+        let file = Chapter::Reference.file();
+        let keys = from.linked_section(&format!("{file}#keys-and-mouse")).map(heading);
+        assert_eq!(keys, Some((Chapter::Reference, "Keys and mouse")));
+        assert_eq!(from.linked_section(file), Some((Chapter::Reference, 0)));
+        for outside in ["https://example.org/#probe", "#no-such-heading", "no-such-file.md"] {
+            assert_eq!(from.linked_section(outside), None, "{outside}");
+        }
+    }
+
+    #[test]
+    fn every_link_to_a_heading_of_the_manual_is_found() {
+        let mut count = 0;
+        for chapter in Chapter::ALL {
+            for link in chapter.sections().iter().flat_map(Section::links).filter(|link| link.contains('#')) {
+                if !link.contains("://") && !link.starts_with("..") {
+                    assert!(chapter.linked_section(link).is_some(), "{}: {link}", chapter.file());
+                    count += 1;
+                }
+            }
+        }
+        assert!(count > 10, "{count} links");
     }
 
     #[test]

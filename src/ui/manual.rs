@@ -1,6 +1,6 @@
 //! The manual window: search field and list of chapters on the left, the open chapter on the right.
 
-use std::collections::HashMap;
+use std::collections::BTreeSet;
 
 use eframe::egui::{self, Key, Label, RichText, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2};
 use egui_commonmark::{CommonMarkCache, CommonMarkViewer};
@@ -30,8 +30,8 @@ pub(crate) struct ManualWindow {
     /// Whether the search field gets the keyboard focus in the next frame.
     focuses_search: bool,
     cache: CommonMarkCache,
-    /// Chapter that each link in the manual refers to, keyed by the link's target.
-    links: HashMap<String, Chapter>,
+    /// Targets of all links in the manual, except web addresses.
+    links: BTreeSet<String>,
 }
 
 impl ManualWindow {
@@ -43,15 +43,11 @@ impl ManualWindow {
             None => self.focuses_search = true,
         }
         if self.links.is_empty() {
-            for chapter in Chapter::ALL.iter().copied() {
-                for section in chapter.sections() {
-                    for link in section.links() {
-                        self.cache.add_link_hook(link);
-                        if let Some(target) = Chapter::of_link(link) {
-                            self.links.insert(link.to_owned(), target);
-                        }
-                    }
-                }
+            let sections: Vec<_> = Chapter::ALL.iter().flat_map(|chapter| chapter.sections()).collect();
+            let links = sections.iter().flat_map(Section::links).filter(|link| !link.contains("://"));
+            self.links = links.map(str::to_owned).collect();
+            for link in &self.links {
+                self.cache.add_link_hook(link);
             }
         }
     }
@@ -140,10 +136,10 @@ impl ManualWindow {
                 }
             }
         });
-        let clicked = self.links.iter().find(|(link, _)| self.cache.get_link_hook(link) == Some(true));
-        if let Some((_, chapter)) = clicked {
-            let chapter = *chapter;
-            self.go_to(chapter, 0);
+        let clicked = self.links.iter().find(|link| self.cache.get_link_hook(link) == Some(true));
+        let target = clicked.and_then(|link| self.chapter.linked_section(link));
+        if let Some((chapter, section)) = target {
+            self.go_to(chapter, section);
         }
     }
 }

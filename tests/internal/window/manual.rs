@@ -56,6 +56,20 @@ fn a_panel_opens_its_chapter() {
 }
 
 #[test]
+fn a_link_scrolls_to_its_section() {
+    let mut bench = Bench::small("triangle");
+    bench.press(Key::F1);
+    bench.click(Chapter::Stability.title());
+    let heading = |bench: &Bench| bench.window.get_by_role_and_label(Role::Label, "Probe").rect().top();
+    let top = bench.window.get_by_role_and_label(Role::TextInput, "Search the manual").rect().top();
+    let before = heading(&bench) - top;
+    bench.window.get_by_role_and_label(Role::Link, "probe").click();
+    bench.rest();
+    let after = heading(&bench) - top;
+    assert!(before > 100.0 && after.abs() < 20.0, "the page scrolls to the heading: {before} → {after}");
+}
+
+#[test]
 fn the_manual_survives_the_narrowest_window() {
     let mut bench = Bench::small("triangle");
     bench.press(Key::F1);
