@@ -1,9 +1,9 @@
 //! File access: bounded reading of untrusted files, and atomic writing of outputs.
 //!
-//! Reading: the path may come from an untrusted file, and the result is the content of the file or an error. Folders,
-//! devices and pipes are refused before they are opened, because opening a pipe waits for its writer and a device may
-//! never end. Files that report a length of 0 count as empty and are not opened either, because reading some files in
-//! `/proc` blocks. No more than the size limit is read, even if the file grows meanwhile.
+//! Reading: a path may come from an untrusted file, such as a model. The result is the content of the file at that
+//! path, or an error. Folders, devices and pipes are refused before they are opened, because opening a pipe waits for
+//! its writer and a device may never end. Files that report a length of 0 count as empty and are not opened either,
+//! because reading some files in `/proc` blocks. No more than the size limit is read, even if the file grows meanwhile.
 //!
 //! Writing: every output of the program goes through [`write()`] or [`write_new`]. The bytes are written to a temporary
 //! file in the same folder and flushed to the disk; then the file is renamed to the output. The output name therefore
@@ -112,7 +112,7 @@ pub(crate) fn write_by(path: &Path, produce: impl FnOnce(&mut dyn io::Write) -> 
             file.flush()
         }
         Destination::Replaced(path) => {
-            // Fails for a file without write permission, which a rename would replace.
+            // Fails for a file without write permission. The rename would replace even such a file.
             let permissions = OpenOptions::new().write(true).open(&path)?.metadata()?.permissions();
             let file = produced(folder_of(&path), produce)?;
             file.as_file().set_permissions(permissions)?;
@@ -172,7 +172,7 @@ pub(crate) fn check_writable(path: &Path) -> io::Result<()> {
 /// dropped.
 ///
 /// # Errors
-/// Returns an error if the file cannot be opened, or if another process has held the lock for two seconds.
+/// Returns an error if the file cannot be opened, or if other processes hold the lock for two seconds.
 pub(crate) fn lock(path: &Path) -> io::Result<File> {
     const TRIES: u32 = 100;
     let file = OpenOptions::new().create(true).truncate(false).write(true).open(path)?;
@@ -210,7 +210,7 @@ impl Destination {
                 Err(error) => return Err(error),
             };
             if metadata.is_symlink() {
-                // Links in /proc refer to open files, which have no name to be replaced.
+                // A link in /proc refers to an open file, which may have no name that a rename could replace.
                 if folder.starts_with("/proc") {
                     return Ok(Self::Direct(path));
                 }

@@ -1,6 +1,6 @@
 //! Rasterscope: a software rendering pipeline that can be stopped and inspected at any stage.
 //!
-//! Modules are listed in the order of the data flow; each imports only from those above it.
+//! Modules are listed in the order of the data flow; each module imports only from the modules above it.
 //!
 //! # Examples
 //! Render a frame and explain one of its pixels:
@@ -67,7 +67,7 @@ pub mod ui;
 
 pub mod cli;
 
-// Tests across modules name the library as examples do.
+// Lets tests refer to the library as `rasterscope`, like the examples.
 #[cfg(test)]
 extern crate self as rasterscope;
 

@@ -2,11 +2,11 @@
 //! accurate to the last bits of an `f64`.
 //!
 //! The pixel, a square, is clipped by the half-plane of each edge that passes through it (Sutherland and Hodgman 1974).
-//! The shoelace formula gives the area of the clipped polygon. In plain floats, the area of a sliver would be the small
-//! difference of two large numbers. Values from the edge functions onward therefore have 106 bits of precision, in
-//! coordinates relative to the pixel. The result is rounded once.
+//! The shoelace formula gives the area of the clipped polygon. In plain floats, the area of a sliver would be lost to
+//! cancellation, because it is the small difference of two large numbers. The edge functions and everything computed
+//! from them therefore have 106 bits of precision, in coordinates relative to the pixel. The result is rounded once.
 //!
-//! The cost is a few float operations for each pixel of the triangle's bounding box within the picture, plus some
+//! The cost is a few float operations for each pixel of the triangle's bounding box within the picture, plus a few
 //! microseconds for each pixel that an edge passes through.
 
 use std::cmp::Ordering;
@@ -30,10 +30,10 @@ pub(crate) struct TriangleArea {
     probe: (u32, u32),
 }
 
-/// Returns an iterator over the pixels that a triangle covers, row by row from the top, with the covered area of each
-/// in px², in (0, 1]. Corners are in pixels, in either winding order, within the limits given in [`crate::flat2d`]. A
-/// degenerate triangle covers no pixel. A pixel touched only at its border may be reported with an area of up to 10⁻³⁰
-/// px².
+/// Returns an iterator over the pixels that a triangle covers, row by row from the top. Each item is (column, row,
+/// covered area in px²), with an area in (0, 1]. Corners are in pixels, in either winding order, within the limits
+/// given in [`crate::flat2d`]. A degenerate triangle covers no pixel. A pixel touched only at its border may be
+/// reported with an area of up to 10⁻³⁰ px².
 pub(crate) fn triangle_area(corners: [DVec2; 3], width: u32, height: u32) -> TriangleArea {
     let [a, b, c] = corners;
     let edges = [(a, b), (b, c), (c, a)].map(|(from, to)| HalfPlane::right_of(from, to, width, height));
@@ -48,7 +48,7 @@ pub(crate) fn triangle_area(corners: [DVec2; 3], width: u32, height: u32) -> Tri
 }
 
 impl TriangleArea {
-    /// Returns column and row of the next pixel of the bounding box to examine, or `None` after the last pixel.
+    /// Returns the column and row of the next pixel of the bounding box to examine, or `None` after the last pixel.
     pub(crate) fn probe(&self) -> Option<(u32, u32)> {
         (self.columns.contains(&self.probe.0) && self.rows.contains(&self.probe.1)).then_some(self.probe)
     }
@@ -99,7 +99,7 @@ impl Iterator for TriangleArea {
 struct HalfPlane {
     slope: PixelPoint,
     constant: DoubleDouble,
-    /// Upper bound on the rounding error of the edge function, if evaluated in `f64` at points within the picture.
+    /// Upper bound on the rounding error of the edge function when evaluated in `f64` at points within the picture.
     error: f64,
 }
 
@@ -133,14 +133,14 @@ impl HalfPlane {
         }
     }
 
-    /// Returns the edge function, slope · p + constant, at a pixel's top left corner.
+    /// Returns the value of the edge function, slope · p + constant, at a pixel's top left corner.
     fn at_pixel(&self, x: u32, y: u32) -> DoubleDouble {
         let [x, y] = [x, y].map(|place| DoubleDouble::from(f64::from(place)));
         self.slope[0] * x + self.slope[1] * y + self.constant
     }
 
-    /// Returns the edge function at `place`, relative to a pixel's top left corner. `at_corner` is the value at that
-    /// corner.
+    /// Returns the value of the edge function at `place`, a position relative to a pixel's top left corner. `at_corner`
+    /// is the function's value at that corner.
     fn at(&self, place: PixelPoint, at_corner: DoubleDouble) -> DoubleDouble {
         self.slope[0] * place[0] + self.slope[1] * place[1] + at_corner
     }
@@ -237,7 +237,7 @@ mod tests {
     fn every_pixel_has_the_area_found_by_integration() {
         let mut random = fastrand::Rng::with_seed(81);
         for round in 0..3_000 {
-            // Whole and half numbers put corners and edges on pixel borders and centres.
+            // Integer and half-integer coordinates put corners and edges on pixel borders and centres.
             let unit = [1.0, 2.0, 256.0, 1e6][round % 4];
             let mut coordinate = || ((random.f64() * 18.0 - 3.0) * unit).round() / unit;
             let corners = std::array::from_fn(|_| (coordinate(), coordinate()));
@@ -275,7 +275,7 @@ mod tests {
                 assert!((area / exact - 1.0).abs() <= f64::EPSILON, "{x}: {area}, not {exact}");
             }
         }
-        // Slanted sliver: a diagonal at 45°, and the same diagonal turned minimally around its upper end.
+        // Slanted sliver: a diagonal at 45°, and the same diagonal rotated minimally about its upper end.
         let hair = 2.0_f64.powi(-45);
         for (x, y, area) in areas([(0.0, 0.0), (8.0, 8.0), (8.0, 8.0 + hair)]) {
             if x == y {

@@ -8,7 +8,7 @@
 //! 2. the boundary between the two pixels is followed in both directions until the luma along it changes;
 //! 3. a straight line between the two endpoints cuts into the pixels on one side of the edge: each of them is blended
 //!    with its neighbour across the edge, weighted by the fraction of the pixel that the line cuts off;
-//! 4. a pixel that differs from its eight neighbours is blended at least with a weight that grows with the difference.
+//! 4. the blend weight of each pixel is at least a minimum that grows with its difference from its eight neighbours.
 
 use std::cell::RefCell;
 
@@ -22,15 +22,15 @@ use crate::math::lanes::*;
 /// luma of a pixel and its four neighbours.
 const MIN_CONTRAST: i16 = 8;
 
-/// Minimum contrast for an edge as a fraction of the brightest luma around the pixel, given as a right shift: 3 stands
-/// for 2⁻³.
+/// Minimum contrast for an edge as a fraction of the brightest luma around the pixel, given as a right shift: 3 means
+/// 2⁻³.
 const MIN_CONTRAST_SHIFT: u32 = 3;
 
 /// Maximum blend weight of the neighbour for an isolated pixel.
 const SUBPIXEL: f32 = 0.75;
 
-/// Minimum blend weight. With a smaller weight, the pixel stays unchanged. This happens at 20 % of the edge pixels of
-/// the scene chess at 1920 × 1080 px, and at 46 % of the edge pixels of stained-glass.
+/// Minimum blend weight. Pixels with a smaller weight stay unchanged: at 1920 × 1080 px, 20 % of the edge pixels of the
+/// scene `chess`, and 46 % of those of `stained-glass`.
 const MIN_SHARE: f32 = 1.0 / 256.0;
 
 /// Maximum distance, in pixels, over which an edge is followed in each direction. An edge ends where the mean luma of
@@ -40,7 +40,7 @@ pub(crate) const SEARCH_PX: u32 = 16;
 /// Number of pixels filtered together, one per 16-bit SIMD lane.
 const BLOCK: usize = 32;
 
-/// Number of rows and columns of luma on each side of a band: the maximum distance that the edge search reads.
+/// Number of rows and columns of luma on each side of a band: the maximum distance at which the edge search reads luma.
 const MARGIN: usize = SEARCH_PX as usize;
 
 /// Number of bands per thread. It is small, because the luma of the [`MARGIN`] rows above and below each band is
@@ -100,7 +100,7 @@ fn fill_band<S: Simd>(simd: S, source: FxaaInput<'_>, luma: &mut Vec<i16>, first
     }
 }
 
-/// Computes the luma of a row, and repeats its first and last value in the margins.
+/// Computes the luma of a row, and repeats its first and last values in the margins.
 #[inline(always)]
 fn fill_luma<S: Simd>(simd: S, pixels: &[Rgba8], luma: &mut [i16]) {
     let (blocks, rest) = pixels.as_chunks::<BLOCK>();
@@ -118,7 +118,8 @@ fn fill_luma<S: Simd>(simd: S, pixels: &[Rgba8], luma: &mut [i16]) {
     luma[MARGIN + pixels.len()..].fill(right);
 }
 
-/// Computes the luma of pixels by the Rec. 709 weights in 1/256: (54 r + 183 g + 19 b + 128) / 256, rounded down.
+/// Computes the luma of pixels with the Rec. 709 weights, in units of 1/256: (54 r + 183 g + 19 b + 128) / 256, rounded
+/// down.
 #[inline(always)]
 fn luma_of_block<S: Simd>(simd: S, pixels: &[Rgba8; BLOCK]) -> i16x32<S> {
     let halves = pixels.as_chunks::<WIDE>().0;
@@ -131,8 +132,8 @@ fn luma_of_block<S: Simd>(simd: S, pixels: &[Rgba8; BLOCK]) -> i16x32<S> {
     low.narrow(high).bitcast()
 }
 
-/// Filters one row in place. On entry, `row` holds the unfiltered pixels; `start` is the index of its first pixel in
-/// the picture.
+/// Filters one row in place. On entry, `row` holds the unfiltered pixels; `start` is the index, in the picture, of the
+/// first of these pixels.
 #[inline(always)]
 fn filter_row<S: Simd>(
     simd: S,
@@ -156,7 +157,8 @@ fn filter_row<S: Simd>(
             left &= left - 1;
             let across = if blends.horizontal >> lane & 1 != 0 { width } else { 1 };
             let own = start + x + lane;
-            // Never outside the picture: a repeated border pixel equals its original, so gradient and share are 0.
+            // `other` never lies outside the picture: the margins repeat the border pixels, so the gradient across the
+            // border is 0, and pixels with gradient 0 are not in `blends.found`.
             let other = if blends.towards_before >> lane & 1 != 0 { own - across } else { own + across };
             block[lane] = mix(tables, block[lane], picture.pixels()[other], blends.shares[lane], linear);
         }
@@ -179,7 +181,7 @@ struct ContrastEdges<S: Simd> {
     towards_before: mask16x32<S>,
     /// Luma of each pixel plus the luma of its neighbour across the edge.
     line: i16x32<S>,
-    /// The edge ends where [`ContrastEdges::line`] has risen or fallen by at least this much.
+    /// Minimum rise or fall of [`ContrastEdges::line`] that ends the edge.
     ends_at: i16x32<S>,
 }
 
@@ -192,7 +194,7 @@ struct EdgeDistances<S: Simd> {
     change: i16x32<S>,
 }
 
-/// Blend weights and neighbours of [`BLOCK`] pixels. Bit `i` of each mask stands for pixel `i`.
+/// Blend weights and neighbours of [`BLOCK`] pixels. Bit `i` of each mask belongs to pixel `i`.
 struct Blends {
     /// Mask of the pixels with a blend weight of at least [`MIN_SHARE`].
     found: u32,
@@ -222,7 +224,7 @@ impl Neighbourhood<'_> {
         contrast(cross).simd_ge(least.max(MIN_CONTRAST))
     }
 
-    /// Computes neighbour and blend weight of each pixel in the mask `found`.
+    /// Computes the neighbour to blend with and the blend weight of each pixel in the mask `found`.
     #[inline(always)]
     fn blends<S: Simd>(&self, simd: S, found: mask16x32<S>) -> Blends {
         let cross = self.cross(simd);
@@ -261,7 +263,7 @@ impl Neighbourhood<'_> {
         low.store_slice(&mut shares[..WIDE]);
         high.store_slice(&mut shares[WIDE..]);
         Blends {
-            // Without contrast the share is 0 / 0, hence the mask.
+            // The mask excludes pixels without contrast, whose share is 0 / 0.
             found: (found & low.simd_ge(MIN_SHARE).narrow(high.simd_ge(MIN_SHARE))).to_bitmask() as u32,
             horizontal: horizontal.to_bitmask() as u32,
             towards_before: towards_before.to_bitmask() as u32,
@@ -298,7 +300,7 @@ impl Neighbourhood<'_> {
 
 impl<S: Simd> EdgeDistances<S> {
     /// Moves the endpoints of the edges in the mask `going` to the distance `step`, in pixels. Returns a mask of the
-    /// edges that continue beyond it.
+    /// edges that continue beyond this distance.
     #[inline(always)]
     fn extend(&mut self, going: mask16x32<S>, step: usize, change: i16x32<S>, ends_at: i16x32<S>) -> mask16x32<S> {
         self.step = going.select(i16x32::splat(change.simd, step as i16), self.step);
@@ -320,8 +322,8 @@ fn contrast<S: Simd>(cross: [i16x32<S>; 5]) -> i16x32<S> {
 }
 
 /// Returns the blend weights of pixels: the distance from the middle of the edge divided by the edge's length, or more
-/// if a pixel differs from its neighbours. `numbers` are the difference of the distances to both endpoints, the edge's
-/// length, twelve times the difference from the mean of the neighbours, and the contrast.
+/// if a pixel differs from its neighbours. The elements of `numbers` are the difference between the distances to the
+/// two endpoints, the edge's length, twelve times the difference from the mean of the neighbours, and the contrast.
 #[inline(always)]
 fn share<S: Simd>(numbers: [i32x16<S>; 4]) -> f32x16<S> {
     let [off_centre, length, stands_out, contrast] = each!(i in [0, 1, 2, 3] => numbers[i].to_float::<f32x16<S>>());
@@ -455,7 +457,8 @@ mod tests {
             let (after, count) = (apply(&level, linear, None), |image: &Image<Rgba8>| {
                 image.pixels().iter().filter(|pixel| !matches!(pixel[0], 0 | 255)).count()
             });
-            // The edge spans the picture, so no line is slanted. Only pixels that stand out are softened a little.
+            // The edge spans the picture, so its endpoints are equally far from each pixel, and no line cuts into a
+            // pixel. The only blending left is the small one of pixels that differ from their neighbours.
             assert!(count(&after) <= 2 * 20, "{linear}");
             assert_eq!(after.row(3), level.row(3));
         }

@@ -10,7 +10,8 @@ use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 
-/// Number of rows per band, the unit of parallel work. Each band converts the rows of its margin once more.
+/// Number of rows per band, the unit of parallel work. Adjacent bands share the rows of their margins, and each band
+/// converts these rows itself.
 const BAND_ROWS: u32 = 64;
 
 /// Number of filtered channels: red, green and blue.
@@ -47,7 +48,7 @@ pub(crate) fn apply(mask: &Mask, picture: &Image<Rgba8>, linear: bool) -> Image<
     result
 }
 
-/// Buffers for filtering a band of rows: the values of the band with the margin that the mask reads, and one row of
+/// Buffers for filtering a band of rows: the values of the band and of the margin that the mask reads, and one row of
 /// sums.
 #[derive(Default)]
 struct FilterBand {
@@ -96,8 +97,8 @@ impl FilterBand {
         }
     }
 
-    /// Computes the convolved values of one row of the band. A separable mask is summed over columns only, because
-    /// [`FilterBand::convolve_rows`] has already summed it over rows.
+    /// Computes the convolved values of one row of the band. For a separable mask, only the vertical sum remains,
+    /// because [`FilterBand::convolve_rows`] has already computed the horizontal sums.
     #[inline(always)]
     fn sum(&mut self, mask: &Mask, row: usize) {
         let reach = i64::from(mask.reach());
@@ -223,7 +224,7 @@ mod tests {
         let shown = apply(&Mask::motion(4.0, 0.0), &dot(), false);
         assert_eq!(shown.row(1), [[0, 0, 0, 9]; 7]);
         let codes: Vec<_> = shown.row(2).iter().map(|pixel| pixel[0]).collect();
-        // The trace is four pixels long, with half a pixel in each of the outer two.
+        // The trace is four pixels long: it covers three pixels completely, and half of the pixel at each end.
         assert_eq!(codes, [0, 30, 60, 60, 60, 30, 0]);
     }
 }

@@ -29,7 +29,8 @@ pub enum Pattern {
     /// Four samples, each in a row and a column of its own: a square rotated by about 27°.
     RotatedGrid,
     /// First `count` points of Sobol's (0, 2)-sequence. Halving the pixel k times, along either axis, gives 2ᵏ equal
-    /// rectangles. Of 2ᵏ consecutive points whose first index is a multiple of 2ᵏ, each rectangle contains exactly one.
+    /// rectangles. Each rectangle contains exactly one of the points with indices from m · 2ᵏ up to (m + 1) · 2ᵏ − 1,
+    /// for any integer m ≥ 0.
     LowDiscrepancy {
         /// Number of samples per pixel.
         count: u32,
@@ -88,8 +89,8 @@ impl Pattern {
 /// Returns the index of the candidate position that is chosen for a jittered sample in pixel (`x`, `y`). Candidates are
 /// numbered row by row within the sample's square.
 pub(crate) fn jitter(x: u32, y: u32, sample: u32, seed: u32) -> usize {
-    // Odd constants without simple ratios spread the inputs before the generator mixes them, so neighbours share no
-    // pattern.
+    // Odd multipliers without simple ratios to each other spread the inputs before the generator mixes them, so
+    // adjacent pixels show no common pattern.
     let spread = u64::from(x).wrapping_mul(0x9E37_79B9_7F4A_7C15)
         ^ u64::from(y).wrapping_mul(0xC2B2_AE3D_27D4_EB4F)
         ^ u64::from(sample).wrapping_mul(0xD6E8_FEB8_6659_FD93)

@@ -7,8 +7,7 @@ use crate::flat2d::convolve::Mask;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::ColorSpace;
 
-/// Returns the filtered picture, or `None` if there is no filter to apply. Reuses the buffer `memory` if the filter
-/// can.
+/// Returns the filtered picture, or `None` if there is no filter to apply. FXAA reuses the buffer `memory`.
 pub(crate) fn apply(filter: &PostFilter, picture: &Image<Rgba8>, memory: Option<Image<Rgba8>>) -> Option<Image<Rgba8>> {
     let linear = filter.light == ColorSpace::Linear;
     if filter.filter == PostFilterKind::Fxaa {

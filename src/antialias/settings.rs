@@ -39,7 +39,7 @@ choice! {
         Four = "4", "4", "2 × 2, or one level of subdivision.";
         Sixteen = "16", "16", "4 × 4, or two levels of subdivision.";
         SixtyFour = "64", "64", "8 × 8, or three levels of subdivision.";
-        All = "256", "256", "16 × 16, or four levels of subdivision: the number that the converged reference has.";
+        All = "256", "256", "16 × 16, or four levels of subdivision: as many samples as the converged reference.";
     }
 }
 
@@ -174,9 +174,8 @@ const UNIT: MaskWeights = {
 pub struct PostFilter {
     /// Filter to apply to the finished picture.
     pub filter: PostFilterKind,
-    /// Strength of the filter, at most [`PostFilterKind::max_strength`]. It is the distance in px from the centre to
-    /// the edge of a blur, the standard deviation in px of a Gaussian blur, the amount of sharpening, or the length in
-    /// px of a motion blur.
+    /// Strength of the filter, at most [`PostFilterKind::max_strength`]. It is the radius of a box blur in px, the
+    /// standard deviation of a Gaussian blur in px, the amount of sharpening, or the length of a motion blur in px.
     pub strength: f32,
     /// Direction of a motion blur, in degrees clockwise from pointing right.
     pub(crate) angle_degrees: f32,

@@ -34,7 +34,7 @@ fn within_range(number: f64) -> Result<f64, String> {
     }
 }
 
-/// Strings that stand for the `f32` values that JSON numbers cannot express.
+/// Strings that represent the `f32` values that JSON numbers cannot express.
 const WORDS: [(&str, f32); 3] = [("NaN", f32::NAN), ("Infinity", f32::INFINITY), ("-Infinity", f32::NEG_INFINITY)];
 
 /// Any 32-bit float: a number in the range of [`Real`], rounded to the nearest f32, or one of the strings `NaN`,

@@ -1,8 +1,8 @@
 //! Numerical cases in files: small inputs to one algorithm each, answered by the code that renders frames.
 //!
-//! Input: a JSON file with an `id`, a `kind`, and the fields of that kind; each kind has a file in this module. Output:
-//! a result that can be compared with an independently known answer. If the program does not support a request, the
-//! output is a [`Refusal`] with the reason. Pixels and samples follow the conventions of [`crate::math`]; all real
+//! Input: a JSON file with an `id`, a `kind`, and the fields of that kind. Each kind has a source file in this module.
+//! Output: a result that can be compared with an independently known answer. If the program does not support a request,
+//! the output is a [`Refusal`] with the reason. Pixels and samples follow the conventions of [`crate::math`]; all real
 //! numbers are in the range of 32-bit floats.
 
 mod circle;
@@ -107,19 +107,20 @@ impl Case {
 pub struct Options {
     /// Rasterizer that finds the samples inside a triangle.
     pub rasterizer: Rasterizer,
-    /// Arithmetic that decides coverage. Polygons are always filled exactly: with snapped corners in fixed point, and
-    /// with the given corners otherwise.
+    /// Arithmetic that decides coverage. Polygon fills are exact with every arithmetic; fixed point only snaps the
+    /// corners first.
     pub arithmetic: Arithmetic,
 }
 
 impl Options {
-    /// Returns the number of fraction bits of the grid to which corners are snapped; `None` if they are used as given.
+    /// Returns the number of fractional bits of the grid to which corners are snapped; `None` if they are used as
+    /// given.
     fn snap_bits(self) -> Option<u32> {
         snap_bits(self.arithmetic)
     }
 }
 
-/// Returns the number of fraction bits of the grid to which `arithmetic` snaps corners; `None` if it uses them as
+/// Returns the number of fractional bits of the grid to which `arithmetic` snaps corners; `None` if it uses them as
 /// given.
 fn snap_bits(arithmetic: Arithmetic) -> Option<u32> {
     (arithmetic == Arithmetic::Fixed).then_some(SUBPIXEL_BITS)
@@ -155,8 +156,8 @@ trait Check {
     }
 }
 
-/// Declares `Task`, with one variant for each kind of case. Each kind has a struct of its fields and a name in case
-/// files.
+/// Declares `Task`, with one variant for each kind of case. Each kind has a struct for its fields, and a name that is
+/// used in case files.
 macro_rules! tasks {
     ($($kind:ident = $word:literal, $doc:literal;)+) => {
         /// Input of a case, with one variant per algorithm.

@@ -91,7 +91,7 @@ impl PolyFill {
 /// Answer to a [`PolyFill`] case: the samples inside the polygon.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PolyFillAnswer {
-    /// Number of fraction bits of the grid to which corners were snapped; `None` if they were used as given.
+    /// Number of fractional bits of the grid to which corners were snapped; `None` if they were used as given.
     pub snap_bits: Option<u32>,
     /// Runs of samples inside the polygon, each as [row, first column, one past the last column].
     pub spans: Vec<[u32; 3]>,

@@ -1,4 +1,4 @@
-//! `tri_area`: computes the area of each pixel that a triangle covers.
+//! `tri_area`: computes the area that a triangle covers in each pixel.
 
 use serde::{Deserialize, Serialize};
 
@@ -33,8 +33,8 @@ impl TriArea {
 
     pub(super) fn answer(&self, control: &Control<'_>) -> Result<TriAreaAnswer, Unanswered> {
         let corners = self.triangle.0.map(|corner| corner.0);
-        // The answer lists each pixel whose centre is covered and further pixels at the border. The number of covered
-        // centres is a lower bound.
+        // The answer lists each pixel whose centre is covered, and further pixels at the border. The number of covered
+        // centres is therefore a lower bound on the length of the answer.
         let viewport = Viewport { width: self.width, height: self.height };
         let corners_px = corners.map(|corner| corner.as_vec2().into());
         let centres = cover(Rasterizer::Scanline, Arithmetic::F64, corners_px, FillRule::Exclusive, viewport);

@@ -80,7 +80,7 @@ impl TriAttr {
 pub(super) struct TriangleSamples {
     triangle: ScreenTriangle,
     edges: AnyTriangle,
-    /// Number of fraction bits of the grid to which the corners are snapped; `None` if they are used as given.
+    /// Number of fractional bits of the grid to which the corners are snapped; `None` if they are used as given.
     snap_bits: Option<u32>,
 }
 
@@ -135,7 +135,7 @@ impl AttributeVertex {
 /// Answer to a [`TriAttr`] case: the attributes at the requested pixels.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TriAttrAnswer {
-    /// Number of fraction bits of the grid to which the corners were snapped; `None` if they were used as given.
+    /// Number of fractional bits of the grid to which the corners were snapped; `None` if they were used as given.
     pub(crate) snap_bits: Option<u32>,
     /// Attributes at the requested pixels, in no particular order.
     pub pixels: Vec<SampleAttributes>,
@@ -178,7 +178,7 @@ mod tests {
             u: Float(0.0),
             v: Float(0.0),
         };
-        // The triangle is so large that the pixel lies practically at its centre.
+        // The triangle is so large that the pixel lies almost exactly at its centre.
         let vertices = Exactly([vertex(-1e30, -1e30), vertex(1e30, -1e30), vertex(0.0, 2e30)]);
         let case = TriAttr { vertices, eval: vec![Exactly([3, 4])] };
         for arithmetic in [Arithmetic::Fixed, Arithmetic::Exact] {

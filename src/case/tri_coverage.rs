@@ -82,7 +82,7 @@ impl TriCoverage {
 /// Answer to a [`TriCoverage`] case: the covered samples of each triangle.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TriCoverageAnswer {
-    /// Number of fraction bits of the grid to which corners were snapped; `None` if they were used as given.
+    /// Number of fractional bits of the grid to which corners were snapped; `None` if they were used as given.
     pub snap_bits: Option<u32>,
     /// Covered samples of each triangle, in input order.
     pub triangles: Vec<TriangleSpans>,

@@ -90,7 +90,7 @@ impl Upscale {
 /// Enlarges a picture with corner alignment: output pixel x takes the sample nearest to x / scale along each axis. Of
 /// two equally near samples, it takes the right or the lower one.
 ///
-/// The upscaler `nearest` with this alignment rounds the position down instead, which case files call the kernel
+/// With this alignment, the upscaler `nearest` rounds the position down instead. In case files, that kernel is called
 /// `nearest_floor`.
 fn nearest_at_corner(
     scale: Scale,

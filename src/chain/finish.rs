@@ -1,4 +1,4 @@
-//! Finishing: computes the finished picture from the drawn one, by upscaling, post filter and wireframe overlay.
+//! Finishing: turns the drawn picture into the finished one, by upscaling, a post filter and a wireframe overlay.
 
 use std::time::{Duration, Instant};
 
@@ -10,8 +10,8 @@ use crate::pipeline::viewport::Viewport;
 use crate::pipeline::wireframe;
 use crate::upscale::UpscaleInputs;
 
-/// Full-resolution picture before post filter and wireframe. It is stored separately only if it differs from both the
-/// drawn and the finished picture.
+/// Full-resolution picture before the post filter and the wireframe. It is stored separately only if it differs from
+/// both the drawn and the finished picture.
 #[derive(Clone, Debug)]
 pub(super) enum Unfiltered {
     /// Identical to the finished picture, because there is neither filter nor wireframe.
@@ -23,7 +23,8 @@ pub(super) enum Unfiltered {
 }
 
 /// Result of [`finish`]. `picture` is the finished picture, or `None` if the drawn picture is already finished.
-/// `unfiltered` is its state before post filter and wireframe. `history` is the upscaler's history for the next frame.
+/// `unfiltered` is the full-resolution picture before the post filter and the wireframe. `history` is the upscaler's
+/// history for the next frame.
 pub(super) struct Finished {
     pub(super) picture: Option<Image<Rgba8>>,
     pub(super) unfiltered: Unfiltered,

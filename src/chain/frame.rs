@@ -26,8 +26,8 @@ use crate::upscale::{GBuffer, History, Sampling, UpscaleInputs};
 pub struct FrameTimes {
     /// Time spent in the geometry stages, from plan to cull, summed over all passes.
     pub(crate) geometry: Duration,
-    /// Time spent in the pixel stages, from rasterize to shade, summed over all passes; includes averaging of samples
-    /// if sample positions differ from pixel to pixel.
+    /// Time spent in the pixel stages, from rasterize to shade, summed over all passes; includes the averaging of
+    /// samples if sample positions differ from pixel to pixel.
     pub(crate) pixels: Duration,
     /// Time spent averaging the supersampling passes.
     pub(crate) resolve: Duration,
@@ -46,9 +46,10 @@ pub struct FrameTimes {
 pub struct Frame {
     /// Finished picture at full resolution; `None` if the drawn picture is already the finished one.
     pub(super) finished: Option<Image<Rgba8>>,
-    /// Full-resolution picture before post filter and wireframe.
+    /// Full-resolution picture before the post filter and the wireframe.
     pub(super) unfiltered: Unfiltered,
-    /// Accumulated picture of the upscaler; `None` after it has moved into a [`History`].
+    /// Accumulated picture of the upscaler; `None` if the upscaler accumulates none, or after the picture has been
+    /// moved into a [`History`].
     pub(super) upscaler_history: Option<Image<[f32; 4]>>,
     /// Drawn pixels before upscaling: the colour of each, averaged over its samples, and the depth at its centre.
     pub drawn: Framebuffer,
@@ -88,8 +89,8 @@ impl Frame {
         self.finished.as_ref().unwrap_or(&self.drawn.color)
     }
 
-    /// Returns the full-resolution picture before post filter and wireframe. This is the finished picture if neither
-    /// was applied.
+    /// Returns the full-resolution picture before the post filter and the wireframe. This is the finished picture if
+    /// neither was applied.
     pub(crate) fn unfiltered(&self) -> &Image<Rgba8> {
         match &self.unfiltered {
             Unfiltered::Finished => self.image(),
@@ -121,8 +122,8 @@ impl Frame {
         (self.drawn, full, self.history.and_then(Arc::into_inner))
     }
 
-    /// Returns the history that the next frame may read, or `None` unless the upscaler reads history. Reuses the spare
-    /// buffer. Must be called at most once.
+    /// Returns the history that the next frame may read, or `None` if the upscaler reads no history or the frame has no
+    /// G-buffer. Reuses the spare buffer. Must be called at most once.
     pub(super) fn take_history(&mut self, recipe: &Recipe, spare: Option<Image<Rgba8>>) -> Option<History> {
         let surfaces = self.gbuffer.clone().filter(|_| recipe.upscaler.upscaler().reads().history)?;
         let memory = self.upscaler_history.take();
@@ -176,7 +177,7 @@ impl Frame {
     }
 
     /// Returns the rasterized triangles in full-resolution pixels. The list is empty if the frame was rasterized at a
-    /// lower resolution and without wireframe.
+    /// lower resolution and without the wireframe.
     pub(crate) fn outlines(&self) -> &[ScreenTriangle] {
         match self.sampling {
             Sampling::Grid(_) => &self.geometry.triangles,
@@ -201,7 +202,7 @@ impl Frame {
         &self.drawn.depth_scale
     }
 
-    /// Returns the frame as it looks when drawing is only partly complete. `drawn` holds the samples drawn up to that
+    /// Returns the frame as it looks at an intermediate point of drawing. `drawn` holds the samples drawn up to that
     /// point, one per pixel, and `geometry` the triangles drawn up to that point.
     pub(crate) fn at_moment(&self, recipe: &Recipe, drawn: Framebuffer, geometry: Geometry) -> Self {
         let Finished { picture, unfiltered, .. } = {

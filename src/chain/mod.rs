@@ -1,5 +1,5 @@
-//! Entry point for drawing, shared by window, command line, reports and tests: renders a [`Frame`] of a scene as seen
-//! by a camera, with the settings of a [`Recipe`].
+//! Entry point for drawing, shared by the window, the command line, reports and tests: renders a [`Frame`] of a scene
+//! as seen by a camera, with the settings of a [`Recipe`].
 
 mod finish;
 mod frame;

@@ -41,7 +41,7 @@ impl Default for Recipe {
     }
 }
 
-/// Prefix of the setting keys of the upscaler.
+/// Prefix of the upscaler's setting keys.
 const UPSCALER_KEYS: &str = "upscaler.";
 
 /// Key of the upscaler's method, which determines the valid values of the other upscaler keys.
@@ -169,8 +169,8 @@ impl Recipe {
         keys
     }
 
-    /// Checks that numeric settings lie in their ranges, unless their types already enforce it. Returns an error
-    /// message if a number is out of range.
+    /// Checks the numeric ranges that the types of the settings do not enforce. Returns an error message if a number is
+    /// out of range.
     pub(crate) fn check(&self) -> Result<(), String> {
         let light = &self.pipeline.light;
         if !light.direction.is_finite() || light.direction == glam::Vec3::ZERO {
@@ -197,7 +197,7 @@ fn key_of(assignment: &str) -> String {
 }
 
 fn json(recipe: &Recipe) -> Value {
-    // A recipe holds nothing that JSON cannot represent: string keys, finite or null numbers, words.
+    // Serialization cannot fail: all keys are strings, and a non-finite number becomes null.
     serde_json::to_value(recipe).unwrap_or(Value::Null)
 }
 

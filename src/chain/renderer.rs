@@ -21,7 +21,7 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 use crate::upscale::{GBuffer, History, UpscaleInputs};
 
-/// Renderer that draws frames by their recipes and reuses buffers from frame to frame. With the tiled execution, it
+/// Renderer that draws frames according to recipes and reuses buffers from frame to frame. With the tiled execution, it
 /// uses all threads.
 ///
 /// # Examples
@@ -168,7 +168,7 @@ impl Renderer {
             let make = Arc::new(move || prepare(&scene, &seen_by, &settings, raster, &mut ()));
             LazyGeometry { made: OnceLock::new(), make }
         };
-        // Pixel centres are drawn for their colours, for their depths, or not at all.
+        // This draw gives the colours if there are no supersampling passes, and the depths if they are kept.
         let one_pass = !recipe.antialias.has_passes();
         let mut centres = (one_pass || keep_depth == KeepDepth::Yes).then(|| {
             let memory = (self.spare.take(), self.spare_depth.take().filter(|_| keep_depth == KeepDepth::Yes));

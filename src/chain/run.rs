@@ -19,8 +19,8 @@ use crate::pipeline::{Extent, Geometry, LastStage, draw, prepare};
 use crate::scene::{Camera, Scene};
 use crate::upscale::{History, UpscaleInputs};
 
-/// Draws one frame of the viewport's size with the classic execution. `observer` receives one sample per pixel, at its
-/// centre, even if a pixel has several. Cannot fail, because every scene is renderable.
+/// Draws one frame of the viewport's size with the classic execution. `observer` receives one sample per pixel, at the
+/// pixel's centre, even if the pixel has several samples. Cannot fail, because every scene is renderable.
 ///
 /// # Examples
 /// ```

@@ -1,9 +1,9 @@
 //! Anti-aliasing with several samples per pixel: supersampling in passes, and per-pixel sampling.
 //!
-//! If all pixels have their samples at the same positions, each sample is a pass of its own. A pass draws the whole
-//! picture like a picture with one sample per pixel, but with the camera's window shifted by a fraction of a pixel. If
-//! positions differ from pixel to pixel, or if shading does not run per sample, the classic execution draws triangles
-//! one after the other into rows of samples. The tiled execution has kernels of its own for these methods.
+//! If all pixels have their samples at the same positions, each sample is drawn in a pass of its own. Each pass draws
+//! the whole picture with one sample per pixel, and shifts the projection by a fraction of a pixel. If positions differ
+//! from pixel to pixel, or if shading does not run per sample, the classic execution draws triangles one by one into
+//! rows of samples. The tiled execution has kernels of its own for these methods.
 
 use std::sync::Arc;
 
@@ -87,8 +87,8 @@ pub(crate) fn places_on_grid(antialias: Antialiasing) -> Vec<Vec<[i32; 2]>> {
     candidates(antialias).into_iter().map(on_grid).collect()
 }
 
-/// Draws all samples of the pixels of a rectangle into copies of a cleared framebuffer, and returns one copy per
-/// sample.
+/// Draws all samples of the pixels in a rectangle. Returns one framebuffer per sample, drawn into a copy of the cleared
+/// one.
 fn sampled(
     scene: &Scene,
     geometry: &Geometry,
@@ -129,7 +129,8 @@ pub(crate) fn replay(scene: &Scene, recipe: &Recipe, frame: &Frame, pixels: &[(u
     (0..pixels.len()).map(|pixel| passes.iter().filter_map(|pass| pass[pixel]).collect()).collect()
 }
 
-/// Draws the sample of one pass at each of the given pixels again; `None` for pixels that were not drawn.
+/// Draws each of the given pixels again, with the sample of one pass. Returns their colours; `None` for pixels that
+/// were not drawn.
 fn replay_pass(
     scene: &Scene,
     recipe: &Recipe,
@@ -211,8 +212,8 @@ impl ProgressiveRender {
     }
 }
 
-/// Returns the camera with its window shifted so that the sample of each pixel lies at `place`, or `None` if no shift
-/// is needed. `place` is in pixels from the pixel's top left corner.
+/// Returns the camera with a sub-view that puts the sample of each rasterized pixel at `place`, or `None` if no
+/// sub-view is needed. `place` is in pixels from the pixel's top left corner.
 pub(super) fn jittered_camera(
     camera: &Camera,
     sampling: Sampling,
@@ -275,7 +276,7 @@ mod tests {
                 if method == AntialiasMethod::RotatedGrid { errors.take(1).collect() } else { errors.collect() };
             assert!(errors[0] < none / 1.8, "{method:?}: {none} {errors:?}");
             assert!(errors.windows(2).all(|pair| pair[1] < pair[0] / 1.5), "{method:?}: {errors:?}");
-            // One step of an 8-bit code is a few thousandths of the coverage.
+            // One step of an 8-bit code corresponds to a few thousandths of the coverage.
             assert!(errors.len() == 1 || errors[3] < 0.02, "{method:?}: {errors:?}");
         }
     }

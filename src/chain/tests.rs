@@ -70,7 +70,7 @@ fn in_motion_the_frame_before_helps_more_than_neighbours() {
 
 #[test]
 fn a_settled_picture_changes_no_more() {
-    // The view stands still from the start, or after a movement.
+    // The camera is still from the first frame, or stops after moving for five frames.
     for (id, moved) in [("chess", 0), ("stained-glass", 5)] {
         let scene = scene(id);
         let mut cameras = vec![scene.home; moved + 26];

@@ -92,7 +92,8 @@ mod tests {
     use crate::scene::builtin::workload::layers;
     use crate::upscale::Upscaling;
 
-    /// Picture size in pixels. Both sides are divisible by 3 and 4, so no sample grid ends within a pixel.
+    /// Picture size in pixels. Both sides are divisible by 3 and 4, so every upscaler's sample grid fits the picture
+    /// exactly.
     const SIZE: Viewport = Viewport { width: 96, height: 48 };
 
     #[test]

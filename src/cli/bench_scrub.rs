@@ -25,7 +25,7 @@ pub(crate) struct ScrubReport {
     /// Number of framebuffer copies made by the first complete drawing.
     copies: usize,
     copy_bytes: usize,
-    /// Name of each kind of step, with the time until the picture after the step is finished, in milliseconds.
+    /// Name of each kind of step, with the time in milliseconds from the start of a step to the finished picture.
     steps: Vec<(&'static str, Summary)>,
 }
 
@@ -49,7 +49,7 @@ pub(crate) fn measure(view: &RequestedView, viewport: Viewport, count: usize) ->
         ["one triangle forward", "one triangle back", "one fragment forward", "jump"]
             .map(|kind| (kind, Vec::new()))
             .into();
-    // Steps by the golden ratio spread evenly over the frame, whatever the number of triangles.
+    // Multiples of the golden ratio, modulo 1, spread evenly over the frame for any number of steps.
     const GOLDEN_SHARE: f64 = 0.618_033_988_749_895;
     for number in 0..count {
         let share = (number as f64 * GOLDEN_SHARE).fract();

@@ -104,7 +104,7 @@ fn answer_all(cases: &[PathBuf], folder: &Path, options: Options) -> Result<(), 
     failure.map_or(Ok(()), Err)
 }
 
-/// Reads a case and adds its id to `ids`. Returns an error if an earlier case has the same id, because the results
+/// Reads a case and adds its id to `ids`. Returns an error if an earlier case has the same id, because their results
 /// would overwrite each other.
 fn read_unlike(path: &Path, ids: &mut HashSet<String>) -> Result<Case, Failure> {
     let case = Case::read(path)?;

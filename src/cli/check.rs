@@ -29,7 +29,7 @@ pub(crate) struct CheckArgs {
 pub(crate) fn run(args: &CheckArgs) -> Result<(), Failure> {
     let DrawnFrame { scene, recipe, frame, .. } = args.frame.draw(None)?;
     let wanted = if args.assert.is_empty() { Assertion::ALL } else { &args.assert };
-    // The flag stays unset: only ending the process cancels.
+    // The flag is never set: the only way to cancel is to end the process.
     let Some(report) = check(&scene, &recipe, &frame, wanted, &|_| {}, &AtomicBool::new(false)) else { return Ok(()) };
     if args.json {
         output::print_json(&report)?;

@@ -22,7 +22,7 @@ pub(crate) fn flag() -> &'static AtomicBool {
     &FLAG
 }
 
-/// Returns an error if a measurement was interrupted, so that its results are partial.
+/// Returns an error if a measurement was interrupted and its results are therefore partial.
 pub(crate) fn outcome(is_partial: bool) -> Result<(), Failure> {
     if is_partial { Err(Failure::Interrupted("the results so far are written and marked as partial")) } else { Ok(()) }
 }

@@ -1,8 +1,8 @@
-//! The command line: one file per subcommand, with a function from its options to results on standard output.
+//! The command line: one file per subcommand, which defines its options and a function that runs it.
 //!
-//! Warnings and errors go to standard error, one line each. Exit codes: 0 success; 1 a violation found by `check` or
-//! `bench --verify`; 2 unusable input or unwritable output; 3 the requested window cannot be opened; 130 interrupted
-//! measurement, whose complete results are written.
+//! Results go to standard output or to files; warnings and errors go to standard error, one line each. Exit codes: 0
+//! success; 1 a violation found by `check` or `bench --verify`; 2 unusable input or unwritable output; 3 the requested
+//! window cannot be opened; 130 interrupted measurement, whose complete results are written.
 
 mod bench;
 mod bench_scrub;
@@ -49,8 +49,9 @@ use seen_args::WindowArgs;
 
 /// An interactive workbench for a software rendering pipeline
 ///
-/// Without a command the window opens. If neither a scene nor options are given, it resumes scene, settings and view of
-/// the previous run. If there is no display, the workbench is rendered once to the image file rasterscope.png instead.
+/// Without a command, the window opens. If neither a scene nor options are given, it resumes the scene, settings and
+/// view of the previous run. If there is no display, the workbench is rendered once to the image file rasterscope.png
+/// instead.
 #[derive(Parser, Debug)]
 #[command(version, long_version = VERSION, args_conflicts_with_subcommands = true, after_help = example("chess"))]
 struct Cli {
@@ -76,7 +77,7 @@ fn example(arguments: &str) -> String {
 enum CliCommand {
     /// Open the window, or fail if no window can be opened
     ///
-    /// If neither a scene nor options are given, it resumes scene, settings and view of the previous run.
+    /// If neither a scene nor options are given, it resumes the scene, settings and view of the previous run.
     #[command(after_help = example("window chess --set shading=gouraud"))]
     Window(WindowArgs),
     /// Render one frame, or one of its buffers, to a PNG
@@ -119,7 +120,7 @@ enum CliCommand {
     /// Measure error against run time of every upscaler, and write an HTML page, a CSV table and JSON
     #[command(after_help = example("report chess --size 640x360 -o report"))]
     Report(report::ReportArgs),
-    /// Export a scene as drawing commands: wireframe, hidden-line drawing, or polygons
+    /// Export a scene as a vector drawing: wireframe, hidden-line drawing, or polygons
     #[command(after_help = example("vector cubes --kind hidden-line -o cubes.svg"))]
     Vector(vector::VectorArgs),
     /// Run a page of the 2D lab, and write its drawing or print its steps

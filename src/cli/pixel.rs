@@ -53,7 +53,7 @@ pub(crate) struct PixelArgs {
     #[arg(long)]
     json: bool,
 
-    /// Print the arithmetic of the visible fragment line by line: formula, value, bits, exact value, rounding
+    /// Print the calculation of the visible fragment line by line: formula, value, bits, exact value, rounding
     #[arg(long)]
     trace: bool,
 

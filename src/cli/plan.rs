@@ -32,8 +32,8 @@ pub(crate) struct PlanArgs {
     #[arg(long, group = "measuring")]
     measure: bool,
 
-    /// Measure the time saved by skipping on every built-in scene in its home view, and on a mesh of many triangles
-    /// that is in view, close to the camera or behind it; print a table of scenes and parts
+    /// Measure the time saved by skipping on every built-in scene in its home view, and on a mesh of many triangles in
+    /// view, close to the camera and behind the camera; print a table of scenes and parts
     #[arg(long, group = "measuring", conflicts_with_all = ["scene", "camera", "mirror_z"])]
     table: bool,
 
@@ -75,7 +75,7 @@ pub(crate) fn run(args: &PlanArgs) -> Result<(), Failure> {
     let frame = whole(&scene, &recipe, viewport);
     let savings = args.measure.then(|| {
         let line = ProgressLine::new();
-        // The flag stays unset: only ending the process cancels.
+        // The flag is never set: the only way to cancel is to end the process.
         savings(
             &scene,
             &camera,
@@ -106,7 +106,7 @@ fn table_of_scenes(args: &PlanArgs, recipe: &Recipe, viewport: Viewport) -> Resu
     let line = ProgressLine::new();
     let measure = |(number, (name, scene, camera)): (usize, (&'static str, Scene, Camera))| {
         let report_progress = |share: f32| line.show_share("measuring", (number as f32 + share) / count);
-        // The flag stays unset: only ending the process cancels.
+        // The flag is never set: the only way to cancel is to end the process.
         let never = AtomicBool::new(false);
         let savings =
             savings(&Arc::new(scene), &camera, recipe, viewport, args.rounds as usize, &report_progress, &never)?;
@@ -131,12 +131,12 @@ fn savings_text(savings: &Savings) -> String {
     );
     text += &format!("Planning takes {:.2} µs of this time\n", planning_ms.median * 1e3);
     if savings.is_empty() {
-        return text + "No skip of this frame can be disabled.\n";
+        return text + "Nothing to measure: this frame has no skip that can be disabled.\n";
     }
     text += &format!("{:21} {:>10} {:>10} {:>10}  draws\n", "saved by skipping, ms", "median", "p10", "p90");
     for Saving { part, draws, saved_ms, within_noise, same_picture } in savings {
         let name = part.map_or("all parts", PipelinePart::name);
-        let picture = if *same_picture { "" } else { ", and A DIFFERENT PICTURE" };
+        let picture = if *same_picture { "" } else { ", and the picture DIFFERS: internal error" };
         let noise = if *within_noise { format!(", {}", noise::WITHIN) } else { String::new() };
         text += &format!(
             "{name:21} {:+10.3} {:+10.3} {:+10.3}  {draws}{noise}{picture}\n",

@@ -38,7 +38,7 @@ pub(crate) struct ProbeArgs {
     #[arg(long, value_name = "N", default_value_t = 32, value_parser = clap::value_parser!(u16).range(1..))]
     runs: u16,
 
-    /// Seed of the jitter; equal seeds give equal jitter
+    /// Seed of the jitter; the same seed gives the same jitter
     #[arg(long, default_value_t = 1)]
     seed: u64,
 
@@ -64,7 +64,7 @@ pub(crate) fn run(args: &ProbeArgs) -> Result<(), Failure> {
     let RequestedView { scene, recipe, camera, .. } = args.frame.view()?;
     let subject = ProbedView { scene, camera, settings: recipe.pipeline, viewport: args.frame.size() };
     let what = Probe { what: args.what, ulps: args.ulps, runs: args.runs, seed: args.seed };
-    // The flag stays unset: only ending the process cancels.
+    // The flag is never set: the only way to cancel is to end the process.
     let Some(found) = probe(&subject, what, &|_| {}, &AtomicBool::new(false)) else { return Ok(()) };
     if let Some(path) = &args.output {
         let (heat, _) = picture(&found, args.heat)

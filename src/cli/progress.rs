@@ -22,7 +22,7 @@ impl ProgressLine {
     pub(crate) fn show(&self, text: &str) {
         if self.is_terminal {
             let before = self.shown.swap(text.chars().count(), Ordering::Relaxed);
-            // Progress is dispensable: a failed write is ignored.
+            // A failed write is ignored, because the command works without progress output.
             let _ = write!(stderr(), "\r{text:before$}");
         }
     }

@@ -123,7 +123,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         output::write(path, &csv(&sheets))?;
     }
     output::print(&format!(
-        "{}: {} × {} px, {} triangles in, {} drawn, {:.1} ms, {:.1} % of the pixels drawn\n",
+        "{}: {} × {} px, triangles: {} in, {} drawn; {:.1} ms, {:.1} % of the pixels drawn\n",
         output::display(&args.output),
         frame.viewport.width,
         frame.viewport.height,

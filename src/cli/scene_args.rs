@@ -128,7 +128,7 @@ pub(crate) struct RequestedView {
 }
 
 impl RequestedView {
-    /// Returns the recipe after the settings of `--against` are applied to it.
+    /// Returns a copy of the recipe with the given settings of `--against` applied.
     pub(crate) fn against(&self, settings: &[String]) -> Result<Recipe, Failure> {
         let mut recipe = self.recipe;
         recipe.set_all(settings).map_err(|error| Failure::Usage(format!("--against {error}")))?;
@@ -137,7 +137,7 @@ impl RequestedView {
 }
 
 impl SceneArgs {
-    /// Loads the scene and reads camera and recipe. Warnings of the loader go to standard error.
+    /// Loads the scene, and reads the camera and the recipe. Warnings of the loader go to standard error.
     pub(crate) fn view(&self) -> Result<RequestedView, Failure> {
         let recipe = self.recipe()?;
         let camera = self.camera.as_deref().map(camera).transpose()?;
@@ -229,7 +229,7 @@ impl FrameArgs {
         self.size
     }
 
-    /// Loads the scene and reads camera and recipe.
+    /// Loads the scene, and reads the camera and the recipe.
     pub(crate) fn view(&self) -> Result<RequestedView, Failure> {
         self.scene.view()
     }

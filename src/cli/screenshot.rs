@@ -57,7 +57,7 @@ pub(crate) struct WorkbenchArgs {
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = parse::pixel)]
     pub(crate) at: Option<(u32, u32)>,
 
-    /// Time all upscalers first, which takes some seconds, and show their frame times; in the lab, compare all methods
+    /// Time all upscalers first, which takes a few seconds, and show their frame times; in the lab, compare all methods
     #[arg(long)]
     pub(crate) measure: bool,
 
@@ -182,9 +182,9 @@ pub(crate) enum Open {
 pub(crate) enum TabArg {
     /// Frame time of each upscaler
     FrameTime,
-    /// Cost and error of each upscaler
+    /// Error and time of each upscaler
     ErrorTime,
-    /// Every step of the arithmetic of the picked pixel
+    /// Every step of the calculation of the picked pixel
     Arithmetic,
     /// Source samples of the picked pixel and their weights
     Xray,

@@ -46,8 +46,8 @@ pub(crate) struct SeenArgs {
     pub(crate) picture: Option<Viewport>,
 }
 
-/// Returns the point in the drawing of a frame at which `triangles` triangles are drawn, the last of them with only its
-/// first `fragments` fragments. `None` means no limit.
+/// Returns the point in the drawing of a frame after `triangles` triangles, with only the first `fragments` fragments
+/// of the last one. `None` means no limit.
 pub(crate) fn moment(triangles: Option<usize>, fragments: Option<usize>) -> Option<Moment> {
     triangles.map(|triangles| Moment { triangles, fragments })
 }
@@ -67,8 +67,8 @@ pub(crate) struct WindowArgs {
 }
 
 impl WindowArgs {
-    /// Loads the scene and reads camera and settings. The view counts as default only if `seen` and `at` have their
-    /// default values, too.
+    /// Loads the scene, and reads the camera and the settings. The view counts as default only if `seen` and `at` have
+    /// their default values, too.
     pub(crate) fn view(&self) -> Result<RequestedView, Failure> {
         let view = self.scene.view()?;
         let is_default = view.is_default && self.seen == SeenArgs::default() && self.at.is_none();

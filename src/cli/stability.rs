@@ -1,4 +1,4 @@
-//! `rasterscope stability`: runs stiff and extreme cases on every rasterizer, arithmetic and depth format.
+//! `rasterscope stability`: runs ill-conditioned and extreme cases on every rasterizer, arithmetic and depth format.
 
 use std::path::PathBuf;
 

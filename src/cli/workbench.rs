@@ -1,9 +1,9 @@
 //! The workbench: opens its window, explains why no window can be opened, and renders the workbench without a window.
 //!
-//! Display servers and libraries are found at run time, so each can be missing: no display server is named or the named
-//! one is dead, there is an X server but no Wayland, the keyboard library is missing (which causes a panic), or OpenGL
-//! is missing. This is the only file of the command line that uses the window; `workbench_absent` replaces it in builds
-//! without one.
+//! Display servers and libraries are found at run time, so each can be missing: the environment names no display
+//! server, the named server does not respond, there is an X server but no Wayland, the keyboard library is missing
+//! (which causes a panic), or OpenGL is missing. This is the only file of the command line that uses the window;
+//! `workbench_absent` replaces this file in builds without the window.
 
 use std::panic::{self, AssertUnwindSafe};
 

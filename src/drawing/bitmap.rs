@@ -95,7 +95,7 @@ fn counts_of(span: PixelSpan) -> impl Iterator<Item = (usize, u32)> {
 
 /// Draws the regions of a partition. Each pixel becomes the mean of the regions' colours, weighted by the fraction of
 /// its samples in each region. Every sample lies in at most one region, so the background never shows between adjacent
-/// regions, whatever their order.
+/// regions, in any order of the regions.
 fn partition(image: &mut Image<Rgba8>, regions: &[PartitionRegion], scale: f64) {
     let width = image.width() as usize;
     let mut sums = vec![([0_u32; 3], 0_u32); image.pixels().len()];

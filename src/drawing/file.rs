@@ -1,4 +1,4 @@
-//! Writes drawings to files, in the format that the file name selects.
+//! Writes drawings to files, in the format given by the file name extension.
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -78,15 +78,15 @@ pub enum DrawingFileError {
     },
 }
 
-/// Returns the format that the extension of a file name selects.
+/// Returns the format given by the extension of a file name.
 pub(crate) fn format_of(path: &Path) -> Result<DrawingFormat, DrawingFileError> {
     let end = path.extension().map(|end| end.to_string_lossy().to_lowercase()).unwrap_or_default();
     let known = EXTENSIONS.iter().find(|(known, _)| *known == end);
     known.map(|(_, format)| *format).ok_or_else(|| DrawingFileError::UnknownFormat { path: path.to_owned() })
 }
 
-/// Writes a drawing to a file, in the format that the file name selects. One unit of the drawing becomes `scale` pixels
-/// or, in a PDF, `scale` points.
+/// Writes a drawing to a file, in the format given by the file name extension. One unit of the drawing becomes `scale`
+/// pixels or, in a PDF, `scale` points.
 ///
 /// # Examples
 /// ```

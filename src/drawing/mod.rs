@@ -1,7 +1,7 @@
 //! Vector drawings: shapes with real-valued coordinates, which can be enlarged without stair-stepping.
 //!
 //! A [`Drawing`] is written as SVG ([`svg`]) or PDF ([`pdf`]), or rendered to a [`bitmap`] of any size; [`mod@file`]
-//! selects the format by the file name.
+//! selects the format by the file name extension.
 
 pub(crate) mod svg;
 
@@ -85,10 +85,11 @@ pub struct PartitionRegion {
 ///
 /// Viewers anti-alias one polygon after the other, so the background shows through where two polygons meet. If two
 /// polygons cover half of a pixel each, the second covers half of the background that the first left visible, and a
-/// quarter of the background remains. A first pass with lines wider than a pixel covers all of the background with
-/// colours of nearby regions. If those regions have equal colours, this is exactly their colour. The wide lines are for
-/// views scaled down to a tenth, the narrow lines for all other views. The last two passes have no lines, so that no
-/// region extends into another. After them, a sixteenth of the line colour remains where two regions meet.
+/// quarter of the background remains. A first pass with lines wider than a pixel covers all of the background with the
+/// colours of nearby regions. Between regions of equal colour, the result is exactly that colour. The wide lines are
+/// for views scaled down to a tenth of the size, the narrow lines for all other views. The last two passes have no
+/// lines, so that no region extends into another. After them, a sixteenth of the line colour remains where two regions
+/// meet.
 pub(crate) const SEAM_WIDTHS: [f64; 4] = [30.0, 3.0, 0.0, 0.0];
 
 /// Vector drawing: shapes over a background. x points right and y down, both from 0 to `size`.

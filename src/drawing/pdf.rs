@@ -1,8 +1,12 @@
 //! Drawings as a one-page PDF.
 
+use std::io::Write as _;
+
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
 use glam::DVec2;
 use pdf_writer::types::{LineCapStyle, LineJoinStyle};
-use pdf_writer::{Content, Finish as _, Name, Pdf, Rect, Ref, Str};
+use pdf_writer::{Content, Filter, Finish as _, Name, Pdf, Rect, Ref, Str};
 
 use super::{Drawing, PartitionRegion, Rgb, SEAM_WIDTHS, Shape, Stroke};
 
@@ -13,7 +17,7 @@ const CONTENT: Ref = Ref::new(4);
 const FONT: Ref = Ref::new(5);
 const FONT_NAME: Name<'_> = Name(b"F1");
 
-/// Object number of the first form XObject. The constants above have the smaller numbers.
+/// Object number of the first form XObject. The constants above use the smaller numbers.
 const FIRST_FORM: i32 = 6;
 
 /// Distance of a Bézier control point from its endpoint, relative to the radius, for the best approximation of a circle
@@ -48,12 +52,20 @@ pub(crate) fn bytes(drawing: &Drawing, scale: f64) -> Vec<u8> {
     resources.finish();
     page.finish();
     pdf.type1_font(FONT).base_font(Name(b"Helvetica")).encoding_predefined(Name(b"WinAnsiEncoding"));
-    pdf.stream(CONTENT, &content.finish());
+    pdf.stream(CONTENT, &compressed(content)).filter(Filter::FlateDecode);
     let bounds = Rect::new(0.0, 0.0, drawing.size.x as f32, drawing.size.y as f32);
     for (number, form) in forms.into_iter().enumerate() {
-        pdf.form_xobject(form_ref(number), &form.finish()).bbox(bounds);
+        let data = compressed(form);
+        let mut object = pdf.form_xobject(form_ref(number), &data);
+        object.bbox(bounds).filter(Filter::FlateDecode);
     }
     pdf.finish()
+}
+
+/// Returns the operators of a content stream in the zlib format, as the filter `FlateDecode` reads it.
+fn compressed(content: Content) -> Vec<u8> {
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::fast());
+    encoder.write_all(&content.finish()).and_then(|()| encoder.finish()).expect("writing to memory does not fail")
 }
 
 /// Returns the resource name by which the page draws a form XObject.
@@ -135,7 +147,7 @@ fn ellipse(content: &mut Content, center: DVec2, radii: DVec2) {
     let start = at(1.0, 0.0);
     content.move_to(start.x as f32, start.y as f32);
     for (x, y) in [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)] {
-        // The next quarter starts at a right angle to this one.
+        // The next quarter starts 90° further along the ellipse.
         let (next_x, next_y) = (-y, x);
         let first = at(x + QUARTER * next_x, y + QUARTER * next_y);
         let second = at(next_x + QUARTER * x, next_y + QUARTER * y);

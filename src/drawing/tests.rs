@@ -46,6 +46,27 @@ fn a_bitmap_has_the_areas_of_its_shapes() {
     }
 }
 
+/// Returns the bytes of a PDF with its streams decompressed.
+fn readable_pdf(drawing: &Drawing, scale: f64) -> Vec<u8> {
+    const START: &[u8] = b"stream\n";
+    let page = pdf::bytes(drawing, scale);
+    let mut readable = Vec::new();
+    let mut rest = &page[..];
+    while let Some(at) = rest.windows(START.len()).position(|window| window == START) {
+        let (before, data) = rest.split_at(at + START.len());
+        readable.extend_from_slice(before);
+        let mut decoder = flate2::read::ZlibDecoder::new(data);
+        std::io::Read::read_to_end(&mut decoder, &mut readable).expect("a zlib stream");
+        rest = &data[decoder.total_in() as usize..];
+        let end = b"\nendstream\n";
+        assert!(rest.starts_with(end), "the length of the stream");
+        readable.extend_from_slice(end);
+        rest = &rest[end.len()..];
+    }
+    readable.extend_from_slice(rest);
+    readable
+}
+
 #[test]
 fn lines_have_round_ends_in_every_format() {
     let stroke = Stroke { color: [0; 3], width: 2.0 };
@@ -54,7 +75,7 @@ fn lines_have_round_ends_in_every_format() {
     assert!((found - (6.0 + std::f64::consts::PI)).abs() < 0.1, "{found}");
     let drawing = Drawing { size: DVec2::new(10.0, 9.0), background: [255; 3], shapes: vec![line] };
     assert!(svg::text(&drawing, 1.0).contains("stroke-linecap=\"round\""));
-    let page = pdf::bytes(&drawing, 1.0);
+    let page = readable_pdf(&drawing, 1.0);
     assert!(page.windows(4).any(|window| window == b"1 J\n"));
 }
 
@@ -105,7 +126,7 @@ fn vector_formats_hold_shapes_and_no_pixels() {
     {
         assert!(text.contains(part), "{part} in {text}");
     }
-    let page = pdf::bytes(&example(), 10.0);
+    let page = readable_pdf(&example(), 10.0);
     assert!(page.starts_with(b"%PDF-"));
     let has = |part: &[u8]| page.windows(part.len()).any(|window| window == part);
     assert!(has(b"/MediaBox [0 0 100 90]") && has(b"1 1 m") && has(b"(a < b & -1)"));
@@ -122,7 +143,7 @@ fn unknown_extensions_are_refused() {
 /// Returns a fan of white triangles around a common point, which together fill the page of the example.
 fn fan() -> Vec<PartitionRegion> {
     const COUNT: u32 = 14;
-    // The page's outline is 38 units long, a whole number of units per side.
+    // The page's perimeter is 38 units, and the length of each side is a whole number of units.
     let border = |place: u32| match place % 38 {
         at @ 0..10 => DVec2::new(at.into(), 0.0),
         at @ 10..19 => DVec2::new(10.0, f64::from(at - 10)),
@@ -158,7 +179,7 @@ fn bitmaps_of_partitions_hide_the_background() {
 
 #[test]
 fn viewers_that_smooth_one_polygon_after_the_other_show_no_seams_in_partitions() {
-    // As in vector formats: all regions, once per line width.
+    // Draws all regions once per line width, as the vector formats do.
     let darkest = |widths: &[f64], scale: f64| {
         let mut drawing = Drawing { size: DVec2::new(10.0, 9.0), background: [0; 3], shapes: Vec::new() };
         for width in widths {
@@ -188,7 +209,7 @@ fn vector_formats_hold_partitions_once_for_each_width_of_lines() {
             used.iter().map(|using| text.find(using).unwrap_or_else(|| panic!("{using} in {text}"))).collect();
         assert!(places.is_sorted());
     }
-    let page = String::from_utf8_lossy(&pdf::bytes(&drawing, 1.0)).into_owned();
+    let page = String::from_utf8_lossy(&readable_pdf(&drawing, 1.0)).into_owned();
     let uses: Vec<_> = page.lines().filter(|line| line.ends_with(" Do")).collect();
     assert_eq!(uses, ["/X0 Do", "/X0 Do", "/X1 Do", "/X1 Do", "/X2 Do", "/X2 Do", "/X3 Do", "/X3 Do"]);
     assert_eq!([page.matches("\nf*").count(), page.matches("\nB*").count()], [drawing.shape_count(); 2]);

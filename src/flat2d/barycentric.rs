@@ -1,15 +1,15 @@
-//! Interpolation of corner values inside a triangle, in f32, by two methods that are equal except for rounding.
+//! Interpolation of corner values inside a triangle, in f32, by two methods whose results differ only by rounding.
 //!
 //! One method weights the corners by the areas of the three triangles that the point forms with the sides. The other
-//! interpolates along two sides first, and then between them along the row of the point.
+//! interpolates along two sides up to the row of the point, and then along that row.
 
 use glam::Vec2;
 
 /// Returns the barycentric weights α, β, γ of a point.
 ///
 /// The weight of a corner is the area of the triangle that the point forms with the opposite side, divided by the area
-/// of the whole triangle. The weights sum to 1 except for rounding, and inside the triangle all lie in [0, 1]. They are
-/// not finite for a triangle without area.
+/// of the whole triangle. The weights sum to 1 up to rounding. Inside the triangle, each lies in [0, 1]. For a triangle
+/// of zero area, they are not finite.
 pub(crate) fn weights_by_area([a, b, c]: [Vec2; 3], point: Vec2) -> [f32; 3] {
     let doubled = |p: Vec2, q: Vec2, r: Vec2| (q - p).perp_dot(r - p);
     let whole = doubled(a, b, c);
@@ -19,10 +19,9 @@ pub(crate) fn weights_by_area([a, b, c]: [Vec2; 3], point: Vec2) -> [f32; 3] {
 /// Intermediate values and result of [`along_sides_then_row`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RowInterpolation {
-    /// Point at which the row crosses the side from the top to the bottom corner, as x coordinate and interpolated
-    /// value.
+    /// Intersection of the row with the side from the top to the bottom corner: x coordinate and interpolated value.
     pub(crate) long: (f32, f32),
-    /// Point at which the row crosses one of the other two sides, as x coordinate and interpolated value.
+    /// Intersection of the row with one of the other two sides: x coordinate and interpolated value.
     pub(crate) short: (f32, f32),
     /// Interpolated value at the point.
     pub(crate) value: f32,

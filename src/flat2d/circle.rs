@@ -1,9 +1,9 @@
 //! Circles, pixel by pixel, in integer arithmetic only (Bresenham 1977, in the midpoint form).
 //!
 //! The algorithm walks one octant, from the top (0, r) to the diagonal. x grows by one each step, and y shrinks by one
-//! if the midpoint between the two candidates lies outside the circle. The sign of the decision variable D = F(x + 1, y
-//! − ½) with F(x, y) = x² + y² − r² decides that. D is updated by additions, and its fraction of ¼ is dropped because
-//! it never changes the sign. The other seven octants are reflections.
+//! if the midpoint between the two candidates lies outside the circle. This is decided by the sign of D = F(x + 1, y −
+//! ½), where F(x, y) = x² + y² − r². The decision variable D is updated by additions. Its fractional part is always ¼
+//! and never changes the sign, so it is dropped. The other seven octants are reflections.
 
 /// Iterator over the pixels of a circle; see [`midpoint_circle`].
 #[derive(Clone, Debug)]
@@ -17,18 +17,18 @@ pub struct MidpointCircle {
     reflection: u8,
 }
 
-/// Reflection bit: x and y swapped, which mirrors at the diagonal.
+/// Reflection bit: x and y are swapped, after any change of sign.
 const SWAPPED: u8 = 1;
 
-/// Reflection bit: mirrored in x.
+/// Reflection bit: x is negated.
 const LEFT: u8 = 2;
 
-/// Reflection bit: mirrored in y.
+/// Reflection bit: y is negated.
 const BELOW: u8 = 4;
 
 const REFLECTIONS: u8 = 8;
 
-/// Returns the pixels of a circle around a pixel, without duplicates.
+/// Returns the pixels of a circle centred on a pixel, without duplicates.
 ///
 /// The order follows the octant: first all reflections of the topmost pixel, and last those at the diagonals. A radius
 /// of 0 gives only the centre pixel.
@@ -71,7 +71,7 @@ impl MidpointCircle {
         self.reflection = 0;
     }
 
-    /// Returns whether this reflection of the current pixel equals another reflection of it.
+    /// Returns whether to skip this reflection of the current pixel, because another reflection gives the same pixel.
     fn is_repeated(&self, reflection: u8) -> bool {
         let on_mirror = |which: u8, on: bool| reflection & which != 0 && on;
         on_mirror(SWAPPED, self.x == self.y) || on_mirror(LEFT, self.x == 0) || on_mirror(BELOW, self.y == 0)

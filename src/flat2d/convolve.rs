@@ -1,9 +1,9 @@
 //! Convolution of an image with a mask: blur, sharpening, motion blur, or custom weights.
 //!
-//! A mask is a small square of weights around each pixel, with an odd side. The weights need not sum to one: a sum of
-//! zero finds edges. Outside the image, the border pixels repeat. This module defines the masks, and a simple
-//! convolution of images of `f64` values that exposes the terms of each sum; [`crate::antialias::mask`] applies the
-//! same masks to 8-bit images.
+//! A mask is a small square of weights around each pixel, with an odd side length. The weights need not sum to 1;
+//! weights that sum to 0 detect edges. Outside the image, the border pixels are repeated. This module defines the
+//! masks, and a simple convolution of images of `f64` values that exposes the terms of each sum;
+//! [`crate::antialias::mask`] applies the same masks to 8-bit images.
 
 use thiserror::Error;
 
@@ -68,8 +68,8 @@ impl Mask {
         Self::separable(vec![0.25, 0.5, 0.25])
     }
 
-    /// Returns a Gaussian blur of standard deviation `sigma` px, cut off at [`GAUSSIAN_CUTOFF`] standard deviations or
-    /// [`MAX_REACH`] px.
+    /// Returns a Gaussian blur with a standard deviation of `sigma` px, cut off at [`GAUSSIAN_CUTOFF`] standard
+    /// deviations or [`MAX_REACH`] px.
     pub(crate) fn gaussian(sigma: f32) -> Self {
         let reach = (GAUSSIAN_CUTOFF * sigma).ceil().clamp(1.0, MAX_REACH as f32) as i32;
         let bell = |at: i32| (-((at * at) as f32) / (2.0 * sigma * sigma).max(f32::MIN_POSITIVE)).exp();
@@ -86,8 +86,8 @@ impl Mask {
 
     /// Returns a motion blur along a straight path through the pixel.
     ///
-    /// The path is `length` px long, limited to twice [`MAX_REACH`]. Its direction is `angle` radians clockwise from
-    /// pointing right, as seen on a screen. Each pixel is weighted by the length of the path inside it.
+    /// The path is `length` px long, limited to twice [`MAX_REACH`]. `angle` is its direction in radians, measured
+    /// clockwise on the screen from the positive x axis. Each pixel is weighted by the length of the path inside it.
     pub(crate) fn motion(length: f32, angle: f32) -> Self {
         /// Number of samples per pixel of path length.
         const STEPS_PER_PX: f32 = 64.0;
@@ -110,8 +110,8 @@ impl Mask {
         self.weights.iter().sum()
     }
 
-    /// Returns the factors of a separable mask, or `None` for other masks. Each weight is the product of the factor of
-    /// its column and the factor of its row; both use the same list, from the left or from the top.
+    /// Returns the factors of a separable mask, or `None` for other masks. Factor i belongs to both column i from the
+    /// left and row i from the top. Each weight is the product of its column's and its row's factor.
     pub(crate) fn factors(&self) -> Option<&[f32]> {
         self.factors.as_deref()
     }
@@ -121,7 +121,7 @@ impl Mask {
         (self.side / 2) as u32
     }
 
-    /// Returns the weights row by row, each with its offset from the centre, as columns to the right and rows down.
+    /// Returns the weights row by row, each with its offset (columns to the right, rows down) from the centre.
     pub(crate) fn weights(&self) -> impl Iterator<Item = ((i64, i64), f32)> {
         let reach = i64::from(self.reach());
         let place = move |index: usize| ((index % self.side) as i64 - reach, (index / self.side) as i64 - reach);

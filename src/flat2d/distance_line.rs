@@ -100,8 +100,8 @@ impl SegmentBand {
         let (d, v) = (self.p1 - self.p0, point - self.p0);
         let length_squared = d.length_squared();
         let cross = d.perp_dot(v);
-        // The error of the cross product is below 4 ε · `magnitude`. The error of its square is below 2 |cross| times
-        // that plus the square of that.
+        // The error of the cross product is below e = 4 ε · `magnitude`. The error of its square is below 2 |cross| e +
+        // e².
         let magnitude = (d.x * v.y).abs() + (d.y * v.x).abs();
         let error =
             64.0 * f64::EPSILON * (cross.abs() * magnitude + f64::EPSILON * magnitude * magnitude + length_squared);
@@ -155,7 +155,7 @@ mod tests {
         let mut random = fastrand::Rng::with_seed(52);
         for round in 0..3_000 {
             let unit = [1, 2, 4, 1 << 10, 1 << 18][round % 5];
-            // Ends far outside produce slopes with near ties.
+            // Endpoints far outside the picture produce slopes with near ties.
             let reach = if round % 3 == 0 { 2_000 * unit } else { 30 * unit };
             let mut coordinate = || random.i128(-reach..reach);
             let (p0, p1) = ((coordinate(), coordinate()), (coordinate(), coordinate()));

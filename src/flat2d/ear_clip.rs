@@ -2,8 +2,8 @@
 //!
 //! An *ear* is a convex corner whose triangle with its two neighbours contains no other corner of the polygon. Every
 //! simple polygon has at least two ears, so cutting off one ear after the other leaves a single triangle in the end.
-//! The worst-case time grows with the cube of the number of corners, which suits only small polygons; model loading
-//! uses the crate `earcut`.
+//! The worst-case time grows with the cube of the number of corners, so ear clipping suits only small polygons. Model
+//! loading uses the crate `earcut` instead.
 
 use std::cmp::Ordering;
 
@@ -87,7 +87,7 @@ mod tests {
         let mut random = fastrand::Rng::with_seed(63);
         for _ in 0..300 {
             let count = random.usize(3..24);
-            // The polygon is star-shaped around the origin, so it never intersects itself, and mostly concave.
+            // The polygon is star-shaped around the origin, so it never intersects itself. It is usually concave.
             let mut points: Vec<_> = (0..count)
                 .map(|i| {
                     let angle = (i as f64 + 0.8 * random.f64()) / count as f64 * std::f64::consts::TAU;

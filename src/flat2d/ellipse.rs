@@ -22,7 +22,7 @@ pub(crate) struct MidpointEllipse {
 
 const REFLECTIONS: u8 = 4;
 
-/// Returns the pixels of an ellipse around a pixel, with integer semi-axes, without duplicates.
+/// Returns the pixels of an ellipse with integer semi-axes, centred on a pixel, without duplicates.
 ///
 /// The order follows the quadrant: first all reflections of the topmost pixel, and last those at the sides.
 pub(crate) fn midpoint_ellipse(center: (i32, i32), half_width: u32, half_height: u32) -> MidpointEllipse {

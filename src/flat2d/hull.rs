@@ -1,8 +1,9 @@
 //! Convex hull of points (Andrew 1979), the shape of a rubber band stretched around them.
 //!
-//! The algorithm visits the points from left to right and back, and keeps a chain of corners. If the last corner does
-//! not turn right towards the next point (as seen on a screen, y down), it cannot be on the hull and is dropped. Every
-//! point inside the hull is Σ tᵢ Pᵢ with all tᵢ ≥ 0 and Σ tᵢ = 1; [`convex_weights`] computes such weights.
+//! The algorithm visits the points from left to right and back, and keeps a chain of corners. If the path from the
+//! chain's last edge to the next point does not turn right (as seen on a screen, y down), the last corner cannot be on
+//! the hull and is dropped. Every point inside the hull is Σ tᵢ Pᵢ with all tᵢ ≥ 0 and Σ tᵢ = 1; [`convex_weights`]
+//! computes such weights.
 
 use std::cmp::Ordering;
 
@@ -76,7 +77,8 @@ impl Iterator for ConvexHull<'_> {
     }
 }
 
-/// Returns weights t of a convex polygon's corners with tᵢ ≥ 0, Σ tᵢ = 1 and Σ tᵢ Pᵢ = `point`; `None` outside.
+/// Returns weights t of a convex polygon's corners with tᵢ ≥ 0, Σ tᵢ = 1 and Σ tᵢ Pᵢ = `point`. Returns `None` if the
+/// point lies outside the polygon.
 ///
 /// Such weights are not unique. The function splits the polygon into a fan of triangles around the first corner, and
 /// returns the barycentric weights in the triangle that contains the point.

@@ -4,7 +4,7 @@
 //! 1967). For each step along the longer axis, it takes the pixel nearest to the true line. The sign of the decision
 //! variable, at first D = 2·minor − major, shows on which side of the line the midpoint between the two candidates
 //! lies. If the line passes exactly through the midpoint, it stays on its row or column. Other octants differ only in
-//! the signs of the steps, so a mirrored line is the mirror image.
+//! the axes and signs of the steps, so mirroring the endpoints mirrors the pixels.
 //!
 //! That tie rule depends on the direction: drawn from the other endpoint, the line stays on the other row or column.
 //! [`direction_independent_line`] always decides ties as seen from the same endpoint, so both directions cover the same
@@ -109,8 +109,8 @@ fn step_towards(from: i64, to: i64) -> i64 {
 pub(crate) fn clip_to(p0: (f64, f64), p1: (f64, f64), width: u32, height: u32) -> Option<((f64, f64), (f64, f64))> {
     let (enter, leave) = part_inside(p0, p1, width, height)?;
     let (width, height) = (f64::from(width), f64::from(height));
-    // The weighted sum avoids an overflowing difference of huge ends. The clamp corrects rounding of t and of the
-    // products.
+    // The weighted sum avoids a difference of huge coordinates, which would overflow. The clamp corrects the rounding
+    // of t and of the products.
     let at = |t: f64| {
         let (x, y) = (p0.0 * (1.0 - t) + p1.0 * t, p0.1 * (1.0 - t) + p1.1 * t);
         (x.clamp(0.0, width), y.clamp(0.0, height))
@@ -211,7 +211,8 @@ mod tests {
                 assert_eq!(forth, plain, "{p0:?} to {p1:?}: as from the lesser end");
             } else if forth != plain {
                 differing += 1;
-                // Only ties differ: by one pixel across, at the same distance from the true line on the other side.
+                // The two lines differ only at ties: their pixels lie on opposite sides of the true line, at equal
+                // distances.
                 let off = |(x, y): (i64, i64)| ((p1.0 - p0.0) * (y - p0.1) - (p1.1 - p0.1) * (x - p0.0)).abs();
                 assert!(forth.iter().zip(&plain).all(|(a, b)| off(*a) == off(*b)), "{p0:?} to {p1:?}");
             }
@@ -251,7 +252,7 @@ mod tests {
         let mut random = fastrand::Rng::with_seed(5);
         let mut kept = 0;
         for round in 0..20_000 {
-            // Coordinates range from the size of the picture to magnitudes at which the difference of two ends
+            // Coordinates range from the size of the picture to magnitudes at which the difference of two coordinates
             // overflows.
             let reach = [20.0, 1e4, 1e9, 1e300, f64::MAX][round % 5];
             let mut coordinate = || (random.f64() * 2.0 - 1.0) * reach;

@@ -1,9 +1,9 @@
 //! Two-dimensional algorithms: shapes as iterators of pixels or spans, independent of images and depth buffers.
 //!
-//! Each iterator advances one step per item, and its state can be inspected between items. Except in the modules that
-//! demonstrate float arithmetic, the decision whether a pixel belongs to a shape is exact. For that, real coordinates
-//! must be 0 or have a magnitude from 2⁻¹⁴⁹ to 2¹²⁸, like all finite f32 values. They may have more significant digits
-//! than f32.
+//! Each iterator advances one step per item, and its state can be inspected between items. Whether a pixel belongs to a
+//! shape is decided exactly, except in the modules that demonstrate float arithmetic. Exactness requires real
+//! coordinates to be 0 or to have a magnitude from 2⁻¹⁴⁹ to 2¹²⁸, like all finite f32 values. The coordinates may have
+//! more significant digits than f32.
 
 pub(crate) mod barycentric;
 
@@ -57,8 +57,8 @@ pub struct PixelSpan {
 /// `Greater` is right of the line, as seen when walking from `a` to `b`; `Equal` is on it.
 pub(crate) fn side(a: DVec2, b: DVec2, p: DVec2) -> Ordering {
     let coord = |p: DVec2| Coord { x: p.x, y: p.y };
-    // The crate assumes y up, so its left is right here. It may return −0 for a point on the line; adding 0.0 turns
-    // that into +0.
+    // The crate `robust` assumes y up, so its left is right here. `orient2d` may return −0 for a point on the line;
+    // adding 0.0 turns −0 into +0.
     (orient2d(coord(a), coord(b), coord(p)) + 0.0).total_cmp(&0.0)
 }
 

@@ -1,17 +1,18 @@
 //! Scanline filling of polygons with any number of contours, holes and self-intersections.
 //!
 //! The *edge table* lists all edges by the first row that they cross. The *active edge list* holds the edges that cross
-//! the current row: an edge is active while y₀ ≤ yc < y₁, where yc is the height of the row's samples. That half-open
-//! rule counts a corner between two edges once, a tip twice or not at all, and horizontal edges never, so none of them
-//! is a special case. From left to right, each crossing at or before a sample changes the winding number by one, and
-//! the *inside rule* decides the pixel from that number. Even-odd tests whether the number is odd, which is equivalent
-//! to an odd count of crossings; non-zero tests whether it differs from 0.
+//! the current row: an edge is active while y₀ ≤ yc < y₁, where yc is the height of the row's samples. This half-open
+//! interval avoids special cases. At a corner of the same height as the samples, a contour that continues up or down
+//! crosses the row once; at a local top or bottom, it crosses twice or not at all. Horizontal edges never cross a row.
+//! From left to right, each crossing at or before a sample changes the winding number by one, and the *inside rule*
+//! decides the pixel from that number. Even-odd tests whether the number is odd, which is equivalent to an odd count of
+//! crossings; non-zero tests whether it differs from 0.
 //!
 //! The textbook sorts the crossings of a row and fills between pairs. Only the column of a crossing matters, so this
-//! implementation sums the windings per column, which sorts the crossings at no cost. Vertical edges and nearly all
-//! edges that reach far outside cross all their rows in a single column. Such an edge is added to its column once and
-//! removed at its end. In total, the edges are sorted twice, and the cost of a row is the number of its crossings by
-//! other edges plus the number of columns between its outermost crossings.
+//! implementation sums the windings per column, which sorts the crossings at no cost. Vertical edges, and nearly all
+//! edges that reach far outside the picture, cross all their rows in a single column. Such an edge is added to its
+//! column once and removed at its end. In total, the edges are sorted twice. The cost of a row grows with the number of
+//! crossings by the other edges and with the number of columns between the outermost crossings.
 
 mod edge;
 
@@ -27,7 +28,7 @@ use super::PixelSpan;
 use crate::math::fixed::snap_to_grid;
 use edge::{PolygonEdge, SampleRow, Slant};
 
-/// Rule that decides from the winding number of a sample whether the sample is inside the polygon.
+/// Rule that decides, from its winding number, whether a sample is inside the polygon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InsideRule {
     /// Samples with an odd winding number are inside: where contours overlap, inside and outside alternate.
@@ -46,7 +47,7 @@ pub enum Corners {
     Snapped,
 }
 
-/// Sample position of every pixel, which decides whether the pixel is inside.
+/// Position within each pixel that is tested against the polygon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SamplePoint {
     /// Pixel centre, half a pixel right of and below the integer coordinates.
@@ -68,7 +69,7 @@ impl SamplePoint {
 /// Parameters of a polygon fill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FillParameters {
-    /// Rule that decides from the winding number of a sample whether it is inside the polygon.
+    /// Rule that decides, from its winding number, whether a sample is inside the polygon.
     pub rule: InsideRule,
     /// Whether corners are used as given or snapped to the 1/256 px grid.
     pub corners: Corners,
@@ -89,7 +90,8 @@ pub(crate) struct ActiveEdge {
     pub(crate) bottom: DVec2,
     /// x coordinate at which the edge crosses the row of samples, in pixels, up to float rounding.
     pub(crate) crossing_px: f64,
-    /// First column whose sample lies at or right of the crossing, exactly; the picture's width if there is none.
+    /// First column whose sample lies at or right of the crossing, computed exactly; the picture's width if there is
+    /// none.
     pub(crate) column: u32,
     /// Change of the winding number at the crossing, from left to right: 1 if the edge was given from top to bottom,
     /// otherwise −1.
@@ -120,7 +122,7 @@ pub struct PolygonFill {
     slanted: Vec<Slanted>,
     /// Winding numbers of the active edges that stay in a single column, summed per column. The last entry stands for
     /// everything right of the picture. `crossing` has the same layout and holds the current row's crossings by slanted
-    /// edges; the walk resets each entry to zero as it passes.
+    /// edges; the scan of the row resets each entry to zero as it passes.
     column_winding: Vec<i32>,
     crossing: Vec<i32>,
     /// Range from the first to the last column that any crossing has touched so far.
@@ -131,9 +133,9 @@ pub struct PolygonFill {
     winding: i32,
 }
 
-/// Returns the spans of the polygon within these closed contours, row by row from the top and left to right.
+/// Returns the spans of the polygon that these closed contours bound, row by row from the top and from left to right.
 ///
-/// Two spans of a row never touch.
+/// Spans in the same row never touch each other.
 ///
 /// # Examples
 /// ```
@@ -241,7 +243,7 @@ impl PolygonFill {
         }
     }
 
-    /// Advances to the next row that can have active edges; `None` below the last.
+    /// Advances to the next row that can have active edges. Returns `None` if there is none.
     fn next_row(&mut self) -> Option<()> {
         let active = self.started - self.ended;
         self.row = if active > 0 { self.row + 1 } else { self.edges.get(self.started)?.rows.start };
@@ -305,7 +307,7 @@ impl PolygonFill {
             touched = with(&touched, column);
         }
         self.touched = touched;
-        // The walk never reaches the entry beyond the picture, so it is reset here.
+        // The scan of a row never reaches the entry right of the picture, so that entry is reset here.
         self.crossing[self.filling.width as usize] = 0;
     }
 }

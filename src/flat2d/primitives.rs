@@ -2,8 +2,8 @@
 //! drawn.
 //!
 //! The ten types are those of OpenGL 1.0. A triangle strip reverses every second triangle so that all face the same
-//! way; a quad strip reads its vertices in zigzag. Quads and polygons are drawn as fans here, which is correct only for
-//! simple, convex and flat outlines; [`check_outline`] checks these three properties.
+//! way; a quad strip reads its vertices in zigzag order. Quads and polygons are drawn as fans here, which is correct
+//! only for simple, convex and flat outlines; [`check_outline`] checks these three properties.
 
 use std::cmp::Ordering;
 
@@ -36,7 +36,7 @@ pub(crate) enum Primitive {
     Polygon,
 }
 
-/// Assembled primitive, as indices of vertices.
+/// Assembled primitive, as vertex indices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Piece {
     /// Single point.
@@ -84,7 +84,7 @@ pub(crate) struct OutlineProperties {
     pub(crate) flat: bool,
 }
 
-/// Checks the closed outline of these corners, viewed along z. The checks in x and y are exact.
+/// Checks the closed outline with these corners. `simple` and `convex` are decided exactly, from x and y only.
 pub(crate) fn check_outline(corners: &[DVec3]) -> OutlineProperties {
     let flat_view: Vec<_> = corners.iter().map(|corner| corner.truncate()).collect();
     let simple = is_simple(&flat_view);
@@ -123,8 +123,8 @@ fn turns_one_way(points: &[DVec2]) -> bool {
     !(turns().any(|turn| turn == Ordering::Less) && turns().any(|turn| turn == Ordering::Greater))
 }
 
-/// Whether every corner is close to the plane through the first corner at a right angle to the outline's normal: at
-/// most a millionth of the outline's size away.
+/// Whether all corners lie in one plane: the plane through the first corner, perpendicular to the outline's normal. The
+/// tolerance is a millionth of the outline's size.
 fn is_flat(corners: &[DVec3]) -> bool {
     const TOLERANCE: f64 = 1e-6;
     let Some(first) = corners.first() else { return true };

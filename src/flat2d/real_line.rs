@@ -1,10 +1,10 @@
 //! Lines between real points: one pixel, the nearest to the line, for each integer coordinate along the longer axis.
 //!
 //! Rounding y = y₀ + m (x − x₀) fails where the line passes close to the midpoint between two pixels, and adding m step
-//! by step also accumulates drift. This module uses it only as a first guess. The line changes its row by at most one
-//! per step, so the pixel of the next step is the same or a neighbour. An exact test decides on which side of the
-//! midpoint between them the line passes. A line through a midpoint takes the pixel of the larger coordinate, whatever
-//! its direction.
+//! by step also accumulates drift. This module uses the formula only for a first guess at the start of the line. The
+//! line changes its row by at most one per step, so the pixel of the next step is the same or a neighbour. An exact
+//! test decides on which side of the midpoint between them the line passes. A line through a midpoint takes the pixel
+//! of the larger coordinate, whatever its direction.
 
 use std::cmp::Ordering;
 
@@ -46,10 +46,10 @@ pub(crate) fn real_line(p0: DVec2, p1: DVec2) -> Option<RealLinePixels> {
     let forward = from.x <= to.x;
     let (low, high) = if forward { (from, to) } else { (to, from) };
     let (first, last) = (low.x.ceil() as i64, high.x.floor() as i64);
+    // A line between two adjacent integer coordinates has no pixels: `first` is then `last + 1`, so `end` is `major`.
     let (major, end, step) = if forward { (first, last + 1, 1) } else { (last, first - 1, -1) };
-    // A line between two integer coordinates has no pixels; without this, the walk would miss its end.
-    let end = if first > last { major } else { end };
-    // A point also needs a direction so that sides are defined. At an integer coordinate the sum is exact.
+    // A line of length zero is extended along x so that its sides are defined. At an integer coordinate the sum is
+    // exact.
     let high = if low == high { high + DVec2::X } else { high };
     let slope = (high.y - low.y) / (high.x - low.x);
     let minor = (low.y + (major as f64 - low.x) * slope).round() as i64;

@@ -1,14 +1,14 @@
 //! Span-based region filling from a seed.
 //!
 //! *Flood fill* recolours the connected region that has the seed's own colour; *boundary fill* recolours everything up
-//! to a boundary of one colour. Pixels are connected over sides (4-connected) or also over corners (8-connected). Each
-//! has a characteristic failure: an 8-connected fill leaks through a boundary that is itself only 8-connected, such as
-//! a diagonal wall. A 4-connected fill stops where a region continues over a corner.
+//! to a boundary of one colour. Pixels are connected across sides (4-connected) or also across corners (8-connected).
+//! Each has a characteristic failure: an 8-connected fill leaks through a boundary that is itself only 8-connected,
+//! such as a diagonal wall; a 4-connected fill stops where a region continues across a corner.
 //!
-//! A recursive fill, pixel by pixel, can be as deep as the region has pixels. This implementation keeps a stack of
-//! seeds, one for each run of fillable pixels found beside a filled one, and fills a whole span per popped seed. The
-//! fill terminates because filled pixels are no longer fillable; a flood fill with the region's own colour fills
-//! nothing.
+//! The recursion depth of a pixel-by-pixel recursive fill can reach the number of pixels in the region. This
+//! implementation keeps a stack of seeds, one for each run of fillable pixels found beside a filled one, and fills a
+//! whole span per popped seed. The fill terminates because filled pixels are no longer fillable; a flood fill with the
+//! region's own colour fills nothing.
 
 use std::ops::Range;
 

@@ -36,7 +36,8 @@ pub(crate) struct SlopeLine {
 /// Returns the pixels of the line from `p0` to `p1`, one per step along the longer axis, including the pixel nearest to
 /// each endpoint.
 ///
-/// The endpoints are rounded to f32. Returns `None` if a coordinate exceeds 2²⁴, beyond which f32 has no fraction.
+/// The endpoints are rounded to f32. Returns `None` if a coordinate exceeds 2²⁴, beyond which f32 cannot represent
+/// fractions.
 pub(crate) fn slope_line(p0: DVec2, p1: DVec2, stepping: Stepping) -> Option<SlopeLine> {
     const MAX_COORDINATE_PX: f64 = (1 << 24) as f64;
     if !(p0.abs().max_element() <= MAX_COORDINATE_PX && p1.abs().max_element() <= MAX_COORDINATE_PX) {
@@ -70,7 +71,7 @@ impl SlopeLine {
         (self.major != self.end).then_some(self.minor)
     }
 
-    /// Returns [`value`](Self::value) computed in f64 from the endpoints before rounding.
+    /// Returns [`value`](Self::value) computed in f64 from the endpoints as given, not rounded to f32.
     pub(crate) fn exact_value(&self) -> f64 {
         if self.from.x == self.to.x {
             return self.from.y;

@@ -7,7 +7,8 @@
 use super::seed_fill::{Connectivity, FillCriterion};
 use crate::image::Image;
 
-/// Offsets (right, down) of the neighbours that share a side; [`CORNERS`] are those that share only a corner.
+/// Offsets (right, down) of the neighbours that share a side; [`CORNERS`] holds the offsets of those that share only a
+/// corner.
 const SIDES: [(i32, i32); 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
 const CORNERS: [(i32, i32); 4] = [(1, 1), (-1, 1), (-1, -1), (1, -1)];
 

@@ -7,17 +7,17 @@ use glam::Vec3;
 use crate::math::lanes::*;
 
 /// Lookup tables for fast conversion between sRGB codes and linear light. Loops should keep one reference, because each
-/// call of [`Tables::get`] costs as much as a lookup.
+/// call to [`Tables::get`] costs as much as a table lookup.
 #[derive(Debug)]
 pub(crate) struct Tables {
     /// Linear light, in [0, 1], of each 8-bit sRGB code.
     pub(crate) linear_of_code: [f32; 256],
     /// Each 8-bit code as a float, 0 to 255.
     pub(crate) code: [f32; 256],
-    /// Table from which [`Tables::encode`] finds the code of a linear value with a single read, with one entry per
-    /// bucket of values. An entry is code · 2¹⁶ + (2¹⁶ − next): code is the code of the smallest value in the bucket,
-    /// and next is the offset of the first value in the bucket with the next code. Offset plus entry is the code in
-    /// fixed point with 16 fractional bits.
+    /// Table from which [`Tables::encode`] finds the code of a linear value with a single read. There is one entry per
+    /// bucket of values: c · 2¹⁶ + (2¹⁶ − n), where c is the code of the smallest value in the bucket, and n is the
+    /// offset in the bucket of the first value with code c + 1. The sum of an entry and the offset of a value is the
+    /// value's code in fixed point, with 16 fractional bits.
     buckets: Box<[u32; BUCKETS]>,
 }
 
@@ -203,7 +203,7 @@ pub(crate) fn decode_rgb(srgb: Vec3) -> Vec3 {
     Vec3::new(decode(srgb.x), decode(srgb.y), decode(srgb.z))
 }
 
-/// Returns the luma of a colour given as sRGB codes, by the Rec. 709 weights, in [0, 255].
+/// Returns the luma of a colour given as sRGB codes, with the Rec. 709 weights, in [0, 255].
 pub(crate) fn luma([r, g, b, _]: [u8; 4]) -> f32 {
     0.2126 * f32::from(r) + 0.7152 * f32::from(g) + 0.0722 * f32::from(b)
 }

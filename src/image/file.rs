@@ -2,9 +2,9 @@
 //!
 //! Reading a path gives 8-bit RGBA (sRGB codes and straight alpha), or an error that names the file and the cause. The
 //! format is recognised by content, not by name, because wrong suffixes are common; only TGA has no signature and needs
-//! its suffix. Sizes are checked after the header and before any allocation, so a small file cannot claim much memory.
-//! 16-bit channels are rounded to 8 bits, grey becomes RGB, and only the first frame of an animation is read. Colour
-//! profiles and orientation tags are ignored, because a texture needs its texels unchanged.
+//! its suffix. Sizes are checked after the header and before any allocation, so a small file cannot cause a large
+//! allocation. 16-bit channels are rounded to 8 bits, grey becomes RGB, and only the first frame of an animation is
+//! read. Colour profiles and orientation tags are ignored, because a texture needs its texels unchanged.
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -23,7 +23,7 @@ const MAX_FILE_BYTES: u64 = 256 << 20;
 const MAX_SIDE: u32 = 16_384;
 
 /// Maximum number of pixels of an image that can be read (8192 × 8192). Decoding and converting such an image takes
-/// well below a gigabyte of memory.
+/// well under a gigabyte of memory.
 const MAX_PIXELS: u64 = 1 << 26;
 
 /// Maximum number of bytes that an image decoder may allocate.

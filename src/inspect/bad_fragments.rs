@@ -7,8 +7,7 @@ use crate::pipeline::settings::{DepthTest, Settings};
 use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::TriangleId;
 
-/// Pipeline counters, and the number of fragments with a NaN or infinite depth or weight among those that passed the
-/// depth test.
+/// Pipeline counters, and the number of fragments that passed the depth test with a NaN or infinite depth or weight.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BadFragments {
     /// Counters of all pipeline events.
@@ -81,7 +80,7 @@ mod tests {
             let frame = run(&scene, &scene.home, &recipe, Viewport { width: 32, height: 24 }, &mut ());
             let mut counting = BadFragments::new(recipe.pipeline);
             redraw(&scene, &recipe, &frame, LastStage::Depth, &mut counting);
-            // The triangles do not overlap, so every fragment is one pixel of the buffer.
+            // The triangles do not overlap, so every fragment corresponds to one pixel of the buffer.
             let weights = capture(&scene, &recipe, &frame).perspective_lambda;
             let bad =
                 weights.pixels().iter().filter(|weights| weights.iter().any(|weight| !weight.is_finite())).count();

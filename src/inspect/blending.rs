@@ -24,7 +24,7 @@ pub(super) fn is_nearer(depth: f32, other: f32, settings: &Settings) -> bool {
     if settings.reversed() { depth > other } else { depth < other }
 }
 
-/// Tracker of the depths of blended fragments, which are added in drawing order.
+/// Tracker of the nearest blended depth at each sample. Fragments must be added in drawing order.
 pub(super) struct BlendedDepths<'a> {
     settings: &'a Settings,
     plans: &'a [DrawPlan],
@@ -33,7 +33,7 @@ pub(super) struct BlendedDepths<'a> {
 }
 
 impl<'a> BlendedDepths<'a> {
-    /// Creates the tracker before the first fragment of a frame is drawn.
+    /// Creates a tracker for the samples of `frame`, without any fragments.
     pub(super) fn new(settings: &'a Settings, frame: &'a Frame) -> Self {
         let (width, height) = frame.drawn.color.size();
         let plans = &frame.plans;

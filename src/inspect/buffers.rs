@@ -22,7 +22,8 @@ choice! {
         TriangleId = "triangle-id", "Triangle id", "The triangle that won each sample, one colour per triangle.";
         Lambda = "lambda", "λ on screen", "Screen-space weights of the winning triangle: λ0 red, λ1 green, λ2 blue.";
         PerspectiveLambda = "perspective-lambda", "Attribute weights", "Attribute weights of the winning triangle (perspective-correct unless affine).";
-        Overdraw = "overdraw", "Overdraw", "Number of triangles that cover each sample, drawn or not.";
+        Overdraw = "overdraw", "Overdraw",
+            "Number of triangles that cover each sample, whether or not they pass the depth test.";
         Shaded = "shaded", "Times shaded", "Number of times each sample was shaded: work that the depth test did not save.";
         Hits = "hits", "Hit count", "Number of triangles that cover each sample, without depth test. Cracks along shared edges are blue, double hits orange.";
     }
@@ -86,7 +87,7 @@ pub fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Buffers {
 }
 
 impl Buffers {
-    /// Adds the data that `buffer` needs but [`capture`] does not record: the hits, for [`Buffer::Hits`].
+    /// Counts the hits if `buffer` is [`Buffer::Hits`] and they are not counted yet; [`capture`] does not count them.
     pub(crate) fn completed_for(self, buffer: Buffer, recipe: &Recipe, frame: &Frame) -> Self {
         if buffer != Buffer::Hits || self.hits.is_some() {
             return self;

@@ -47,7 +47,7 @@ impl ColorMap {
                 return [grey, grey, grey, 255];
             }
         };
-        // `PURPLE_ORANGE` begins with purple.
+        // `PURPLE_ORANGE` begins with purple, but this colour map begins with orange.
         let at = if self == Self::Diverging { 1.0 - at } else { at };
         let [r, g, b] = gradient.eval_continuous(at).as_array();
         [r, g, b, 255]
@@ -173,7 +173,7 @@ impl Display {
 
     /// Returns the colour of the legend at `share`, a position in [0, 1] from the low to the high end of the range.
     pub(crate) fn legend_color(&self, buffer: Option<Buffer>, range: Range, share: f32) -> Rgba8 {
-        // Interpolates without a difference: `high - low` may overflow to infinity.
+        // Interpolates without computing `high - low`, which may overflow to infinity.
         self.number_color(buffer, range, range.low * (1.0 - share) + range.high * share)
     }
 
@@ -237,9 +237,9 @@ impl Display {
     }
 }
 
-/// Returns whether a value lies below the range, and whether it lies above. A value with several channels lies outside
-/// if any channel does, except that a colour lies below only if all channels do. Colour codes 0 and 255 count as
-/// outside, because they may be clipped.
+/// Returns whether a value lies below the range, and whether it lies above. A value with several channels lies above if
+/// any channel does. Weights lie below if any channel does; a colour lies below only if all channels do. The colour
+/// codes 0 and 255 always count as outside the range, because they may be clipped.
 pub(crate) fn beyond(value: Value, range: Range) -> (bool, bool) {
     let is_code = matches!(value, Value::Color(_));
     let below = |v: f32| v < range.low || is_code && v <= 0.0;

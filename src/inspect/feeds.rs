@@ -69,8 +69,8 @@ fn color_of(frame: &Frame, tap: Tap) -> Option<Rgba8> {
     frame.drawn.color.get(column, row)
 }
 
-/// Returns the weighted sum of one channel as an sRGB code, computed in linear light or on the codes, depending on
-/// `light`.
+/// Returns the weighted sum of one channel as an sRGB code. Depending on `light`, the sum is computed in linear light
+/// or directly on the codes.
 fn sum_of(sources: &[ContributingSample], light: FilterSpace, channel: usize) -> f64 {
     let weighed = |value: fn(u8) -> f64| -> f64 {
         sources.iter().map(|source| f64::from(source.tap.weight) * value(source.color[channel])).sum()

@@ -36,7 +36,7 @@ pub(crate) fn fields(recipe: &Recipe) -> Vec<(String, String)> {
 }
 
 /// Collects the keys and values of a recipe serialised as JSON. Unlike [`Recipe::keys`], this does not determine the
-/// valid values, so it is cheap enough for every frame of the window.
+/// valid values, so it is fast enough to run for every frame of the window.
 fn collect(tree: &Value, prefix: &str, fields: &mut Vec<(String, String)>) {
     let Value::Object(inner) = tree else {
         fields.push((prefix.to_owned(), text(tree)));
@@ -61,7 +61,7 @@ pub(crate) fn changes(before: &Recipe, after: &Recipe) -> Vec<FieldChange> {
 /// the default one.
 pub(crate) fn assignments(recipe: &Recipe) -> Vec<String> {
     let changed = changes(&Recipe::default(), recipe);
-    // Changing the upscaling method resets its other settings, so all of them are included.
+    // Changing the upscaling method resets the other upscaler settings, so all upscaler settings are included.
     let other_upscaler = changed.iter().any(|change| change.key.starts_with(UPSCALER_KEYS));
     let belongs =
         |key: &str| changed.iter().any(|change| change.key == key) || other_upscaler && key.starts_with(UPSCALER_KEYS);
@@ -83,7 +83,7 @@ fn text(value: &Value) -> String {
     match value {
         Value::String(word) => word.clone(),
         Value::Number(number) if !number.is_u64() => {
-            // Settings are 32-bit floats: prints their shortest digits, not the digits of the widened double.
+            // Settings are f32: converting back from f64 gives the shortest decimal that identifies the f32.
             number.as_f64().map_or_else(|| number.to_string(), |number| (number as f32).to_string())
         }
         Value::Array(items) => items.iter().map(text).collect::<Vec<_>>().join(","),

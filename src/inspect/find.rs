@@ -56,7 +56,7 @@ impl SearchTarget {
             return if x < width && y < height {
                 Ok(Self::Pixel(x, y))
             } else {
-                Err(format!("The last pixel of the picture is {},{}", width - 1, height - 1))
+                Err(format!("Outside the picture, whose last pixel is {},{}", width - 1, height - 1))
             };
         }
         if let Some((percent, place)) = parse_enlargement(text)

@@ -1,16 +1,17 @@
 //! Cracks and double hits: samples along shared edges that a frame's rasterizer assigns to no triangle, or to two.
 //!
-//! Each sample's hits are counted twice without a depth test: as the recipe draws, and as a reference. The reference is
-//! correct by construction: the bounding-box rasterizer in exact arithmetic. It uses the corners of the recipe's
-//! arithmetic (snapped in fixed point) and the recipe's fill rule, or top-left if that rule is deliberately wrong.
+//! Hits are counted twice at each sample, both times without a depth test: as the recipe draws, and for a reference.
+//! The reference is correct by construction, because it uses the bounding-box rasterizer in exact arithmetic. Its
+//! corners are those that the recipe's arithmetic uses (snapped in fixed point). Its fill rule is the recipe's, or
+//! top-left if the recipe's rule is deliberately wrong.
 //!
 //! Triangles are looked up only at samples whose counts differ. A difference is a fault of a *shared edge* if two
 //! triangles of one instance share an edge there and lie on opposite sides of it. Other differences, such as at an
 //! outline under the inclusive rule, are counted separately. Neither count includes culled triangles. Faults of
-//! surfaces behind each other that cancel at a sample are not detected.
+//! overlapping surfaces are not detected at samples where they cancel each other out.
 //!
-//! Surfaces with adjacent borders but without shared vertices separate even if every triangle is drawn correctly.
-//! [`Hits::with_seams`] adds their faults once the [`Seams`] of the scene are known.
+//! Adjacent surfaces that share no vertices along their borders may have gaps even if every triangle is drawn
+//! correctly. [`Hits::with_seams`] adds the faults along such borders once the [`Seams`] of the scene are known.
 
 mod edges;
 
@@ -192,15 +193,15 @@ struct FaultSearch<'a> {
     size: (u32, u32),
 }
 
-/// Rasterization with which hits are counted: the recipe's or the reference's.
+/// Settings with which hits are counted: the recipe's or the reference's.
 #[derive(Clone, Copy)]
 enum CountMode {
     Drawn,
     Reference,
 }
 
-/// A sample whose hit count differs between drawing and reference. For each of the two, it holds the ascending indices
-/// of the triangles that hit the sample.
+/// A sample at which the hit counts of the drawn frame and of the reference differ. `drawn` and `due` contain the
+/// indices of the triangles that hit the sample, in ascending order.
 struct CountDifference {
     pixel: (u32, u32),
     drawn: Vec<usize>,
@@ -333,8 +334,7 @@ impl<'a> FaultSearch<'a> {
         differences
     }
 
-    /// Returns the triangles on both sides of every edge at which a triangle may have lost a sample that it should have
-    /// hit.
+    /// Finds the edges nearest to each missing hit, and returns the triangles on both sides of these edges.
     fn edges_of_missing(&self, differences: &[CountDifference]) -> EdgeTriangles {
         let mut meetings = EdgeTriangles::default();
         for difference in differences.iter().filter(|d| d.kind() == FaultKind::Crack) {
@@ -367,8 +367,8 @@ impl<'a> FaultSearch<'a> {
         })
     }
 
-    /// Whether the reference has fewer hits at a nearby sample. If so, a rasterizer that moves outlines may have moved
-    /// the outline of a surface past this sample, rather than opened a crack.
+    /// Whether the reference has fewer hits at a nearby sample. If so, the rasterizer may have moved the outline of a
+    /// surface past this sample, so the missing hit may not be a crack.
     fn is_near_outline(&self, difference: &CountDifference, due: &Image<u32>) -> bool {
         let Some((column, row)) = self.grid.sample_at(difference.pixel.0, difference.pixel.1) else { return false };
         let (column, row) = (column - self.origin.0, row - self.origin.1);

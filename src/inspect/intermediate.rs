@@ -20,19 +20,19 @@ use crate::scene::Scene;
 choice! {
     /// An intermediate value of the pipeline that can be displayed as a buffer.
     pub Intermediate {
-        Edge0 = "edge-0", "Edge value 0", "Edge function of the edge opposite to corner 0: positive inside, 0 on the edge, in the units of the rasterizer’s arithmetic.";
-        Edge1 = "edge-1", "Edge value 1", "Edge function of the edge opposite to corner 1: positive inside, 0 on the edge, in the units of the rasterizer’s arithmetic.";
-        Edge2 = "edge-2", "Edge value 2", "Edge function of the edge opposite to corner 2: positive inside, 0 on the edge, in the units of the rasterizer’s arithmetic.";
+        Edge0 = "edge-0", "Edge value 0", "Edge function opposite to corner 0: positive inside, 0 on the edge; in 1/65536 px² (fixed point) or px² times a power of two.";
+        Edge1 = "edge-1", "Edge value 1", "Edge function opposite to corner 1: positive inside, 0 on the edge; in 1/65536 px² (fixed point) or px² times a power of two.";
+        Edge2 = "edge-2", "Edge value 2", "Edge function opposite to corner 2: positive inside, 0 on the edge; in 1/65536 px² (fixed point) or px² times a power of two.";
         Lambda0 = "lambda-0", "λ0 on screen", "Screen-space weight of corner 0: its edge value divided by the doubled area.";
         Lambda1 = "lambda-1", "λ1 on screen", "Screen-space weight of corner 1: its edge value divided by the doubled area.";
         Lambda2 = "lambda-2", "λ2 on screen", "Screen-space weight of corner 2: its edge value divided by the doubled area.";
         Weight0 = "weight-0", "Weight 0", "Weight of corner 0 in the interpolation of attributes.";
         Weight1 = "weight-1", "Weight 1", "Weight of corner 1 in the interpolation of attributes.";
         Weight2 = "weight-2", "Weight 2", "Weight of corner 2 in the interpolation of attributes.";
-        InvW = "inv-w", "1/w", "Reciprocal of the view distance, which is affine on the screen.";
+        InvW = "inv-w", "1/w", "Reciprocal of the view distance; varies linearly in screen space.";
         Distance = "distance", "View distance", "Distance along the view axis, in world units; 1 without perspective.";
         Depth = "fragment-depth", "Fragment depth", "Depth of the fragment in the format of the depth buffer, also for blended fragments.";
-        DepthSlope = "depth-slope", "Depth per pixel", "Steps of the depth buffer from a pixel to its right neighbour on the same triangle; at 0 both have the same depth.";
+        DepthSlope = "depth-slope", "Depth per pixel", "Depth difference to the right neighbour on the same triangle, in steps of the depth buffer; 0 if both depths are equal.";
         DepthStep = "depth-step", "Depth resolution", "Distance to the next depth that can be stored, in world units: surfaces closer together may tie.";
         U = "u", "u", "The first texture coordinate, before addressing.";
         V = "v", "v", "The second texture coordinate, downwards, before addressing.";
@@ -40,8 +40,8 @@ choice! {
         DvDx = "dv-dx", "dv/dx", "Change of v from a pixel to its right neighbour.";
         DuDy = "du-dy", "du/dy", "Change of u from a pixel to the one below.";
         DvDy = "dv-dy", "dv/dy", "Change of v from a pixel to the one below.";
-        Footprint = "footprint", "Texels per pixel", "Longer side of a pixel's footprint on the texture, in texels; above 1 texels are skipped.";
-        Cosine = "cosine", "N·L", "The cosine of the angle between normal and light.";
+        Footprint = "footprint", "Texels per pixel", "Longer side of a pixel's footprint on the texture, in texels; above 1, texels are skipped.";
+        Cosine = "cosine", "N·L", "Cosine of the angle between normal and light direction.";
         Light = "light", "Light", "Factor by which light multiplies the surface colour.";
         Alpha = "alpha", "Alpha", "Opacity with which the fragment covers the surfaces behind it.";
     }

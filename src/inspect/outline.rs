@@ -1,9 +1,9 @@
 //! Vector drawing of a frame: its triangles as lines or polygons that scale without aliasing.
 //!
-//! Hidden lines are removed by comparing each edge with the depth buffer, so a line ends at the pixel where it is
-//! occluded. Polygons are the visible parts of triangles. The rasterizer finds them on a grid finer than pixels
-//! ([`visible`]). Between its samples, boundaries follow the edges and intersections of triangles ([`crossing`],
-//! [`partition`]). No painting order is needed, and triangles may intersect.
+//! Hidden lines are removed by comparing each edge with the depth buffer, so a line ends at the pixel where it becomes
+//! occluded. Polygons are the visible parts of triangles. The rasterizer finds them on a grid that is finer than the
+//! pixels ([`visible`]). Between the samples of this grid, boundaries follow the edges and intersections of triangles
+//! ([`crossing`], [`partition`]). No back-to-front sorting is needed, and triangles may intersect.
 
 mod control;
 
@@ -147,7 +147,7 @@ fn visible_parts([from, to]: DepthEdge, depth: Option<&Image<f32>>) -> Vec<Shape
 }
 
 /// Whether a point with depth `z` is visible: at least one of the 3×3 pixels around it stores no nearer depth. The
-/// surfaces beside an edge are stored at neighbouring pixel centres.
+/// neighbours are tested because an edge usually lies between the pixel centres at which its surfaces are stored.
 fn is_visible(depth: &Image<f32>, place: DVec2, z: f64) -> bool {
     let (x, y) = (place.x.floor() as i64, place.y.floor() as i64);
     let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (x + dx, y + dy)));

@@ -114,7 +114,7 @@ pub struct ShadingRecord {
     pub(crate) vertex_color: Option<[f32; 3]>,
     /// N·L, the cosine of the angle between the normal and the light direction.
     pub(crate) cosine: Option<f32>,
-    /// Factor by which light multiplies the surface colour.
+    /// Light factor, which multiplies the surface colour.
     pub(crate) light: Option<f32>,
     /// Specular factor max(0, N·H)^Ns, which multiplies the specular colour.
     pub(crate) highlight: Option<f32>,
@@ -265,7 +265,7 @@ pub(super) fn replayed(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y:
     let replayed = samples::replay(scene, recipe, frame, &pixels);
     let sources: Vec<_> = taps.into_iter().zip(&replayed).map(|(tap, samples)| source(frame, tap, samples)).collect();
     let main = (0..sources.len()).max_by(|a, b| sources[*a].tap.weight.total_cmp(&sources[*b].tap.weight));
-    // A frame of at most 2 × 2 pixels may draw none of them: all then come from the history.
+    // A frame of at most 2 × 2 pixels may draw no pixel at all. All its pixels then come from the history.
     let drawn_at = main.filter(|_| !frame.is_drawn(x, y)).map_or((x, y), |main| pixels[main]);
     let samples = pixels.iter().position(|pixel| *pixel == drawn_at).map_or_else(Vec::new, |place| {
         let places = samples::places(frame.antialias, drawn_at);
@@ -402,7 +402,7 @@ mod tests {
                 .map(|s| [s.uv.is_some(), s.normal.is_some(), s.cosine.is_some(), s.light.is_some()])
                 .collect();
             assert!(reported.contains(&expected), "{shading:?}");
-            // Meshes without texture coordinates record fewer values, and none records more.
+            // Meshes without texture coordinates record fewer values; no record contains additional values.
             assert!(reported.iter().flat_map(|t| t.iter().zip(expected)).all(|(t, e)| e || !t), "{shading:?}");
         }
     }

@@ -68,7 +68,7 @@ mod tests {
 
     #[test]
     fn statistics_match_a_two_pass_computation() {
-        // Values far from zero, where a plain sum of squares would cancel.
+        // The values are far from zero, where a plain sum of squares would suffer from cancellation.
         let values: Vec<f32> = (0..1000_u32).map(|i| 50_000.0 + (i * 7919 % 1009) as f32 / 64.0).collect();
         let statistics = Statistics::of(values.iter().copied());
         let mean = values.iter().map(|v| f64::from(*v)).sum::<f64>() / 1000.0;

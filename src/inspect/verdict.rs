@@ -110,11 +110,18 @@ fn fragment_verdict(fragments: &[FragmentRecord], absent: &[Absent], comparison:
             )
         }
         (_, _, Z_FIGHT_CODES) if winner.depth.code.is_some() => {
-            format!("Z-fight: {name} won by {Z_FIGHT_CODES} step of depth, the smallest that the buffer can store.")
+            format!(
+                "Z-fight: {name} won by {Z_FIGHT_CODES} step of depth, the smallest difference that the buffer can \
+                 store. To separate the surfaces, move them apart or raise the depth precision (near plane, depth \
+                 format)."
+            )
         }
         (_, _, ulps @ 1..=Z_FIGHT_ULPS) if winner.depth.code.is_none() => {
             let steps = if ulps == 1 { "step" } else { "steps" };
-            format!("Z-fight: {name} won by {ulps} ulp of depth, the smallest {steps} of a float.")
+            format!(
+                "Z-fight: {name} won by {ulps} ulp of depth, the smallest {steps} of a float. To separate the \
+                 surfaces, move them apart or raise the depth precision (near plane, depth format)."
+            )
         }
         _ if triangles == 2 => format!("Won by {name} against one other."),
         _ => format!("Won by {name} against {} others.", triangles - 1),
@@ -141,7 +148,7 @@ fn blended_verdict(fragments: &[FragmentRecord], nearest: &FragmentRecord) -> St
     format!("Blended: {} with alpha {alpha} over {between}{behind}.", name(nearest))
 }
 
-/// Explains a crack or a pixel hit twice along a shared edge, in one or two sentences.
+/// Explains a crack or a double hit along a shared edge or an open seam, in one or two sentences.
 fn fault_verdict(fault: &Fault, settings: &Settings) -> String {
     let [one, other] = fault.sharing.map(|id| id.0);
     let (hits, due) = (fault.hit_by.len(), fault.due.len());
@@ -157,7 +164,7 @@ fn fault_verdict(fault: &Fault, settings: &Settings) -> String {
         (FaultKind::DoubleHit, _) => {
             let count = match (hits, due) {
                 (2, ..=1) => "Hit twice".to_owned(),
-                (_, 0) => format!("Hit {hits} times, though no triangle should"),
+                (_, 0) => format!("Hit {hits} times instead of 0"),
                 (_, 1) => format!("Hit {hits} times instead of once"),
                 _ => format!("Hit {hits} times instead of {due}"),
             };
@@ -321,13 +328,14 @@ mod tests {
         assert_eq!(
             fault_verdict(&fault(FaultKind::Crack, JunctionKind::TJunction), &Settings::default()),
             "A crack: no triangle covers the gap between triangles 0 and 7 here. T-junction: v1 of triangle 7 lies within \
-             the edge of triangle 0 opposite to v2, 4.00e-7 off it, but is not a vertex of that triangle, so the two \
-             sides round differently."
+             the edge of triangle 0 opposite to v2, 4.00e-7 units off it, but is not a vertex of that triangle, so the \
+             two sides round differently; to fix it, split the edge there."
         );
         assert_eq!(
             fault_verdict(&fault(FaultKind::DoubleHit, JunctionKind::Unwelded), &Settings::default()),
-            "Hit twice: triangles 0 and 7 overlap here. Unwelded vertex: v1 of triangle 7 lies 4.00e-7 from an end of the \
-             edge of triangle 0 opposite to v2, but is not the same vertex, so the two sides do not meet."
+            "Hit twice: triangles 0 and 7 overlap here. Unwelded vertex: v1 of triangle 7 lies 4.00e-7 units from an \
+             end of the edge of triangle 0 opposite to v2, but is not the same vertex, so the two sides do not meet; to \
+             fix it, weld the vertices."
         );
     }
 

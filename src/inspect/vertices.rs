@@ -1,8 +1,8 @@
 //! Vertices at every pipeline stage, from the mesh to the pixel grid.
 //!
 //! Clip-space position, screen position and snapped position are computed by the same functions that draw. The pipeline
-//! never computes world and view positions: it multiplies the matrices first, in f64, and rounds the product once. They
-//! are therefore reported in f64, unrounded.
+//! never computes world and view positions: it multiplies the matrices first, in f64, and rounds the product once.
+//! World and view positions are therefore reported in f64, unrounded.
 
 use glam::{DMat4, DVec3, Vec2, Vec3, Vec4};
 use serde::Serialize;

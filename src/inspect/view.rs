@@ -42,11 +42,11 @@ pub(crate) fn magnitude_color(position: f32) -> Rgba8 {
     [r, g, b, 255]
 }
 
-/// Colour that marks a pixel along a shared edge with too few hits by triangles; distinguishable from [`DOUBLE_HIT`]
-/// for the colour-blind.
+/// Colour of a crack: a pixel along a shared edge that too few triangles hit. Colour-blind people can distinguish it
+/// from [`DOUBLE_HIT`].
 pub(crate) const CRACK: Rgba8 = [48, 132, 255, 255];
 
-/// Colour that marks a pixel along a shared edge with too many hits by triangles.
+/// Colour of a double hit: a pixel along a shared edge that too many triangles hit.
 pub(crate) const DOUBLE_HIT: Rgba8 = [255, 150, 0, 255];
 
 /// Returns the colour at a position in [0, 1] of a buffer's colour map. The map of [`Buffer::Hits`] is grey, because
@@ -135,7 +135,8 @@ pub(crate) fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) ->
         Buffer::Hits => {
             let hits = buffers?.hits.as_ref()?;
             let mut counts = hits.counts.map(|count| count as f32);
-            // Faults have their own colours; many hits there would leave few greys for other samples.
+            // Samples with faults have their own colours, so their counts are excluded. High counts there would leave
+            // few greys for the other samples.
             for (column, row) in hits.faults.iter().filter_map(|fault| frame.drawn.grid.sample_at(fault.x, fault.y)) {
                 counts.set(column, row, f32::NAN);
             }

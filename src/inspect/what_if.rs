@@ -1,7 +1,7 @@
 //! Effect of a recipe change on a frame: the pixels of the picture or of a buffer that differ.
 //!
-//! Pixels are compared by value, never by display colour. Two frames with different depth ranges have different colour
-//! maps, but count as equal wherever their depths are equal.
+//! Pixels are compared by value, never by display colour. Two frames with different depth ranges may display equal
+//! depths in different colours, but their pixels count as equal wherever their depths are equal.
 
 use crate::chain::Frame;
 use crate::image::color::luma;
@@ -75,8 +75,8 @@ impl Changes {
 
     /// Returns `picture` with its unchanged pixels mapped to dark greys.
     pub(crate) fn with_unchanged_dimmed(&self, picture: &Image<Rgba8>) -> Image<Rgba8> {
-        /// Grey levels, of 255, that replace black and white: much darker than changed colours, but bright enough to
-        /// recognise the scene.
+        /// Grey levels, in [0, 255], to which black and white are mapped: much darker than changed colours, but bright
+        /// enough to recognise the scene.
         const GREYS: (f64, f64) = (16.0, 72.0);
         let (width, height) = picture.size();
         Image::from_fn(width, height, |x, y| {

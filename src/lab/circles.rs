@@ -272,8 +272,8 @@ fn octant_of(x: i64, y: i64) -> usize {
     }
 }
 
-/// Returns the greatest distance of a pixel in `cells` from an ellipse, in pixels: exact for circles, to first order
-/// for other ellipses.
+/// Returns the greatest distance of a pixel in `cells` from an ellipse, in pixels. The distance is exact for circles
+/// and a first-order approximation for other ellipses.
 fn greatest_distance(cells: &[InkedPixel], center: (i32, i32), radii: DVec2) -> f64 {
     let off = |cell: &InkedPixel| {
         let place = DVec2::new((cell.x - i64::from(center.0)) as f64, (cell.y - i64::from(center.1)) as f64);

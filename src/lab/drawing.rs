@@ -34,7 +34,7 @@ const DOT: f64 = 0.36;
 const SMALL_DOT: f64 = 0.12;
 const LETTERS: f64 = 0.9;
 
-/// Size of a grid pixel in exported files: in pixels of a bitmap, or in points of a page.
+/// Size of a grid pixel in exported files, in bitmap pixels or, in a PDF, in points.
 const SCALE: f64 = 16.0;
 
 /// Maximum number of frames of an animation. Longer runs are sampled at equal step intervals.
@@ -48,8 +48,8 @@ pub(crate) fn write_recording(path: &Path, recording: &Recording, steps: usize) 
     save(path, &encode_recording(path, recording, steps)?)
 }
 
-/// Encodes a recording after its first `steps` steps as a file, in the format given by the extension. A GIF instead
-/// animates all steps.
+/// Encodes the picture after the first `steps` steps of a recording, in the file format given by the extension. A GIF
+/// instead animates all steps.
 pub(crate) fn encode_recording(path: &Path, recording: &Recording, steps: usize) -> Result<Vec<u8>, DrawingFileError> {
     if format_of(path)? != DrawingFormat::Pixels(PixelFormat::Gif) {
         return encode(path, &drawing(recording, steps), SCALE);

@@ -24,7 +24,7 @@ choice! {
         Addition = "dda", "DDA",
             "Adds the slope at every step: no multiplication, but each addition rounds, and the errors add up.";
         Midpoint = "midpoint", "Midpoint (Bresenham)",
-            "Integers only: a decision variable holds on which side of the next midpoint the line passes.";
+            "Integers only: the sign of a decision variable gives the side on which the line passes the next midpoint.";
         Exact = "exact", "Nearest pixel, exact",
             "Real endpoints; the nearest pixel of every step is decided without rounding.";
         AreaBox = "area-box", "Area, box",
@@ -37,7 +37,8 @@ choice! {
 }
 
 impl LineMethod {
-    /// Returns how the method evaluates the slope; `None` for methods that do not step by slope.
+    /// Returns how the method computes the coordinate along the shorter axis; `None` for methods that do not use the
+    /// slope.
     fn stepping(self) -> Option<Stepping> {
         match self {
             Self::Intersection => Some(Stepping::Intersection),
@@ -60,7 +61,7 @@ impl LineMethod {
 /// Size of the grid, in columns and rows.
 const SIZE: (u32, u32) = (36, 22);
 
-/// Margin between the border of the grid and the rectangle that lines are clipped to, in pixels.
+/// Margin between the border of the grid and the clip rectangle, in pixels.
 const FRAME: u32 = 4;
 
 /// Input and settings of the lab page on lines.
@@ -103,7 +104,7 @@ fn strip([from, to]: [DVec2; 2]) -> Option<[DVec2; 4]> {
     Some([from - across, to - across, to + across, from + across])
 }
 
-/// Returns the distance in pixels of a pixel centre from the line through both endpoints, or from their common point if
+/// Returns the distance, in pixels, from a pixel centre to the line through both endpoints, or to their common point if
 /// they coincide.
 fn distance([from, to]: [DVec2; 2], (x, y): (i64, i64)) -> f64 {
     let (along, place) = (to - from, DVec2::new(x as f64, y as f64) - from);
@@ -268,17 +269,17 @@ impl LineLesson {
     pub(super) fn move_handle(&mut self, handle: usize, to: DVec2) {
         let place = to - 0.5;
         let whole = self.method == LineMethod::Midpoint && !self.clip;
-        // Steps of a quarter pixel are easy to hit and show the effect of fractional ends.
+        // Steps of a quarter pixel are easy to hit and show the effect of fractional endpoints.
         let place = if whole { place.round() } else { (place * 4.0).round() / 4.0 };
         if let Some(end) = self.ends.get_mut(handle) {
             *end = place;
         }
     }
 
-    /// Compares all methods without anti-aliasing on a longer line with the same slope.
+    /// Compares all methods that do not anti-alias, on a longer line with the same slope.
     pub(super) fn compare(&self) -> MethodComparison {
         const LONGER: f64 = 40.0;
-        // Ends can be dragged far outside the grid, and the distance method tests every pixel of the bounding box.
+        // Endpoints can be dragged far outside the grid, and the distance method tests every pixel of the bounding box.
         const LONGEST_PX: f64 = 2000.0;
         let [from, to] = self.ends.map(DVec2::round);
         let span = (to - from).abs();
@@ -297,7 +298,7 @@ impl LineLesson {
     }
 }
 
-/// Returns the pixels that a line of one pixel's width covers, row by row, with their filtered coverage.
+/// Returns the pixels that a one-pixel-wide line covers, row by row, with their filtered coverage.
 fn covered(ends: [DVec2; 2], weight: Weight) -> impl Iterator<Item = InkedPixel> {
     let strip = strip(ends);
     let reach = 0.5 + weight.radius_px();
@@ -368,8 +369,8 @@ fn slope_steps([from, to]: [DVec2; 2], stepping: Stepping) -> Box<dyn Iterator<I
     }))
 }
 
-/// Returns the accumulated rounding error of the minor coordinate at the last pixel of a line 1000 times as long, in
-/// pixels.
+/// Returns the accumulated rounding error, in pixels, at the last pixel of a line 1000 times as long. The error is that
+/// of the coordinate along the shorter axis.
 fn drift_of_longer([from, to]: [DVec2; 2], stepping: Stepping) -> Option<f64> {
     const LONGER: f64 = 1_000.0;
     let mut line = slope_line(from, from + (to - from) * LONGER, stepping)?;

@@ -1,5 +1,5 @@
 //! The 2D lab: runs each algorithm of the 2D chapter on a small editable input and records it step by step. Recordings
-//! can be scrubbed in the window, exported, and compared with alternative methods.
+//! can be scrubbed in the window and exported, and the methods of a page can be compared.
 //!
 //! The algorithms themselves are plain iterators of [`crate::flat2d`], [`crate::antialias`] and the pipeline. A
 //! *lesson*, one per file, advances them by one item at a time and records their state in a [`recording`]. [`drawing`]
@@ -49,7 +49,7 @@ choice! {
             "Boundary fill and flood fill, 4-connected or 8-connected, by pixels or by spans.";
         Primitives = "primitives", "Primitives", "Points, lines, strips, fans, quads and polygons read from one list of vertices.";
         Triangles = "triangles", "Triangles",
-            "Order of the rasterizers, edge functions, shared edges, barycentric weights.";
+            "Pixel order of the rasterizers, edge functions, shared edges, barycentric weights.";
         Sampling = "sampling", "Sampling",
             "Aliasing: jagged edges, moiré, wagon wheel; supersampling, area sampling, filter masks.";
     }

@@ -4,11 +4,11 @@ use super::seed_fills::Paint;
 use crate::image::color::luma;
 use crate::image::{Image, Rgba8};
 
-/// Threshold for the brightest channel of a grid pixel, of 255: pixels below it become walls.
+/// Threshold for the brightest channel of a grid pixel, in [0, 255]: pixels below it become walls.
 const WALL_BELOW: f32 = 96.0;
 
-/// Difference between the brightest and the darkest channel of a grid pixel, of 255, above which the pixel counts as
-/// coloured.
+/// Difference between the brightest and the darkest channel of a grid pixel, in [0, 255], above which the pixel counts
+/// as coloured.
 const COLOR_FROM: f32 = 64.0;
 
 /// Reduces a picture to a grid of `width` × `height` pixels and keeps its aspect ratio. Coloured pixels become
@@ -23,7 +23,8 @@ pub(crate) fn painted(picture: &Image<Rgba8>, (width, height): (u32, u32)) -> Im
             let from = ((f64::from(at) - before) * cell_px).max(0.0);
             let to = ((f64::from(at) + 1.0 - before) * cell_px).min(end);
             let (from, to) = (from.round() as u32, to.round() as u32);
-            // A cell narrower than a pixel may contain no pixel centre; it takes the pixel that it lies in.
+            // A cell narrower than a picture pixel may contain no pixel centre. Such a cell takes the pixel that
+            // contains its centre.
             let middle = (f64::from(at) + 0.5 - before) * cell_px;
             if from == to && (0.0..end).contains(&middle) { middle as u32..middle as u32 + 1 } else { from..to }
         };

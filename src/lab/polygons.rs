@@ -122,7 +122,7 @@ impl PolygonLesson {
         }
     }
 
-    /// Removes the corner with the handle index `handle`, and its contour if that has no other corners.
+    /// Removes the corner with the handle index `handle`. Removes its contour, too, if no other corners are left.
     pub(crate) fn remove_corner(&mut self, handle: usize) {
         let mut number = handle;
         for contour in &mut self.contours {
@@ -369,7 +369,7 @@ pub(super) fn by_crossings(contours: &[Vec<DVec2>], (width, height): (u32, u32),
 }
 
 /// Returns the recorded step for one span of a fill. Its state lists the active edges of the row; its marks show the
-/// crossing count and winding number between them.
+/// crossing count and the winding number between the crossings.
 fn span_step(walk: &PolygonFill, span: PixelSpan) -> RecordedStep {
     let y = f64::from(span.y) + 0.5;
     let mut active: Vec<ActiveEdge> = walk.active_edges().collect();

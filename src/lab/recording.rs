@@ -1,5 +1,4 @@
-//! Recorded run of an algorithm: for each step the pixels that it set and the algorithm's state, and for the whole run
-//! the true shape.
+//! Recorded run of an algorithm: the pixels set and the algorithm's state at each step, and the true shape.
 
 use std::time::{Duration, Instant};
 
@@ -89,7 +88,7 @@ pub(crate) struct RecordedStep {
 pub(crate) struct Recording {
     /// Number of columns and rows of the grid.
     pub(crate) size: (u32, u32),
-    /// Pixels of the input picture, which the pixels of the steps are drawn over.
+    /// Pixels of the input picture. The pixels set by the steps are drawn over them.
     pub(crate) ground: Vec<InkedPixel>,
     /// Geometry of the exact shape that the algorithm approximates.
     pub(crate) figure: Vec<Mark>,
@@ -148,7 +147,8 @@ pub(crate) fn number(value: f64, decimals: usize) -> String {
     text.replace('-', "−")
 }
 
-/// Measures the duration of one run: the minimum over 3 rounds, each of which averages the runs of at least 0.4 ms.
+/// Measures the duration of one run. Each of 3 rounds repeats the run for at least 0.4 ms and takes the mean; the
+/// result is the smallest mean.
 pub(crate) fn time_of(mut run: impl FnMut() -> usize) -> Duration {
     const ROUND: Duration = Duration::from_micros(400);
     const ROUNDS: usize = 3;

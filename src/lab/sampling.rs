@@ -75,17 +75,16 @@ impl SamplingMethod {
 /// neighbours.
 const SHARPENING: f32 = 4.0;
 
-/// Length of the path of motion blur, in pixels: it reaches the two diagonal neighbours of a pixel.
+/// Path length of the motion blur, in pixels. The path ends at the centres of two diagonal neighbours of the pixel.
 const MOTION_PX: f32 = 2.0 * SQRT_2;
 
 /// Size of the grid, in columns and rows.
 const SIZE: (u32, u32) = (48, 36);
 
-/// Half the number of sample points per axis for the numerical integration of weighted means that have no closed form.
+/// Half the number of sample points per axis for the numerical integration of filter-weighted means.
 const DENSE: u32 = 12;
 
-/// Number of sample points per axis for reference values that have no closed form. It differs from the number that any
-/// method uses.
+/// Number of sample points per axis for reference values that have no closed form. No method uses the same number.
 const TRUTH: u32 = 43;
 
 /// Number of recorded frames of the wheel.
@@ -137,8 +136,8 @@ impl SamplingLesson {
         match self.scene {
             SamplingScene::Edge => f64::from(from_middle.dot(self.normal()) >= 0.0),
             SamplingScene::ZonePlate => {
-                // The local frequency is twice this value times the radius: half a cycle per pixel at a third of the
-                // width.
+                // The local frequency, in cycles per pixel, is 2 · `chirp` times the radius. It reaches ½ at a radius
+                // of a third of the grid's width.
                 let chirp = 0.25 / (f64::from(SIZE.0) / 3.0);
                 0.5 + 0.5 * (TAU * chirp * from_middle.length_squared()).cos()
             }
@@ -166,7 +165,7 @@ impl SamplingLesson {
         }
     }
 
-    /// Returns the unit normal of the edge, pointing to the covered side.
+    /// Returns the unit normal of the edge, pointing towards the covered side.
     fn normal(&self) -> DVec2 {
         DVec2::from_angle(f64::from(self.angle_degrees).to_radians()).perp()
     }
@@ -264,7 +263,7 @@ impl SamplingLesson {
         if self.scene == SamplingScene::Wheel {
             recording.collect((0..FRAMES).map(|frame| self.frame_step(frame)));
             let true_turns = f64::from(self.turns_per_frame);
-            // Spokes look alike, so a rotation is perceived as the smallest equivalent one.
+            // All spokes look alike, so the wheel appears to make the smallest rotation that gives the same picture.
             let per_spoke = (true_turns * SPOKES + 0.5).rem_euclid(1.0) - 0.5;
             recording.fact("turns per frame", number(true_turns, 3));
             recording.fact("apparent turns", number(per_spoke / SPOKES, 3));
@@ -321,7 +320,8 @@ impl SamplingLesson {
         }
     }
 
-    /// Returns marks at the sample points of the pixel in row `y` and the chosen column.
+    /// Returns marks at the sample points of the pixel in row `y` and the chosen column; none for jittered and
+    /// filter-weighted methods.
     fn sample_marks(&self, y: u32) -> Vec<Mark> {
         let x = self.chosen.0;
         let corner = DVec2::new(x.into(), y.into());
@@ -433,9 +433,9 @@ impl SamplingLesson {
         MethodComparison { task, error: "root mean square error", methods: rivals, note }
     }
 
-    /// Describes the error of supersampling given the same run time as `blur`.
+    /// Describes, as a sentence, the error of supersampling with as many points as fit into the run time of `blur`.
     fn error_in_time_of(&self, blur: &MethodResult, truth: &Image<f64>) -> String {
-        /// Largest number of sample points per axis to try; these take longer than any blur.
+        /// Largest number of sample points per axis to try; this many points take longer than any blur.
         const MAX_POINTS: u32 = 8;
         let timed = |points| {
             let lesson = Self { points, ..self.clone() };

@@ -293,8 +293,8 @@ impl SeedFillLesson {
         filled
     }
 
-    /// Returns for each pixel whether it is connected with the seed. Follows the definition: sweeps over the whole grid
-    /// add each open pixel beside a connected one, until nothing changes. Uses neither a stack nor an order of filling.
+    /// Returns for each pixel whether it is connected to the seed. Follows the definition: repeated sweeps over the
+    /// whole grid add every fillable pixel that has a connected neighbour, until nothing changes. Needs no stack.
     fn connected_region(&self) -> Image<bool> {
         let (width, height) = self.grid.size();
         let seed = self.grid.at(self.seed.0, self.seed.1);
@@ -318,7 +318,7 @@ impl SeedFillLesson {
             if !joined {
                 return belongs;
             }
-            // Every other sweep runs backwards, so that paths in either direction are found equally fast.
+            // Every other sweep runs backwards, so that paths in both directions are found equally fast.
             forwards.reverse();
         }
     }

@@ -140,8 +140,8 @@ fn a_picture_becomes_the_input_of_the_pages_that_take_one() {
     }
     let mut sampling = SamplingLesson { method: SamplingMethod::Point, ..SamplingLesson::default() };
     sampling.set_picture(&picture);
-    // One half is dark, so the sum is half the number of pixels. No pixel is mixed until the centre moves by a fraction
-    // of a pixel.
+    // Half of the picture is black and half is white, so the sum is half the number of pixels. No pixel contains both
+    // colours until the centre moves by a fraction of a pixel.
     assert_eq!(fact(&sampling.record(), "sum of the picture"), "864.00");
     assert_eq!(fact(&sampling.record(), "root mean square error"), "0.00000");
     sampling.middle.x += 0.25;

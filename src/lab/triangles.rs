@@ -143,7 +143,7 @@ impl TriangleLesson {
         let inclusive =
             Self { rule: FillRule::Inclusive, rasterizer: TRUTH.0, arithmetic: self.arithmetic, ..self.clone() };
         let other: Vec<_> = inclusive.pixels(self.second()).collect();
-        // At the ends of the shared side the centre may belong to another triangle.
+        // A pixel centre at an endpoint of the shared edge may belong to a third triangle.
         let is_end = |(x, y): (u32, u32)| self.corners[1..3].contains(&(DVec2::new(x.into(), y.into()) + 0.5));
         let shared = inclusive.pixels(self.first()).filter(|pixel| other.contains(pixel) && !is_end(*pixel));
         shared.filter(|pixel| !first.contains(pixel) && !second.contains(pixel)).count()
@@ -303,7 +303,7 @@ impl TriangleLesson {
     }
 }
 
-/// Returns the three edge values as text, each with the barycentric weight that it corresponds to, and their sum.
+/// Returns the values of the three edge functions as text, each with its barycentric weight, and their sum.
 fn edge_state(edges: [f64; 3], doubled_area: f64) -> Vec<(String, String)> {
     let names = ["opposite the 1st corner", "opposite the 2nd", "opposite the 3rd"];
     let decimals = if edges.iter().all(|edge| edge.fract() == 0.0) { 0 } else { 4 };

@@ -33,7 +33,8 @@ impl Aabb {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// Returns the centre. It is the sum of halves, so it stays finite for the largest coordinates.
+    /// Returns the centre. Each corner is halved before the sum, so the result is finite even for the largest
+    /// coordinates.
     pub(crate) fn center(&self) -> Vec3 {
         self.min * 0.5 + self.max * 0.5
     }

@@ -1,6 +1,6 @@
 //! Double-double arithmetic: numbers with about 106 significand bits, stored as the sum of two floats.
 //!
-//! It gives results that are correct to the last bit of a float even if large intermediate terms cancel.
+//! Results are correct to the last bit of an `f64` even if large intermediate terms cancel.
 //!
 //! Algorithms and error bounds from Joldes, Muller and Popescu, "Tight and rigorous error bounds for basic building
 //! blocks of double-word arithmetic" (2017). With u = 2⁻⁵³, the relative error of each operation is below 10 u².
@@ -45,7 +45,8 @@ impl DoubleDouble {
         if self.hi < 0.0 { -self } else { self }
     }
 
-    /// Renormalises `hi` + `lo` (Dekker). `lo` must be smaller than about the last bit of `hi`.
+    /// Renormalises `hi` + `lo` (Dekker). The magnitude of `lo` must be less than about one unit in the last place of
+    /// `hi`.
     fn normalized(hi: f64, lo: f64) -> Self {
         let sum = hi + lo;
         Self { hi: sum, lo: lo - (sum - hi) }

@@ -111,7 +111,7 @@ mod tests {
     fn polynomials_of_integers_are_exact() {
         let mut random = fastrand::Rng::with_seed(41);
         for round in 0..2_000 {
-            // Integers of 31 bits: a degree-four polynomial of them has 124 bits, far more than any float.
+            // A degree-four polynomial of 31-bit integers has up to 124 bits, far more than a float can hold.
             let numbers: [i64; 4] = std::array::from_fn(|_| random.i64(-(1 << 30)..1 << 30) >> (round % 30));
             let [a, b, c, d] = numbers.map(|n| n as f64);
             let (ab, cd) = (Expansion::difference(a, b), Expansion::difference(c, d));
@@ -129,7 +129,8 @@ mod tests {
         let sum = Expansion::difference(greatest, -least);
         let square = &sum * &sum;
         let fourth = &square * &square;
-        // (g + l)⁴ − (g + l)⁴ + l⁴ is l⁴, about 1e-180 beside 1e154.
+        // With s = `greatest` + `least`, s⁴ + `least`⁴ − s⁴ must be `least`⁴, although s⁴ is about 1e154 and `least`⁴
+        // about 1e-180.
         let tiny = Expansion::difference(least, 0.0);
         let tiny = &(&tiny * &tiny) * &(&tiny * &tiny);
         let rest = &(&(&fourth + &tiny) - &fourth) - &tiny;

@@ -21,9 +21,9 @@ pub(crate) fn snap(pixels: f32) -> i64 {
     (pixels * SUBPIXELS as f32).round_ties_even() as i64
 }
 
-/// Rounds a coordinate in pixels to the nearest grid position, ties to even, and returns it in pixels. There is no
-/// other error: the grid step is a power of two, and coordinates too large for a fraction lie on the grid already.
-/// Valid for magnitudes up to 2¹⁰⁰⁰.
+/// Rounds a coordinate in pixels to the nearest grid position, ties to even, and returns it in pixels. No other
+/// rounding occurs: the grid step is a power of two, and coordinates too large to have a fraction lie on the grid
+/// already. Valid for magnitudes up to 2¹⁰⁰⁰.
 pub(crate) fn snap_to_grid(pixels: f64) -> f64 {
     const STEPS_PER_PIXEL: f64 = SUBPIXELS as f64;
     (pixels * STEPS_PER_PIXEL).round_ties_even() / STEPS_PER_PIXEL

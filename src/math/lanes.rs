@@ -2,7 +2,7 @@
 //!
 //! Kernels are written once, generic over [`Simd`], and compiled for AVX-512, for AVX2 and for the baseline of the
 //! architecture. Sums, products, quotients, square roots and conversions are correctly rounded in all three, and none
-//! uses fused multiply-add. All therefore give the same bits.
+//! uses fused multiply-add. All three therefore give bit-identical results.
 
 #[cfg(target_arch = "x86_64")]
 use std::sync::LazyLock;
@@ -123,9 +123,9 @@ impl Lanes {
     }
 }
 
-/// Returns whether a hardware gather is faster than scalar loads. It is on Intel processors with AVX-512. AMD
-/// processors load one element after the other, each more slowly than a scalar load: on Zen 4, pictures drawn with
-/// gathers take 1.1 to 1.4 times as long.
+/// Returns whether kernels should use hardware gathers: `true` on x86-64 processors except AMD's. Gathers are faster
+/// than scalar loads on Intel processors with AVX-512. AMD processors load the elements one by one, each more slowly
+/// than a scalar load: on Zen 4, frames drawn with gathers take 1.1 to 1.4 times as long.
 #[inline(always)]
 pub(crate) fn gathers_are_fast() -> bool {
     #[cfg(target_arch = "x86_64")]
@@ -164,8 +164,8 @@ macro_rules! on_lanes {
 
 pub(crate) use on_lanes;
 
-/// Evaluates `$body` for each of the listed items and returns an array of the results. Replaces `map`, because the
-/// compiler may fail to compile its closure for the selected instruction set.
+/// Evaluates `$body` for each of the listed items and returns an array of the results. Used instead of `map`, whose
+/// closure the compiler might fail to compile for the selected instruction set.
 macro_rules! each {
     ($item:pat in [$($value:expr),+ $(,)?] => $body:expr) => {
         [$({ let $item = $value; $body }),+]
@@ -202,8 +202,8 @@ pub(crate) fn doubles_of<S: Simd>(simd: S, numbers: i32x8<S>) -> F64<S> {
     F64::load_array(simd, each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => f64::from(numbers[i])))
 }
 
-/// Converts sixteen integers below 2³¹ to floats. Treats them as signed, because few processors convert unsigned
-/// integers.
+/// Converts sixteen integers below 2³¹ to floats. Treats them as signed, because few processors have instructions that
+/// convert unsigned integers.
 #[inline(always)]
 pub(crate) fn float_of<S: Simd>(numbers: u32x16<S>) -> f32x16<S> {
     numbers.bitcast::<i32x16<S>>().to_float()

@@ -16,8 +16,8 @@ const FRACTION: u32 = (1 << FRACTION_BITS) - 1;
 const BIAS: i32 = f32::MAX_EXP - 1;
 
 /// Returns the base-2 logarithm of a positive normal number, and 128 for infinity. The error is at most 2.3·10⁻⁶ plus
-/// one rounding. The result is monotonic, and exact at powers of two. For other inputs it is meaningless, but the same
-/// as on SIMD lanes.
+/// one rounding. The result is monotonic, and exact at powers of two. For other inputs the result is meaningless, but
+/// the same as on SIMD lanes.
 #[inline(always)]
 pub(crate) fn log2(x: f32) -> f32 {
     let bits = x.to_bits();
@@ -28,7 +28,7 @@ pub(crate) fn log2(x: f32) -> f32 {
     exponent as f32 + (f + f * (1.0 - f) * g)
 }
 
-/// Returns the base-2 logarithm of sixteen lanes, equal to [`log2`].
+/// Returns the base-2 logarithm of sixteen lanes, bit-identical to [`log2`].
 #[inline(always)]
 pub(crate) fn log2_lanes<S: Simd>(x: f32x16<S>) -> f32x16<S> {
     let bits = x.bitcast::<u32x16<S>>();

@@ -60,8 +60,8 @@ pub(crate) fn unit_or_lanes<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3], fall
 ///
 /// The reciprocal square root in f32 has an error below 2.5 · 2⁻²⁴; one Newton step reduces it below 2⁻⁴⁴. The error of
 /// [`unit_or`], all in f64, is below 2⁻⁴⁹. Its result therefore lies between the value computed here scaled by 1 − 2⁻⁴²
-/// and by 1 + 2⁻⁴². If both bounds round to the same f32, [`unit_or`] rounds to it as well. They differ only about once
-/// in 100 000 times.
+/// and by 1 + 2⁻⁴². If both bounds round to the same f32, [`unit_or`] rounds to it as well. The two roundings differ in
+/// only about one of 100 000 cases.
 #[inline(always)]
 fn approximate_unit_lanes<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3]) -> Option<[lanes::F32<S>; 3]> {
     use lanes::{F32, SimdBase as _, SimdFloat as _, SimdMask as _, narrow, widen};
@@ -79,7 +79,7 @@ fn approximate_unit_lanes<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3]) -> Opt
 }
 
 /// Returns the largest integer not above `x`, exactly as [`f32::floor`]. Without SSE 4.1, [`f32::floor`] is a function
-/// call of about thirty instructions, a third of the time of a textured pixel.
+/// call of about thirty instructions, a third of the cost of a textured pixel.
 #[inline]
 pub(crate) fn floor(x: f32) -> f32 {
     /// Magnitude from which every float is an integer: 2²³.
@@ -96,7 +96,7 @@ pub(crate) fn floor(x: f32) -> f32 {
 mod tests {
     use super::*;
 
-    /// Normalises eight vectors by [`unit_or_lanes`], once with each instruction set of this processor.
+    /// Normalises eight vectors with [`unit_or_lanes`], once for each instruction set of this processor.
     fn units(vectors: [Vec3; lanes::LANES], fallback: Vec3) -> Vec<[Vec3; lanes::LANES]> {
         use lanes::{F32, Lanes, SimdBase as _, each, on_lanes, widen};
         let columns: [[f32; lanes::LANES]; 3] = std::array::from_fn(|axis| vectors.map(|v| v[axis]));
@@ -119,7 +119,7 @@ mod tests {
             let mut number = || match (round % 4, random.u32(..8)) {
                 // Any bit pattern.
                 (0, _) => f32::from_bits(random.u32(..)),
-                // Few bits: such vectors have units near rounding boundaries more often than others do.
+                // Small integers: the components of their unit vectors lie near rounding boundaries more often.
                 (1, _) => random.i32(-20..20) as f32,
                 (_, 0) => 0.0,
                 _ => random.f32() * 2.0 - 1.0,

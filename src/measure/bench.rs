@@ -19,13 +19,14 @@ use crate::pipeline::tiled::TiledReport;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::Scene;
 
-/// Number of warm-up frames before the measured ones: buffers get allocated, caches and clock frequencies settle.
+/// Number of warm-up frames before the measured ones, in which buffers are allocated and caches and clock frequencies
+/// settle.
 const WARM_UP_FRAMES: i64 = 3;
 
-/// Time to write the bytes of a frame without drawing anything, which is a lower bound for every frame time.
+/// Time to write as many bytes as a frame holds, without drawing: a lower bound for every frame time.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Writing {
-    /// Milliseconds to fill as many bytes as the frame holds, with the same threads.
+    /// Time to fill as many bytes as the frame holds, with the same threads, in milliseconds.
     pub(crate) ms: Summary,
     /// Median frame time divided by the median of `ms`.
     pub(crate) frame_over_writing: f64,

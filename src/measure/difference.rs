@@ -40,7 +40,7 @@ impl Difference {
     pub fn color(self, share: f64) -> Rgba8 {
         let share = share.clamp(0.0, 1.0);
         let [r, g, b] = match self {
-            // From orange (B is lighter) to violet (A is lighter): the interface uses the same colours for A and B.
+            // Orange where B is lighter, violet where A is lighter: the interface uses the same colours for A and B.
             Self::Signed => colorous::PURPLE_ORANGE.eval_continuous(1.0 - share).as_array(),
             Self::Absolute | Self::Squared => colorous::VIRIDIS.eval_continuous(share).as_array(),
             Self::Flip => colorous::MAGMA.eval_continuous(share).as_array(),

@@ -63,16 +63,16 @@ pub(crate) struct ExecutionVariant {
 pub(crate) struct Equality {
     /// All configurations that were compared.
     pub(crate) ways: Vec<ExecutionVariant>,
-    /// Reason why the recipe cannot run tiled; `None` if it can.
+    /// Reason why the recipe cannot be drawn in tiled execution; `None` if it can.
     pub(crate) obstacle: Option<&'static str>,
 }
 
 /// Stack size of a render thread, in bytes. The default is too small for unoptimised builds, whose kernels for several
-/// lane types need large stack frames.
+/// instruction sets need large stack frames.
 const STACK_BYTES: usize = 8 << 20;
 
-/// Renders a view in classic execution, then in tiled execution with every lane type of the processor and every given
-/// number of threads, and compares the frames.
+/// Renders a view in classic execution, then in tiled execution with every SIMD instruction set of the processor and
+/// every given number of threads, and compares the frames.
 ///
 /// # Errors
 ///

@@ -22,7 +22,7 @@ const C1: f64 = (0.01 * 255.0) * (0.01 * 255.0);
 /// (K₂ L)²: keeps the structure term defined for flat regions.
 const C2: f64 = (0.03 * 255.0) * (0.03 * 255.0);
 
-/// Error metrics of an image against another; all are symmetric.
+/// Error metrics between two images. Swapping the images does not change the values.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ImageError {
     /// Mean squared error of 8-bit values, over all pixels and the red, green and blue channels.
@@ -100,8 +100,8 @@ fn window(length: u32) -> Vec<f64> {
     (0..=2 * reach).map(|i| gaussian(i) / sum).collect()
 }
 
-/// Returns the summed similarity of all windows whose top row is `top`. The window is separable: columns first, then
-/// rows.
+/// Returns the summed similarity of all windows whose top row is `top`. The window is separable: sums along columns are
+/// computed first, then sums along the row.
 fn ssim_of_row(a: &Image<f64>, b: &Image<f64>, top: u32, across: &[f64], down: &[f64]) -> f64 {
     let width = a.width() as usize;
     let mut columns = [const { Vec::new() }; 5];

@@ -4,17 +4,17 @@
 //! Images" (2020). The metric combines two pipelines:
 //!
 //! * Colour: opponent colours, blurred by the contrast sensitivity of the eye at the viewing distance, then converted
-//!   to L\*a\*b\*. Chroma is scaled by lightness (Hunt effect). The colour distance is raised to 0.7 and mapped to
-//!   [0, 1].
+//!   to L\*a\*b\*. Chroma is scaled by lightness (Hunt effect). The colour distance is raised to the power of 0.7 and
+//!   mapped to [0, 1].
 //! * Features: the difference in edge and point strength, detected with Gaussian derivatives.
 //!
 //! The error of a pixel is colour^(1 − feature): 0 for identical pixels, 1 for black against white. Images are extended
 //! by repeating their border pixels. Planes are f32, as in the authors' program. The viewing conditions are the usual
-//! ones of the metric: a screen of 0.7 m and 3840 px seen from 0.7 m.
+//! ones of the metric: a screen 0.7 m and 3840 px wide, seen from a distance of 0.7 m.
 //!
-//! Most of the work depends on one image only and is cached in [`Perceived`], so a reference is processed once for all
-//! images compared with it. Filters are separable: a pass along rows, then a pass along columns that also finishes the
-//! pixel.
+//! Most of the work depends on one image only and is cached in [`Perceived`], so a reference is processed only once for
+//! any number of comparisons. Filters are separable: a pass along rows, then a pass along columns that also finishes
+//! the pixel.
 
 use std::array::from_fn;
 
@@ -29,8 +29,8 @@ pub(crate) const PIXELS_PER_DEGREE: f64 = 0.7 * (3840.0 / 0.7) * std::f64::const
 /// Exponent applied to colour distances.
 const COLOR_EXPONENT: f32 = 0.7;
 
-/// Knee of the error mapping, as a fraction of the largest colour distance: distances below it use most of the error
-/// range.
+/// Knee of the error mapping, as a fraction of the largest colour distance: distances below it are mapped to most of
+/// the error range.
 const KNEE: f32 = 0.4;
 
 /// Error at the knee: distances below the knee map linearly to smaller errors, distances above it to larger ones.
@@ -77,7 +77,7 @@ impl Perceived {
         let (width, height) = picture.size();
         let opponents = Opponents::new();
         let filters = Filters::new();
-        // The output of each image row is contiguous: the row filtered by every filter, one after the other.
+        // The results for an image row are contiguous: one filtered row per filter.
         let row_length = FILTERED * width as usize;
         let mut rows = vec![0.0; row_length * height as usize];
         if !rows.is_empty() {
@@ -145,7 +145,7 @@ pub fn map(a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<Image<f32>> {
     Perceived::new(a).difference(&Perceived::new(b))
 }
 
-/// Returns the mean of per-pixel errors, as returned by [`map`] for a whole image, or of a part of them.
+/// Returns the mean of per-pixel errors: the result of [`map`] for a whole image, or a part of it.
 pub(super) fn mean(errors: &Image<f32>) -> f64 {
     errors.pixels().iter().map(|error| f64::from(*error)).sum::<f64>() / errors.pixels().len() as f64
 }
@@ -159,7 +159,8 @@ fn white() -> Color {
     transform(&XYZ_FROM_RGB, [1.0; 3])
 }
 
-/// Lookup table from 8-bit sRGB-encoded values to opponent colours; a colour is the sum of its three channels' entries.
+/// Lookup table from 8-bit sRGB-encoded values to opponent colours; the opponent colour of a pixel is the sum of the
+/// entries for its three channels.
 struct Opponents {
     /// Lightness (Y), red–green (Cx) and blue–yellow (Cz) per channel and 8-bit value, all computed from linear light.
     /// The red entries include the constant term.
@@ -364,7 +365,7 @@ impl Filters {
 /// Returns the 1D weights of each Gaussian in a sum; as 2D kernels, all Gaussians together sum to 1.
 fn blur_weights(sight: BlurKernel) -> Vec<Vec<f32>> {
     use std::f64::consts::PI;
-    /// Threshold relative to the largest weight; smaller weights are lost in the rounding of an f32 sum.
+    /// Threshold relative to the largest weight; smaller weights vanish in the rounding of an f32 sum.
     const NEGLIGIBLE: f64 = 1e-9;
     let widest = BLUR_KERNELS.iter().copied().flatten().map(|(_, b)| *b).fold(0.0, f64::max);
     let sigma = (widest / (2.0 * PI.powi(2))).sqrt();

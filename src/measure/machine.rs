@@ -1,4 +1,4 @@
-//! Machine and build on which times were measured, with the system load: times are meaningless without them.
+//! Machine, build and system load during a measurement, without which times are meaningless.
 
 use serde::Serialize;
 
@@ -18,7 +18,7 @@ pub(crate) struct Machine {
     pub(crate) load_at_end: Option<f64>,
     /// Whether the build is optimised; times of debug builds are not representative.
     pub(crate) optimized: bool,
-    /// Version of the Rasterscope build that measured, as in its package manifest.
+    /// Package version of the Rasterscope build that ran the measurement.
     pub(crate) version: &'static str,
 }
 

@@ -1,9 +1,9 @@
 //! Errors of a moving view: each frame of a sequence is compared with the reference of the same frame.
 //!
-//! A temporal method can match its reference once the view is still, and yet be far from it while the view moves.
-//! Methods are therefore compared over a sequence: the camera orbits its target by a constant angle per frame and ends
-//! at the given view. Methods that read earlier frames get [`Turn::WARM_UP`] more frames before the measured ones.
-//! [`Playback`] draws such frames for timing and for error measurement: frames of equal numbers are bit-identical.
+//! A temporal method can match its reference in a still view, yet differ from it strongly in a moving view. Methods are
+//! therefore compared over a sequence: the camera orbits its target by a constant angle per frame and ends at the given
+//! view. Methods that read earlier frames get [`Turn::WARM_UP`] more frames before the measured ones. [`Playback`]
+//! draws such frames for timing and for error measurement: frames with the same number are bit-identical.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -142,7 +142,7 @@ impl Playback {
         Self { recipe, lanes, history }
     }
 
-    /// Draws the next frame that is missing in the history of frame `number`, if any. Returns whether a frame was
+    /// Draws the next frame that is missing from the history of frame `number`, if any. Returns whether a frame was
     /// drawn. `number` must be greater than −[`Turn::WARM_UP`].
     pub(crate) fn warm_up(&mut self, shot: &FrameSequence<'_>, number: i64) -> bool {
         let Some(run) = &mut self.history else { return false };
@@ -186,7 +186,7 @@ impl RenderRun {
         if turn.is_still() {
             return (end - start < warm_up).then_some(end);
         }
-        // Every playback starts at the same frame: accumulated history depends on the number of frames before.
+        // Every playback starts at the same frame: accumulated history depends on how many frames were drawn before.
         if start != -warm_up || number < end { Some(-warm_up) } else { (number > end).then_some(end) }
     }
 
@@ -303,9 +303,9 @@ impl ErrorMeasurement {
     }
 }
 
-/// Returns the error of the sequence of recipe `b` against that of recipe `a`, frame by frame with equal cameras.
-/// `go_on` receives the completed fraction in [0, 1] before each frame and returns whether to continue; the result is
-/// `None` if it returns `false`.
+/// Returns the error of recipe `b` against recipe `a` over a sequence; both draw each frame with the same camera.
+/// `go_on` receives the completed fraction in [0, 1] before each frame and returns whether to continue. If `go_on`
+/// returns `false`, the result is `None`.
 pub(crate) fn between(
     shot: &FrameSequence<'_>,
     [a, b]: [&Recipe; 2],

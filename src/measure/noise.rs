@@ -1,8 +1,8 @@
 //! Noise floor of a timing run: the difference between two measurements of the same recipe.
 //!
 //! A run draws some recipes twice per round (A/A), interleaved with all others. The rounds are split into blocks of
-//! consecutive rounds. Each block yields one pair: the medians of both series over the block. The pairs are therefore
-//! spread over the run. The noise floor is the 90th percentile of the relative differences of all pairs.
+//! consecutive rounds. Each block yields one pair: the medians of both series over the block. The pairs therefore
+//! sample the whole run. The noise floor is the 90th percentile of the relative differences of all pairs.
 //!
 //! A median over the whole run uses more frames than a median over a block, so the floor is an upper estimate.
 
@@ -99,7 +99,8 @@ impl Pairs {
     }
 }
 
-/// Returns the difference of two times relative to the shorter one, which makes it symmetric; 0 for equal times.
+/// Returns the difference of two times relative to the shorter one, so the order of the times does not matter; 0 for
+/// equal times.
 fn relative_difference(a: f64, b: f64) -> f64 {
     if a == b { 0.0 } else { (a - b).abs() / a.min(b).max(f64::MIN_POSITIVE) }
 }

@@ -1,9 +1,9 @@
 //! Reference images for error metrics. An error is meaningless without the name of its reference:
 //!
-//! * *native* is the same recipe with one sample in every pixel; an error against it is the change that an
-//!   approximation, such as an upscaler, makes;
-//! * *converged* is the mean of 256 samples per pixel in linear light; an error against it is the distance from the
-//!   ideal image. The native image has such an error, too.
+//! * *native* is the same recipe with one sample in every pixel; an error against it measures the effect of an
+//!   approximation, such as an upscaler;
+//! * *converged* is the mean of 256 samples per pixel in linear light; an error against it measures the distance from
+//!   the ideal image. The native image has such an error, too.
 
 use std::sync::Arc;
 
@@ -33,8 +33,8 @@ impl Reference {
         }
     }
 
-    /// Begins to render the reference for a recipe, which uses the recipe's pipeline without upscaler, post filter and
-    /// wireframe.
+    /// Begins to render the reference for a recipe. The reference uses the recipe's pipeline, but no upscaler, post
+    /// filter or wireframe.
     pub(crate) fn begin(
         self,
         scene: &Arc<Scene>,

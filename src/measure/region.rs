@@ -20,7 +20,7 @@ pub struct PixelRegion {
 }
 
 impl PixelRegion {
-    /// Returns the part of an image inside the rectangle, or `None` if they do not overlap.
+    /// Returns the part of an image inside the rectangle, or `None` if the image and the rectangle do not overlap.
     pub(crate) fn of<T: Copy>(self, picture: &Image<T>) -> Option<Image<T>> {
         let (right, bottom) = (self.right.min(picture.width()), self.bottom.min(picture.height()));
         if self.left >= right || self.top >= bottom {

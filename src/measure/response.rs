@@ -1,6 +1,7 @@
 //! Response of an upscaler to test signals: a single bright sample, a step, and a zone plate.
 //!
-//! The signals use 8-bit values between 96 and 160, so that negative and positive lobes are visible and nothing clips.
+//! The signals use 8-bit values between 96 and 160, so that negative and positive lobes are visible and no value is
+//! clamped.
 
 use crate::image::{Image, Rgba8};
 use crate::upscale::{UpscaleInputs, Upscaling};
@@ -53,15 +54,15 @@ impl Responses {
     }
 
     /// Returns the minimum and the maximum height of the step response, extended to include 0 and 1. Values outside [0,
-    /// 1] are overshoot.
+    /// 1] are undershoot or overshoot.
     pub(crate) fn overshoot(&self) -> (f64, f64) {
         let heights = || self.step.iter().map(|[_, height]| *height);
         (heights().fold(0.0, f64::min), heights().fold(1.0, f64::max))
     }
 }
 
-/// Evaluates a zone plate, whose ring period falls to 2 px at the border, the shortest period that pixels can
-/// represent.
+/// Returns the value of a zone plate at a position in pixels, in [0, 1]. The ring period falls to 2 px at the border,
+/// the shortest period that pixels can represent.
 fn zone_plate(x: f64, y: f64) -> f64 {
     let middle = f64::from(PLATE) / 2.0;
     let squared = (x - middle).powi(2) + (y - middle).powi(2);

@@ -3,18 +3,18 @@
 //! A round draws one frame of a sequence with every recipe, in a newly shuffled order, so that changes in machine speed
 //! affect all recipes alike. Some recipes are drawn twice per round, which yields the noise floor. The frames are those
 //! of [`super::motion::ErrorMeasurement`], with the same history. Frames that only build up history are drawn before
-//! the round and not timed.
+//! the round and are not timed.
 
 use crate::chain::{FrameTimes, Recipe, Renderer};
 
 use super::motion::{FrameSequence, Playback};
 use super::noise::{Noise, Pairs};
 
-/// Number of warm-up rounds before the measured ones: caches and clock frequencies settle.
+/// Number of warm-up rounds before the measured ones, in which caches and clock frequencies settle.
 pub(crate) const WARM_UP_ROUNDS: usize = 2;
 
-/// Maximum number of recipes drawn twice per round. They are spread evenly over all recipes, as cheap and expensive
-/// ones differ in noise.
+/// Maximum number of recipes drawn twice per round. They are spread evenly over all recipes, because cheap and
+/// expensive recipes differ in noise.
 const MAX_TWINS: usize = 5;
 
 /// Seed of the shuffled order within rounds.
@@ -40,7 +40,7 @@ pub(crate) struct Timed {
 /// Timer for several recipes, drawn in interleaved rounds. Each step draws at most one frame.
 #[derive(Debug)]
 pub(crate) struct RoundTimer {
-    /// All recipes in their order, followed by the repetitions.
+    /// All recipes in the given order, followed by the repetitions.
     entries: Vec<RoundEntry>,
     recipes: usize,
     renderer: Renderer,

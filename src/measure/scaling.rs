@@ -47,7 +47,7 @@ impl ScalingQuantity {
 pub(crate) struct ScalingPlan {
     /// Recipe that draws all frames.
     pub(crate) recipe: Recipe,
-    /// Image size for all series except that over pixels.
+    /// Image size for all series except the series over pixels.
     pub(crate) viewport: Viewport,
     /// Triangle counts of the series over triangles.
     pub(crate) triangles: Vec<usize>,
@@ -133,9 +133,9 @@ impl Series {
 /// Result of a scaling measurement.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Scaling {
-    /// Image width and height in pixels, for all series except that over pixels.
+    /// Image width and height in pixels, for all series except the series over pixels.
     pub(crate) size: [u32; 2],
-    /// Number of threads, for all series except that over threads.
+    /// Number of threads, for all series except the series over threads.
     pub(crate) threads: usize,
     /// Number of measured rounds.
     pub(crate) rounds: usize,
@@ -145,7 +145,7 @@ pub(crate) struct Scaling {
     pub(crate) partial: bool,
 }
 
-/// Reasons why a measurement has no result.
+/// Reason why a measurement has no result.
 #[derive(Debug, Error)]
 pub(crate) enum ScalingError {
     /// The measurement was cancelled.

@@ -25,8 +25,8 @@ pub(crate) struct Saving {
     pub(crate) part: Option<PipelinePart>,
     /// Number of draws that skip the part unless the skip is disabled.
     pub(crate) draws: usize,
-    /// Milliseconds that a frame takes longer with the skip disabled than with every skip enabled, compared in the same
-    /// round.
+    /// Additional frame time with the skip disabled, in milliseconds, relative to the frame with every skip enabled in
+    /// the same round.
     pub(crate) saved_ms: Summary,
     /// Whether the median saving is within the noise floor.
     pub(crate) within_noise: bool,
@@ -44,10 +44,10 @@ pub(crate) struct Savings {
     /// Time spent computing the draw plans of a frame, in milliseconds; it is the only overhead for a view that skips
     /// nothing.
     pub(crate) planning_ms: Summary,
-    /// Parts that no draw skips, not counting draws outside the view.
+    /// Parts that every draw runs, not counting draws outside the view.
     pub(crate) needed: Vec<PipelinePart>,
-    /// Savings for each part that some draw skips and whose skip can be disabled. If there are several, an entry for
-    /// all of them together follows.
+    /// Savings for each part that some draw skips and whose skip can be disabled. If there are several such parts, the
+    /// last entry is for all of them together.
     pub(crate) savings: Vec<Saving>,
 }
 
@@ -162,8 +162,8 @@ pub(crate) fn savings(
     })
 }
 
-/// Returns the milliseconds needed to compute the draw plans of a frame. Matrices are not timed, because draws need
-/// them anyway.
+/// Returns the time for computing the draw plans of a frame, in milliseconds. Matrices are not timed, because draws
+/// need them anyway.
 fn time_of_planning(scene: &Scene, camera: &Camera, settings: &Settings, viewport: Viewport) -> f64 {
     let clip_from_world = camera.clip_from_world_f64(viewport.aspect(), settings.depth_format.mapping());
     let matrices = |instance| DrawMatrices::new(instance, clip_from_world).clip_from_model;

@@ -3,9 +3,9 @@
 //! In tiled execution, stages run one after the other and each records its own time. In classic execution,
 //! rasterization, depth test and shading are interleaved per sample, and a clock in that loop would cost more than the
 //! work it times. The total time of these stages is therefore split in proportion to the differences between partial
-//! frames, each of which is drawn one stage further than the previous one. These are estimates: a difference within the
-//! noise of its two frames counts as zero, which means "too short to measure". The compiler may also move work from one
-//! stage into the next if only the next one reads the result.
+//! frames, each of which is drawn one stage further than the previous one. These are estimates: noise can make a
+//! difference negative, which then counts as zero and means "too short to measure". The compiler may also move work
+//! from one stage into the next if only the next one reads the result.
 //!
 //! The medians of the stages do not add up to the median of the frame. Therefore [`StageTimes`] belong to one frame,
 //! and [`summarize_stages`] scales the stages to the median frame time.
@@ -120,7 +120,7 @@ impl StageTimes {
     }
 }
 
-/// Splits `total` into four parts, in proportion to the weighted differences between the ascending times `ends`. A time
+/// Splits `total` into four parts, in proportion to the weighted differences between successive times in `ends`. A time
 /// below its predecessor counts as equal to it; if all differences are zero, the first part gets everything.
 fn split(total: Duration, ends: [Duration; 4], weights: [u32; 4]) -> [Duration; 4] {
     let mut before = Duration::ZERO;
@@ -158,8 +158,8 @@ const LEVELS: [LastStage; 4] = [LastStage::Coverage, LastStage::Depth, LastStage
 /// Incremental timer for the stages of one frame. Each step is short, so that a new request never waits long.
 ///
 /// In classic execution, each round draws a whole frame and one partial frame per entry of `LEVELS`. The time of a
-/// partial frame is its minimum over the rounds, because a disturbance only ever adds time. In tiled execution, every
-/// step draws a whole frame. Of the whole frames, the one with the median time is used.
+/// partial frame is its minimum over the rounds, because disturbances can only add time. In tiled execution, every step
+/// draws a whole frame. Of the whole frames, the one with the median time is used.
 #[derive(Debug)]
 pub(crate) struct StageTimer {
     least: [Duration; LEVELS.len()],
@@ -206,7 +206,8 @@ impl StageTimer {
             black_box(redraw(scene, recipe, frame, LEVELS[level], &mut ()));
             self.least[level] = self.least[level].min(start.elapsed());
         } else if self.wanted_runs == PIECES && frame.execution == Execution::Classic {
-            // A single frame of a new renderer would be measured with cold buffers.
+            // With a single round, a new renderer would draw its only frame with cold buffers, so the times that
+            // `frame` recorded are used.
             self.frames.push(StageTimes::recorded(recipe, frame));
         } else {
             let again = self.renderer.render(scene, camera, recipe, frame.viewport, KeepDepth::Yes);
@@ -221,16 +222,18 @@ impl StageTimer {
         })
     }
 
-    /// Splits the time of a classic frame's per-pixel stages in proportion to the times of the partial frames.
+    /// Splits the total time of a classic frame's per-pixel stages, in proportion to the differences between the
+    /// partial frames' times.
     fn split_pixels(&self, times: StageTimes, recipe: &Recipe) -> StageTimes {
         let [coverage, depth, ..] = self.least;
         let tests_depth = recipe.pipeline.depth_test != DepthTest::Off;
         let mut ends = self.least;
         if !tests_depth {
-            // Without a depth test, both levels do the same work; use the minimum for both.
+            // Without a depth test, the levels `Coverage` and `Depth` do the same work, so both get the minimum.
             ends[..2].fill(coverage.min(depth));
         }
-        // After a pass over pixel centres, multisampling covers every sample but shades each pixel once.
+        // Multisampling first draws a pass over the pixel centres. It then finds coverage and depth for every sample,
+        // but interpolates and shades once per pixel.
         let samples = recipe.antialias.count();
         let multisampled = recipe.antialias.method == AntialiasMethod::Multisample;
         let weights = if multisampled { [1 + samples, 1 + samples, 2, 2] } else { [1; 4] };
@@ -310,7 +313,8 @@ mod tests {
 
     #[test]
     fn every_stage_takes_time_of_its_own() {
-        // A single difference may be lost in noise; twenty are not, unless the compiler removed the stage.
+        // A single difference may be lost in noise. Over twenty runs, a stage has a positive time at least once, unless
+        // the compiler removed its work.
         let runs: Vec<_> = (0..20).map(|_| times(DepthTest::Less).named()).collect();
         let names: Vec<_> = runs[0].iter().map(|(name, _)| *name).collect();
         assert_eq!(names.len(), 10);

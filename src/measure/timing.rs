@@ -7,8 +7,8 @@ use serde::Serialize;
 
 /// Order statistics of a series of times, all in milliseconds.
 ///
-/// A percentile is interpolated linearly between the two nearest samples: of n sorted samples, number p · (n − 1)
-/// counted from zero (definition 7 of Hyndman and Fan 1996, the usual one of spreadsheets and numpy).
+/// A percentile is interpolated linearly between the two nearest samples. Among n sorted samples, it lies at index p ·
+/// (n − 1), counted from 0 (definition 7 of Hyndman and Fan 1996, the default in spreadsheets and NumPy).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct Summary {
     /// Number of times in the series, at least 1.
@@ -50,7 +50,7 @@ pub(crate) fn summarize(samples_ms: &[f64]) -> Option<Summary> {
 
 /// Returns a percentile of samples. `sorted` must be ascending and not empty; `percent` lies in [0, 100].
 fn percentile(sorted: &[f64], percent: usize) -> f64 {
-    // Positions in hundredths of a sample, so that the arithmetic on indices is exact.
+    // Position in hundredths of a sample, so that the arithmetic on indices is exact.
     let place = percent * (sorted.len() - 1);
     let (below, share) = (place / 100, (place % 100) as f64 / 100.0);
     let above = sorted.len().min(below + 2) - 1;

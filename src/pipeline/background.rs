@@ -5,8 +5,8 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-/// Background colour: shown in pixels that no triangle covers, and behind blended fragments without an opaque surface
-/// behind them.
+/// Background colour: the initial colour of every pixel. It remains where no triangle is drawn, and shows through
+/// blended fragments that have no opaque surface behind them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Background {

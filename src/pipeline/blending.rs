@@ -1,10 +1,10 @@
-//! Blending in exact order: an A-buffer (Carpenter, "The A-buffer, an Antialiased Hidden Surface Method", 1984) that
-//! holds the blended fragments of a few rows at a time.
+//! Order-independent transparency by an A-buffer (Carpenter, "The A-buffer, an Antialiased Hidden Surface Method",
+//! 1984), which holds the blended fragments of a few rows at a time.
 //!
-//! Blended triangles come after the opaque ones and store no depth, so the depth test of a fragment does not depend on
-//! the order of the others. Fragments that pass are collected, sorted by sample and depth, and blended from far to
-//! near. Fragments of equal depth stay in submission order. The observer receives each fragment when it is blended, so
-//! a pixel's history lists fragments in blending order.
+//! Blended triangles are drawn after the opaque ones and store no depth, so the result of a depth test does not depend
+//! on the order of the blended triangles. Fragments that pass are collected, sorted by sample and depth, and blended
+//! from far to near. Fragments of equal depth stay in submission order. The observer receives each fragment when it is
+//! blended, so a pixel's history lists fragments in blending order.
 
 use std::ops::Range;
 
@@ -35,8 +35,8 @@ pub(super) fn split(
     (triangles.start..first, first..triangles.end)
 }
 
-/// Returns the depth of a sample as a sort key that grows towards the viewer. It is not quantised to the depth format,
-/// whose steps may be coarser than the distances between surfaces.
+/// Returns the depth of a sample as a sort key that grows towards the viewer. The key is not quantised, because the
+/// steps of the depth format may be coarser than the distances between surfaces.
 #[inline]
 pub(super) fn nearness(settings: &Settings, triangle: &ScreenTriangle, sample: &RasterSample) -> f32 {
     let depth = unquantised_depth_at(triangle, sample) as f32;
@@ -70,7 +70,7 @@ impl FragmentList {
         self.fragments.clear();
     }
 
-    /// Adds the attributes of a fragment. Samples added afterwards refer to it.
+    /// Adds the attributes of a fragment. Samples added afterwards belong to this fragment.
     pub(super) fn shade(&mut self, fragment: Fragment) {
         self.fragments.push(fragment);
     }

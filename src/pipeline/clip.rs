@@ -2,9 +2,9 @@
 //! mirrored, which no per-pixel test could correct.
 //!
 //! Uses the polygon clipping of Sutherland and Hodgman (CACM 17(1), 1974), plane by plane, and only against planes that
-//! a triangle crosses. The left, right, top and bottom planes are widened to a guard band. Parts inside the guard band
-//! but off screen are left to the rasterizer, which clamps to the picture; only coordinates too large for exact edge
-//! functions are cut.
+//! a triangle crosses. The left, right, top and bottom planes are moved outwards to a guard band. Parts of a triangle
+//! that are off screen but inside the guard band are left to the rasterizer, which clamps to the picture. Clipping at
+//! the guard band keeps coordinates small enough for exact edge functions.
 //!
 //! A cut is always computed from the inside vertex towards the outside one, so two triangles that share an edge get
 //! bit-identical new vertices and stay watertight. Distances and cuts are computed in f64, and the new vertex is placed
@@ -28,7 +28,8 @@ pub(crate) const MIN_W: f32 = f32::MIN_POSITIVE;
 pub(crate) enum ClipPlane {
     /// Plane z = 0, with z ≥ 0 inside. With reversed depth it is the far plane of the view: see [`Self::of_view`].
     Near,
-    /// Plane w = [`MIN_W`], which stands in for w > 0. The near plane implies it, except for rounding.
+    /// Plane w = [`MIN_W`], with w ≥ `MIN_W` inside: stands in for w > 0. Vertices from a camera that lie inside the
+    /// near plane of the view also lie inside this plane, except for rounding.
     Eye,
     /// Plane z = w, with z ≤ w inside.
     Far,
@@ -47,8 +48,8 @@ impl ClipPlane {
     pub(crate) const ALL: [Self; 7] =
         [Self::Near, Self::Eye, Self::Far, Self::Left, Self::Right, Self::Bottom, Self::Top];
 
-    /// Returns the signed distance of a point from the plane, in units of clip space, ≥ 0 inside. The four side planes
-    /// are moved outwards by the factor `widening`.
+    /// Returns the signed distance of a point from the plane, in clip-space units; ≥ 0 inside. The four side planes are
+    /// moved outwards by the factor `widening`.
     #[inline]
     pub(crate) fn distance(self, p: Vec4, widening: f32) -> f64 {
         let DVec4 { x, y, z, w } = p.as_dvec4();
@@ -74,7 +75,7 @@ impl ClipPlane {
         }
     }
 
-    /// Returns the largest magnitude among the terms of [`Self::distance`]. The arguments are the magnitudes of the
+    /// Returns the largest magnitude among the terms of [`Self::distance`]. The argument holds the magnitudes of the
     /// clip-space components.
     pub(super) fn magnitude(self, DVec4 { x, y, z, w }: DVec4) -> f64 {
         match self {
@@ -109,7 +110,7 @@ impl ClipPlane {
 /// Triangle inside the guard band: a whole triangle of the scene, or a piece of one that was cut.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ClippedTriangle {
-    /// Identifier of the scene triangle that it comes from.
+    /// Identifier of the original triangle in the scene.
     pub(crate) id: TriangleId,
     /// Corners in clip space.
     pub(crate) vertices: [ClipVertex; 3],
@@ -161,7 +162,7 @@ pub(crate) fn clip<O: Observer>(
 pub(crate) enum Cut {
     /// The triangle crosses no plane and is unchanged.
     Whole,
-    /// The triangle was cut; the polygon holds the rest of it.
+    /// The triangle was cut; the polygon holds the part that remains.
     Pieces,
 }
 
@@ -190,8 +191,8 @@ pub(crate) struct Polygon {
 }
 
 impl Polygon {
-    /// Clips one triangle to the frustum, widened to the guard band. Returns the triangle's [`Fate`] as an error if it
-    /// is rejected.
+    /// Clips one triangle to the view frustum, whose side planes are moved outwards by the factor `widening`. Returns
+    /// the triangle's [`Fate`] as an error if the triangle is rejected.
     pub(crate) fn clip(&mut self, triangle: &[ClipVertex; 3], widening: f32) -> Result<Cut, Fate> {
         self.clip_watched(triangle, widening, &mut |_| {})
     }
@@ -260,21 +261,22 @@ impl Polygon {
 }
 
 /// Returns the parameter of the intersection of an edge with a plane, from 0 at the inside endpoint to 1 at the outside
-/// one. Its arguments are the signed distances `da` ≥ 0 and `db` < 0 of the endpoints.
+/// one. The arguments are the signed distances from the plane: `da` ≥ 0 of the inside endpoint, `db` < 0 of the outside
+/// one.
 fn share_beyond((da, db): (f64, f64)) -> f64 {
     da / (da - db)
 }
 
-/// Returns the vertex at which an edge intersects a plane. The edge runs from `a`, at distance `da` ≥ 0 inside the
-/// plane, to `b`, at `db` < 0. As a weighted mean, the vertex never leaves the range of the endpoints. Neither weight
-/// is computed as 1 minus the other: if one endpoint lies at the eye and the other is 10³⁸ times farther, the far
-/// endpoint still determines the direction.
+/// Returns the vertex at which an edge intersects a plane. The edge runs from `a`, at signed distance `da` ≥ 0 from the
+/// plane, to `b`, at `db` < 0. The vertex is a weighted mean of the endpoints, so it never leaves their range. Neither
+/// weight is computed as 1 minus the other. The far endpoint therefore still determines the direction if the other
+/// endpoint lies at the eye and the far one is 10³⁸ times farther away.
 fn between(a: &ClipVertex, b: &ClipVertex, (da, db): (f64, f64)) -> ClipVertex {
     let t = share_beyond((da, db));
     let position = a.position.as_dvec4() * (db / (db - da)) + b.position.as_dvec4() * t;
     ClipVertex {
         position: position.as_vec4(),
-        // Only an edge that lies within a plane is cut within that plane.
+        // The new vertex lies on the near or far plane only if both endpoints do.
         cut_at: a.cut_at.filter(|plane| b.cut_at == Some(*plane)),
         varyings: a.varyings.lerp(&b.varyings, t as f32),
     }
@@ -372,7 +374,8 @@ mod tests {
 
     #[test]
     fn a_corner_whose_w_rounding_made_negative_is_cut_off_and_the_rest_stays() {
-        // In front of the near plane by its z, behind the eye by its w: only rounding yields such a vertex.
+        // By its z, the first vertex lies on the near plane; by its w, behind the eye. Only rounding yields such a
+        // vertex.
         let (cut, left) =
             clip_one([vertex(0.0, 0.0, 0.0, -1e-6), vertex(0.5, 0.0, 0.5, 1.0), vertex(0.0, 0.5, 0.5, 1.0)]);
         assert_eq!(cut, Ok(Cut::Pieces));

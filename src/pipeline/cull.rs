@@ -6,9 +6,9 @@ use super::settings::Culling;
 /// Side of a triangle that faces the viewer.
 ///
 /// ```text
-///      a                 On the screen y runs down. Seen counter-clockwise
-///     / \                (a → b → c below), the doubled area
-///    b───c               (b − a) × (c − a) is negative: that is the front.
+///      a                 On the screen, y points down. If a → b → c is
+///     / \                counter-clockwise, as in this figure, the doubled
+///    b───c               area (b − a) × (c − a) is negative: front-facing.
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Facing {

@@ -3,7 +3,7 @@
 //! An upscaler that shades a quarter of the pixels must also *visit* only a quarter of them: skipping inside the pixel
 //! loop saves shading but still walks every pixel. The rasterizer therefore walks a [`SampleGrid`]: the drawn samples,
 //! packed into a smaller picture. Every sample keeps its position in the full picture, and vertices are snapped at full
-//! resolution. Each drawn sample is therefore bit-identical to that of the full picture.
+//! resolution. Each drawn sample is therefore bit-identical to the same sample of the full picture.
 
 /// Subset of the picture's pixels that is drawn, packed into a smaller picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,10 +4,10 @@
 //! Σ(λⱼ/wⱼ) (Low, "Perspective-Correct Interpolation", 2002); here eᵢ·rᵢ / Σ eⱼ·rⱼ, where rᵢ is 1/wᵢ relative to the
 //! largest. With equal w every rᵢ is exactly 1, so skipping the division changes no bit.
 //!
-//! Each of the three weights is computed from its own edge and divided by their *sum*, so none absorbs the error of the
-//! others. Attributes take the form a₀ + p₁·(a₁ − a₀) + p₂·(a₂ − a₀), which returns a constant exactly. So an attribute
-//! that the vertex stage skipped, equal at all corners, need not be interpolated: the result is the first corner's
-//! value.
+//! Each of the three weights is computed from its own edge and divided by the *sum* of the three, so no weight absorbs
+//! the errors of the others. Attributes take the form a₀ + p₁·(a₁ − a₀) + p₂·(a₂ − a₀), which reproduces a constant
+//! exactly. An attribute that the vertex stage skipped is equal at all corners, so it need not be interpolated: the
+//! result is the first corner's value.
 
 use glam::{Vec2, Vec3};
 
@@ -46,7 +46,7 @@ pub(crate) fn attribute_weights(
     q.map(|q| q * inverse_sum)
 }
 
-/// Terms of the attribute weights: each weight is the product of a `q` and `inverse_sum`.
+/// Terms of the attribute weights: the weight of corner i is `q[i]` · `inverse_sum`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WeightTerms {
     /// Edge values, each times the relative 1/w of its corner.
@@ -66,9 +66,9 @@ pub(crate) fn weight_terms(triangle: &ScreenTriangle, sample: &RasterSample) -> 
     WeightTerms { q, sum, inverse_sum: 1.0 / sum }
 }
 
-/// Returns the weights by a commonly published formula. It solves P = a·v02 + b·v01, relative to the first corner, for
-/// b by the determinant. It then solves for a by the x coordinates alone, which divides by v02.x. The result is NaN or
-/// infinite if corners 0 and 2 have equal x.
+/// Returns the weights computed by a commonly published formula. With positions relative to the first corner, it solves
+/// P = a·v02 + b·v01: first for b by determinants, then for a from the x coordinates alone, which divides by v02.x. The
+/// result is NaN or infinite if corners 0 and 2 have equal x.
 fn published_weights(triangle: &ScreenTriangle, sample: &RasterSample) -> [f32; 3] {
     let [v0, v1, v2] = triangle.corners_px();
     let [v01, v02] = [[v1[0] - v0[0], v1[1] - v0[1]], [v2[0] - v0[0], v2[1] - v0[1]]];
@@ -193,7 +193,7 @@ pub(crate) fn edge_slopes(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> 
     let [[x0, y0], [x1, y1], [x2, y2]] = triangle.corners_in(arithmetic);
     let side = |x: f32, y: f32| [f64::from(x) - f64::from(x0), f64::from(y) - f64::from(y0)];
     let (to_1, to_2) = (side(x1, y1), side(x2, y2));
-    // Edge values per px², signed so that they are positive inside; exactly 2¹⁶ or −2¹⁶ in fixed point.
+    // Factor from px² to edge values, signed so that they are positive inside; exactly 2¹⁶ or −2¹⁶ in fixed point.
     let unit = (triangle.doubled_area / (to_1[0] * to_2[1] - to_2[0] * to_1[1])) as f32;
     [[(y1 - y2) * unit, (y2 - y0) * unit, (y0 - y1) * unit], [(x2 - x1) * unit, (x0 - x2) * unit, (x1 - x0) * unit]]
 }

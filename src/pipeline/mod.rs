@@ -8,7 +8,7 @@
 //!
 //! [`prepare`] runs the left half and returns [`Geometry`]; [`draw`] runs the right half and fills a [`Framebuffer`].
 //! This is the *classic* execution: triangle after triangle, plain scalar code, every stage visible. It is the
-//! reference for every faster execution. Equal input gives an equal picture, bit for bit.
+//! reference for every faster execution, which must give the same picture, bit for bit.
 //!
 //! Opaque and alpha-tested triangles come first, in submission order. Blended triangles follow, in the order of
 //! [`settings::BlendingOrder`]. They are tested against the stored depths but store none themselves.
@@ -85,7 +85,7 @@ pub struct Geometry {
     pub triangles: TriangleList,
     /// Blending settings, which determine the order of the blended triangles.
     pub blending: Blending,
-    /// Samples of the last triangle that are drawn, or `None` to draw all of them.
+    /// Samples to draw of the last triangle; `None` to draw all of them.
     pub(crate) partial: Option<Vec<Span>>,
     /// Mapping between distances and the depths of the triangles.
     pub(crate) depth_scale: DepthScale,
@@ -107,14 +107,14 @@ impl Geometry {
         self.triangles.partition_point(|triangle| !self.is_blended(triangle))
     }
 
-    /// Returns the index of the first triangle whose fragments are sorted by depth among those of other triangles, so
-    /// that it cannot be drawn alone. Returns the number of triangles if there is none.
+    /// Returns the index of the first triangle whose fragments are sorted together with those of other triangles. Such
+    /// a triangle cannot be drawn alone. Returns the number of triangles if there is none.
     pub(crate) fn sorted_from(&self, settings: &Settings) -> usize {
         let sorts = settings.blending.order == BlendingOrder::Exact;
         if sorts { self.blended_from() } else { self.triangles.len() }
     }
 
-    /// Returns whether a triangle is blended over what lies behind it.
+    /// Returns whether a triangle is blended, rather than opaque or alpha-tested.
     pub(crate) fn is_blended(&self, triangle: &ScreenTriangle) -> bool {
         let plan = self.plans.get(triangle.instance as usize);
         plan.is_some_and(|plan| plan.transparency() == Transparency::Blended)
@@ -330,7 +330,7 @@ fn set_up<O: Observer>(
         let positions_px = corners.each_ref().map(|v| v.position_px);
         let (area, scale) = doubled_area(settings.arithmetic, positions_px);
         match cull::cull(area, settings.culling) {
-            // A piece of zero area does not show which side of the triangle is visible.
+            // A piece of zero area does not determine whether the triangle is front-facing or back-facing.
             Some(Fate::ZeroArea) => rejected = rejected.or(Some((*id, Fate::ZeroArea))),
             Some(facing) => rejected = Some((*id, facing)),
             None => {
@@ -374,7 +374,7 @@ pub(crate) fn draw<O: Observer>(
     with_arithmetic!(settings.arithmetic, N => draw_in::<N, O>(scene, geometry, settings, extent, until, frame, observer));
 }
 
-/// Draws with the code for arithmetic `N`; see [`draw`].
+/// Implements [`draw`] for the arithmetic `N`.
 fn draw_in<N: Numbers, O: Observer>(
     scene: &Scene,
     geometry: &Geometry,

@@ -1,9 +1,9 @@
 //! Drawing of several samples per pixel, for jittered supersampling and multisampling.
 //!
 //! A sample that does not lie at the centre of its pixel is drawn by moving the triangle by the opposite offset, after
-//! projection. Edges, depth and attributes are then computed as for a centre, in any arithmetic and by any rasterizer.
-//! In fixed point, sample positions lie on the grid that corners are snapped to (as in D3D11), so a triangle has the
-//! same shape at every sample position.
+//! projection. Edges, depth and attributes are then computed as for a pixel centre, in any arithmetic and by any
+//! rasterizer. In fixed point, sample positions lie on the grid that corners are snapped to (as in D3D11), so a
+//! triangle has the same shape at every sample position.
 //!
 //! Supersampling shades every sample. Multisampling shades a triangle once per pixel, at the pixel's centre if the
 //! triangle covers it and at the first covered sample otherwise. All covered samples get that colour (Akeley,
@@ -27,7 +27,7 @@ use crate::scene::{Scene, Transparency};
 /// Candidate positions of the samples in a pixel, and the function that chooses one per sample.
 #[derive(Clone, Copy)]
 pub(crate) struct CandidatePositions<'a> {
-    /// Candidate positions of each sample of a pixel, in pixels to the right of and below the pixel's centre.
+    /// Candidate positions of each sample, as offsets (right, down) from the pixel's centre, in pixels.
     pub(crate) candidates: &'a [Vec<[f32; 2]>],
     /// Function that returns the index of a sample's candidate position. Its arguments are the pixel's column and row
     /// in the full picture, and the sample's index.
@@ -214,8 +214,8 @@ impl<'a> DrawContext<'a> {
         self.sorting().blend(&mut list, frames, &mut ());
     }
 
-    /// Returns the single fragment that a triangle has in a pixel, and the triangle displaced for the position at which
-    /// it is shaded.
+    /// Returns the fragment at which a triangle is shaded in a pixel, and the triangle that contains it: the original
+    /// one if it covers the pixel's centre, otherwise the one displaced for the first covered sample.
     fn fragment<'t, N: Numbers>(
         &self,
         (triangle, centre): (&'t ScreenTriangle, Option<&RasterTriangle<N>>),

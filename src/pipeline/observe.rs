@@ -1,10 +1,10 @@
 //! Hooks for observing the pipeline, without cost if they are not used.
 //!
 //! Stages are generic over an [`Observer`] whose hooks do nothing by default. `()` observes nothing, and its hooks are
-//! removed at compile time: with the hooks and their calls deleted, the loops over samples for all four kinds of
-//! arithmetic compiled to the same 4,290 instructions in the same order (x86-64, rustc 1.95). No loop tests at run time
-//! whether an observer is attached. There are no hooks for the return values of a stage (matrices, clipped polygons):
-//! the inspector calls the stage again to obtain them.
+//! removed at compile time. As a check, the hooks and their calls were deleted from the source: the loops over samples
+//! for all four kinds of arithmetic still compiled to the same 4,290 instructions in the same order (x86-64, rustc
+//! 1.95). No loop tests at run time whether an observer is attached. There are no hooks for values that a stage returns
+//! (matrices, clipped polygons): the inspector calls the stage again to obtain them.
 
 use serde::Serialize;
 

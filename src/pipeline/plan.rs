@@ -18,8 +18,9 @@ pub(crate) enum PipelinePart {
     /// Transforming vertices, and all later stages.
     Vertices,
     /// Processing every cluster of a large mesh. A cluster is skipped if it lies wholly outside the view, or if all its
-    /// triangles have the culled facing. Facing is decided by *snapped* corners. Triangles so small or so thin on the
-    /// screen that snapping may flip them are therefore tested one by one, even if they are clearly back-facing.
+    /// triangles have the culled facing. Facing is decided by *snapped* corners, and snapping may flip triangles that
+    /// are very small or thin on the screen. Clusters with such triangles are not skipped for their facing; their
+    /// triangles are tested one by one.
     EveryCluster,
     /// Cutting triangles at the planes of the frustum.
     Clipping,
@@ -37,11 +38,11 @@ pub(crate) enum PipelinePart {
     VertexColors,
     /// Reading the texels of textures.
     Texels,
-    /// Alpha test: discarding fragments by the alpha of the texture.
+    /// Alpha test: discarding fragments whose alpha is below a threshold.
     AlphaTest,
     /// Computing light, at vertices (Gouraud) or per fragment.
     Light,
-    /// Replacing the interpolated normal by that of a normal map.
+    /// Perturbing the interpolated normal by a normal map.
     NormalMap,
     /// Adding the specular reflection of Blinn–Phong shading.
     Highlight,
@@ -141,7 +142,7 @@ pub(crate) enum PlanStep {
 }
 
 impl PlanStep {
-    /// Returns [`PlanStep::Run`] if `reason` is `None`, and otherwise the step skipped for that reason.
+    /// Returns [`PlanStep::Skipped`] with the given reason, or [`PlanStep::Run`] if `reason` is `None`.
     pub(crate) fn unless(reason: Option<&'static str>) -> Self {
         reason.map_or(Self::Run, Self::Skipped)
     }
@@ -287,7 +288,7 @@ impl DrawPlan {
     /// Returns whether the settings and the location of the mesh allow clusters to be culled.
     pub(super) fn may_cull_clusters(settings: &Settings, containment: Containment) -> bool {
         let some = match containment {
-            // Skipped as a whole, or forced to run.
+            // The whole draw is skipped, or forced to run.
             Containment::Outside => false,
             Containment::Inside => settings.culling != Culling::None,
             Containment::Crossing => true,
@@ -306,8 +307,8 @@ impl DrawPlan {
         (self.steps, self.transparency) == (other.steps, other.transparency)
     }
 
-    /// Returns how the draw combines with what was drawn before. Transparency is never skipped, because it determines
-    /// the picture.
+    /// Returns whether the draw is opaque, alpha-tested or blended. Forcing parts to run never changes this, because
+    /// transparency determines the picture.
     pub(crate) fn transparency(&self) -> Transparency {
         self.transparency
     }

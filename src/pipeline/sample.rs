@@ -45,7 +45,8 @@ impl Sampler {
     /// Returns a sampler that mixes texels in `color_space`.
     pub(crate) fn new(filter: TexelFilter, address: AddressMode, color_space: ColorSpace) -> Self {
         let tables = Tables::get();
-        // Mixing codes directly rounds only in the weights; dividing each code by 255 first would round every one.
+        // With codes mixed directly, only the weights are rounded; dividing each code by 255 first would round every
+        // code.
         let (number_of_code, scale) = match color_space {
             ColorSpace::Linear => (&tables.linear_of_code, 1.0),
             ColorSpace::Bytes => (&tables.code, 1.0 / 255.0),
@@ -142,13 +143,13 @@ impl Sampler {
 
     /// Returns the two mip levels that trilinear filtering reads for a pixel, with their weights. `uv_gradient` holds
     /// the gradients of the texture coordinates: ∂(u, v)/∂x and ∂(u, v)/∂y, per pixel. Level 0 is the texture itself,
-    /// level `copies` the smallest. The ideal level, whose texels are as long as the pixel's longer side, lies between
-    /// the two, so no texel is missed.
+    /// level `copies` the smallest. The ideal level lies between the two. Its texels are as long as the longer side of
+    /// the pixel's footprint, so no texel is missed.
     pub(crate) fn levels((width, height): (u32, u32), copies: usize, uv_gradient: [Vec2; 2]) -> [(usize, f32); 2] {
         let squared_texels = |change: Vec2| (change * Vec2::new(width as f32, height as f32)).length_squared();
         let [right, down] = uv_gradient.map(squared_texels);
         let longest = if down > right { down } else { right };
-        // If a pixel is less than a texel long, or NaN, the texture itself is read.
+        // If the pixel's footprint is less than a texel long, or NaN, the texture itself is read.
         let level = if longest > 1.0 { (0.5 * log2(longest)).min(copies as f32) } else { 0.0 };
         let finer = level as usize;
         let share = level - finer as f32;

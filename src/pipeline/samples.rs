@@ -54,8 +54,8 @@ fn draw_as<N: Numbers, O: Observer, const CUT_OUT: bool, const BLENDED: bool>(
         observer.covered(triangle, &sample);
         let place = (row - origin.1) as usize * width + (column - origin.0) as usize;
         if until == LastStage::Coverage {
-            // `black_box` prevents dead-code elimination. A whole sample would have to be stored to memory, which costs
-            // more than finding it, so only the column is passed.
+            // `black_box` prevents dead-code elimination. Passing a whole sample would store it to memory, which costs
+            // more than finding the sample, so only the column is passed.
             black_box(sample.column);
             continue;
         }

@@ -74,7 +74,7 @@ choice! {
             "Clusters of a large mesh that are wholly outside the view or culled by facing are still transformed, and \
              their triangles are culled one by one.";
         Clipping = "clipping", "Clipping",
-            "Triangles of objects wholly inside the view are still tested against the planes of the view.";
+            "Triangles of objects wholly inside the view are still tested against the clipping planes.";
         PerspectiveDivision = "perspective-division", "Perspective division",
             "Weights are still divided by w in orthographic views, where all w are equal.";
         TextureCoordinates = "texture-coordinates", "Texture coordinates",
@@ -309,7 +309,7 @@ choice! {
 }
 
 choice! {
-    /// Order in which fragments of blended materials are blended over what lies behind them.
+    /// Order in which the fragments of blended materials are blended.
     pub BlendingOrder {
         Objects = "objects", "Objects, as submitted",
             "Blended triangles are drawn in submission order, object by object: correct only where the scene lists \

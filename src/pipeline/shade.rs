@@ -5,8 +5,8 @@
 //! space decides whether colours are computed in linear light or directly on sRGB codes. Shading modes that show a
 //! single quantity (normals, texture coordinates, weights …) are unlit and written directly as 8-bit codes.
 //!
-//! Blinn–Phong shading adds a specular highlight to that light. All shading modes that use the material add its
-//! emission last.
+//! Blinn–Phong shading adds a specular highlight to the diffuse reflection. All shading modes that use the material add
+//! its emission last.
 
 mod blinn_phong;
 
@@ -62,7 +62,8 @@ pub(crate) struct Readable<'a> {
 impl<'a> Readable<'a> {
     fn new(texture: &'a Texture, settings: &Settings) -> Self {
         Self {
-            // A single texel keeps its colour whatever its alpha, and opaque texels all have equal weight.
+            // Not needed for a single texel, which keeps its colour whatever its alpha, or for an opaque texture, whose
+            // texels all have equal weight.
             premultiplied: settings.alpha == AlphaMode::Premultiplied
                 && settings.filter != TexelFilter::Point
                 && texture.alpha() != Alpha::Opaque,
@@ -83,8 +84,8 @@ impl<'a> Readable<'a> {
         self.premultiplied
     }
 
-    /// Returns the filtered colour in [0, 1], to which each texel contributes in proportion to its alpha; black if all
-    /// texels have alpha 0.
+    /// Returns the filtered colour at a fragment, in [0, 1]. Each texel contributes in proportion to its alpha; the
+    /// result is black if all texels have alpha 0.
     #[cold]
     fn premultiplied_color(&self, sampler: Sampler, fragment: &Fragment) -> Vec3 {
         let mixed = if self.mips {
@@ -291,8 +292,8 @@ impl<'a> Shader<'a> {
         fragment.normal.normalize_or_zero()
     }
 
-    /// Returns the unit normal of a fragment after normal mapping, or zero if the fragment has no normal, so that no
-    /// direct light reaches it.
+    /// Returns the unit normal of a fragment after normal mapping. Without a normal map, returns zero if the
+    /// interpolated normal has zero length, so that no direct light reaches the fragment.
     #[inline]
     pub(crate) fn unit_normal(&self, fragment: &Fragment) -> Vec3 {
         let smooth = self.smooth_normal(fragment);

@@ -1,8 +1,8 @@
 //! Vertex assembly and transform: turns the mesh of one instance into vertices in clip space.
 //!
 //! Each mesh vertex is transformed once, however many triangles share it. The matrices of a draw are multiplied in f64
-//! and rounded once, so the product loses no precision for a model far from the origin. Parts that the plan skips are
-//! neither transformed nor stored.
+//! and rounded once, so the product loses no precision for a model far from the origin. Attributes that the plan skips
+//! are not transformed and keep their default values.
 
 use glam::{DMat4, Mat3, Mat4, Vec2, Vec3, Vec4};
 
@@ -97,8 +97,8 @@ impl DrawMatrices {
 /// safety.
 pub(super) const ROUNDING: f64 = 16.0 * f32::EPSILON as f64;
 
-/// Absolute bound on the rounding error of subnormal products. Each is off by at most half the smallest subnormal
-/// number, and a plane distance contains six of them.
+/// Absolute bound on the rounding error of subnormal products. Each product is off by at most half the smallest
+/// subnormal number, and a plane distance contains six such products.
 pub(super) const UNDERFLOW: f64 = f32::MIN_POSITIVE as f64;
 
 /// Classifies a model-space box against the frustum.

@@ -99,8 +99,8 @@ pub struct Viewport {
 /// point.
 pub(crate) const MAX_SIDE_PX: u32 = 16_384;
 
-/// Maximum number of pixels of a picture: enough for 8K (7680 × 4320). With every buffer kept, it takes about 2 GB of
-/// memory.
+/// Maximum number of pixels of a picture: enough for 8K (7680 × 4320). A picture of this size takes about 2 GB of
+/// memory if every buffer is kept.
 pub(crate) const MAX_PIXELS: u64 = 1 << 25;
 
 impl Viewport {
@@ -163,8 +163,8 @@ pub(crate) fn divided(vertex: &ClipVertex) -> (f32, Vec3) {
     (inv_w, vertex.position.truncate() * inv_w)
 }
 
-/// Returns 1/w of three corners divided by the largest of them, in (0, 1]; all 1 if they are equal. The result is never
-/// 0, so the sum of the weights stays positive even on the far edge of a triangle whose near corner is 10⁴⁰ times
+/// Returns the 1/w of each corner divided by the largest 1/w, in (0, 1]; all 1 if w is equal at all corners. No result
+/// is 0, so the sum of the weights stays positive even on the far edge of a triangle whose near corner is 10⁴⁰ times
 /// nearer.
 pub(crate) fn relative_inv_w(vertices: &[ScreenVertex; 3]) -> [f32; 3] {
     let inv_w = vertices.map(|v| v.inv_w);

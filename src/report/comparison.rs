@@ -15,8 +15,7 @@ use crate::pipeline::viewport::{MAX_PIXELS, Viewport};
 /// Pixels that one part of a case file covers, according to the engine and to the exact answer.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PixelComparison {
-    /// Position, in the coordinates of the case, of the images' top-left pixel: (0, 0) if the case specifies an image
-    /// size.
+    /// Top-left pixel of the images, in the coordinates of the case; (0, 0) if the case specifies an image size.
     pub(crate) origin: (i64, i64),
     /// Fraction of each pixel covered by the engine, in [0, 1].
     pub(crate) ours: Image<f32>,
@@ -29,13 +28,13 @@ pub(crate) struct PixelComparison {
 /// Agreement of the engine and the exact answer on the coverage of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Agreement {
-    /// Pixel that neither the engine nor the exact answer covers.
+    /// Pixel covered by neither the engine nor the exact answer.
     Outside,
-    /// Pixel that both cover, or that the engine covers if there is no exact answer.
+    /// Pixel covered by both or, if there is no exact answer, by the engine.
     Covered,
-    /// Pixel that the engine covers but not the exact answer.
+    /// Pixel covered by the engine but not by the exact answer.
     Extra,
-    /// Pixel that the exact answer covers but not the engine.
+    /// Pixel covered by the exact answer but not by the engine.
     Missing,
 }
 
@@ -161,7 +160,7 @@ impl PixelComparison {
         pixels.map_or_else(|reason| DisplayedResult::Text(vec![reason]), DisplayedResult::Pixels)
     }
 
-    /// Creates a result without exact answer from the covered pixels. Its image encloses them with a margin of one
+    /// Creates a result without an exact answer from the covered pixels. Its image encloses them with a margin of one
     /// pixel.
     fn of_pixels(pixels: impl Iterator<Item = (i64, i64)> + Clone) -> Result<Self, String> {
         let range = |coordinate: fn((i64, i64)) -> i64| {

@@ -18,7 +18,7 @@ pub(super) fn document(title: &str, style: &str, body: &str) -> String {
     )
 }
 
-/// Returns an HTML paragraph with the message that a measurement was interrupted; empty if it was completed.
+/// Returns an HTML paragraph that says that the measurement was interrupted; empty if it was completed.
 pub(super) fn partial(is_partial: bool) -> &'static str {
     if is_partial { "<p><b>Partial: interrupted before everything was measured.</b></p>\n" } else { "" }
 }

@@ -1,4 +1,4 @@
-//! Reports that assess the engine or describe its work: headless, and also shown in the window.
+//! Reports that assess the engine or describe its work, for the command line and for the window.
 
 pub(crate) mod comparison;
 

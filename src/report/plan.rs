@@ -31,8 +31,7 @@ pub(crate) struct DrawGroup {
     pub(crate) names: Vec<String>,
     /// Transparency mode, which determines how the draws combine with what was drawn before.
     pub(crate) transparency: Transparency,
-    /// Numbers of clusters that are culled for each reason and of all clusters, summed over the draws with cluster
-    /// culling.
+    /// Number of clusters culled for each reason, and the total number, summed over the draws with cluster culling.
     pub(crate) clusters: CullStats,
     /// State of all pipeline parts in these draws, in pipeline order.
     pub(crate) parts: Vec<PlanEntry>,
@@ -49,8 +48,8 @@ pub(crate) struct WholeFrame {
     pub(crate) parts: Vec<PlanEntry<FramePart>>,
 }
 
-/// Describes the pipeline parts of a frame that do not belong to any draw, assuming that its depth buffer is not read
-/// afterwards.
+/// Describes the pipeline parts of a frame that do not belong to any draw, assuming that the frame's depth buffer is
+/// not read afterwards.
 pub(crate) fn whole(scene: &Scene, recipe: &Recipe, viewport: Viewport) -> WholeFrame {
     WholeFrame {
         rasterized_pixels: rasterized_pixels(recipe, viewport),
@@ -94,7 +93,7 @@ fn entry<P>(part: P, step: PlanStep) -> PlanEntry<P> {
     PlanEntry { part, runs: step.runs(), reason: step.reason() }
 }
 
-/// Maximum number of names listed in full; of longer lists, only the first and the last names are shown.
+/// Maximum number of names listed in full; a longer list shows only its first few names and its last.
 const MAX_LISTED_NAMES: usize = 4;
 
 /// Formats a group as text: the names of its draws, then a line per pipeline part.

@@ -26,7 +26,7 @@ pub(super) const LINE: f64 = 13.0;
 /// Radius of a marker, in SVG units.
 pub(super) const MARK: f64 = 4.5;
 
-/// Range of an axis, in values or in their decimal logarithms.
+/// Range of an axis. `low` and `high` are values or, on a logarithmic axis, their decimal logarithms.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlotAxis {
     pub(super) low: f64,
@@ -36,11 +36,11 @@ pub(super) struct PlotAxis {
 
 impl PlotAxis {
     /// Creates a logarithmic axis that spans all finite positive values, with some margin at both ends. Returns `None`
-    /// if there are none.
+    /// if there is no such value.
     pub(super) fn log(values: impl Iterator<Item = f64>) -> Option<Self> {
         /// Margin on each side, as a fraction of the range.
         const ROOM: f64 = 0.07;
-        /// Range, in powers of ten, that determines the margin of axes with a smaller range.
+        /// Minimum range from which the margin is computed, in powers of ten.
         const LEAST: f64 = 0.3;
         let powers = values.filter(|v| *v > 0.0 && v.is_finite()).map(f64::log10);
         let (low, high) = powers.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
@@ -80,7 +80,7 @@ impl PlotAxis {
 pub(super) struct Plot {
     pub(super) x: PlotAxis,
     pub(super) y: PlotAxis,
-    /// Height of the lane below the vertical axis, at the bottom of the plot area, in SVG units; 0 without a lane.
+    /// Height of the lane at the bottom of the plot area, below the vertical axis, in SVG units; 0 without a lane.
     pub(super) lane: f64,
 }
 

@@ -73,8 +73,8 @@ pub(crate) fn finding(series: &Series) -> Option<String> {
 }
 
 /// Returns the reference curve of a series: the line through its first and last point, or ideal scaling for threads.
-/// The points are (value, milliseconds), dense enough for a smooth curve on logarithmic axes; empty if there is no such
-/// curve.
+/// The points are (value, milliseconds), dense enough for a smooth curve on logarithmic axes. Empty if the series has
+/// no points or, except for threads, if cost does not rise.
 pub(crate) fn guide(series: &Series) -> Vec<(f64, f64)> {
     /// Number of line segments that approximate the curve.
     const PIECES: i32 = 60;

@@ -21,11 +21,12 @@ pub(crate) struct SceneSavings {
 /// Number of triangles in the test mesh, enough to make the cost per triangle measurable.
 const SHEET_TRIANGLES: usize = 100_000;
 
-/// Distance from the eye to the target in the close-up view of the test mesh, as a fraction of that in its home view.
+/// Distance from the eye to the target in the close-up view of the test mesh, as a fraction of the distance in its home
+/// view.
 const SHEET_NEAR: f32 = 0.25;
 
-/// Returns the views to measure: every built-in scene in its home view, then three views of a large test mesh. The
-/// three views show it completely, show it close up, and look away from it.
+/// Returns the views to measure: every built-in scene in its home view, then three views of a large test mesh. These
+/// three views show the whole mesh, show it close up, and look away from it.
 pub(crate) fn views() -> Vec<(&'static str, Scene, Camera)> {
     let of = |id, scene: Scene| {
         let home = scene.home;
@@ -35,7 +36,7 @@ pub(crate) fn views() -> Vec<(&'static str, Scene, Camera)> {
     let sheet = sheet(SHEET_TRIANGLES);
     let Camera { eye, target, .. } = sheet.home;
     let away = Camera { target: eye + (eye - target), ..sheet.home };
-    // So near that most of the mesh lies outside the image.
+    // The eye is so near that most of the mesh lies outside the image.
     let near = Camera { eye: target.lerp(eye, SHEET_NEAR), near: sheet.home.near * SHEET_NEAR, ..sheet.home };
     views.push(of("sheet in view", sheet.clone()));
     views.push(("sheet from near", sheet.clone(), near));
@@ -62,7 +63,7 @@ pub(crate) fn table(rows: &[SceneSavings], Viewport { width, height }: Viewport,
         "Savings of skipped work: ms of a frame with one skip disabled minus ms with every skip enabled\n\
          {width} × {height} px, {threads} {unit}, medians of {rounds} interleaved rounds\n\n\
          {:16} {:>9} {:>8} {:>9} {:>7}",
-        "scene", "frame ms", "± noise", "plan µs", "% of it"
+        "scene", "frame ms", "± noise", "plan µs", "% frame"
     );
     text.extend(COLUMNS.map(|(_, heading)| format!(" {heading:>11}")));
     text += &format!(" {:>11}\n", "all parts");

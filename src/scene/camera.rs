@@ -1,9 +1,9 @@
 //! Camera: eye, target, projection, and the matrices derived from them.
 //!
-//! World space is right-handed with y up; the camera looks down −z in view space. Clip space has z/w in [0, 1] with
-//! near = 0, or near = 1 for reversed depth, as a [`DepthMapping`] selects. Reversed depth puts the high float
-//! precision near 0 where perspective compresses depth (Reed, "Depth Precision Visualized", 2015). Navigation is plain
-//! arithmetic here, so that window and tests share it.
+//! World space is right-handed with y up; the camera looks down −z in view space. In clip space, z/w is in [0, 1]. A
+//! [`DepthMapping`] selects whether the near plane maps to 0 or, for reversed depth, to 1. Reversed depth maps large
+//! distances, which perspective compresses, to values near 0, where floats are most precise (Reed, "Depth Precision
+//! Visualized", 2015). Navigation consists of methods of the camera, so that window and tests share it.
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -45,7 +45,7 @@ pub struct Camera {
     /// Distance of the far plane from the eye, in world units; greater than `near`. In perspective,
     /// [`DepthMapping::ReversedInfinite`] ignores it.
     pub far: f32,
-    /// Transform from this view to the picture that is drawn; `None` if they coincide. It is not saved with a view.
+    /// Transform from this view to the drawn picture; `None` if the picture shows exactly this view. Not serialized.
     #[serde(skip)]
     pub sub_view: Option<SubView>,
 }
@@ -103,8 +103,8 @@ impl Camera {
         }
     }
 
-    /// Creates a perspective view from `direction` (towards the eye) that shows all of `bounds`. It suits any picture
-    /// at least as wide as high.
+    /// Creates a perspective view that shows all of `bounds` in any picture at least as wide as high. `direction`
+    /// points from the bounds towards the eye.
     pub(crate) fn fit(bounds: Aabb, direction: Vec3) -> Self {
         Self::fit_into(bounds, direction, 1.0)
     }
@@ -144,8 +144,8 @@ impl Camera {
         unit_or(self.target.as_dvec3() - self.eye.as_dvec3(), Vec3::NEG_Z)
     }
 
-    /// Returns the unit vector that points right in the picture. Uses another up vector if `up` is parallel to the line
-    /// of sight.
+    /// Returns the unit vector that points right in the picture; an arbitrary perpendicular to the line of sight if
+    /// `up` is parallel to it.
     pub fn right(&self) -> Vec3 {
         let forward = self.forward();
         let right = forward.cross(self.up.normalize_or(Vec3::Y));
@@ -158,8 +158,8 @@ impl Camera {
         self.view_from_world_f64().as_mat4()
     }
 
-    /// Returns the view matrix without rounding to f32. Far from the origin, the positions of eye and object cancel
-    /// exactly only if neither was rounded before.
+    /// Returns the matrix from world space to view space in f64. Far from the origin, subtracting the eye from a
+    /// position cancels large numbers, which is exact only if neither was rounded to f32 before.
     pub(crate) fn view_from_world_f64(&self) -> DMat4 {
         let (forward, right) = (self.forward(), self.right());
         let up = right.cross(forward);
@@ -181,9 +181,9 @@ impl Camera {
     /// Returns the matrix from view space to clip space, where z/w is the depth of `mapping`. `aspect` is width over
     /// height.
     ///
-    /// In perspective, the depth of [`DepthMapping::Linear`] is not a quotient of z and w, so z serves only for
-    /// clipping. It is the reversed z, which f32 represents well at both planes. With the standard z, far/near above
-    /// 2²⁴ rounds z to w and loses the far plane.
+    /// In perspective, the depth of [`DepthMapping::Linear`] is not a quotient of z and w, so the matrix provides a z
+    /// only for clipping. That z is the reversed one, which f32 represents well at both planes. The standard z would
+    /// round to w if far/near exceeded 2²⁴, and the far plane would be lost.
     ///
     /// Entries are computed in f64 and rounded once (Upchurch and Desbrun, "Tightening the Precision of Perspective
     /// Rendering", 2012).
@@ -235,14 +235,15 @@ impl Camera {
         self.clip_from_view(aspect, mapping) * self.view_from_world()
     }
 
-    /// Returns this view mirrored in z, which shows a scene mirrored in z as this view shows the original scene.
+    /// Returns this view with eye, target and up vector mirrored in z. It shows the mirrored scene as this view shows
+    /// the original scene, but with left and right swapped.
     pub(crate) fn mirrored_z(self) -> Self {
         let mirror = Vec3::new(1.0, 1.0, -1.0);
         Self { eye: self.eye * mirror, target: self.target * mirror, up: self.up * mirror, ..self }
     }
 
-    /// Orbits the eye around the target by `yaw` to the right and `pitch` upwards, in radians. Stops short of the
-    /// poles.
+    /// Orbits the eye around the target by `yaw` to the left and `pitch` upwards, in radians, so that the scene follows
+    /// a pointer that moves right and down. Stops short of the poles.
     pub(crate) fn orbit(&mut self, yaw: f32, pitch: f32) {
         let up = self.up.normalize_or(Vec3::Y);
         let offset = self.eye - self.target;
@@ -299,7 +300,7 @@ impl Camera {
         }
     }
 
-    /// Returns this view as an orthographic or perspective one, with the same size of the target in the picture.
+    /// Returns this view as an orthographic or a perspective view. The target keeps its size in the picture.
     ///
     /// A view converted to perspective has the default field of view and a matching distance.
     pub(crate) fn with_orthographic(self, orthographic: bool) -> Self {

@@ -1,5 +1,5 @@
-//! Clusters of a mesh: runs of consecutive triangles, each with a bounding box and bounds of its triangle planes, for
-//! culling as a whole.
+//! Clusters of a mesh: runs of consecutive triangles, which are culled as a whole by their bounding box and the bounds
+//! of their triangle planes.
 //!
 //! Triangles keep their order, because it decides depth ties and defines the triangle ids. Most meshes list neighbours
 //! next to each other, so runs are spatially compact. Otherwise the boxes of the runs are nearly as large as the box of
@@ -18,8 +18,8 @@ pub(crate) const CLUSTER: usize = 128;
 /// Number of vertices per block, which is processed or skipped as a whole; a multiple of the SIMD lane count.
 pub(crate) const BLOCK: usize = 32;
 
-/// Maximum number of block ranges per cluster. A cluster with more is treated as referring to all blocks from its first
-/// to its last. A cluster in a row of a grid needs two ranges: one for that row of vertices and one for the next.
+/// Maximum number of block ranges per cluster. A cluster with more ranges gets a single one, from its first block to
+/// its last. A cluster within one row of a grid mesh needs two ranges: one for each row of vertices.
 const MAX_RANGES: usize = 8;
 
 /// Minimum number of clusters per mesh. Smaller meshes have no clusters, because culling them would save little.
@@ -39,8 +39,8 @@ pub(crate) struct ClusterPlanes {
     /// Conservative lower and upper bounds of the plane offsets d, in model units.
     pub(crate) offsets: [[f32; LANES]; 2],
     /// Lower bound of the triangles' altitudes, in model units. The altitude is twice the area divided by the longest
-    /// edge. The bound is 0 if the cluster has triangles too thin for reliable normals, or no usable triangles. The
-    /// plane bounds are then invalid.
+    /// edge. The bound is 0, and the plane bounds are invalid, if a triangle is too thin for a reliable normal or has a
+    /// non-finite corner, or if no triangle is usable.
     pub(crate) altitudes: [f32; LANES],
 }
 
@@ -138,8 +138,8 @@ impl Clusters {
     }
 }
 
-/// Returns the bounding box of the points, or [`Aabb::EVERYTHING`] if a point is not finite. The triangles are then
-/// never culled as a cluster, so that they reach the stage that rejects them.
+/// Returns the bounding box of the points, or [`Aabb::EVERYTHING`] if a point is not finite. Infinite bounds prevent
+/// the triangles from being culled as a whole, so that they reach the stage that rejects them.
 pub(super) fn visible_bounds(points: impl IntoIterator<Item = Vec3>) -> Aabb {
     let (mut bounds, mut all_finite) = (Aabb::EMPTY, true);
     for point in points {
@@ -166,15 +166,16 @@ fn push_ranges(own: &[u32], ranges: &mut Vec<[u32; 2]>) {
 /// Plane bounds of one cluster: minimum and maximum of normals and offsets, and the minimum altitude.
 type PlaneBounds = ([[f32; 4]; 2], f32);
 
-/// Upper bound of the rounding error of a normal's component, and of a plane offset d relative to the sum of the
-/// absolute coordinates of the vertex that it is computed from.
+/// Upper bound of two rounding errors: of a component of a unit normal, and of a plane offset d. The error of d is
+/// relative to the sum of the absolute coordinates of the vertex from which d is computed.
 ///
-/// In f64, the error of an edge cross product is at most 2⁻⁵⁰ of the product of the edge lengths. For a triangle not
-/// thinner than [`MIN_ALTITUDE_RATIO`], this error is within the given fraction of the cross product. Rounding to f32
+/// In f64, the error of an edge cross product is at most 2⁻⁵⁰ of the product of the edge lengths. For a triangle that
+/// is thicker than [`MIN_ALTITUDE_RATIO`], this error is at most `PLANE_ERROR` times the cross product. Rounding to f32
 /// adds less.
 const PLANE_ERROR: f64 = 1e-6;
 
-/// Minimum coordinate sum for error bounds, so that near the origin the bounds still exceed the rounding error of f32.
+/// Minimum coordinate sum in the error bound of a plane offset. Near the origin, it keeps the bound above the rounding
+/// error of f32.
 const MIN_SIZE: f64 = 1e-30;
 
 /// Ratio of altitude to longest edge at or below which a triangle is too thin for a reliable normal.

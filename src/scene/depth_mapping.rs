@@ -2,8 +2,8 @@
 
 /// Mapping from the distance along the line of sight, between the near and the far plane, to a depth in [0, 1].
 ///
-/// The formulas hold for perspective, with w for the distance and n and f for the near and far planes. In an
-/// orthographic view every mapping is linear, from 0 to 1, or from 1 to 0 if reversed.
+/// The formulas hold for perspective, where w is the distance, n that of the near plane and f that of the far plane. In
+/// an orthographic view every mapping is linear, from 0 to 1, or from 1 to 0 if reversed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DepthMapping {
     /// Standard depth f·(w − n) / (w·(f − n)), which is z/w of the usual matrix: 0 at the near plane, 1 at the far
@@ -14,8 +14,8 @@ pub enum DepthMapping {
     /// Reversed depth n/w without a far plane: 1 at the near plane, 0 at infinity. An orthographic view requires a far
     /// plane and uses [`Self::Reversed`] instead.
     ReversedInfinite,
-    /// Linear depth (w − n) / (f − n): 0 at the near plane, 1 at the far plane. Its steps of distance are uniform, but
-    /// it is not affine in screen space.
+    /// Linear depth (w − n) / (f − n): 0 at the near plane, 1 at the far plane. Equal depth steps are equal distances,
+    /// but the depth is not affine in screen space.
     Linear,
 }
 

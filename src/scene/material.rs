@@ -27,9 +27,9 @@ pub(crate) const ALPHA_TEST_THRESHOLD: f32 = 0.5;
 pub(crate) struct Material {
     /// Display name of the material, from the file or assigned.
     pub(crate) name: String,
-    /// Diffuse colour (`Kd`) as sRGB values in [0, 1], multiplied with the texture.
+    /// Diffuse colour (`Kd`) as sRGB values in [0, 1], multiplied by the texture.
     pub(crate) diffuse: Vec3,
-    /// Opacity (`d`, or 1 − `Tr`) from 0 (invisible) to 1 (opaque), multiplied with the alpha of the texture.
+    /// Opacity (`d`, or 1 − `Tr`) from 0 (invisible) to 1 (opaque), multiplied by the alpha of the texture.
     pub(crate) opacity: f32,
     /// Colour texture (`map_Kd`).
     pub(crate) texture: Option<TextureId>,
@@ -49,9 +49,9 @@ pub(crate) struct Material {
     pub(crate) alpha_texture: Option<TextureId>,
     /// Tangent-space normal map (`norm`, `map_Bump`): x right, y up the picture (OpenGL), z out of the surface.
     pub(crate) normal_texture: Option<TextureId>,
-    /// Factor of the x and y components of the normal map (`-bm`).
+    /// Scale factor for the x and y components of the normal map (`-bm`).
     pub(crate) normal_scale: f32,
-    /// Factor of the texture coordinates (`-s`), applied per vertex, before the offset.
+    /// Scale factor for the texture coordinates (`-s`), applied per vertex, before the offset.
     pub(crate) uv_scale: Vec2,
     /// Offset of the texture coordinates (`-o`), with v pointing down.
     pub(crate) uv_offset: Vec2,
@@ -87,9 +87,9 @@ impl Material {
         Self { texture: Some(texture), ..Self::plain(name, Vec3::ONE) }
     }
 
-    /// Returns the transparency of this material if shading reads only the textures in `read`. The result is the
-    /// strongest transparency among the opacity and these textures' alpha channels: blended, then alpha-tested, then
-    /// opaque.
+    /// Returns the transparency of this material if shading reads only the textures in `read`. The opacity and the
+    /// alpha channel of each of these textures imply a transparency. The strongest one wins: blended before
+    /// alpha-tested before opaque.
     pub(crate) fn transparency(&self, library: &Library, read: impl IntoIterator<Item = TextureId>) -> Transparency {
         if self.opacity < 1.0 {
             return Transparency::Blended;

@@ -59,10 +59,10 @@ pub(crate) enum MeshError {
     },
 }
 
-/// Validated mesh: indices are in range, arrays have equal length, and each vertex has a unit normal.
+/// Validated mesh: indices are in range, arrays have equal length, and each vertex has a normal.
 ///
-/// Normals that were not finite are zero. Positions may be NaN or infinite; the clipper rejects triangles that use
-/// them. All other numbers are finite.
+/// Normals are unit vectors; a normal that was not finite is replaced by zero. Positions may be NaN or infinite; the
+/// clipper rejects triangles that use them. All other numbers are finite.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Mesh {
     data: MeshData,
@@ -97,7 +97,7 @@ impl Mesh {
     /// Creates a mesh like [`Mesh::new`], but repairs normals and texture coordinates that are not finite.
     ///
     /// A repaired normal is zero, so no direct light reaches its vertex. A repaired texture coordinate is (0, 1), which
-    /// is `vt 0 0` in the file.
+    /// corresponds to `vt 0 0` in the file.
     pub(crate) fn repaired(mut data: MeshData) -> Result<Self, MeshError> {
         let lost_normals = data.normals.iter().filter(|normal| !normal.is_finite()).count();
         let lost_uvs = data.uvs.iter().filter(|uv| !uv.is_finite()).count();
@@ -151,8 +151,8 @@ impl Mesh {
         &self.clusters
     }
 
-    /// Returns the mesh mirrored in z, for models made for a world of the opposite handedness. Two corners of each
-    /// triangle are swapped to preserve the front faces.
+    /// Returns the mesh mirrored in z, for models made for a coordinate system of the opposite handedness. Two corners
+    /// of each triangle are swapped, so that front faces stay front faces.
     pub(crate) fn mirrored_z(&self) -> Self {
         let mut data = self.data.clone();
         for vector in data.positions.iter_mut().chain(&mut data.normals) {
@@ -203,8 +203,8 @@ fn check_array<T>(
 
 /// Computes one normal per vertex: the mean of the normals of its triangles, weighted by area.
 ///
-/// The sums are in f64 and are scaled by the largest component before the length is taken, so that neither huge nor
-/// tiny triangles overflow or vanish. A vertex without a triangle of positive area gets the normal +z.
+/// The sums are in f64 and are divided by their largest component before the length is computed, so that huge triangles
+/// do not overflow and tiny ones do not vanish. A vertex without a triangle of positive area gets the normal +z.
 pub(crate) fn smooth_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
     let mut sums = vec![glam::DVec3::ZERO; positions.len()];
     for corners in triangles {

@@ -1,16 +1,16 @@
-//! Mip levels: each has half the side lengths of the previous one, down to one texel (Williams, "Pyramidal
-//! Parametrics", 1983).
+//! Mip levels: each has half the side lengths of the previous one (rounded down, at least 1), until one texel remains
+//! (Williams, "Pyramidal Parametrics", 1983).
 //!
 //! Every texel of a level is the mean of the area that it covers in the previous level. If a side is odd, texels at the
-//! border of that area are weighted by the fraction of their area inside it. Levels stay unrounded until the last one
-//! is computed. Colours are weighted by alpha, so invisible texels do not tint visible ones. Texels with alpha 0 take
-//! the colour of the next smaller level, so that filtering uses no hidden colours either (the push phase of Gortler et
-//! al., "The Lumigraph", 1996).
+//! border of that area are weighted by the fraction of their area inside it. Each level is computed from the unrounded
+//! values of the previous one. Colours are weighted by alpha, so invisible texels do not tint visible ones. Below full
+//! size, texels with alpha 0 take the colour of the next smaller level, so that filtering does not blend in the colours
+//! of invisible texels (the push phase of Gortler et al., "The Lumigraph", 1996).
 
 use crate::image::color::{Tables, quantize};
 use crate::image::{Image, Rgba8};
 
-/// Location of a mip level in the shared texel array, as one array that SIMD code can load at once.
+/// Location of a mip level in the shared texel array, packed so that SIMD code loads it at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C, align(16))]
 pub(crate) struct LevelLocation {
@@ -106,7 +106,7 @@ pub(super) fn mip_levels(image: &Image<Rgba8>, linear: bool) -> Vec<Image<Rgba8>
         last = halved(&last);
         means.push(last.clone());
     }
-    // The smallest level comes first, because hidden texels take the colour of the next smaller level.
+    // The smallest level comes first, because texels with alpha 0 take the colour of the next smaller level.
     let mut colors: Option<Image<[f32; 3]>> = None;
     let mut copies: Vec<_> = means
         .iter()
@@ -274,7 +274,7 @@ mod tests {
         let mut random = fastrand::Rng::with_seed(31);
         for (width, height) in [(8, 8), (7, 5), (1, 6), (9, 2), (3, 3)] {
             for (linear, density) in [(false, 0), (false, 2), (true, 1), (true, 3)] {
-                // Many texels are hidden, and their colours must not appear anywhere.
+                // Many texels have alpha 0; their colours must not appear in any level.
                 let image = Image::from_fn(width, height, |_, _| {
                     let alpha = if random.u8(0..4) < density { 0 } else { random.u8(..) };
                     [random.u8(..), random.u8(..), random.u8(..), alpha]
@@ -298,7 +298,7 @@ mod tests {
                         let (mut level, mut at) = (number + 1, (x, y));
                         let place = format!("{width} × {height}, linear {linear}, level {level}, {at:?}");
                         check(copy.at(x, y)[3], &levels[level].at(x, y)[3], &quantize, &place);
-                        // A hidden texel has the colour of the first smaller level in which it is visible.
+                        // A texel with alpha 0 has the colour of the first smaller level in which its area is visible.
                         while level + 1 < levels.len() && !levels[level].at(at.0, at.1)[3].is_positive() {
                             let (own, next) = (&levels[level], &levels[level + 1]);
                             at = (below(at.0, own.width, next.width), below(at.1, own.height, next.height));

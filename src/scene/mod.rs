@@ -70,7 +70,7 @@ pub struct Instance {
     pub material: MaterialId,
     /// Affine transform from model space to world space.
     pub world_from_model: Mat4,
-    /// Factor of the material's colour, as sRGB values in [0, 1].
+    /// Colour that multiplies the material's colour, as sRGB values in [0, 1].
     pub tint: Vec3,
 }
 
@@ -107,7 +107,8 @@ impl Scene {
             .fold(Aabb::EMPTY, |all, i| all.union(self.library.mesh(i.mesh).bounds().transformed(i.world_from_model)))
     }
 
-    /// Returns the scene mirrored in z with a mirrored view, for models made for a world of the opposite handedness.
+    /// Returns the scene and its initial view mirrored in z, for models made for a coordinate system of the opposite
+    /// handedness.
     pub(crate) fn mirrored_z(&self) -> Self {
         let mirror = Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0));
         let mut scene = Self { library: self.library.mirrored_z(), home: self.home.mirrored_z(), ..self.clone() };

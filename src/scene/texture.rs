@@ -55,11 +55,11 @@ impl Texture {
         })
     }
 
-    /// Returns the texels row by row as little-endian numbers, with a wrapped border. Each row is followed by a copy of
-    /// its first texel, and the last row by a copy of the first row.
+    /// Returns the texels row by row, with a wrapped border. A texel is one number with red in the lowest byte. Each
+    /// row is followed by a copy of its first texel, and the last row by a copy of the first row.
     ///
-    /// The four texels around any position of the repeated texture then form two pairs that are adjacent in memory, one
-    /// row apart. The result is computed at the first call and cached.
+    /// At any position of the repeated texture, the four texels for bilinear filtering are therefore two pairs of
+    /// adjacent elements, one row apart. The result is computed at the first call and cached.
     pub(crate) fn wrapped(&self) -> &[u32] {
         self.wrapped.get_or_init(|| with_wrapped_border(&self.image, u32::from_le_bytes).collect())
     }
@@ -167,7 +167,7 @@ mod tests {
         texture.levels();
         // Smaller levels of 4 × 2, 2 × 1 and 1 × 1 texels, and the array of all levels with their locations.
         let copies = (4 * 2 + 2 + 1) * 4;
-        // Stacked beside the first smaller level, the others extend one row below it.
+        // The two smallest levels are stacked beside the first smaller level and extend one row below it.
         let levels = 9 * (5 + 3 + 1) * 4 + 4 * 16;
         assert_eq!(texture.bytes(), 8 * 4 * 4 + 9 * 5 * (4 + 16) + copies + levels);
     }

@@ -1,6 +1,6 @@
-//! Top level of the window: lays out the panels, turns keys and dropped files into commands, applies the commands, and
-//! exchanges messages with the renderer. It owns only the session, the worker and widget state; all decisions about the
-//! picture are made by the session.
+//! Top level of the window. It lays out the panels, turns keys and dropped files into commands, applies the commands,
+//! and exchanges messages with the renderer. It owns only the session, the worker and widget state; the session makes
+//! all decisions about the picture.
 
 mod requests;
 
@@ -58,7 +58,7 @@ use crate::scene::obj::TrMeaning;
 /// Height of the message bar below the menu, in points.
 const MESSAGE_HEIGHT: f32 = theme::ROW_HEIGHT + 4.0;
 
-/// Time since an unanswered render request after which a spinner is shown.
+/// Time after which a spinner is shown for an unanswered render request.
 const SLOW_FRAME: Duration = Duration::from_millis(150);
 
 /// Height of the bars above and below the canvas, in points.
@@ -115,7 +115,8 @@ pub(crate) struct Workbench {
 }
 
 impl Workbench {
-    /// Creates the application, which renders with `worker`. With an inline worker, loading is synchronous, too.
+    /// Creates the application with `worker` as its renderer. With an inline worker, models and cases are also loaded
+    /// synchronously.
     pub(crate) fn new(session: Session, worker: Worker) -> Self {
         let is_synchronous = matches!(worker, Worker::Inline(_));
         Self {
@@ -156,7 +157,7 @@ impl Workbench {
         &self.session
     }
 
-    /// Returns the session for changes from outside the window.
+    /// Returns a mutable reference to the session, for code outside the window.
     pub(crate) fn session_mut(&mut self) -> &mut Session {
         &mut self.session
     }
@@ -218,7 +219,7 @@ impl Workbench {
 
     /// Lays out everything below the message bar, except the 2D lab.
     fn pipeline_layout(&mut self, ui: &mut Ui, frame: egui::Frame, commands: &mut Vec<Command>) {
-        // The canvas keeps the largest share in a narrow window.
+        // In a narrow window, the canvas keeps the largest share of the width.
         let share = |wanted: f32| wanted.min(ui.available_width() * SIDE_SHARE);
         let (left, right) = (share(292.0), share(316.0));
         let tabs = TABS_HEIGHT.min(ui.available_height() * TABS_SHARE).floor();
@@ -320,7 +321,7 @@ impl Workbench {
         if ui.egui_wants_keyboard_input() || self.dialog.is_open() || egui::Popup::is_any_open(ui.ctx()) {
             return;
         }
-        // In camera mode, the keys that fly the camera are not shortcuts.
+        // Keys that fly the camera are not shortcuts in camera mode or while the pointer is over the mesh view.
         let flies = self.session.pointer_mode == PointerMode::Camera || self.mesh.hovered;
         for binding in BINDINGS {
             let is_taken = flies && binding.modifiers == egui::Modifiers::NONE && FLYING_KEYS.contains(&binding.key);
@@ -328,7 +329,7 @@ impl Workbench {
                 commands.push((binding.command)());
             }
         }
-        // The toolkit reports the copy shortcut as an event of its own.
+        // The toolkit reports the copy shortcut as a separate event.
         if ui.input(|i| i.events.contains(&egui::Event::Copy)) {
             commands.push(Command::CopyPicture);
         }
@@ -475,7 +476,8 @@ impl eframe::App for Workbench {
 
     /// Saves the layout. The toolkit calls this every 30 seconds and when the window closes.
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        // Earlier versions stored geometry and layout under these keys, which the toolkit would still prefer.
+        // Earlier versions stored geometry and layout under these keys. The toolkit would prefer those values to the
+        // preferences.
         ["window", "egui"].into_iter().for_each(|key| storage.remove_string(key));
         if let Some(context) = &self.context {
             self.window.layout = layout::text(context);
@@ -483,7 +485,7 @@ impl eframe::App for Workbench {
         self.save_preferences();
     }
 
-    /// Returns `false`, because the layout is stored with the preferences, whose file is replaced atomically.
+    /// Returns `false`: the layout is stored in the preferences file instead, which is replaced atomically.
     fn persist_egui_memory(&self) -> bool {
         false
     }

@@ -81,7 +81,7 @@ pub(crate) struct CanvasView {
 }
 
 impl CanvasView {
-    /// Fits the whole picture into the canvas, also after the canvas is resized.
+    /// Fits the whole picture into the canvas, and keeps it fitted when the canvas is resized.
     pub(crate) fn fit(&mut self) {
         self.zoom.fit();
     }
@@ -91,7 +91,7 @@ impl CanvasView {
         self.zoom.set_view(1.0, canvas_px, (picture.0 as f32 / 2.0, picture.1 as f32 / 2.0));
     }
 
-    /// Centres the canvas on a pixel and zooms in far enough to show it.
+    /// Centres the canvas on a pixel and zooms in far enough to distinguish the pixel from its neighbours.
     pub(crate) fn bring_into_view(&mut self, pixel: (u32, u32), canvas_px: (u32, u32)) {
         self.zoom.bring_into_view(pixel, canvas_px);
     }

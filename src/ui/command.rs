@@ -58,7 +58,7 @@ pub(crate) enum Command {
     /// Opens the worst case of a column of the stability report, with the settings of that column. The case is given as
     /// JSON.
     OpenWorst(ReportColumn, String),
-    /// Saves the visible triangle at the picked pixel as a minimal case.
+    /// Saves the triangle visible at the picked pixel as a minimal case.
     SaveCase,
     /// Runs the stability report over all classes of difficult test cases.
     RunStability,
@@ -66,9 +66,9 @@ pub(crate) enum Command {
     CancelStability,
     /// Changes the view of the stability report.
     ShowStability(StabilityView),
-    /// Measures the frame time that is saved by the work skipped under the plan of the current view.
+    /// Measures how much frame time the draw plans of the current view save by skipping work.
     MeasurePlan,
-    /// Cancels the measurement of the frame time that the plan saves.
+    /// Cancels the measurement of the frame time that the draw plans save.
     CancelPlan,
     /// Changes or runs the stability probe.
     Probe(probe::ProbeChange),
@@ -126,7 +126,7 @@ pub(crate) enum Command {
     Measure,
     /// Cancels the measurement of the upscalers.
     CancelMeasure,
-    /// Sets the camera motion of the next measurement of the upscalers.
+    /// Sets the camera motion for the next measurement of the upscalers.
     MeasureOver(Turn),
     /// Changes the plot of frame times.
     ShowTimings(TimingsView),
@@ -166,8 +166,8 @@ pub(crate) enum Command {
     OpenManual(Option<Chapter>),
     /// Shows the dialog for going to a pixel, triangle, vertex or object.
     ShowPixelDialog,
-    /// Goes back one step: closes the manual or the case, clears the selection or the pick, hides the probe's heat map,
-    /// ends the comparison, or shows the colour buffer. Only the first of these that applies takes place.
+    /// Performs the first applicable action: closes the manual, closes the case, clears the selection, clears the pick,
+    /// hides the probe's heat map, ends the comparison, or shows the colour buffer of the complete frame.
     Escape,
     /// Changes the overlays.
     Overlays(overlays::OverlayChange),
@@ -183,7 +183,7 @@ pub(crate) enum Command {
     Trace(trace::TraceChange),
     /// Steps or plays through the drawing of the frame.
     Scrub(scrub::ScrubChange),
-    /// Changes the list of triangles filtered by fate, or the selection.
+    /// Changes the filter that selects triangles by fate, object or text.
     Fates(fates::FatesChange),
     /// Replaces the selection of triangles.
     Select(TriangleSelection),
@@ -331,14 +331,14 @@ pub(crate) const BINDINGS: &[KeyBinding] = &[
     ),
     bind(Modifiers::NONE, Key::Home, || Command::LimitTriangles(Some(0)), "Go to the start, before the first triangle"),
     bind(Modifiers::NONE, Key::End, || Command::LimitTriangles(None), "Go to the end, after the last triangle"),
-    bind(Modifiers::SHIFT, Key::ArrowLeft, || Command::NudgePick(-10, 0), "Move the picked pixel 10 pixels to the left"),
-    bind(Modifiers::SHIFT, Key::ArrowRight, || Command::NudgePick(10, 0), "Move the picked pixel 10 pixels to the right"),
-    bind(Modifiers::SHIFT, Key::ArrowUp, || Command::NudgePick(0, -10), "Move the picked pixel 10 pixels up"),
-    bind(Modifiers::SHIFT, Key::ArrowDown, || Command::NudgePick(0, 10), "Move the picked pixel 10 pixels down"),
-    bind(Modifiers::NONE, Key::ArrowLeft, || Command::NudgePick(-1, 0), "Move the picked pixel one pixel to the left"),
-    bind(Modifiers::NONE, Key::ArrowRight, || Command::NudgePick(1, 0), "Move the picked pixel one pixel to the right"),
-    bind(Modifiers::NONE, Key::ArrowUp, || Command::NudgePick(0, -1), "Move the picked pixel one pixel up"),
-    bind(Modifiers::NONE, Key::ArrowDown, || Command::NudgePick(0, 1), "Move the picked pixel one pixel down"),
+    bind(Modifiers::SHIFT, Key::ArrowLeft, || Command::NudgePick(-10, 0), "Pick the pixel 10 px to the left"),
+    bind(Modifiers::SHIFT, Key::ArrowRight, || Command::NudgePick(10, 0), "Pick the pixel 10 px to the right"),
+    bind(Modifiers::SHIFT, Key::ArrowUp, || Command::NudgePick(0, -10), "Pick the pixel 10 px above"),
+    bind(Modifiers::SHIFT, Key::ArrowDown, || Command::NudgePick(0, 10), "Pick the pixel 10 px below"),
+    bind(Modifiers::NONE, Key::ArrowLeft, || Command::NudgePick(-1, 0), "Pick the pixel 1 px to the left"),
+    bind(Modifiers::NONE, Key::ArrowRight, || Command::NudgePick(1, 0), "Pick the pixel 1 px to the right"),
+    bind(Modifiers::NONE, Key::ArrowUp, || Command::NudgePick(0, -1), "Pick the pixel 1 px above"),
+    bind(Modifiers::NONE, Key::ArrowDown, || Command::NudgePick(0, 1), "Pick the pixel 1 px below"),
     bind(Modifiers::NONE, Key::Num1, || Command::ChooseUpscaler(0), "Choose an upscaler"),
     bind(Modifiers::NONE, Key::Num2, || Command::ChooseUpscaler(1), "Choose an upscaler"),
     bind(Modifiers::NONE, Key::Num3, || Command::ChooseUpscaler(2), "Choose an upscaler"),

@@ -2,9 +2,10 @@
 //! are still valid.
 //!
 //! A [`Request`] contains everything that determines the view. The engine compares it with the last one and recomputes
-//! only the parts that changed: a new pick replays one pixel, and another buffer only changes colours. Only a new
-//! scene, camera, recipe, size, triangle limit or fragment limit renders a frame. The engine has no thread of its own,
-//! so screenshots and tests call it directly; [`super::worker`] runs it on a thread.
+//! only the parts that changed: a new pick replays one pixel, and showing another buffer only changes colours. A frame
+//! is rendered only if the scene, camera, recipe, size, triangle limit or fragment limit changes, or if the upscaler
+//! has not converged. The engine has no thread of its own, so screenshots and tests call it directly; [`super::worker`]
+//! runs it on a thread.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -93,12 +94,12 @@ impl Request {
         self.same_frame(other) && self.shown == other.shown && self.look == other.look
     }
 
-    /// Whether both requests render the same frame, down to the same number of triangles and fragments.
+    /// Whether both requests render the same frame with the same triangle and fragment limits.
     pub(crate) fn same_frame(&self, other: &Self) -> bool {
         self.same_complete_frame(other) && self.moment() == other.moment()
     }
 
-    /// Returns the point in the drawing of the frame at which to stop; `None` for the finished frame.
+    /// Returns the point at which drawing of the frame stops; `None` for the finished frame.
     pub(crate) fn moment(&self) -> Option<Moment> {
         self.triangle_limit.map(|triangles| Moment { triangles, fragments: self.fragment_limit })
     }
@@ -147,7 +148,7 @@ pub(crate) struct RenderedView {
 }
 
 impl RenderedView {
-    /// Whether this view contains the complete frame for a request that shows the same frame partially drawn.
+    /// Whether this view contains the complete version of the frame that `request` shows partially drawn.
     fn is_whole_for(&self, request: &Request) -> bool {
         request.triangle_limit.is_some()
             && self.request.triangle_limit.is_none()
@@ -160,8 +161,8 @@ impl RenderedView {
     }
 }
 
-/// Maximum time that a request waits for the search for open seams before it is handled without them. Only repeated
-/// requests wait, because their frame is already on screen. The limit bounds the delay of a newer request.
+/// Maximum time for which a request waits for the search for open seams; it is then handled without seams. Only
+/// repeated requests wait, because their frame is already on screen. The limit bounds the delay of a newer request.
 const SEAMS_WAIT: Duration = Duration::from_millis(50);
 
 /// Engine that handles requests and reuses results of the last one.
@@ -197,7 +198,7 @@ impl Engine {
                 (Arc::new(frame), rasterized, None, None, None)
             }
         };
-        // A repeated request means that the fast part of the answer is on screen already.
+        // A repeated request means that the fast part of its response is already on screen.
         let is_asked_again = kept.as_ref().is_some_and(|(before, _)| before.same_view(&request));
         let patience = if is_asked_again { SEAMS_WAIT } else { Duration::ZERO };
         let reads_seams = request.reads_seams();
@@ -205,7 +206,8 @@ impl Engine {
         let captured = needed_capture(&request, &frame, kept_captured);
         let had_seams = kept_buffers.as_deref().is_none_or(|buffers| !buffers.misses_seams());
         let buffers = needed_buffers(&request, &frame, kept_buffers, seams.as_deref());
-        // A picture of hits counted before the seams were known lacks their faults.
+        // Hit counts from before the seams were known lack the faults at seams: their picture is redrawn once the seams
+        // are known.
         let kept = kept.filter(|_| had_seams || buffers.as_deref().is_some_and(Buffers::misses_seams));
         let mut looked = {
             let (buffers, captured) = (buffers.as_deref(), captured.as_deref());

@@ -43,8 +43,8 @@ pub(crate) fn ui(ui: &mut Ui, legend: Rect, hits: &Hits, commands: &mut Vec<Comm
     row(&mut column, &mut |ui| steps(ui, hits, commands));
 }
 
-/// Returns the numbers of T-junctions and unwelded vertices of the scene as text, or a note that the search is still
-/// running. Returns `None` if there are none.
+/// Returns the numbers of T-junctions and unwelded vertices of the scene as text; `None` if all are zero. While the
+/// search is running, the text is a note that says so.
 fn seams_text(hits: &Hits) -> Option<String> {
     match hits.mesh {
         None => Some("Searching for T-junctions…".to_owned()),

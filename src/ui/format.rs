@@ -50,7 +50,7 @@ pub(crate) fn bytes(bytes: u64) -> String {
     }
     let mut value = bytes as f64 / 1024.0;
     let mut unit = 0;
-    // From 1023.95 on, one decimal would round to 1024.0.
+    // With one decimal, values from 1023.95 would be rounded to 1024.0.
     while value >= 1023.95 {
         value /= 1024.0;
         unit += 1;

@@ -55,7 +55,7 @@ impl Topic {
         (Self::Stages, "Stages"),
         (Self::Making, "Frame playback"),
         (Self::Showing, "Value range and overlays"),
-        (Self::Arithmetic, "Arithmetic of the picked pixel"),
+        (Self::Arithmetic, "Calculation of the picked pixel"),
         (Self::Places, "Search and bookmarks"),
         (Self::Scene, "Scene and view"),
         (Self::Settings, "Settings"),

@@ -30,7 +30,7 @@ pub(crate) struct Stability {
     pub(crate) view: StabilityView,
 }
 
-/// State of the measurement of the frame time saved by skipped work.
+/// State of the measurement of the frame time that the draw plans save.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PlanSavings {
     /// Last result, and the request that was measured.
@@ -51,7 +51,7 @@ pub(crate) struct ScalingState {
 /// A running stability report.
 pub(crate) type StabilityTask = BackgroundTask<StabilityProgress, StabilityReport>;
 
-/// A running measurement of the frame time saved by skipped work. The result includes the request that was measured.
+/// A running measurement of the frame time that the draw plans save. The result includes the request that was measured.
 pub(crate) type SavingsTask = BackgroundTask<f32, (Savings, Request)>;
 
 /// A running scaling measurement. The result includes the recipe with which it was measured.

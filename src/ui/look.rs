@@ -27,7 +27,7 @@ pub(crate) struct Look {
     pub(crate) statistics: Option<StatisticsRequest>,
     /// Overlays, from bottom to top.
     pub(crate) layers: Vec<OverlayLayer>,
-    /// Whether overlays with lines are left out of the picture, because they are drawn as vectors over large pixels.
+    /// Whether line overlays are omitted from the picture because they are drawn as vectors over enlarged pixels.
     pub(crate) vectors: bool,
 }
 
@@ -64,7 +64,7 @@ pub(crate) struct LookResult {
     pub(crate) is_unfinished: bool,
     /// All overlays computed for the frame, visible or not.
     computed: Vec<Arc<Sheet>>,
-    /// Fragment statistics of the frame, shared by overlays and computed on first use by an instrumented rendering.
+    /// Fragment statistics of the frame, shared by all overlays. An instrumented rendering computes them on first use.
     watched: Arc<OnceLock<FragmentStats>>,
     /// Computed statistics; `None` if none were requested.
     pub(crate) measured: Option<Arc<PictureStatistics>>,
@@ -197,7 +197,7 @@ fn composed(base: &Arc<Image<Rgba8>>, sheets: &[Arc<Sheet>], look: &Look) -> Arc
     if layers.is_empty() { base.clone() } else { Arc::new(compose(base, layers)) }
 }
 
-/// Returns the kind of values that a shown quantity has.
+/// Returns the kind of the values of a shown quantity.
 pub(crate) fn kind(shown: Shown) -> ValueKind {
     match shown {
         Shown::Buffer(buffer) => ValueKind::of(buffer),

@@ -1,4 +1,4 @@
-//! The window, and the only module that may use its toolkit (egui).
+//! The window. No other module may use its toolkit (egui).
 //!
 //! State flows one way: panels read the [`session`] and push [`command`]s, the [`app`] applies them, the [`worker`]
 //! renders the newest request on its own thread and returns a view. From the bottom up: [`theme`] defines every colour,

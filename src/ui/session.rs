@@ -106,13 +106,13 @@ pub(crate) struct Session {
     pub(crate) stability: Stability,
     /// Completed fraction of the running export of a vector drawing, in [0, 1]; `None` if none is running.
     pub(crate) export_progress: Option<f32>,
-    /// Measurement of the time that is saved by skipping redundant work.
+    /// Measurement of the frame time that the draw plans save by skipping work.
     pub(crate) savings: PlanSavings,
     /// Measurement of how frame times scale with triangles, pixels, overdraw and threads.
     pub(crate) scaling: ScalingState,
     /// Settings and results of the stability probe.
     pub(crate) probing: ProbeState,
-    /// Settings of the vertex table: the listed vertices and the followed one.
+    /// Settings of the vertex table: which vertices are listed, and which one is followed.
     pub(crate) vertices: VertexTable,
     /// Mesh view, which shows the scene from a second camera.
     pub(crate) mesh_view: MeshView,
@@ -297,7 +297,7 @@ impl Session {
         self.settled = self.state.clone();
     }
 
-    /// Returns the newest view from the renderer; `None` while it shows the previous scene.
+    /// Returns the newest view from the renderer if it shows the current scene, otherwise `None`.
     pub(crate) fn view_of_scene(&self) -> Option<&RenderedView> {
         self.view.as_ref().filter(|view| Arc::ptr_eq(&view.request.scene, &self.scene))
     }
@@ -478,8 +478,8 @@ impl Session {
         self.show(Shown::Stage(Stage::ALL[(now + step).clamp(0, last) as usize]));
     }
 
-    /// Shows a buffer, a stage or an intermediate value. Anything but the final colour ends the comparison. The
-    /// comparison shows finished pictures only, so the inspector would describe other values than those on the canvas.
+    /// Shows a buffer, a stage or an intermediate value. Anything but the final colour ends the comparison,
+    /// which shows only finished pictures. Otherwise, the inspector would describe values that are not on the canvas.
     fn show(&mut self, shown: Shown) {
         self.shown = shown;
         if shown != Shown::Buffer(Buffer::Color) {

@@ -50,8 +50,7 @@ pub(crate) struct WindowStart {
     pub(crate) camera: Camera,
     /// Whether the scene is mirrored along z relative to its source.
     pub(crate) mirrored: bool,
-    /// Whether the window restores the scene, recipe and camera of the previous run instead of showing those given
-    /// here.
+    /// Whether the window restores the scene, recipe and camera of the previous run instead of those in this struct.
     pub(crate) resume: bool,
     /// Initial view of the frame.
     pub(crate) initial_view: InitialView,
@@ -81,7 +80,7 @@ pub(crate) struct InitialView {
     pub(crate) display: Option<Display>,
     /// Overlays, from bottom to top.
     pub(crate) layers: Vec<OverlayLayer>,
-    /// Point in the drawing of the frame at which drawing stops; `None` draws the complete frame.
+    /// Point at which drawing of the frame stops; `None` draws the complete frame.
     pub(crate) moment: Option<Moment>,
     /// Fixed size of the picture, in pixels.
     pub(crate) picture: Option<Viewport>,
@@ -140,9 +139,9 @@ pub(crate) struct ScreenshotRequest {
     pub(crate) tab: Option<Tab>,
     /// Buffer, stage or intermediate value on the canvas; `None` shows the final colours.
     pub(crate) shown: Option<Shown>,
-    /// Point in the drawing of the frame at which drawing stops; `None` draws the complete frame.
+    /// Point at which drawing of the frame stops; `None` draws the complete frame.
     pub(crate) moment: Option<Moment>,
-    /// Fate by which to select triangles in the tab “Fates”, which is then opened; `None` selects none.
+    /// Fate by which to select triangles in the “Fates” tab, which is then opened; `None` selects none.
     pub(crate) fate: Option<TriangleFate>,
     /// Column and row of the picked pixel; `None` picks one near the centre.
     pub(crate) selected: Option<(u32, u32)>,
@@ -185,9 +184,9 @@ pub(crate) fn run_window(start: WindowStart) -> Result<(), String> {
             .with_min_inner_size(MIN_SIZE)
             .with_maximized(maximized)
             .with_drag_and_drop(true),
-        // Kept with the preferences, whose file is replaced atomically.
+        // Window geometry is stored in the preferences file instead, which is replaced atomically.
         persist_window: false,
-        // Dithering would falsify the picture.
+        // Dithering would change the colours of the picture.
         dithering: false,
         ..Default::default()
     };
@@ -241,7 +240,7 @@ fn close_on_signals(context: egui::Context) {
         std::thread::sleep(EXIT_TIMEOUT);
         std::process::exit(1);
     };
-    // Without a handler the signals end the process at once, which loses no data on disk.
+    // If no handler can be installed, the signals end the process at once, which loses no data on disk.
     drop(ctrlc::set_handler(close));
 }
 
@@ -373,7 +372,7 @@ pub(crate) fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Vi
     Ok(headless.picture())
 }
 
-/// Joins the lines of an error from the windowing toolkit, because all messages of the program have one line.
+/// Joins the lines of an error from the windowing toolkit, because every message of the program is a single line.
 fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

@@ -93,7 +93,7 @@ fn backup_of(folder: &Path, bytes: &[u8]) -> Option<PathBuf> {
 }
 
 impl Store {
-    /// Creates a store that writes to `folder`. `found` are the preferences that were read when the window opened.
+    /// Creates a store that writes to `folder`. `found` contains the preferences that were read when the window opened.
     pub(crate) fn new(folder: PathBuf, found: Preferences) -> Self {
         let (changes, heard) = channel();
         let (report, failures) = channel();
@@ -175,7 +175,7 @@ impl Writer {
     fn write(&self, mine: &Preferences) -> std::io::Result<()> {
         std::fs::create_dir_all(&self.folder)?;
         let path = self.folder.join(FILE);
-        // On file systems without locks, merging still keeps all changes except simultaneous ones.
+        // On a file system without locks, changes are lost only if two windows write at the same time.
         let lock = disk::lock(&self.folder.join("preferences.lock")).ok();
         let theirs = if path.exists() {
             let (theirs, damage) = read_file(&path)?;

@@ -6,8 +6,8 @@ use std::sync::{Arc, Mutex};
 
 use eframe::egui::Context;
 
-/// Running background task with progress reports of type `P` and a result of type `T`. Dropping it cancels the task,
-/// so that a restarted task does not run twice.
+/// Running background task with progress reports of type `P` and a result of type `T`. Dropping this value cancels the
+/// task, so replacing it with a new task ends the old one.
 #[derive(Debug)]
 pub(crate) struct BackgroundTask<P, T> {
     receiver: Receiver<Message<P, T>>,
@@ -40,7 +40,7 @@ impl<P, T> Drop for BackgroundTask<P, T> {
 
 impl<P: Send + 'static, T: Send + 'static> BackgroundTask<P, T> {
     /// Starts `work` on a new thread. The arguments of `work` are a function for progress reports and a cancellation
-    /// flag. `context` is repainted after every message.
+    /// flag. Requests a repaint of `context` after every message.
     pub(crate) fn start(
         context: Context,
         work: impl FnOnce(&(dyn Fn(P) + Sync), &AtomicBool) -> Option<T> + Send + 'static,

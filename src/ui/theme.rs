@@ -1,9 +1,10 @@
 //! Dark and light theme of the window in one table: colours, sizes, radii and fonts.
 //!
-//! [`install`] applies it once to both styles of an egui context. Panels then use tokens, never literals:
-//! `theme::tokens(ui).accent`, `theme::ROW_HEIGHT`. Neutrals have no tint, because a hue around a picture falsifies it.
-//! Colours with a meaning are used for that meaning only, and never alone: an icon or a word accompanies them. The
-//! colours of `series` remain distinguishable under protanopia and deuteranopia (a test simulates both).
+//! [`install`] applies the table once to both styles of an egui context. Panels then use tokens, never literals:
+//! `theme::tokens(ui).accent`, `theme::ROW_HEIGHT`. Neutral colours have no tint, because a tint around a picture would
+//! distort how its colours are perceived. Colours with a meaning are used for that meaning only, and never alone: an
+//! icon or a word accompanies them. The colours of `series` remain distinguishable under protanopia and deuteranopia (a
+//! test simulates both).
 
 use std::sync::Arc;
 
@@ -223,7 +224,7 @@ pub(crate) fn icon(icon: Icon) -> Atom<'static> {
 
 /// Paints an icon of `size` points, centred on `center` and snapped to whole pixels. Returns its rectangle.
 pub(crate) fn paint_icon(painter: &Painter, center: Pos2, icon: Icon, size: f32, color: Color32) -> Rect {
-    // Aligned by the top: lines of this font have a gap below, which vertical centring would include.
+    // Aligned at the top: vertical centring would include the gap below each line of this font.
     let top = center - vec2(0.0, size / 2.0);
     painter.text(top, Align2::CENTER_TOP, icon.unicode(), FontId::new(size, icon_family()), color)
 }
@@ -238,7 +239,7 @@ fn icon_family() -> FontFamily {
 fn fonts() -> FontDefinitions {
     const ICON_FONT: &str = "lucide";
     let mut fonts = FontDefinitions::default();
-    // Hinting would distort outlines that are designed on a grid of their own.
+    // Hinting would distort the outlines of the icons, which are designed on their own grid.
     let unhinted = FontTweak { hinting: Some(false), ..FontTweak::default() };
     let icons = FontData::from_static(lucide_icons::LUCIDE_FONT_BYTES).tweak(unhinted);
     fonts.font_data.insert(ICON_FONT.to_owned(), Arc::new(icons));

@@ -1,5 +1,5 @@
-//! Recorded frame times of each upscaler: of recent frames, of the slowest of these, and of the last measurement of all
-//! upscalers. Recent frames are discarded when the scene, the settings or the size changes, so that times of different
+//! Recorded frame times of each upscaler: recent frames, the slowest frames, and the last measurement of all upscalers.
+//! Recent and slowest frames are discarded when the scene, the settings or the size changes, so that times of different
 //! pictures are never mixed.
 
 use std::collections::{BTreeMap, VecDeque};
@@ -97,8 +97,7 @@ impl Timings {
         Some(summarize(&times)?.median)
     }
 
-    /// Returns the slowest recent frames with their upscalers, slowest first. They may be older than the plotted
-    /// frames.
+    /// Returns the slowest frames with their upscalers, slowest first. They may be older than the plotted frames.
     pub(crate) fn slowest(&self) -> &[(Upscaling, f64)] {
         &self.slowest
     }

@@ -187,7 +187,7 @@ pub(crate) fn section_header(ui: &mut Ui, title: &str, add_actions: impl FnOnce(
     });
 }
 
-/// Fills the remaining space with a placeholder for missing content: `what` is missing, and `how` to get it.
+/// Fills the remaining space with a placeholder: `what` names the missing content, and `how` says how to get it.
 pub(crate) fn empty_state(ui: &mut Ui, icon: Icon, what: &str, how: &str) {
     const ICON_POINTS: f32 = 28.0;
     const CONTENT_POINTS: f32 = 84.0;
@@ -220,7 +220,7 @@ pub(crate) enum Status {
 }
 
 impl Status {
-    /// Returns the icon that accompanies the colour of this status, so that it does not depend on colour alone.
+    /// Returns the icon of this status. It accompanies the colour, so that the meaning does not depend on colour alone.
     pub(crate) fn icon(self) -> Icon {
         match self {
             Self::Passed => Icon::CircleCheck,
@@ -286,7 +286,8 @@ pub(crate) fn icon_button(ui: &mut Ui, icon: Icon, name: &str) -> Response {
     .inner
 }
 
-/// Adds a button that copies `text` to the clipboard and briefly confirms it. Its tooltip is “Copy” followed by `what`.
+/// Adds a button that copies `text` to the clipboard and briefly confirms the copy. Its tooltip is “Copy” followed by
+/// `what`.
 pub(crate) fn copy_button(ui: &mut Ui, what: &str, text: impl FnOnce() -> String) -> Response {
     let id = Id::unique(("copied", ui.next_auto_id()));
     let now = ui.input(|input| input.time);

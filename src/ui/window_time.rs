@@ -52,15 +52,15 @@ impl WindowTimes {
     }
 }
 
-/// Number of passes before the measured ones, in which sizes converge, pictures are drawn and fonts are rasterized.
+/// Number of unmeasured passes at the start, in which sizes converge, pictures are drawn and fonts are rasterized.
 const WARM_UP_PASSES: usize = 12;
 
-/// Number of frame times per upscaler with which the plots are filled: as many as after a measurement.
+/// Number of frame times per upscaler with which the plots are filled, as many as a measurement records.
 const PLOTTED_FRAMES: usize = 25;
 
-/// Times `passes` passes of a window of `size` pixels with each of its parts open in turn, and with as many parts as
-/// possible at once. The pointer moves over the picture, which does not change, so the times do not include drawing it.
-/// They do not include the work of a graphics card either.
+/// Times `passes` passes of a window of `size` pixels, with each of its parts open in turn, and then with as many parts
+/// as possible open at once. The pointer moves over the picture, which does not change, so the times exclude drawing
+/// the picture. They also exclude the work of a graphics card.
 pub(crate) fn window_costs(start: &WindowStart, size: Viewport, passes: usize) -> Vec<WindowCost> {
     situations().into_iter().filter_map(|(what, first)| cost(start, size, passes.max(1), what, first)).collect()
 }

@@ -92,7 +92,7 @@ pub(crate) enum WorkerResponse {
     Panicked(String),
 }
 
-/// Handle to the renderer, which is a background thread, or synchronous for screenshots and tests.
+/// Handle to the renderer: a background thread, or a synchronous renderer for screenshots and tests.
 #[derive(Debug)]
 pub(crate) enum Worker {
     /// Asynchronous: responses arrive later.
@@ -191,8 +191,9 @@ impl RenderWorker {
         }
     }
 
-    /// Waits for a request as long as the pending work allows. Blocks without pending work, returns immediately for
-    /// work that the user waits for, and waits [`SETTLED`] before work that a newer frame may make obsolete.
+    /// Waits for a request. Blocks if no work is pending, and returns immediately if the user waits for pending work or
+    /// that work has begun. Otherwise, waits at most [`SETTLED`], because a newer frame may make the pending work
+    /// obsolete.
     fn wait(&self, inbox: &Receiver<WorkerRequest>) -> Result<Option<WorkerRequest>, RecvError> {
         let is_asked = self.to_show.is_some() || self.to_improve.is_some() || self.to_compare.is_some();
         if is_asked || self.to_evaluate.is_some() || self.watcher.has_work() || self.measurement.is_some() {

@@ -74,7 +74,7 @@ impl Placement {
 }
 
 impl Zoom {
-    /// Fits the whole picture into the rectangle, also after the rectangle is resized.
+    /// Fits the whole picture into the rectangle, and keeps it fitted when the rectangle is resized.
     pub(crate) fn fit(&mut self) {
         self.scale = None;
     }
@@ -85,7 +85,7 @@ impl Zoom {
         self.origin = vec2(center.0, center.1) - vec2(canvas_px.0 as f32, canvas_px.1 as f32) / (2.0 * scale);
     }
 
-    /// Centres the view on a pixel and zooms in far enough to show it.
+    /// Centres the view on a pixel and zooms in far enough to distinguish the pixel from its neighbours.
     pub(crate) fn bring_into_view(&mut self, (x, y): (u32, u32), canvas_px: (u32, u32)) {
         let scale = self.scale.unwrap_or(0.0).max(SEEN_FROM);
         self.set_view(scale, canvas_px, (x as f32 + 0.5, y as f32 + 0.5));
@@ -116,7 +116,7 @@ impl Zoom {
                 let exact = (available.x / size.x).min(available.y / size.y).max(MIN_FIT);
                 // Integer scales from 1:1 upwards make all squares equal.
                 let scale = if exact >= 1.0 { exact.floor() } else { exact };
-                // Snapped to screen pixels: on a canvas that is less than one pixel larger, the picture starts in the
+                // Snapped to screen pixels: on a canvas less than two screen pixels larger, the picture starts in the
                 // corner.
                 let beside = ((available - size * scale) / 2.0).floor();
                 (scale, -beside / scale)

@@ -1,10 +1,10 @@
 //! Temporal accumulation: jitters the samples in every frame and blends them with the reprojected history.
 //!
 //! A pixel stores the mean of n earlier samples. A new sample has weight 1 / (n + 1) until n reaches its maximum; from
-//! then on, old samples decay exponentially. In a still view, no sample decays before every jitter position was drawn
-//! once. The image becomes the mean over all positions of the jitter pattern, and further frames leave it unchanged. In
-//! motion, the history is reprojected to where the previous frame showed the same surface. It is clamped to the minimum
-//! and maximum of the surrounding 3 × 3 samples, which rejects stale colours and sometimes valid ones.
+//! then on, old samples decay exponentially. In a still view, no sample decays until every jitter position has been
+//! drawn once. The image becomes the mean over all positions of the jitter pattern, and further frames leave it
+//! unchanged. In motion, the history is reprojected to where the previous frame showed the same surface. It is clamped
+//! to the minimum and maximum of the surrounding 3 × 3 samples, which rejects stale colours and sometimes valid ones.
 //!
 //! When upscaling, a sample inside the output pixel has full weight. Otherwise the four surrounding samples are
 //! interpolated, and the result has a low weight.
@@ -33,7 +33,7 @@ pub(crate) struct Accumulation;
 /// Number of jitter positions per pixel, one per frame.
 const JITTER_POSITIONS: u32 = 16;
 
-/// Weight in the accumulation of an interpolated colour, relative to 1 for a sample inside the pixel.
+/// Weight of an interpolated colour in the accumulation, relative to 1 for a sample inside the pixel.
 const INTERPOLATED: f32 = 0.05;
 
 impl Upscaler for Accumulation {
@@ -150,7 +150,7 @@ struct FrameContext<'a> {
     size: (u32, u32),
     /// Jitter position of this frame within a pixel.
     place: [f64; 2],
-    /// Whether every jitter position was drawn since the view became still; the image then no longer changes.
+    /// Whether every jitter position has been drawn since the view became still; the image then no longer changes.
     is_settled: bool,
     /// Motion since the previous frame and the accumulated history: RGB mean and sample count per pixel.
     history: Option<(Motion<'a>, &'a Image<[f32; 4]>)>,

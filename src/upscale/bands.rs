@@ -5,7 +5,8 @@ use rayon::prelude::*;
 use super::Scale;
 use crate::image::{Image, Rgba8};
 
-/// Minimum number of rows in a band, large enough to outweigh the sample rows that adjacent bands both process.
+/// Minimum number of rows in a band. Adjacent bands both process the sample rows at their boundary; bands of this size
+/// make that extra work small.
 const MIN_ROWS: usize = 48;
 
 /// Number of bands per thread. With more than one, a delayed thread does not delay the whole image.

@@ -175,7 +175,7 @@ impl Upscaling {
         self.deringing
     }
 
-    /// Returns the sharpening, in percent of the maximum that creates no new extremes.
+    /// Returns the sharpening strength, in percent of the maximum, which keeps every channel in range.
     pub(crate) fn sharpening(self) -> u32 {
         self.sharpening
     }

@@ -23,7 +23,8 @@ pub(crate) struct GBuffer {
     pub(crate) distance: Image<f32>,
 }
 
-/// Relative tolerance for equal distances, because depths are rounded and pixels sample slightly different positions.
+/// Relative difference up to which two distances count as equal: depths are rounded, and pixels sample slightly
+/// different positions.
 const SAME_DISTANCE: f32 = 0.02;
 
 impl GBuffer {
@@ -51,9 +52,9 @@ pub(crate) struct History {
     pub(crate) surfaces: Arc<GBuffer>,
     /// Camera of the previous frame.
     pub(crate) camera: Camera,
-    /// Number of frames before this one that belong to the same history.
+    /// Number of frames before the previous frame that belong to the same history.
     pub(crate) frames: u32,
-    /// Number of consecutive frames with an unchanged camera, including this one.
+    /// Number of consecutive frames with an unchanged camera, up to and including the previous frame.
     pub(crate) still_frames: u32,
 }
 
@@ -130,7 +131,7 @@ pub struct Reprojected {
 }
 
 impl Reprojected {
-    /// Samples an image bilinearly at this position; reads the pixel itself if the camera was unchanged.
+    /// Samples an image bilinearly at this position; reads the pixel itself if the camera is unchanged.
     pub(crate) fn read<const N: usize>(&self, size: (u32, u32), value: impl Fn(u32, u32) -> [f32; N]) -> [f32; N] {
         let [x, y] = self.place;
         if self.is_still {
@@ -154,8 +155,8 @@ impl Reprojected {
 /// Mapping between the pixels and the view space of a camera.
 #[derive(Clone, Copy, Debug)]
 struct Lens {
-    /// Half of the extent that the image shows horizontally and vertically, in world units: at distance 1 for
-    /// perspective, at any distance for orthographic projection.
+    /// Half the width and height of the visible region, in world units: at distance 1 for perspective projection, at
+    /// any distance for orthographic projection.
     half: [f64; 2],
     size: [f64; 2],
     in_perspective: bool,
@@ -172,7 +173,7 @@ impl Lens {
     }
 
     /// Returns the horizontal view-space offset that corresponds to a column position in pixels: at distance 1 for
-    /// perspective, at any distance for orthographic projection.
+    /// perspective projection, at any distance for orthographic projection.
     fn right_of(&self, x: f64) -> f64 {
         (x / self.size[0] * 2.0 - 1.0) * self.half[0]
     }

@@ -101,8 +101,8 @@ pub(super) fn of_one_length(mut rows: [Blocks<'_>; MAX_ROWS], count: usize) -> [
     rows
 }
 
-/// Returns the number of pixels before the first 32-byte-aligned address of a row, or its length if there is none.
-/// Stores that cross a cache line take 1.5 times as long.
+/// Returns the number of pixels before the first 32-byte-aligned address of a row, or the row length if there is no
+/// such address. Stores that cross a cache line take 1.5 times as long.
 pub(super) fn pixels_to_alignment(row: &[Rgba8]) -> usize {
     row.as_ptr().align_offset(32).min(row.len())
 }

@@ -29,7 +29,7 @@ choice! {
 /// Regular spacing of samples along each axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Lattice {
-    /// Number of output pixels per sample and axis.
+    /// Number of output pixels per sample along each axis.
     pub(crate) scale: Scale,
     /// Position of a sample within its block.
     pub(crate) anchor: Anchor,
@@ -66,7 +66,7 @@ impl Lattice {
         self.place_beyond(i64::from(at))
     }
 
-    /// Returns the position of output pixel `at` between the samples. Unlike for [`Lattice::place`], the pixel may lie
+    /// Returns the position of output pixel `at` between the samples. Unlike in [`Lattice::place`], the pixel may lie
     /// outside the image.
     pub(super) fn place_beyond(self, at: i64) -> LatticePosition {
         let (pixels, samples) = self.scale.ratio();
@@ -102,7 +102,8 @@ impl Lattice {
         }
     }
 
-    /// Returns the origin of the sample grid in the full image, in pixels: sample i lies at (i + ½) · s from there.
+    /// Returns the origin of the sample grid in the full image, in pixels: sample i lies at (i + ½) · s from this
+    /// origin.
     pub(crate) fn origin_px(self) -> f64 {
         self.position_px(0) - 0.5 * self.scale.value()
     }

@@ -1,4 +1,4 @@
-//! Upscaling: computes a full image from fewer drawn samples.
+//! Upscaling: computes a full image from fewer samples than it has pixels.
 //!
 //! The input is the drawn samples, packed as [`Upscaling::sampling`] specifies. The output is the whole image, of any
 //! size from 1 × 1. Samples lie on pixels of the full image or between them, as [`Lattice`] specifies. Samples on
@@ -8,7 +8,7 @@
 //! dark edges ring more. Images are bit-identical for any number of threads and on any processor. [`Upscaler::taps`]
 //! lists the samples of a pixel, and [`Upscaler::pixel`] computes a single pixel with the same arithmetic.
 //!
-//! Each upscaler is one file and one entry of [`ALL`]; menus, command line, tests and reports read this registry.
+//! Each upscaler has an entry in the registry [`ALL`], which menus, command line, tests and reports read.
 
 use serde::Serialize;
 

@@ -67,7 +67,7 @@ impl Upscaler for Nearest {
 }
 
 /// Returns the index of the sample that an output pixel copies, which is less than `samples`. With the corner anchor,
-/// it is the last sample at or before the pixel, otherwise the nearest one.
+/// this is the last sample at or before the pixel; otherwise, it is the nearest sample.
 fn source(lattice: Lattice, place: LatticePosition, samples: u32) -> u32 {
     match lattice.anchor {
         Anchor::Corner => (place.cell as u32).min(samples.saturating_sub(1)),

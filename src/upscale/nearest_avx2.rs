@@ -35,9 +35,9 @@ struct Deal {
 }
 
 impl<'a> NearestAvx2<'a> {
-    /// Prepares the filling of rows. `columns` holds the sample index of each pixel, below `samples`; it must increase
-    /// by at most one from pixel to pixel. `pixels_to_alignment` is the number of pixels before the first aligned
-    /// address of a row.
+    /// Prepares the permutations that fill rows. `columns` holds the sample index of each pixel. Each index is less
+    /// than `samples`, and indices increase by at most one from pixel to pixel. `pixels_to_alignment` is the number of
+    /// pixels before the first aligned address of a row.
     pub(super) fn new(avx2: Avx2, columns: &'a [u32], samples: usize, pixels_to_alignment: usize) -> Self {
         let head = if samples < BLOCK { columns.len() } else { pixels_to_alignment.min(columns.len()) };
         let (head, rest) = columns.split_at(head);

@@ -15,16 +15,16 @@ impl Scale {
     /// Factor 1: no upscaling.
     pub const ONE: Self = Self { halves: 2 };
 
-    /// Factor 1.5: three output pixels for two samples per axis.
+    /// Factor 1.5: three output pixels per two samples along each axis.
     pub(crate) const ONE_AND_A_HALF: Self = Self { halves: 3 };
 
-    /// Factor 2: two output pixels per sample and axis.
+    /// Factor 2: two output pixels per sample along each axis.
     pub const TWO: Self = Self { halves: 4 };
 
-    /// Factor 3: three output pixels per sample and axis.
+    /// Factor 3: three output pixels per sample along each axis.
     pub(crate) const THREE: Self = Self { halves: 6 };
 
-    /// Factor 4: four output pixels per sample and axis.
+    /// Factor 4: four output pixels per sample along each axis.
     pub const FOUR: Self = Self { halves: 8 };
 
     /// Returns the factor as a fraction in lowest terms: `(pixels, samples)` means that `pixels` output pixels span

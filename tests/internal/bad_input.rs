@@ -494,7 +494,7 @@ fn attributes_are_interpolated_where_a_face_crosses_itself() {
     let text = "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nv 1 1 0 1 1 1\nvt 0 0\nvt 1 0\nvt 0 1\nvt 1 1\n\
                 f 1/1 2/2 3/3 4/4\n";
     let loaded = load_texts(&[("a.obj", text)]).unwrap();
-    assert_eq!(loaded.warnings[0].text, "face that crosses itself; drawn by its winding numbers");
+    assert_eq!(loaded.warnings[0].text, "face that crosses itself; filled by its winding numbers");
     let mesh = &loaded.scene.library.meshes()[0];
     assert_eq!(mesh.triangles.len(), 2);
     let middle = mesh.positions.iter().position(|p| (*p - Vec3::new(0.5, 0.5, 0.0)).length() < 1e-6).unwrap();

@@ -81,7 +81,7 @@ const CLAIMS: &[Claim] = &[
     },
     Claim {
         source: "src/antialias/settings.rs",
-        words: "the number that the converged reference has",
+        words: "as many samples as the converged reference",
         proof: Proof::Here(the_converged_reference_has_all_samples),
     },
     Claim {

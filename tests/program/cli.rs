@@ -445,7 +445,7 @@ fn the_trace_of_a_pixel_ends_in_its_colour_in_words_and_as_json() {
     let output = traced(&[]);
     assert_success(&output);
     let text = stdout(&output);
-    assert!(text.starts_with("arithmetic of pixel 32, 24: fragment "), "{text}");
+    assert!(text.starts_with("calculation of pixel 32, 24: fragment "), "{text}");
     for part in
         ["Model: ", "Transform: ", "Coverage: ", "edge 2 · decision = inside", "λ0 on the screen", "depth test = "]
     {
@@ -1009,7 +1009,9 @@ fn bench_prints_the_cost_of_frames_as_text_and_as_json() {
     let size = ["bench", "cubes", "--size", "64x48", "--frames", "3"];
     let table = run(&folder(), &size);
     assert_success(&table);
-    for word in ["whole frame", "cull and bin", "triangles kept", "ns per pixel", "the time of writing as many bytes"] {
+    for word in
+        ["whole frame", "cull and bin", "triangles kept", "ns per pixel", "the time of a memset of the frame size"]
+    {
         assert!(stdout(&table).contains(word), "{word} in {}", stdout(&table));
     }
     for (execution, stage) in [("tiled", "shade"), ("classic", "pixels")] {

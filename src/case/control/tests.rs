@@ -126,7 +126,8 @@ fn answers_beyond_the_limit_are_refused_quickly_and_name_the_limit() {
         let refusal = answer(&Case { id: "x".to_owned(), task }, Options::default(), &Control::default());
         let reason = refusal.expect_err(kind).to_string();
         assert!(reason.starts_with("the answer has more than ") && reason.ends_with("the limit"), "{reason}");
-        // Nearly all refusals take milliseconds. Without the limit, the answers took up to minutes and gigabytes.
+        // Nearly all refusals take milliseconds. Without the limit, computing an answer took up to minutes and
+        // gigabytes.
         assert!(begun.elapsed() < Duration::from_secs(10), "{kind}: {:?}", begun.elapsed());
     }
 }

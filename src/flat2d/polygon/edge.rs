@@ -42,8 +42,7 @@ impl PolygonEdge {
     /// Creates an edge between two corners; `None` if it crosses no row of samples in a picture of this height.
     pub(super) fn new(from: DVec2, to: DVec2, sample: SamplePoint, height: u32) -> Option<Self> {
         let (top, bottom, winding) = if from.y <= to.y { (from, to, 1) } else { (to, from, -1) };
-        // Casts saturate. Rounding of the difference is harmless above row 0, and from row 0 on the difference is
-        // exact.
+        // Casts saturate. A negative difference gives row 0, so its rounding is harmless; other differences are exact.
         let row_at_or_below = |y: f64| ((y - sample.offset()).ceil() as u32).min(height);
         let rows = row_at_or_below(top.y)..row_at_or_below(bottom.y);
         (!rows.is_empty()).then_some(Self { top, bottom, rows, winding })
@@ -56,8 +55,8 @@ impl PolygonEdge {
         slant.column_at(row).unwrap_or_else(|| self.search(&slant, row))
     }
 
-    /// Returns the same column as [`PolygonEdge::column_at`] where floats cannot decide it, by a binary search with
-    /// exact tests of single samples.
+    /// Computes [`PolygonEdge::column_at`] by a binary search with exact tests of single samples, for crossings that
+    /// floats cannot decide.
     #[cold]
     pub(super) fn search(&self, slant: &Slant, row: SampleRow) -> u32 {
         let crossing = slant.crossing_px(row) - row.offset;
@@ -87,10 +86,11 @@ pub(super) struct Slant {
     error_px: f64,
 }
 
-/// Error bound of a crossing computed in floats, relative to |x₀| + |x₁|, the x coordinates of both endpoints.
+/// Error bound of a crossing computed in floats, relative to |x₀| + |x₁|, where x₀ and x₁ are the endpoints' x
+/// coordinates.
 ///
-/// The slope and the distance below the top together have four roundings of half an ε. Their product is at most the
-/// edge's width and adds one more, as do the sum and the shift to the sample. The rest is margin.
+/// Computing the slope and the distance below the top takes four roundings of at most ε/2 each. Their product, which is
+/// at most the edge's width, adds a rounding, and so do the sum and the shift to the sample. The rest is margin.
 const ERROR_OF_CROSSING: f64 = 16.0 * f64::EPSILON;
 
 impl Slant {
@@ -125,7 +125,8 @@ impl Slant {
 #[inline]
 fn ceil(x: f64) -> (f64, u32) {
     /// Magnitude at which adjacent floats differ by 1. Adding it rounds a float to a whole number, which is then in the
-    /// low bits of the sum. This avoids the rounding of the standard library, which is a function call without SSE 4.1.
+    /// low bits of the sum. This avoids the standard library's rounding, which compiles to a function call without SSE
+    /// 4.1.
     const ROUNDING: f64 = 1.5 * (1_u64 << 52) as f64;
     let shifted = x + ROUNDING;
     let nearest = shifted - ROUNDING;

@@ -23,8 +23,8 @@ fn real(contour: &[(i64, i64)], unit: i64) -> Vec<DVec2> {
     contour.iter().map(|(x, y)| DVec2::new(*x as f64, *y as f64) / unit as f64).collect()
 }
 
-/// Returns the pixels inside the contours by the definition of the winding number, in integers: for each pixel, it
-/// counts the crossings of a ray from the sample to the left. `unit` is even.
+/// Returns the pixels inside the contours by the definition of the winding number. Counts, in integers, the crossings
+/// of a ray from each sample to the left. `unit` is even.
 fn by_definition(contours: &[Vec<(i64, i64)>], unit: i64, rule: InsideRule, sample: SamplePoint) -> Vec<(u32, u32)> {
     let offset = if sample == SamplePoint::Center { unit / 2 } else { 0 };
     let crosses = |(a, b): ((i64, i64), (i64, i64)), (x, y): (i64, i64)| {

@@ -8,14 +8,15 @@ use crate::pipeline::raster::RasterSample;
 use crate::pipeline::settings::{Arithmetic, Choice as _, DepthTest, Settings};
 use crate::pipeline::viewport::ScreenTriangle;
 
-/// Tolerance for the deviation of the sum of the attribute weights from 1: two units in the last place.
+/// Maximum deviation of the sum of the attribute weights from 1: twice the machine epsilon of f32.
 const SUM_SLACK: f32 = 2.0 * f32::EPSILON;
 
-/// Relative tolerance for the sum of the edge function values in floating point: four f64 roundings.
+/// Tolerance for the sum of the edge function values in floating point, relative to the doubled area: four times the
+/// machine epsilon of f64.
 const EDGE_ROUNDINGS: f64 = 4.0 * f64::EPSILON;
 
-/// Tolerance for the check of a depth test result, in steps of the depth buffer. It covers the rounding error of w, a
-/// sum of four products from which the depth is computed.
+/// Tolerance for checking a depth test result, in steps of the depth buffer. It covers the rounding error of w: the
+/// depth is computed from w, which is a sum of four products.
 const PASS_STEPS: f64 = 8.0;
 
 /// A covered sample, as passed to the checks of coverage, weights and depth.
@@ -57,7 +58,7 @@ pub(super) struct ShadedFragment<'a> {
 /// Description of a violation; `None` if the assertion holds.
 type ViolationText = Option<String>;
 
-/// The function that checks an assertion. The variant determines the pipeline event at which it is called.
+/// The function that checks an assertion. The variant determines the pipeline event at which the function is called.
 #[derive(Clone, Copy)]
 pub(super) enum AssertionCheck {
     Covered(fn(&CoveredSample<'_>) -> ViolationText),

@@ -14,8 +14,8 @@ pub(super) struct Owner {
 }
 
 impl Owner {
-    /// Creates the ownership test for a triangle from the corner positions that determine coverage and the recipe's
-    /// fill rule. A fill rule that does not draw shared edges exactly once is replaced by top-left.
+    /// Creates the ownership test for a triangle. The test uses the corner positions that determine coverage, and the
+    /// recipe's fill rule. If that rule does not draw shared edges exactly once, the test uses top-left instead.
     pub(super) fn of(triangle: &ScreenTriangle, settings: &Settings) -> Self {
         let corners_px = match settings.arithmetic {
             Arithmetic::Fixed => triangle.snapped_px(),
@@ -47,7 +47,8 @@ pub(super) fn corner_depths(triangle: &ScreenTriangle, scale: &DepthScale) -> [f
 }
 
 /// Returns the depth of a sample before quantisation, in [0, 1], and its uncertainty. The computation is independent of
-/// the pipeline's: the mean of the corner depths in f64, weighted by edge values.
+/// the pipeline's: it interpolates the corner depths in f64, weighted by edge values. If the depth is linear in space,
+/// the weights are also multiplied by 1/w.
 pub(super) fn depth(triangle: &ScreenTriangle, sample: &RasterSample, scale: &DepthScale) -> (f64, f64) {
     let depths = corner_depths(triangle, scale);
     if !scale.is_linear_in_space() {

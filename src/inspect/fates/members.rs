@@ -43,7 +43,8 @@ impl FateFilter {
     /// in any order.
     pub(crate) fn parse(text: &str) -> Self {
         let mut filter = Self::default();
-        // Joins a spaced bound into one word. “area” without a bound may be part of a name.
+        // Joins a bound that contains spaces, such as “area < 1”, into one word. “area” without a bound may be part of
+        // a name.
         let joined = ["area <", "area >", "area< ", "area> ", "area<= ", "area>= "]
             .iter()
             .fold(text.to_lowercase(), |text, spaced| text.replace(spaced, &spaced.replace(' ', "")));

@@ -2,7 +2,7 @@
 //! up to the totals.
 //!
 //! The frame is drawn again with observers, starting at its first stage; normal drawing has no overhead. Fragments are
-//! counted at the drawn samples, one at the centre of each pixel; further samples of anti-aliasing are not counted. A
+//! counted at the drawn samples, one at the centre of each pixel; additional anti-aliasing samples are not counted. A
 //! clipped triangle counts once, regardless of its number of pieces.
 
 mod account;
@@ -42,9 +42,9 @@ choice! {
     /// this order.
     pub TriangleFate {
         Unaccounted = "unaccounted", "Unaccounted for", "The triangle was neither rejected nor rasterized. Always 0; any other number is a bug in this program.";
-        Outside = "outside", "Outside the view", "All corners of the triangle lie beyond the same plane of the view: left, right, top, bottom, near or far.";
+        Outside = "outside", "Outside the view", "All corners of the triangle lie beyond the same frustum plane: left, right, top, bottom, near or far.";
         NotFinite = "not-finite", "Non-finite corner", "A corner of the triangle is NaN or infinite, in the model or after the transform.";
-        ClippedAway = "clipped-away", "Clipped away", "The triangle crosses several planes of the view, and clipping leaves nothing of it.";
+        ClippedAway = "clipped-away", "Clipped away", "The triangle crosses several clipping planes, and clipping leaves nothing of it.";
         ZeroArea = "zero-area", "Zero area", "The corners of the triangle are collinear on the screen: there is no area to rasterize.";
         BackFacing = "back-facing", "Back-facing", "The triangle is back-facing and removed by culling. To show it, set culling to none.";
         FrontFacing = "front-facing", "Front-facing", "The triangle is front-facing and removed by culling. To show it, set culling to none.";
@@ -52,7 +52,7 @@ choice! {
         LostDepth = "lost-depth", "Depth failed", "All fragments of the triangle failed the depth test.";
         AlphaRejected = "alpha-failed", "Alpha failed", "No fragment of the triangle was written: those that passed the depth test failed the alpha test.";
         Overwritten = "overwritten", "Overwritten", "The triangle was drawn, but later fragments cover all of it.";
-        BlendedOver = "seen-through", "Seen through", "The triangle is visible only through blended surfaces in front of it.";
+        BlendedOver = "seen-through", "Blended over", "The triangle is visible only through blended surfaces in front of it.";
         Visible = "visible", "Visible", "The triangle is the front surface of at least one pixel.";
     }
 }
@@ -63,7 +63,7 @@ choice! {
         LostDepth = "lost-depth", "Depth failed", "The fragment failed the depth test.";
         AlphaRejected = "alpha-failed", "Alpha failed", "The fragment failed the alpha test.";
         Overwritten = "overwritten", "Overwritten", "The fragment was written, but a later fragment covered it: wasted work.";
-        BlendedOver = "seen-through", "Seen through", "The fragment was written and is visible through later blended fragments.";
+        BlendedOver = "seen-through", "Blended over", "The fragment was written and is visible through later blended fragments.";
         Visible = "visible", "Visible", "The fragment is the front surface in the finished picture.";
     }
 }
@@ -179,8 +179,8 @@ pub struct Fates {
 }
 
 impl Fates {
-    /// Computes the fates of all triangles of `scene` and of their fragments when drawn by `recipe`. Includes the
-    /// triangles that `frame` omits if it is limited to the first few.
+    /// Computes the fates of all triangles of `scene` and of their fragments when drawn by `recipe`. If `frame` is
+    /// limited to its first few triangles, the remaining triangles are included too.
     ///
     /// # Examples
     /// ```
@@ -218,7 +218,7 @@ impl Fates {
             fragments,
             objects,
             account,
-            cut: TriangleSelection::new("clipped by a plane of the view", rejections.cut),
+            cut: TriangleSelection::new("clipped at the near plane, far plane or guard band", rejections.cut),
             broken: TriangleSelection::new("with a NaN or infinite attribute", scene.broken_triangles()),
             top_triangle,
             recipe: *recipe,

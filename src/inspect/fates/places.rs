@@ -149,7 +149,7 @@ fn nearest_of_grid(grid: SampleGrid, raster: Viewport, (x, y): (u32, u32)) -> (u
     match grid {
         SampleGrid::Block { step } => (x / step, y / step),
         SampleGrid::Checkerboard | SampleGrid::OddCheckerboard => {
-            // 2×2 blocks alternate, so a drawn pixel is at most two columns away.
+            // Drawn and undrawn squares of 2×2 pixels alternate, so a drawn pixel is at most two columns away.
             let beside = [x.checked_sub(1), Some(x + 1), x.checked_sub(2), Some(x + 2)];
             let drawn = |x: u32| (x < raster.width).then(|| grid.sample_at(x, y)).flatten();
             drawn(x).or_else(|| beside.into_iter().flatten().find_map(drawn)).unwrap_or((0, y))

@@ -1,4 +1,5 @@
-//! Observer that records which triangles the geometry stages reject, and why, and which they clip.
+//! Observer that records which triangles the geometry stages clip, which they reject, and the reason for each
+//! rejection.
 
 use crate::pipeline::observe::{Fate, Observer};
 use crate::pipeline::prepare;
@@ -17,7 +18,8 @@ pub(crate) enum GeometryOutcome {
     Rejected(Fate),
 }
 
-/// Observer that records which triangles the geometry stages reject, and why, and which they clip.
+/// Observer that records which triangles the geometry stages clip, which they reject, and the reason for each
+/// rejection.
 #[derive(Clone, Debug)]
 pub(crate) struct Rejections {
     /// Reason for rejection of each triangle of the scene; `None` if it was not rejected.
@@ -34,7 +36,7 @@ impl Rejections {
         Self { fates: vec![None; triangles], rejected_again: Vec::new(), cut: Vec::new() }
     }
 
-    /// Runs the geometry stages for a view of a scene and records their rejections.
+    /// Runs the geometry stages for a view of a scene and records the rejected and clipped triangles.
     pub(crate) fn of(scene: &Scene, camera: &Camera, settings: &Settings, viewport: Viewport) -> Self {
         let mut rejections = Self::new(scene.triangle_count());
         prepare(scene, camera, settings, viewport, &mut rejections);

@@ -131,7 +131,8 @@ fn each_staged_triangle_has_the_expected_fate() {
     assert_eq!(reported, cast.map(|(name, _, _, fate)| (name, fate)));
     assert!(fates.account.is_balanced());
 
-    // The representative pixel shows the triangle or contains it.
+    // A visible triangle is shown at its representative pixel. Triangles outside the view or without area have no such
+    // pixel.
     let places: Vec<_> = (0..cast.len() as u32).map(|id| fates.representative_pixel(TriangleId(id))).collect();
     for (id, (name, _, _, fate)) in cast.iter().enumerate() {
         match fate {
@@ -144,7 +145,7 @@ fn each_staged_triangle_has_the_expected_fate() {
             _ => assert!(places[id].is_some(), "{name}"),
         }
     }
-    // Marks of a visible triangle and of triangles behind it.
+    // Visibility of a visible triangle and of hidden triangles at their representative pixels.
     for (id, mark) in [
         (0, SelectionVisibility::Shown),
         (1, SelectionVisibility::Hidden),

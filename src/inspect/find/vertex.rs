@@ -20,7 +20,7 @@ pub(super) fn parse(text: &str, scene: &Scene, near: Option<u32>) -> Option<Resu
 fn object(scene: &Scene, name: Option<&str>, near: Option<u32>) -> Result<u32, String> {
     let Some(name) = name.map(str::trim) else {
         let only = (scene.instances.len() == 1).then_some(0);
-        let which = || "The object is missing: pick one of its pixels, or enter “vertex 12 of NAME”".to_owned();
+        let which = || "No object given: pick one of its pixels, or enter “vertex 12 of NAME”".to_owned();
         return near.or(only).ok_or_else(which);
     };
     let exact = named(scene, |instance| instance.to_lowercase() == name);
@@ -97,7 +97,7 @@ mod tests {
             assert_eq!(scene.instances[object as usize].name.to_lowercase(), name);
         }
         assert_eq!(parse("v 7", &scene, Some(5)), Some(Ok((5, 7))));
-        assert!(parse("v7", &scene, None).unwrap().unwrap_err().contains("The object is missing"));
+        assert!(parse("v7", &scene, None).unwrap().unwrap_err().contains("No object given"));
         assert!(parse("v999999", &scene, Some(5)).unwrap().unwrap_err().contains("vertices, numbered from 0"));
         assert!(parse("v7 of nothing", &scene, None).unwrap().unwrap_err().contains("nothing"));
         assert_eq!(parse("12,3", &scene, None), None);

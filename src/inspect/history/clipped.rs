@@ -23,7 +23,8 @@ pub(super) struct Meeting {
 /// Returns `None` if the line misses the triangle or meets it behind the eye.
 pub(super) fn meeting(corners: [Vec4; 3], ndc: DVec2) -> Option<Meeting> {
     let corners = corners.map(Vec4::as_dvec4);
-    // Corners relative to the line of sight: the line passes between the edges if the origin does.
+    // Shifts the corners in x and y so that the line of sight lies at the origin. The line meets the triangle if no two
+    // of the three cross products have opposite signs.
     let [a, b, c] = corners.map(|p| DVec2::new(p.x, p.y) - ndc * p.w);
     let parts = [b.perp_dot(c), c.perp_dot(a), a.perp_dot(b)];
     let sum: f64 = parts.iter().sum();

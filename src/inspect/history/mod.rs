@@ -74,8 +74,8 @@ pub(crate) enum Cause {
     NotDrawnYet,
     /// The pixel's centre lies on an edge that the fill rule does not assign to the triangle.
     Tie,
-    /// The pixel's centre lies inside the triangle, but the rasterizer skips it because of its algorithm or of
-    /// rounding.
+    /// The pixel's centre lies inside the triangle, but the rasterizer skips the pixel because of its algorithm or
+    /// because of rounding.
     Skipped,
     /// The triangle would cover the pixel, but lies beyond the far plane there.
     FarPlane,
@@ -131,8 +131,8 @@ pub struct Absent {
     /// Corners that determine coverage, in px; `None` if the triangle has no position on the screen.
     pub(crate) corners_px: Option<[[f32; 2]; 3]>,
     /// Distance from the pixel's centre to the triangle, in px; `None` if the triangle was not rasterized. In fixed
-    /// point, the distance to the snapped corners: numerator and denominator are exact integers, so only the root and
-    /// the quotient are rounded.
+    /// point, this is the distance to the triangle with snapped corners, and only the final root and quotient are
+    /// rounded.
     pub(crate) distance_px: Option<f64>,
     /// Edge function values at the pixel's centre, in the unit of the arithmetic; `None` if the triangle was not
     /// rasterized.

@@ -28,7 +28,7 @@ struct Miss {
     distance_px: f64,
 }
 
-/// Returns the rasterized triangles near a drawn pixel, nearest first, without the triangles in `there`, which have a
+/// Returns the rasterized triangles near a drawn pixel, nearest first. Excludes the triangles in `there`, which have a
 /// fragment at the pixel. If no triangle is near and `there` is empty, returns the nearest triangle of the frame.
 pub(super) fn at(
     scene: &Scene,

@@ -280,8 +280,8 @@ impl Survey {
             .collect()
     }
 
-    /// Returns the cause and a description of it if the near or far plane clips a triangle away at a pixel. Returns
-    /// `None` if neither plane does, or if the triangle would be culled anyway.
+    /// Returns the cause and its description if the near or far plane clips a triangle away at a pixel. Returns `None`
+    /// if neither plane does, or if the triangle would be culled anyway.
     fn cut_away(
         &self,
         triangle: &CrossingTriangle,

@@ -1,8 +1,8 @@
 //! Faults along open seams: samples between the two sides that no triangle covers, or that both sides cover.
 //!
-//! Both edges of each seam are projected by the same stages as in drawing. A sample outside both edges is a crack; one
-//! inside both is a double hit. If the two surfaces lie on the same side, the seam is an outline without faults. A hole
-//! between the corners of more than two surfaces belongs to no edge and is not found.
+//! Both edges of each seam are projected by the same stages that draw the frame. A sample outside both edges is a
+//! crack; one inside both is a double hit. If the two surfaces lie on the same side, the seam is an outline without
+//! faults. A hole between the corners of more than two surfaces belongs to no edge and is not found.
 
 use std::collections::BTreeMap;
 
@@ -221,14 +221,14 @@ struct Gap {
 /// One edge of a gap, and the side on which its surface lies.
 struct GapSide {
     ends_px: [[f64; 2]; 2],
-    /// Triangle on the side of the surface. The edge of the gap lies opposite to its last corner.
+    /// Triangle on the surface's side of the edge. Its last corner lies opposite to the edge.
     triangle: AnyTriangle,
 }
 
 impl GapSide {
     fn new(ends_px: [[f32; 2]; 2], facing: Facing, rule: FillRule) -> Option<Self> {
         let [[ax, ay], [bx, by]] = ends_px;
-        // Direction across the edge towards the inner side of a triangle that appears clockwise.
+        // Vector perpendicular to the edge, which points into a triangle that appears clockwise.
         let (dx, dy) = (ay - by, bx - ax);
         let inner = if facing == Facing::Back { [ax + dx, ay + dy] } else { [ax - dx, ay - dy] };
         let triangle = AnyTriangle::new(Arithmetic::Exact, [ends_px[0], ends_px[1], inner], rule)?;
@@ -242,8 +242,8 @@ impl GapSide {
         value > 0.0 || value == 0.0 && self.triangle.owned()[2]
     }
 
-    /// Evaluates the line of the edge: returns its coordinate on the other axis, in px, where its coordinate on `axis`
-    /// is `along`.
+    /// Returns the other coordinate, in px, of the point on the edge's line at which the coordinate on `axis` is
+    /// `along`.
     fn across(&self, axis: usize, along: f64) -> f64 {
         let [from, to] = self.ends_px;
         let t = (along - from[axis]) / (to[axis] - from[axis]);
@@ -264,13 +264,14 @@ impl Gap {
             |edge: &ScreenEdge| [0, 1].map(|axis| f64::from(edge.ends_px[1][axis]) - f64::from(edge.ends_px[0][axis]));
         let (a, b) = (run(&host), run(&guest));
         let same_way = a[0] * b[0] + a[1] * b[1] > 0.0;
-        // Opposite sides: edges of triangles with the same facing run in opposite directions.
+        // Facing for which the other triangle lies on the opposite side. If both facings are equal, the edges run in
+        // opposite directions.
         let opposite = |facing| match (facing, same_way) {
             (Facing::Front, false) | (Facing::Back, true) => Facing::Front,
             (Facing::Front, true) | (Facing::Back, false) => Facing::Back,
             (Facing::Edge, _) => Facing::Edge,
         };
-        // A triangle that projects to a line has no side: its surface continues where the other one ends.
+        // A triangle that projects to a line has no side, so it is assumed to lie opposite to the other triangle.
         let facings = match (host.facing, guest.facing) {
             (Facing::Edge, Facing::Edge) => return None,
             (Facing::Edge, guest) => [opposite(guest), guest],

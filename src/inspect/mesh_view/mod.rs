@@ -1,8 +1,8 @@
 //! The mesh view: the scene, the render camera's frustum and the fates of the triangles, as seen by a second camera.
 //!
 //! The pipeline draws the triangles with the second camera ([`paint`]). The frustum, the ray through the picked pixel
-//! and clipped parts are a few lines and polygons in an overlay ([`drawn`]). The geometry stages themselves report the
-//! fate of each triangle and where it was clipped.
+//! and the clipped parts are drawn as lines and polygons in an overlay ([`drawn`]). The geometry stages themselves
+//! report the fate of each triangle and where it was clipped.
 
 mod explode;
 
@@ -39,8 +39,9 @@ choice! {
     /// Style in which the mesh view draws triangles.
     pub(crate) MeshStyle {
         Flat = "flat", "Flat", "Flat-shaded in grey, by the orientation of each triangle.";
-        Wire = "wire", "Wire", "Edges only: light if the render camera sees the front, red if it sees the back.";
-        Facing = "facing", "Facing", "Side that the render camera sees, by the sign of the area on its screen: front or back.";
+        Wire = "wire", "Wire", "Edges only: blue if front-facing for the render camera, red if back-facing.";
+        Facing = "facing", "Facing",
+            "Side facing the render camera, by the sign of the screen-space area: front or back.";
         Fate = "fate", "Fate", "Fate of each triangle in the pipeline: drawn, clipped, or rejected, and why.";
         Object = "object", "Object", "One colour per object.";
     }
@@ -92,7 +93,7 @@ pub(crate) fn key(style: MeshStyle) -> Vec<(&'static str, Rgba8)> {
     let sides = [
         ("front", GeometryOutcome::Drawn),
         ("back", GeometryOutcome::Rejected(Fate::BackFacing)),
-        ("not seen", GeometryOutcome::Rejected(Fate::Outside)),
+        ("outside", GeometryOutcome::Rejected(Fate::Outside)),
     ];
     match style {
         MeshStyle::Fate => fates.map(|(name, met)| (name, met_color(met))).to_vec(),

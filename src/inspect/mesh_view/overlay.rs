@@ -156,7 +156,7 @@ impl MarkProjector {
 
     fn line(&mut self, kind: MarkKind, from: DVec3, to: DVec3) {
         let mut points = self.projected(&[from, to]);
-        // The line is processed as a two-point polygon in both directions, so a clipped end appears twice.
+        // The line was clipped as a polygon with one edge in each direction, so a clipped end appears twice.
         points.truncate(2);
         if points.len() == 2 {
             self.marks.push(MeshMark { kind, points });

@@ -44,10 +44,10 @@ impl Surfaces<'_> {
         found.extend(events.map(|Event { along, normal }| crossing(along.clamp(0.0, 1.0), normal.try_normalize())));
     }
 
-    /// Returns the surface of each sample that changes between the two samples. These are the opaque surfaces if they
-    /// differ. Otherwise they are the topmost surfaces that only one of the stacks contains; a stack without such a
-    /// surface contributes its opaque surface. If the stacks differ only in order, they are the topmost surfaces that
-    /// differ.
+    /// Returns the two surfaces, one for each sample, between which the boundary lies. If the opaque surfaces differ,
+    /// returns the opaque surfaces. Otherwise returns each sample's topmost surface that the other sample does not
+    /// show, or the common opaque surface if there is none. If only the order differs, returns the topmost surfaces
+    /// that differ.
     fn changing(&self, [first, second]: [StackId; 2]) -> [Option<u32>; 2] {
         let [first, second] = [first, second].map(|stack| self.visibility.surfaces(stack).collect::<Vec<_>>());
         let opaque = |stack: &[u32]| stack.last().copied().filter(|index| !self.is_blended(*index));

@@ -20,7 +20,7 @@ use crate::drawing::PartitionRegion;
 /// Maximum distance by which simplification may move a boundary, in px.
 const STRAIGHT_PX: f64 = 0.01;
 
-/// Threshold for the squared sine of half the angle between two lines. Below it, they count as one line.
+/// Limit for a quarter of the squared sine of the angle between two lines. At or below it, they count as one line.
 const PARALLEL: f64 = 1e-5;
 
 /// Range of the drawing's overall progress in which the vertices are found, in percent.
@@ -176,7 +176,7 @@ fn nearest(crossings: &[BoundaryPoint], [low, high]: [DVec2; 2]) -> DVec2 {
         return mean.clamp(low, high);
     }
     if determinant <= PARALLEL * trace * trace {
-        // A single line, whose normal is the longer column.
+        // All lines are nearly parallel. Their common normal is the longer column of the matrix.
         let along_x = matrix.x_axis.length_squared() >= matrix.y_axis.length_squared();
         let normal = if along_x { matrix.x_axis } else { matrix.y_axis }.normalize();
         return (mean + normal * normal.dot(vector) / trace).clamp(low, high);
@@ -185,8 +185,8 @@ fn nearest(crossings: &[BoundaryPoint], [low, high]: [DVec2; 2]) -> DVec2 {
     if corner.cmpge(low).all() && corner.cmple(high).all() {
         return corner;
     }
-    // On the border of the bounds: the point on each side where the derivative along it is zero, or the end of the
-    // side.
+    // The minimum lies outside the bounds. Searches each side for the point at which the derivative along the side is
+    // zero, clamped to the side.
     let error = |place: DVec2| {
         let offset = place - mean;
         offset.dot(matrix * offset) - 2.0 * vector.dot(offset)
@@ -202,7 +202,7 @@ fn nearest(crossings: &[BoundaryPoint], [low, high]: [DVec2; 2]) -> DVec2 {
     on_sides.chain(on_ends).min_by(|a, b| error(*a).total_cmp(&error(*b))).unwrap_or(mean)
 }
 
-/// State of tracing the boundaries of regions around their samples.
+/// State for tracing the boundaries of regions along the sides of samples.
 struct Outlines<'a> {
     surfaces: &'a Surfaces<'a>,
     vertices: &'a BoundaryVertices,

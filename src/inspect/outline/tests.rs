@@ -25,7 +25,7 @@ fn progress_ends_at_one_and_cancelling_takes_effect_at_the_next_report() {
     let scene = Arc::new(builtin::by_id("cubes").unwrap().build());
     let (camera, recipe) = (&scene.home, &Recipe::default());
     let request = OutlineRequest { scene: &scene, camera, recipe, viewport: SIZE, kind: OutlineKind::Polygons };
-    // A single thread reports in order of completion.
+    // With a single thread, the reports arrive in order.
     let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     for cancelled_at in [None, Some(0.3), Some(0.6), Some(0.9)] {
         let (reports, cancel) = (Mutex::new(Vec::new()), AtomicBool::new(false));

@@ -1,6 +1,6 @@
-//! Colour bleeding: colour that straight-alpha texture filtering takes from transparent texels.
+//! Colour bleeding: colour that straight-alpha texture filtering picks up from transparent texels.
 //!
-//! The frame's samples are drawn twice more, with the recipe's texture filtering and with premultiplied filtering.
+//! The frame's samples are drawn two more times: with the recipe's texture filtering, and with premultiplied filtering.
 
 use super::sheet::{ColorScale, Sheet, SheetLegend, Total};
 use super::{Overlay, OverlayContext};

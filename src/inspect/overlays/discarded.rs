@@ -14,7 +14,7 @@ const REASONS: [PixelKind; 3] = [
     PixelKind { name: "face culling", color: [60, 120, 235, 255], striped: false },
 ];
 
-/// Colours each pixel by the most frequent reason for which fragments were discarded there.
+/// Colours each pixel by the most frequent reason for discarding fragments there.
 pub(super) fn discarded(context: &OverlayContext<'_>) -> Sheet {
     let OverlayContext { scene, recipe, frame, .. } = context;
     let watched = context.stats();

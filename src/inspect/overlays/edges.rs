@@ -60,8 +60,8 @@ pub(crate) struct EdgeMarks {
 }
 
 /// Returns the edges of rasterized triangles whose bounding boxes overlap a rectangle (left, top, right, bottom in px
-/// of the picture). Stops after the triangle that reaches `most` edges. Returns no edges for lattice sampling, which
-/// does not rasterize at the full resolution.
+/// of the picture). Stops after the triangle with which the number of edges reaches `most`. Returns no edges for
+/// lattice sampling, which does not rasterize at the full resolution.
 pub(crate) fn edge_marks(
     frame: &Frame,
     recipe: &Recipe,

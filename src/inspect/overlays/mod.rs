@@ -67,12 +67,13 @@ choice! {
         Facing = "facing", "Facing", "Whether the visible triangle is front-facing or back-facing.";
         DepthTest = "depth-test", "Depth test", "Whether all, some or none of the fragments of a pixel passed the depth test when they were drawn.";
         Discarded = "discarded", "Discarded fragments", "The most frequent reason for discarding fragments of a pixel: depth test, alpha test, or face culling. Hover over a pixel to see the counts.";
-        Rasterized = "rasterized", "Overdraw: rasterized", "Number of fragments of each pixel, drawn or not.";
+        Rasterized = "rasterized", "Overdraw: rasterized",
+            "Number of fragments of each pixel, whether or not they pass the depth test.";
         Passed = "passed", "Overdraw: passed", "Number of fragments of each pixel that passed the depth test when they were drawn.";
         Visible = "visible", "Overdraw: visible", "Number of fragments that contribute to the finished picture: one for opaque surfaces, more where blended surfaces lie in front.";
         TriangleSize = "triangle-size", "Triangle size", "Area of the visible triangle in px², on a logarithmic scale from 0.01 px² to the area of the picture.";
         Sliver = "sliver", "Slivers", "Smallest height of the visible triangle, in px: rounding decides the coverage of thin triangles.";
-        TexelDensity = "texel-density", "Texel density", "Texels per pixel along one axis (square root of the area that a pixel covers on the texture): above 1 texels are skipped, below 1 they are magnified.";
+        TexelDensity = "texel-density", "Texel density", "Texels per pixel along one axis (square root of the area that a pixel covers on the texture): above 1, texels are skipped; below 1, they are magnified.";
         AlphaBleed = "alpha-bleed", "Colour bleeding", "Difference from premultiplied filtering, in sRGB codes: straight filtering takes colour from texels with alpha 0.";
         Faults = "faults", "Cracks and double hits", "Pixels along shared edges and at T-junctions that too few triangles cover (crack) or too many (double hit), without depth test.";
         Junctions = "t-junctions", "T-junctions", "Vertices within the open edge of another triangle, and vertices that lie close together but are not welded.";

@@ -427,7 +427,7 @@ fn normals_of_rasterized_triangles_have_the_length_of_their_layer() {
             line_pixels(wide(*from), wide(*to), (120, 90)).for_each(|(x, y)| on_lines.set(x, y, true));
         }
         let differing = bench.pixels().filter(|(x, y)| on_lines.at(*x, *y) == sheet.values.at(*x, *y).is_nan()).count();
-        // Ends have single precision: a line that runs between two pixels may select the other one.
+        // The ends are rounded to single precision, so a line that runs between two pixels may select the other pixel.
         assert!(differing < 20, "{differing}");
         let (x, y) = bench.pixels().find(|(x, y)| !sheet.values.at(*x, *y).is_nan()).unwrap();
         assert_eq!(sheet.text(x, y).as_deref(), Some(name));

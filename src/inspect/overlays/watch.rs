@@ -17,7 +17,8 @@ use crate::scene::{Scene, TriangleId};
 pub(crate) struct FragmentStats {
     /// Number of fragments that the rasterizer generated at each sample.
     pub(crate) rasterized: Image<u32>,
-    /// Number of fragments at each sample that passed the depth test when drawn; all fragments without a depth test.
+    /// Number of fragments at each sample that passed the depth test when drawn. Without a depth test, all fragments
+    /// count.
     pub(crate) passed: Image<u32>,
     /// Number of fragments at each sample that passed the depth test but were discarded by the alpha test.
     pub(crate) alpha_rejected: Image<u32>,
@@ -134,7 +135,8 @@ impl FragmentStatsRecorder<'_> {
         self.recipe.pipeline.shading.reads_material() && shader.is_some_and(|shader| shader.alpha(fragment) < 1.0)
     }
 
-    /// Returns the texels per pixel along one axis: the square root of a pixel's area on the texture, in texels.
+    /// Returns the texel density in texels per pixel along one axis: the square root of the area that a pixel covers on
+    /// the texture, in texels.
     fn texels_per_px(&self, triangle: &ScreenTriangle, sample: RasterSample, texels: f32) -> f32 {
         if texels == 0.0 {
             return f32::NAN;

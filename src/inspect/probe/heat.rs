@@ -21,16 +21,16 @@ const MIN_POSITION: f64 = 0.25;
 /// Brightness factor of the grey picture of the scene, which is shown on unchanged pixels.
 const DIM: f32 = 0.4;
 
-/// Returns the heat-map colour of a pixel. `position` is its number of changed runs as a fraction of the maximum over
-/// all pixels.
+/// Returns the heat-map colour of a pixel. `position` is the number of runs in which the pixel changed, as a fraction
+/// of the maximum over all pixels.
 pub(crate) fn map_color(position: f32) -> Rgba8 {
     let position = MIN_POSITION + (1.0 - MIN_POSITION) * f64::from(position.clamp(0.0, 1.0));
     let [r, g, b] = colorous::INFERNO.eval_continuous(position).as_array();
     [r, g, b, 255]
 }
 
-/// Returns the heat map, and the number of changed runs that its brightest colour represents: the maximum over all
-/// pixels. Returns `None` if the aspect was not compared.
+/// Returns the heat map, and the number of runs that its brightest colour represents: the maximum over all pixels.
+/// Returns `None` if the aspect was not compared.
 pub(crate) fn picture(result: &ProbeResult, heat: Heat) -> Option<(Image<Rgba8>, u16)> {
     let counts = result.counts(heat)?;
     let most = counts.pixels().iter().copied().max().unwrap_or(0);

@@ -1,7 +1,7 @@
 //! Jitter of positions by a few units in the last place.
 //!
-//! The unit is one unit in the last place of the position's largest coordinate, about the rounding error of computing
-//! the position. A zero coordinate therefore moves by as much as the others.
+//! A position moves by multiples of one unit in the last place of its largest coordinate, which is about the rounding
+//! error of computing the position. A zero coordinate therefore moves by as much as the others.
 
 use glam::Vec3;
 
@@ -10,7 +10,7 @@ use crate::scene::mesh::MeshData;
 use crate::scene::{Camera, Mesh, Scene};
 
 /// Returns the jittered camera of run `run`. Eye and target move independently, by multiples of one unit in the last
-/// place of the largest coordinate of both.
+/// place of the largest coordinate of the two positions.
 pub(super) fn camera(camera: &Camera, probe: Probe, run: u16) -> Camera {
     let mut random = fastrand::Rng::with_seed(mixed(probe.seed, u64::from(run)));
     let unit = unit_of(camera.eye.abs().max(camera.target.abs()));

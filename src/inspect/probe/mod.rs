@@ -44,7 +44,7 @@ choice! {
 pub(crate) struct Probe {
     /// Part of the view that is moved.
     pub(crate) what: JitterTarget,
-    /// Maximum movement k of a coordinate, in units in the last place.
+    /// Maximum movement of a coordinate, in units in the last place of the largest coordinate.
     pub(crate) ulps: u32,
     /// Number of jittered runs.
     pub(crate) runs: u16,
@@ -100,13 +100,13 @@ pub(crate) struct ProbeResult {
     pub(crate) probe: Probe,
     /// View that was probed.
     pub(crate) subject: ProbedView,
-    /// Number of runs in which the owner of each pixel differed from the picture without jitter. A missing or
-    /// additional owner counts as a difference.
+    /// Number of runs in which the owner of each pixel differed from the owner without jitter. A pixel that gains or
+    /// loses its only owner counts as different.
     pub(crate) owner_changes: Image<u16>,
-    /// Number of runs in which the stored depth of each pixel differed from that without jitter, even by one step;
+    /// Number of runs in which the stored depth of each pixel differed from the depth without jitter, even by one step;
     /// `None` without a depth test.
     pub(crate) depth_changes: Option<Image<u16>>,
-    /// Number of runs in which the colour of each pixel differed from that without jitter.
+    /// Number of runs in which the colour of each pixel differed from the colour without jitter.
     pub(crate) color_changes: Image<u16>,
     /// Triangle that owns each pixel in the picture without jitter.
     #[cfg_attr(not(test), expect(dead_code, reason = "tests compare it with the exact owners"))]
@@ -122,7 +122,7 @@ pub(crate) struct ProbeResult {
 pub(crate) struct Changed {
     /// Number of pixels that changed in at least one run.
     pub(crate) pixels: u64,
-    /// Number of changed runs of the pixel that changed most often.
+    /// Number of runs in which the most frequently changed pixel changed.
     pub(crate) most: u16,
 }
 
@@ -185,8 +185,8 @@ fn covers(triangle: &ScreenTriangle, settings: &Settings, (x, y): (u32, u32)) ->
     !spans.is_empty()
 }
 
-/// Probes a view on the threads of the current rayon pool. Calls `report_progress` with the progress in [0, 1]. Returns `None`
-/// once `stop` is set. Equal probes of equal views give equal results on any number of threads.
+/// Probes a view on the threads of the current rayon pool. Calls `report_progress` with the progress in [0, 1]. Returns
+/// `None` once `stop` is set. Equal probes of equal views give equal results on any number of threads.
 pub(crate) fn run(
     subject: &ProbedView,
     probe: Probe,

@@ -68,7 +68,7 @@ impl ProbeTally {
                 triangle: TriangleId(id),
                 changes: share.changes,
                 worst_pixel: share.worst_pixel,
-                // The pixel may have changed in later runs without involving this triangle.
+                // Includes later runs in which the pixel changed without involving this triangle.
                 worst_changes: self.owner.at(share.worst_pixel.0, share.worst_pixel.1),
             })
             .collect();

@@ -17,7 +17,7 @@ const FEW: Probe = Probe { what: JitterTarget::Camera, ulps: 32, runs: 8, seed: 
 
 #[test]
 fn z_fighting_surfaces_are_fragile_and_a_single_triangle_is_not() {
-    // Depth steps on the far panels are coarse relative to the vertex jitter, so fewer pixels change.
+    // Depth steps on the far panels are coarse relative to the vertex jitter, so vertex jitter changes fewer pixels.
     for (what, least) in [(JitterTarget::Camera, 50), (JitterTarget::Vertices, 5)] {
         let probe = Probe { what, ..FEW };
         let fighting = found(&subject("z-fighting"), probe);
@@ -25,7 +25,7 @@ fn z_fighting_surfaces_are_fragile_and_a_single_triangle_is_not() {
         assert!(owner.pixels >= least && owner.most >= 2, "{what:?}: {owner:?}");
         assert!(fighting.ranking.len() >= 2);
         let alone = found(&subject("triangle"), probe);
-        // Only an edge that passes within rounding of a pixel centre may change a pixel.
+        // A pixel may change only if an edge passes within rounding error of its centre.
         assert!(alone.summary().owner.pixels <= 1, "{what:?}: {:?}", alone.summary());
         assert!(alone.owners.pixels().iter().filter(|id| **id == TriangleId(0)).count() > 500);
     }
@@ -59,7 +59,7 @@ fn equal_seeds_give_equal_results_on_any_number_of_threads() {
 fn the_ranking_adds_up_and_names_pixels_that_changed() {
     let result = found(&subject("z-fighting"), FEW);
     assert!(result.ranking.is_sorted_by(|a, b| a.changes >= b.changes));
-    // A change involves an owner on both sides, or the background on one.
+    // Each change of owner counts for both triangles, or for one triangle if the other side is the background.
     let changes: u64 = result.owner_changes.pixels().iter().map(|count| u64::from(*count)).sum();
     let shares: u64 = result.ranking.iter().map(|fragile| fragile.changes).sum();
     assert!((changes..=2 * changes).contains(&shares), "{shares} of {changes}");

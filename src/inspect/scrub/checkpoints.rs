@@ -38,8 +38,9 @@ impl Checkpoints {
         Self { copies }
     }
 
-    /// Restores `frame` from the last stored copy with at most `triangles` triangles, and returns its number of
-    /// triangles. If `frame`, with `at` triangles, is at least as close, leaves it unchanged and returns `None`.
+    /// Restores `frame` from the last stored copy that contains at most `triangles` triangles, and returns the number
+    /// of triangles in that copy. Leaves `frame` unchanged and returns `None` if `frame`, with `at` triangles, is at
+    /// least as close.
     pub(super) fn restore_before(&self, triangles: usize, at: usize, frame: &mut Framebuffer) -> Option<usize> {
         let before = &self.copies[..self.copies.partition_point(|(place, _)| *place <= triangles)];
         let (place, copy) = before.iter().rev().find_map(|(place, copy)| Some((*place, copy.as_ref()?)))?;

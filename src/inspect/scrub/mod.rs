@@ -53,7 +53,7 @@ impl Moment {
     }
 }
 
-/// Player that shows one frame at any position of its drawing.
+/// Player for the drawing of one frame: draws the frame as it was at any playback position.
 #[derive(Debug)]
 pub(crate) struct Scrubber {
     scene: Arc<Scene>,
@@ -112,8 +112,8 @@ impl Scrubber {
         drawn
     }
 
-    /// Draws the frame at a playback position if fragments are sorted by depth. Sorts the fragments of the triangles
-    /// from `first` up to the position, without those of later triangles.
+    /// Draws the frame at a playback position if fragments are sorted by depth. `first` is the first triangle whose
+    /// fragments are sorted. Fragments after the playback position are neither sorted nor drawn.
     fn draw_sorted(&mut self, moment: Moment, first: usize) -> Framebuffer {
         self.seek(first);
         let mut drawn = self.framebuffer.clone();

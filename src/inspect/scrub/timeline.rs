@@ -7,7 +7,7 @@ use crate::pipeline::settings::{Choice, choice};
 choice! {
     /// Size of one step when a frame's drawing is played back.
     pub(crate) Unit {
-        Stage = "stage", "Stage", "Step to the next stage of the pipeline, at the same point in time.";
+        Stage = "stage", "Stage", "Step to the next stage of the pipeline, with the same triangles drawn.";
         Draw = "draw", "Draw", "Step to the next object.";
         Triangle = "triangle", "Triangle", "Step to the next triangle.";
         Fragment = "fragment", "Fragment", "Step to the next fragment, in rasterization order.";
@@ -29,8 +29,8 @@ pub(crate) struct Timeline {
 }
 
 impl Timeline {
-    /// Creates the timeline of a frame from its complete geometry. Fragment counts and fragments at the picked pixel
-    /// are missing.
+    /// Creates the timeline of a frame from its complete geometry. Sets the fragment counts to 0 and leaves the list of
+    /// fragments at the picked pixel empty.
     pub(crate) fn new(geometry: &Geometry) -> Self {
         let mut draws: Vec<(usize, u32)> = Vec::new();
         for (place, triangle) in geometry.triangles.iter().enumerate() {

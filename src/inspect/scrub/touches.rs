@@ -18,7 +18,7 @@ pub(crate) enum TouchPrecision {
     /// Each fragment is located only by its triangle.
     Triangles,
     /// Each fragment is located exactly, until the traversed triangles have more than [`MAX_FRAGMENTS`] fragments in
-    /// total.
+    /// total. Later fragments are located only by their triangles.
     Fragments,
 }
 

@@ -14,7 +14,7 @@ use crate::pipeline::vertex::Varyings;
 /// Names of the colour channels.
 pub(super) const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
-/// Writes the trace lines of every attribute that the draw interpolates.
+/// Writes the trace lines for every attribute that the draw interpolates.
 pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Attributes);
     let attributes = subject.shader.attributes();
@@ -89,8 +89,8 @@ fn gradient(subject: &TracedFragment<'_>, arithmetic: Arithmetic, scribe: &mut T
     }
 }
 
-/// Returns the formula for the gradient of an edge function in one direction: a component of the opposite side rotated
-/// by 90°, in the unit of edge values.
+/// Returns the formula for the gradient of the edge function opposite to `corner`, per pixel in x (`direction` 0) or y
+/// (1). The gradient is the edge rotated by 90°, in the unit of edge values.
 fn edge_change(subject: &TracedFragment<'_>, arithmetic: Arithmetic, direction: usize, corner: usize) -> Formula {
     let corners = subject.triangle.corners_in(arithmetic);
     let coordinate = |corner: usize, axis: usize| given(format!("{}{corner}", ["x", "y"][axis]), corners[corner][axis]);

@@ -14,7 +14,7 @@ use crate::pipeline::settings::{Arithmetic, Choice as _};
 /// Intermediate values of the three edge functions.
 const EDGE_BUFFERS: [Intermediate; 3] = [Intermediate::Edge0, Intermediate::Edge1, Intermediate::Edge2];
 
-/// Writes the trace lines of the triangle's area, the edge values and the coverage decisions.
+/// Writes the trace lines for the triangle's area, the edge values and the coverage decisions.
 pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Coverage);
     area(subject, scribe);
@@ -146,8 +146,7 @@ fn exact<'s>(
     scribe.compute(format!("{name} · value"), value, &formula)
 }
 
-/// Writes on which side of an edge the pixel's centre lies, inside or outside. For a centre on the edge, the fill rule
-/// decides.
+/// Writes whether the pixel's centre lies inside or outside an edge. For a centre on the edge, the fill rule decides.
 fn decide(name: &str, steps: &EdgeSteps, value: Number, scribe: &mut TraceRecorder) {
     let value = value.to_f64();
     let kind = edge_kind(steps.inward);

@@ -8,7 +8,7 @@ use crate::inspect::intermediate::Intermediate;
 use crate::pipeline::depth::{DepthComparison, TriangleBias, depth_at, unquantised_depth_at};
 use crate::pipeline::settings::DepthBias;
 
-/// Writes the trace lines of the fragment's depth and of the depth test.
+/// Writes the trace lines for the fragment's depth and the depth test.
 pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Depth);
     if subject.record.stored_depth.is_none() {

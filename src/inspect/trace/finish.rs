@@ -12,7 +12,7 @@ use crate::inspect::pixel::PixelReport;
 use crate::pipeline::settings::{Choice as _, ColorSpace};
 use crate::upscale::FilterSpace;
 
-/// Writes the trace lines of all stages after shading.
+/// Writes the trace lines for all stages after shading.
 pub(super) fn write(recipe: &Recipe, frame: &Frame, report: &PixelReport, scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Resolve);
     resolve(frame, report, scribe);
@@ -70,7 +70,7 @@ fn resolve(frame: &Frame, report: &PixelReport, scribe: &mut TraceRecorder) {
     }
 }
 
-/// Writes the samples that the upscaler weights, and their weighted sums.
+/// Writes the samples that contribute to an upscaled pixel, their weights, and the weighted sums.
 fn upscale(recipe: &Recipe, frame: &Frame, at: (u32, u32), scribe: &mut TraceRecorder) {
     let Some(mixture) = Mixture::of(frame, recipe.upscaler, at) else { return };
     for source in &mixture.sources {

@@ -111,7 +111,7 @@ impl Formula {
     /// Returns the formula as text with names and operators.
     pub(crate) fn words(&self) -> String {
         self.text(&|formula| match formula {
-            // Parentheses keep a name that contains an operator from reading as a formula.
+            // Parentheses prevent a name that contains an operator from being read as a formula.
             Self::Given(name, _) if name.contains('/') => format!("({name})"),
             Self::Given(name, _) => name.to_string(),
             _ => String::new(),

@@ -210,7 +210,7 @@ fn clip(subject: &TracedFragment<'_>, corners: Vec<NamedVertex>, scribe: &mut Tr
         }
     }
     if outcome != Ok(Cut::Pieces) {
-        scribe.decide("clipping", "no corner lies beyond a plane of the view or of the guard band", "whole");
+        scribe.decide("clipping", "no corner lies beyond the near plane, far plane or guard band", "not clipped");
         return corners;
     }
     let mut named = corners;
@@ -268,7 +268,7 @@ fn distance_formula(plane: ClipPlane, position: Vec4, widening: f32) -> Formula 
 fn plane_name(plane: ClipPlane) -> &'static str {
     match plane {
         ClipPlane::Near => "near plane",
-        ClipPlane::Eye => "plane of the eye",
+        ClipPlane::Eye => "eye plane",
         ClipPlane::Far => "far plane",
         ClipPlane::Left => "left guard band",
         ClipPlane::Right => "right guard band",
@@ -277,7 +277,7 @@ fn plane_name(plane: ClipPlane) -> &'static str {
     }
 }
 
-/// Writes a vertex that clipping creates: its position along the clipped edge, and in clip space.
+/// Writes the trace lines for a vertex created by clipping: its position along the clipped edge, and in clip space.
 fn write_cut(
     cut: &EdgeCut,
     (name, plane, widening): (&str, &str, f32),
@@ -303,8 +303,8 @@ fn write_cut(
     }
 }
 
-/// Returns the formula for a component of a new vertex that clipping sets exactly to its value on the plane; `None` for
-/// the other components.
+/// Returns the formula for a component of a new vertex that clipping sets exactly to its value on the plane. Returns
+/// `None` for a component that clipping interpolates.
 fn pinned(cut: &EdgeCut, axis: usize, widening: f32) -> Option<Formula> {
     let w = || given("w", cut.vertex.position.w);
     let side = || w() * given("guard band", widening);

@@ -120,7 +120,7 @@ impl Trace {
         self.find(from, direction, |line| !line.aside && kind.map_or(!line.flags.is_empty(), |kind| line.has(kind)))
     }
 
-    /// Returns the index of the first line of the stage before or after that of line `from`.
+    /// Returns the index of the first line of the stage that precedes or follows the stage of line `from`.
     pub(crate) fn next_stage(&self, from: usize, direction: StepDirection) -> Option<usize> {
         let stage = self.lines.get(from)?.stage;
         let place = self.find(from, direction, |line| line.stage != stage)?;

@@ -81,7 +81,7 @@ fn depth_formula(subject: &TracedFragment<'_>, vertex: &ClipVertex, screen: &Scr
     depth.max(whole("0", 0)).min(whole("1", 1))
 }
 
-/// Writes the trace lines of each corner's 1/w divided by the largest 1/w. Interpolation weights are computed from
+/// Writes the trace lines for each corner's 1/w divided by the largest 1/w. Interpolation weights are computed from
 /// these quotients.
 fn relative(subject: &TracedFragment<'_>, corners: &[NamedVertex], scribe: &mut TraceRecorder) {
     if let PlanStep::Skipped(reason) = subject.plan.step(PipelinePart::PerspectiveDivision) {

@@ -17,7 +17,7 @@ use crate::pipeline::shade::{CEL_THRESHOLD, Highlight, NormalMap};
 use crate::scene::Transparency;
 use crate::scene::material::ALPHA_TEST_THRESHOLD;
 
-/// Writes the trace lines of the fragment's lighting, opacity and colour.
+/// Writes the trace lines for the fragment's lighting, opacity and colour.
 pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Light);
     if subject.runs(PipelinePart::Normals) && subject.settings.shading != Shading::Gouraud {
@@ -54,7 +54,7 @@ fn unit_normal(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     }
 }
 
-/// Writes the trace lines of the normal from the normal map, which replaces the interpolated normal.
+/// Writes the trace lines for the normal from the normal map, which replaces the interpolated normal.
 fn mapped_normal(subject: &TracedFragment<'_>, map: &NormalMap<'_>, smooth: Vec3, scribe: &mut TraceRecorder) {
     let fragment = &subject.fragment;
     let vector = map.vector(fragment);
@@ -88,7 +88,7 @@ fn mapped_normal(subject: &TracedFragment<'_>, map: &NormalMap<'_>, smooth: Vec3
     }
 }
 
-/// Writes the trace lines of N·L, of the light factor, and of the specular reflection.
+/// Writes the trace lines for N·L, the light factor, and the specular reflection.
 fn light(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     let (shader, fragment) = (&subject.shader, &subject.fragment);
     let factor = shader.light(fragment);
@@ -117,7 +117,7 @@ fn light(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     }
 }
 
-/// Writes the trace lines of the halfway vector H, of N·H, and of the specular factor max(0, N·H)^Ns.
+/// Writes the trace lines for the halfway vector H, for N·H, and for the specular factor max(0, N·H)^Ns.
 fn write_highlight(subject: &TracedFragment<'_>, highlight: &Highlight<'_>, cosine: f32, scribe: &mut TraceRecorder) {
     let (shader, fragment) = (&subject.shader, &subject.fragment);
     let factor = shader.highlight_factor(fragment);
@@ -159,7 +159,7 @@ pub(super) fn lambert_formula(normal: [f32; 3], direction: [f32; 3], ambient: f3
     share() + (whole("1", 1) - share()) * dot(normal, direction).max(whole("0", 0))
 }
 
-/// Writes the trace lines of the fragment's alpha and of the alpha test.
+/// Writes the trace lines for the fragment's alpha and the alpha test.
 fn opacity(subject: &TracedFragment<'_>, alpha: f32, scribe: &mut TraceRecorder) {
     let own = given("opacity", subject.shader.opacity());
     let formula = match subject.shader.texture_for(&subject.fragment) {
@@ -194,7 +194,7 @@ fn opacity(subject: &TracedFragment<'_>, alpha: f32, scribe: &mut TraceRecorder)
     }
 }
 
-/// Writes the trace lines of the surface colour: material × texture × light, blended with the colour below if the
+/// Writes the trace lines for the surface colour: material × texture × light, blended with the colour below if the
 /// material is transparent.
 fn material(subject: &TracedFragment<'_>, below: Option<Rgba8>, code: Rgba8, scribe: &mut TraceRecorder) {
     let (shader, fragment) = (&subject.shader, &subject.fragment);
@@ -236,8 +236,8 @@ fn material(subject: &TracedFragment<'_>, below: Option<Rgba8>, code: Rgba8, scr
     }
 }
 
-/// Returns the formula of the sum of diffuse, specular and emitted light. Writes a trace line for each of the latter
-/// two.
+/// Returns the formula for the sum of diffuse, specular and emitted light. Writes the trace lines for the specular and
+/// emitted light, if any.
 fn added(subject: &TracedFragment<'_>, channel: usize, diffuse: Formula, scribe: &mut TraceRecorder) -> Formula {
     let (shader, fragment, name) = (&subject.shader, &subject.fragment, CHANNELS[channel]);
     let mut all = diffuse;
@@ -323,7 +323,7 @@ pub(super) fn encoded(value: &Formula, space: ColorSpace) -> Formula {
     }
 }
 
-/// Writes the trace lines of the colour in shading modes that show a single quantity without lighting.
+/// Writes the trace lines for the colour in shading modes that show a single quantity without lighting.
 fn quantity(subject: &TracedFragment<'_>, code: Rgba8, scribe: &mut TraceRecorder) {
     let fragment = &subject.fragment;
     let bytes = |value: f32| code_formula(value, ColorSpace::Bytes);

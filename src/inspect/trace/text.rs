@@ -13,9 +13,9 @@ impl fmt::Display for Trace {
         match (self.fragment, self.triangle) {
             (Some(fragment), Some(triangle)) => {
                 let of = format!("fragment {} of {}", fragment + 1, self.fragments);
-                writeln!(f, "arithmetic of pixel {x}, {y}: {of}, triangle {} of “{}”", triangle.0, self.instance)?;
+                writeln!(f, "calculation of pixel {x}, {y}: {of}, triangle {} of “{}”", triangle.0, self.instance)?;
             }
-            _ => writeln!(f, "arithmetic of pixel {x}, {y}: no triangle covers it")?,
+            _ => writeln!(f, "calculation of pixel {x}, {y}: no triangle covers it")?,
         }
         if self.drawn_at != self.pixel {
             let [x, y] = self.drawn_at;
@@ -32,7 +32,7 @@ impl fmt::Display for Trace {
 }
 
 fn write_line(line: &TraceLine, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-    let mark = if line.aside { "(aside) " } else { "" };
+    let mark = if line.aside { "(not computed by the pipeline) " } else { "" };
     write!(f, "  {mark}{} = {}", line.what, line.value_text())?;
     if !line.kind.is_empty() {
         write!(f, " [{} {}]", line.kind, line.bits)?;

@@ -8,7 +8,7 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::sample::TexelTap;
 use crate::pipeline::settings::{AddressMode, Choice as _, ColorSpace, TexelFilter};
 
-/// Writes the trace lines of the texels read from each mip level. Writes none if no texture is read.
+/// Writes the trace lines for the texels read from each mip level. Writes none if no texture is read.
 pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Texture);
     let Some(texture) = subject.shader.texture_for(&subject.fragment) else { return };
@@ -25,7 +25,7 @@ pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     }
 }
 
-/// Writes the trace lines of the addressing, weights and texels of one mip level.
+/// Writes the trace lines for the addressing, weights and texels of one mip level.
 fn read(
     subject: &TracedFragment<'_>,
     (image, is_premultiplied): (&Image<Rgba8>, bool),
@@ -74,7 +74,7 @@ fn in_unit(coordinate: f32, part: &'static str, address: AddressMode) -> Formula
     }
 }
 
-/// Writes the trace lines of the texel that the point filter selects.
+/// Writes the trace lines for the texel that the point filter selects.
 fn nearest(tap: &TexelTap, (unit, lengths): ([f64; 2], [u32; 2]), name: &str, scribe: &mut TraceRecorder) {
     for (axis, value) in [tap.x, tap.y].into_iter().enumerate() {
         let texels = given(["u", "v"][axis], unit[axis]) * given(["width", "height"][axis], lengths[axis]);
@@ -102,7 +102,7 @@ fn weight(tap: &TexelTap, place: usize, (shares, count): ([f32; 2], usize), name
     scribe.compute(what, tap.weight, &(part(0, place % 2 == 1) * part(1, place / 2 == 1)));
 }
 
-/// Writes the trace lines of the texels' codes, their decoded values, and the weighted mean.
+/// Writes the trace lines for the texels' codes, their decoded values, and the weighted mean.
 fn colors(
     subject: &TracedFragment<'_>,
     (image, is_premultiplied): (&Image<Rgba8>, bool),

@@ -10,7 +10,7 @@ use crate::pipeline::settings::Interpolation;
 const LAMBDAS: [Intermediate; 3] = [Intermediate::Lambda0, Intermediate::Lambda1, Intermediate::Lambda2];
 const WEIGHTS: [Intermediate; 3] = [Intermediate::Weight0, Intermediate::Weight1, Intermediate::Weight2];
 
-/// Writes the trace lines of the screen-space weights and the attribute weights.
+/// Writes the trace lines for the screen-space weights and the attribute weights.
 pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Weights);
     let (triangle, sample) = (subject.triangle, &subject.sample);
@@ -36,7 +36,7 @@ pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     asides(subject, lambda, scribe);
 }
 
-/// Writes the trace lines of the attribute weights: edge values × relative 1/w, divided by their sum.
+/// Writes the trace lines for the attribute weights: edge values × relative 1/w, divided by their sum.
 fn in_space(subject: &TracedFragment<'_>, (edges, weights): ([f32; 3], [f32; 3]), scribe: &mut TraceRecorder) {
     let WeightTerms { q, sum: total, inverse_sum } = weight_terms(subject.triangle, &subject.sample);
     let relative = subject.triangle.relative_inv_w;
@@ -53,7 +53,7 @@ fn in_space(subject: &TracedFragment<'_>, (edges, weights): ([f32; 3], [f32; 3])
     }
 }
 
-/// Writes the trace lines of the weights by the published formula, which divides by the width of one edge.
+/// Writes the trace lines for the weights by the published formula, which divides by the horizontal extent of one edge.
 fn published(subject: &TracedFragment<'_>, weights: [f32; 3], scribe: &mut TraceRecorder) {
     let corners = subject.triangle.corners_px();
     let coordinate = |corner: usize, axis: usize| given(format!("{}{corner}", ["x", "y"][axis]), corners[corner][axis]);

@@ -25,7 +25,7 @@ pub(super) fn lost_normals(visible: &FragmentRecord, scene: &Scene) -> Vec<&'sta
     lost().unwrap_or_default()
 }
 
-/// Describes defects of the scene file in data that shading the visible surface reads. Returns `None` if there are
+/// Describes defects of the scene file that affect the shading of the visible surface. Returns `None` if there are
 /// none, or if the text `said` already mentions them.
 pub(super) fn describe_flaws(
     report: &PixelReport,

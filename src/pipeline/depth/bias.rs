@@ -1,16 +1,17 @@
-//! Depth bias: an offset of all depths of a triangle, like Vulkan's `vkCmdSetDepthBias` and OpenGL's `glPolygonOffset`.
+//! Depth bias: an offset added to all depths of a triangle, like Vulkan's `vkCmdSetDepthBias` and OpenGL's
+//! `glPolygonOffset`.
 //!
 //! ```text
 //! offset = m · slope + r · constant
 //! m = max(|∂z/∂x|, |∂z/∂y|)   per px, of the plane through the corners on the screen
-//! r = 1/(2ⁿ − 1)              where depths are codes of n bits
-//! r = 2^(e − 23)              where they are floats; e is the exponent of the greatest depth of a corner
+//! r = 1/(2ⁿ − 1)              if depths are n-bit codes
+//! r = 2^(e − 23)              if depths are floats; e is the exponent of the greatest corner depth
 //! ```
 //!
 //! The offset is added to the depth that the format stores: a positive offset moves a triangle away from the viewer, or
 //! towards the viewer if depth is reversed. The sum is clamped to [0, 1], then quantised and tested. Each piece of a
-//! clipped triangle has its own bias. A w-buffer also uses the slope of the plane through the corners, although its
-//! depth has no constant slope on the screen.
+//! clipped triangle has its own bias. A w-buffer uses the same slope m, although its depth has no constant slope on the
+//! screen.
 
 use super::DepthEncoding;
 use crate::math::fixed::SUBPIXELS;
@@ -32,7 +33,7 @@ pub(crate) struct TriangleBias {
     pub(crate) gradient: [f64; 2],
     /// Slope m: the larger magnitude of the two gradient components.
     pub(crate) slope: f64,
-    /// Smallest difference r between depths that the depth format resolves.
+    /// Smallest depth difference r that the depth format resolves.
     pub(crate) step: f64,
     /// Offset added to every depth of the triangle.
     pub(crate) offset: f64,
@@ -83,8 +84,8 @@ fn gradient([origin, first, second]: [[f64; 2]; 3], [z, z1, z2]: [f64; 3]) -> [f
     if area == 0.0 { [0.0; 2] } else { [(z1 * y2 - z2 * y1) / area, (x1 * z2 - x2 * z1) / area] }
 }
 
-/// Returns the smallest difference between depths that `encoding` resolves in a triangle. `greatest` is the largest
-/// corner depth, in [0, 1].
+/// Returns the smallest depth difference that `encoding` resolves in a triangle. `greatest` is the largest corner
+/// depth, in [0, 1].
 fn smallest_step(greatest: f64, encoding: DepthEncoding) -> f64 {
     match encoding.largest_code() {
         Some(largest) => 1.0 / f64::from(largest),

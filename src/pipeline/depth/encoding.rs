@@ -41,8 +41,8 @@ impl DepthEncoding {
         self.largest_code().map(|largest| (f64::from(stored) * f64::from(largest) + 0.5) as u32)
     }
 
-    /// Returns the depth that a stored value represents, and the next storable depth. The latter is the next larger one
-    /// or, for depth 1, the next smaller one.
+    /// Returns the depth that a stored value represents, and a neighbouring storable depth: the next larger one or, for
+    /// depth 1, the next smaller one.
     pub(crate) fn depth_and_next(self, stored: f32) -> [f64; 2] {
         match self.largest_code().zip(self.code(stored)) {
             None => [stored, if stored < 1.0 { stored.next_up() } else { stored.next_down() }].map(f64::from),
@@ -75,8 +75,8 @@ impl DepthEncoding {
 mod tests {
     use super::*;
 
-    /// Returns all codes of 16 bits. For 24 bits, returns the codes within 500 of either end or of a power of two, and
-    /// every 97th code.
+    /// Returns all codes of a 16-bit format. For a 24-bit format, returns the codes within 500 of either end or of a
+    /// power of two, and every 97th code.
     fn codes(encoding: DepthEncoding) -> Vec<u32> {
         let Some(largest) = encoding.largest_code() else { return Vec::new() };
         let around = |code: u32| code.saturating_sub(500)..=(code + 500).min(largest);

@@ -1,10 +1,11 @@
-//! Depth as a function of the sample, which is set up once per triangle.
+//! Depth as a function of the sample position, set up once per triangle.
 //!
 //! z/w is an affine function of the screen position, so it is interpolated with the edge values themselves, never with
 //! perspective-correct weights. A depth that is linear in world space is interpolated with perspective-correct weights.
-//! Both are computed as the smallest corner depth plus the weighted rise of each corner above it, with non-negative
-//! weights. So nothing cancels, a constant depth is returned exactly, and no sample inside the triangle leaves the
-//! range of the corner depths. A depth bias is added to the smallest depth. Depth is computed in f64 and rounded once.
+//! Both are computed as the smallest corner depth plus the weighted differences of the corner depths from it. Neither
+//! weights nor differences are negative, so there is no cancellation. A constant depth is reproduced exactly, and no
+//! sample inside the triangle leaves the range of the corner depths. A depth bias is added to the smallest depth. Depth
+//! is computed in f64 and rounded once.
 
 use super::DepthEncoding;
 use crate::pipeline::raster::RasterSample;
@@ -15,10 +16,10 @@ use crate::pipeline::viewport::ScreenTriangle;
 pub struct DepthFunction {
     course: Interpolant,
     encoding: DepthEncoding,
-    /// Smallest corner depth, after the depth bias.
+    /// Smallest corner depth, including the depth bias.
     min_depth: f64,
-    /// Difference of each corner's depth from the smallest corner depth. If depth is affine in screen space, it is
-    /// divided by the triangle's doubled area, because edge values serve as weights.
+    /// Difference of each corner's depth from the smallest corner depth. If depth is affine in screen space, the
+    /// differences are divided by the triangle's doubled area, because edge values serve as weights.
     rises: [f64; 3],
 }
 
@@ -85,11 +86,12 @@ pub(crate) fn unquantised_depth_at(triangle: &ScreenTriangle, sample: &RasterSam
         Interpolant::Screen => weighted(sample.edges),
         Interpolant::Space => {
             let [a, b, c] = triangle.vertices.each_ref().map(|v| f64::from(v.inv_w));
-            // Inexact arithmetic may also cover samples beyond an edge, where the distance can pass through infinity.
+            // Inexact arithmetic may also cover samples beyond an edge, where the interpolated distance could pass
+            // through infinity if edge values were not clamped.
             let [e0, e1, e2] = sample.edges.map(|edge| edge.max(0.0));
             let weights = [e0 * a, e1 * b, e2 * c];
             let sum = weights[0] + weights[1] + weights[2];
-            // In float arithmetic, it may happen that no edge value is above 0.
+            // In float arithmetic, all clamped edge values may be 0.
             if sum > 0.0 { weighted(weights) / sum } else { 0.0 }
         }
     };

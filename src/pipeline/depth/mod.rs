@@ -25,7 +25,7 @@ pub use scale::DepthScale;
 
 use super::settings::{DepthTest, Settings};
 
-/// Comparison that a new depth must satisfy against the stored depth to pass the depth test.
+/// Comparison function of the depth test, which compares the depth of a fragment (new) with the stored depth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum DepthComparison {
     /// Always passes.
@@ -41,7 +41,7 @@ pub(crate) enum DepthComparison {
 }
 
 impl DepthComparison {
-    /// Returns the comparison of stored values for the settings' depth test; reversed depth mirrors it.
+    /// Returns the comparison function for the settings' depth test, mirrored if depth is reversed.
     pub(crate) fn of(settings: &Settings) -> Self {
         match (settings.depth_test, settings.reversed()) {
             (DepthTest::Off | DepthTest::Always, _) => Self::Always,
@@ -76,8 +76,8 @@ impl DepthComparison {
     }
 }
 
-/// Returns the clear value of the depth buffer, against which every depth strictly between 0 and 1 passes the depth
-/// test.
+/// Returns the clear value of the depth buffer. Every depth strictly between 0 and 1 passes the depth test against this
+/// value.
 pub(crate) fn clear_value(settings: &Settings) -> f32 {
     match DepthComparison::of(settings) {
         DepthComparison::Greater | DepthComparison::GreaterEqual => 0.0,

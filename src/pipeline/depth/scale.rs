@@ -1,14 +1,14 @@
 //! Conversion between distances and depths: the depth of a vertex, and the world-space distance between two depths.
 //!
-//! In perspective, the depth of a point depends only on its distance, which is w. Depth is therefore computed from w,
-//! in f64, and not as the quotient of a z and a w that were both rounded to f32. Rounded to f32, the result is the
-//! nearest float in all but about one case in a hundred million.
+//! In a perspective view, the depth of a point depends only on its distance, which is w. Depth is therefore computed
+//! from w in f64, and not as the quotient of z and w, which are both rounded to f32. Rounded to f32, the result is the
+//! float nearest to the exact depth in all but about one case in a hundred million.
 //!
-//! Depth preserves order: of two vertices in perspective, the one with the larger w is never stored as nearer.
-//! Difference, quotient and product with a constant are each correctly rounded, so they are monotonic in exact
-//! operands. The difference of w and a plane's distance is itself rounded only if one is more than 2²⁹ times the other.
-//! With reversed depth, neighbouring values of w then differ in stored depth by far more than that rounding. Otherwise
-//! all of them get the stored depth of the far plane.
+//! Depth preserves order: of two vertices in perspective, the one with the larger w is never stored as nearer. The
+//! formulas consist of a difference, a quotient and a product with a constant, each correctly rounded. If the
+//! difference is exact, depth is therefore monotonic in w. The difference of w and a plane's distance is rounded only
+//! if one is more than 2²⁹ times the other. In this case, with reversed depth, the depths of neighbouring values of w
+//! differ by far more than the rounding error. With standard depth, all such w get the stored depth of the far plane.
 //!
 //! This guarantee has limits:
 //! - w is a rounded sum, so points closer together than its rounding error may already be in the wrong order.
@@ -29,7 +29,7 @@ use crate::scene::{Camera, DepthMapping, Projection};
 /// Mapping between distances and stored depths for one view. Distances are measured from the eye along the view
 /// direction, in world units.
 ///
-/// The default is for vertices without a camera: depth is z/w, stored as a float. Distances and depths of vertices
+/// The default applies to vertices without a camera: depth is z/w, stored as a float. Distances and depths of vertices
 /// exclude depth bias, which is computed per triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthScale {
@@ -171,13 +171,14 @@ impl DepthScale {
         }
     }
 
-    /// Returns the distance between the points that a stored depth and the next storable one represent; surfaces closer
-    /// than that may tie. The result is infinite if the next depth represents infinity.
+    /// Returns the depth resolution at a stored depth: the distance between the points that this depth and the next
+    /// storable depth represent. Surfaces closer together than this may get equal depths. The result is infinite if the
+    /// next depth represents infinity.
     pub fn resolution(&self, stored: f32) -> f64 {
         let Self { near, far, .. } = *self;
         let [a, b] = self.encoding.depth_and_next(stored);
         let step = (b - a).abs();
-        // The closed form avoids cancellation, because the two distances may agree in all digits.
+        // The closed form avoids cancellation: the two distances may agree in all digits, so they are not subtracted.
         let hyperbolic = |factor: fn(f64, [f64; 2]) -> f64| {
             let planes = [near, far];
             near * far * (far - near) * step / (factor(a, planes) * factor(b, planes))

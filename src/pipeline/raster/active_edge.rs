@@ -53,7 +53,7 @@ pub(super) fn cover<N: Numbers>(triangle: &RasterTriangle<N>, canvas: &mut Raste
         }
         active.sort_by_key(|edge| edge.walk.boundary());
         let [left, right] = &active[..] else { continue };
-        // Edges that cross between two columns enclose nothing.
+        // If the first edge is not a left edge, no pixel centre of the row lies between the two edges.
         let (left, right) = match (left.is_left, left.walk.boundary(), right.walk.boundary()) {
             (true, left, right) => (left, right),
             (false, at, _) => (at, at),

@@ -1,4 +1,5 @@
-//! Edge walking: follows the longest edge down and scans every row from there towards the other two edges.
+//! Edge walking: follows the long edge from the top to the bottom vertex, and scans every row from this edge towards
+//! the other two edges.
 //!
 //! The simple form walks the *pixels* of the long edge as a line. A nearly horizontal edge has several pixels in a row,
 //! so rows are filled repeatedly, and a rounded start may lie outside the triangle. This version walks rows, and starts

@@ -2,9 +2,10 @@
 //! Robust Geometric Predicates" (1997), from the crate `robust`.
 //!
 //! Vertices are f32, so expansions neither overflow nor underflow, and every sign is correct. Most signs are certain
-//! without expansions: each edge has a bound of the f64 rounding error anywhere in a picture (a static filter, as in
-//! Shewchuk's chapter 4). Only a smaller edge value is decided exactly. The intersection of an edge with a row is
-//! estimated in f64 and then corrected by exact signs, in doubling steps and by bisection.
+//! without expansions: for each edge, the f64 rounding error is bounded at every pixel of a picture (a static filter,
+//! as in Shewchuk's chapter 4). Only edge values within this bound are decided by the adaptive predicates. The
+//! intersection of an edge with a row is estimated in f64 and then corrected by exact signs, in doubling steps and by
+//! bisection.
 
 use robust::{Coord, orient2d};
 
@@ -65,16 +66,16 @@ impl Numbers for Exact {
 }
 
 /// Returns the doubled signed area (b − a) × (c − a). The sign is exact. The magnitude has full f64 precision unless
-/// coordinates differ by more than a factor of 2²⁹ in size.
+/// coordinates differ by more than a factor of 2²⁹ in magnitude.
 fn oriented(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     let exact_sign = orient2d(coord(a), coord(b), coord(c));
     let magnitude = difference_of_products([b[0] - a[0], c[1] - a[1]], [c[0] - a[0], b[1] - a[1]]);
     if magnitude * exact_sign > 0.0 { magnitude } else { exact_sign }
 }
 
-/// Returns a bound on the error of along × (p − from), computed in f64, for every pixel centre p in a picture. Each
-/// product has two factors that are rounded once. Together with the rounding of the products and of their difference,
-/// the error is at most 4 half ulps of the magnitude. The bound is twice that, for safety.
+/// Returns a bound on the error of along × (p − from), computed in f64, for every pixel centre p in a picture. Both
+/// factors of each product are rounded once. Together with the rounding of the products and of their difference, the
+/// error is at most 4 half ulps of the sum of the products' magnitudes. The bound is twice that, for safety.
 fn rounding_bound(from: [f64; 2], along: [f64; 2]) -> f64 {
     let farthest = from.map(|c| c.abs() + f64::from(MAX_SIDE_PX));
     4.0 * f64::EPSILON * (along[0].abs() * farthest[1] + along[1].abs() * farthest[0])
@@ -115,7 +116,7 @@ impl ExactEdge {
     }
 
     /// Returns whether the centre of a pixel lies to the right of the edge. The fill rule decides for a centre exactly
-    /// on it.
+    /// on the edge.
     fn is_beyond(&self, column: i64, row: i64) -> bool {
         self.contains(column, row) == (self.inward.right > 0)
     }
@@ -158,8 +159,8 @@ impl RasterEdge for ExactEdge {
     fn boundary(&self, row: i64) -> i64 {
         let last = i64::from(MAX_SIDE_PX);
         let estimate = (self.estimate(row).clamp(0.0, last as f64) as i64).clamp(0, last);
-        // Columns up to `before` are not beyond, columns from `beyond` on are; steps double until the two enclose the
-        // boundary.
+        // Columns up to `before` are not beyond the edge; columns from `beyond` on are. Steps double until the two
+        // enclose the boundary.
         let (mut before, mut beyond) = (estimate, estimate);
         let mut step = 1;
         if self.is_beyond(estimate, row) {
@@ -221,7 +222,7 @@ mod tests {
         let side = f64::from(MAX_SIDE_PX);
         let (mut filtered, mut tied, mut all) = (0, 0, 0);
         for round in 0..4000 {
-            // Distances from within the picture up to the range of f32.
+            // Coordinates range from within the picture to the limits of f32.
             let reach = 10.0_f64.powf(rng.f64() * 38.0);
             let mut far = || (((rng.f64() - 0.5) * reach + side * 0.5) as f32).into();
             let (from, mut to): ([f64; 2], [f64; 2]) = ([far(), far()], [far(), far()]);
@@ -232,7 +233,7 @@ mod tests {
             }
             let edge = Exact::edge([from, to], 1.0, 1.0, FillRule::TopLeft);
             for _ in 0..50 {
-                // As close to the line as pixel centres get, or anywhere.
+                // Pixel centres as close to the line as possible, or anywhere in the picture.
                 let row = rng.i64(0..i64::from(MAX_SIDE_PX));
                 let crossing = edge.estimate(row).clamp(0.0, side - 1.0) as i64 + rng.i64(-1..=1);
                 let column = if rng.bool() { crossing } else { rng.i64(0..i64::from(MAX_SIDE_PX)) };
@@ -246,7 +247,7 @@ mod tests {
                 all += 1;
             }
         }
-        // Values on the line are zero, which no filter can decide; of the rest hardly any may remain undecided.
+        // Values on the line are zero, which no filter can decide. The filter must decide nearly all others.
         let decided = f64::from(filtered) / f64::from(all - tied);
         assert!(decided > 0.99 && tied > 1000, "{filtered} of {all}, {tied} on the line");
     }

@@ -125,8 +125,8 @@ impl<F: Float + Default + Into<f64> + Explained> FloatEdge<F> {
         self.upper[0] * (F::one() - t) + self.lower[0] * t
     }
 
-    /// Returns the first column whose centre lies right of `x`, in pixels. The fill rule decides for a centre exactly
-    /// at `x`.
+    /// Returns the first column whose centre lies to the right of `x`, which is in pixels. The fill rule decides for a
+    /// centre exactly at `x`.
     fn column_beyond(&self, x: F) -> i64 {
         let before = x - half();
         if self.inward().tie_is_beyond(self.owned) { to_pixel(before.ceil()) } else { to_pixel(before.floor()) + 1 }
@@ -173,7 +173,7 @@ impl<F: Float + Default + Into<f64> + Explained> RasterEdge for FloatEdge<F> {
         self.column_beyond(self.crossing(row))
     }
 
-    /// Starts a walk down the edge at `row`. The walk computes the crossing of the edge's first row within the picture
+    /// Starts a walk down the edge at `row`. The walk computes the crossing at the edge's first row within the picture
     /// and adds the slope for every row from there, even if `row` lies further down. The result for a row therefore
     /// does not depend on which rows are visited.
     fn walk(&self, row: i64) -> FloatWalk<F> {

@@ -97,8 +97,8 @@ impl Scissor {
     }
 
     /// Returns whether any rasterizer may find covered samples of a triangle inside the scissor, judged by the
-    /// triangle's bounding box. This avoids the setup of distant triangles: nearly all of them when a single pixel is
-    /// drawn.
+    /// triangle's bounding box. The test avoids setting up triangles far from the scissor: nearly all triangles if a
+    /// single pixel is drawn.
     pub(crate) fn may_overlap(&self, corners_px: [[f32; 2]; 3]) -> bool {
         self.may_overlap_box(box_around(corners_px))
     }
@@ -106,7 +106,7 @@ impl Scissor {
     /// Returns whether a triangle with this bounding box, in pixels, may cover samples inside the scissor.
     pub(crate) fn may_overlap_box(&self, [left, right, top, bottom]: PixelBox) -> bool {
         /// Margin around the scissor, in pixels: snapping moves vertices by a fraction of a pixel, and the rasterizers
-        /// "as published" shift them by up to a whole one.
+        /// "as published" shift triangles by up to a whole pixel.
         const MARGIN_PX: f32 = 2.0;
         let meets = |[least, greatest]: [f32; 2], first: u32, end: u32| {
             greatest >= first as f32 - MARGIN_PX && least <= end as f32 + MARGIN_PX
@@ -136,7 +136,8 @@ impl PixelRange {
     }
 }
 
-/// Target of a rasterizer: the sample grid and the scissor that limit it, and the list that receives the covered spans.
+/// Target of a rasterizer: the sample grid and the scissor that limit the visited samples, and the list that receives
+/// the covered spans.
 #[derive(Debug)]
 pub(crate) struct RasterTarget<'a> {
     grid: SampleGrid,
@@ -185,8 +186,8 @@ impl RasterTarget<'_> {
     }
 }
 
-/// Rasterizes a triangle: appends the samples of `grid` within `scissor` that it covers to `spans`, each once. The
-/// order of the spans depends on the algorithm. Returns the number of visited samples.
+/// Rasterizes a triangle: appends the covered samples of `grid` within `scissor` to `spans`, each once. The order of
+/// the spans depends on the algorithm. Returns the number of visited samples.
 pub(super) fn cover_samples<N: Numbers>(
     rasterizer: Rasterizer,
     triangle: &RasterTriangle<N>,
@@ -312,7 +313,7 @@ fn within_fixed_point(
     if arithmetic != settings::Arithmetic::Fixed || reach {
         return (corners_px, arithmetic);
     }
-    // Floats this large are multiples of the grid step already.
+    // Floats this large are already multiples of the grid step.
     let snapped = |px: f32| if px.abs() <= fixed::LIMIT_PX { to_pixels(snap(px)) } else { px };
     (corners_px.map(|corner| corner.map(snapped)), settings::Arithmetic::Exact)
 }

@@ -88,8 +88,8 @@ fn exact_arithmetic_needs_no_grid() {
 
 #[test]
 fn floats_are_right_where_they_resolve_the_numbers() {
-    // On half pixels every product is small and exact, so only errors of the algorithms remain. Algorithms that step by
-    // a rounded slope drift and are not tested.
+    // With vertices on half pixels, every product is small and exact, so any difference is an error of the algorithm.
+    // Algorithms that step by a rounded slope drift and are not tested.
     for corners in triangles(7, 300, 0.5) {
         let expected = truth(corners, FillRule::TopLeft);
         for rasterizer in [Rasterizer::BoundingBox, Rasterizer::Tiled] {
@@ -105,7 +105,7 @@ fn floats_are_right_where_they_resolve_the_numbers() {
 fn two_triangles_of_a_shared_edge_draw_each_pixel_once_in_every_arithmetic() {
     let mut random = fastrand::Rng::with_seed(13);
     for _ in 0..100 {
-        // Four triangles around a pin inside the picture that reach beyond it.
+        // Four triangles that share the vertex `pin` inside the picture and together cover all of it.
         let pin = [[0; 2]; 1].map(|p| p.map(|_: i32| random.f32() * SIDE as f32))[0];
         let (low, high) = (-50.0 - random.f32(), SIDE as f32 + 50.0 + random.f32());
         let around = [[low, low], [high, low], [high, high], [low, high]];
@@ -192,7 +192,8 @@ fn edge_values_sum_to_the_doubled_area_everywhere() {
                 let Some(triangle) = RasterTriangle::<N>::new(corners, FillRule::TopLeft) else { continue };
                 for pixel in [(0, 0), (17, 31), (47, 5)] {
                     let sum: f64 = triangle.sample(pixel, pixel).edges.iter().sum();
-                    // Bound of the rounding of products of coordinates of up to 2⁷ px, relative to the doubled area.
+                    // Bound on the rounding errors of products of coordinates up to 2⁷ px, in the unit of the doubled
+                    // area.
                     let (area, scale) = super::doubled_area(*arithmetic, corners);
                     let unit = if *arithmetic == Arithmetic::F32 { f64::from(f32::EPSILON) } else { f64::EPSILON };
                     let slack = if *arithmetic == Arithmetic::Fixed { 0.0 } else { 3.0 * unit * scale * 32_768.0 };
@@ -228,7 +229,7 @@ fn extreme_corners_give_consistent_coverage() {
 #[test]
 fn large_triangles_are_the_same_in_fixed_point_and_beyond_its_reach() {
     // Two edges at 45° from (24, 24) to vertices at 2³⁰ px, far beyond the range of 64-bit edge functions. Both are
-    // left edges and own their centres.
+    // left edges and own the pixel centres exactly on them.
     let far = 1_073_741_824.0;
     let corners = [[24.0, 24.0], [far, far], [far, -far]];
     let inside = |x: u32, y: u32| (2 * i64::from(x) - 47) >= (2 * i64::from(y) - 47).abs();

@@ -78,8 +78,8 @@ impl<N: Numbers> RasterTriangle<N> {
         let (upper, lower) = (self.edges[bottom], self.edges[top]);
         let (above, below) = (N::last_centre, N::first_centre);
         let long = self.edges[middle];
-        // Rows whose centres lie exactly on a horizontal edge belong to the triangle that owns it; rows at a tip turn
-        // out empty.
+        // Rows whose centres lie exactly on a horizontal edge belong to the triangle that owns the edge. Rows at a tip
+        // are empty.
         let first = if y(top) == y(middle) && !upper.owned() { above(y(top)) + 1 } else { below(y(top)) };
         let last = if y(middle) == y(bottom) && !lower.owned() { below(y(bottom)) - 1 } else { above(y(bottom)) };
         let last_upper = if y(middle) == y(bottom) { last } else { below(y(middle)) - 1 };

@@ -1,10 +1,10 @@
 //! Tangent-space normal maps.
 //!
 //! A texel (r, g, b) encodes the vector 2·(r, g, b) − 1 in the frame of tangent, bitangent and normal. x points along
-//! growing u, y points up in the texture (OpenGL convention), along decreasing v, because v points down here. z points
-//! along the interpolated normal. The tangent of the fragment's triangle is orthogonalised against that normal
-//! (Gram–Schmidt). The bitangent is the cross product of normal and tangent; its sign follows the orientation of the
-//! texture coordinates, so mirrored coordinates work. Texels are data, not light, so codes are filtered without
+//! increasing u. y points up in the texture (OpenGL convention), which is along decreasing v, because v points down
+//! here. z points along the interpolated normal. The tangent of the fragment's triangle is orthogonalised against that
+//! normal (Gram–Schmidt). The bitangent is the cross product of normal and tangent; its sign follows the orientation of
+//! the texture coordinates, so mirrored coordinates work. Texels are data, not light, so codes are filtered without
 //! decoding.
 
 use glam::{Vec2, Vec3};

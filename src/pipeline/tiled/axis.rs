@@ -96,8 +96,8 @@ pub(super) fn below_repeated<S: Simd>([x, y]: [f32x16<S>; 2]) -> Option<[(i32x16
 /// Returns `true` if all positions, in texels, are non-negative and less than [`ALL_INTEGERS`].
 #[inline(always)]
 fn are_small<S: Simd>(position: f32x16<S>) -> bool {
-    // As unsigned integers, the bits of non-negative floats are ordered like their values. Those of negative floats are
-    // greater.
+    // As unsigned integers, the bits of non-negative floats are ordered like their values. The bits of negative floats
+    // are greater than those.
     position.bitcast::<u32x16<S>>().simd_lt(ALL_INTEGERS.to_bits()).all_true()
 }
 
@@ -106,7 +106,8 @@ fn are_small<S: Simd>(position: f32x16<S>) -> bool {
 #[inline(always)]
 fn are_moderate<S: Simd>(position: f32x16<S>) -> bool {
     let least_below_zero = (-LEAST_BELOW_ZERO).to_bits() as i32;
-    // As signed integers, the bits of negative floats begin with the least integer and increase away from zero.
+    // As signed integers, the bits of −0.0 are the least integer, and the bits of negative floats increase with their
+    // magnitude.
     let far_enough = position.bitcast::<i32x16<S>>().simd_ge(least_below_zero);
     (position.abs().simd_lt(ALL_INTEGERS) & far_enough).all_true()
 }
@@ -116,9 +117,9 @@ fn are_moderate<S: Simd>(position: f32x16<S>) -> bool {
 /// of two. The index may be off by multiples of the length.
 ///
 /// Every step is exact in f32 except the last sum, which rounds like the final conversion from f64 in [`neighbours`].
-/// The position is exact, because it is a product with a power of two. So is its distance from the nearest integer,
-/// which whole repeats do not change. If the position is halfway between two integers, rounding may choose either: both
-/// choices give all the weight to the same texel.
+/// The position is exact, because it is a product with a power of two. Its distance from the nearest integer is also
+/// exact, and does not depend on how often the texture has been repeated. If the position is halfway between two
+/// integers, rounding may choose either: both choices give all the weight to the same texel.
 #[inline(always)]
 fn below<S: Simd>(position: f32x16<S>) -> (i32x16<S>, f32x16<S>) {
     let nearest = position.round_ties_even();

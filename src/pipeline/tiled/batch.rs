@@ -28,11 +28,11 @@ pub(super) struct TriangleBatch {
     integers: EdgeArrays<i32>,
     /// Bit mask of the triangles whose edge values fit into 32-bit integers in the whole tile.
     fit: u64,
-    /// Least vertex depth of each triangle, including the depth bias.
+    /// Minimum vertex depth of each triangle, including the depth bias.
     least: [f64; LANES],
-    /// Greatest vertex depth of each triangle, including the depth bias.
+    /// Maximum vertex depth of each triangle, including the depth bias.
     greatest: [f64; LANES],
-    /// Depth terms of each edge (see [`Setup::rises`]): first in the edge order of `doubles`, then in that of
+    /// Depth terms of each edge (see [`Setup::rises`]): first in the edge order of `doubles`, then in the edge order of
     /// `integers`.
     rises: [[[f64; LANES]; 3]; 2],
     inv_w: [[f64; LANES]; 3],
@@ -40,7 +40,7 @@ pub(super) struct TriangleBatch {
     rows: [[i32; LANES]; 2],
     /// Bit mask of the triangles that cover all samples of the tile.
     cover_tile: u64,
-    /// Bounding boxes: least and greatest coordinate along each axis, in steps of 1/256 px. Only valid if pixels have
+    /// Bounding boxes: minimum and maximum coordinate along each axis, in steps of 1/256 px. Only valid if pixels have
     /// several samples.
     boxes: [[[f32; LANES]; 2]; 2],
 }
@@ -96,7 +96,8 @@ impl TriangleBatch {
                 let turned = area.simd_lt(0.0);
                 let doubled_area = area.abs();
                 let zero_and_one = [F64::splat(simd, 0.0), F64::splat(simd, 1.0)];
-                // Sums of magnitudes also bound every partial sum, in any order.
+                // These bounds are sums of magnitudes, so they also hold for every partial sum, in any order of
+                // addition.
                 let (mut greatest_value, mut greatest_in_tile) = (doubled_area, zero_and_one[0]);
                 for (i, (from, to)) in [(1, 2), (2, 0), (0, 1)].into_iter().enumerate() {
                     let (a, b) = (p[from][1] - p[to][1], p[to][0] - p[from][0]);
@@ -155,7 +156,7 @@ impl TriangleBatch {
         )
     }
 
-    /// Adds the depth bias of each triangle to its least and greatest depth.
+    /// Adds the depth bias of each triangle to its minimum and maximum depth.
     #[cold]
     fn offset_depths(&mut self, triangles: &[[&PackedVertex; 3]; LANES], scale: &DepthScale) {
         for (lane, vertices) in triangles.iter().enumerate() {
@@ -400,8 +401,9 @@ mod tests {
             let centres = TileLattice::new(grid);
             let (lattice, sample) = (centres.with_samples(&offsets), centres.moved(offsets[1]));
             let (origin, first) = (lattice.origin((3, 2)), [3.0 * TILE as f32, 2.0 * TILE as f32]);
-            // Corners of the region that is computed eight columns and two rows at a time, enlarged by at least the
-            // distance between the samples of a pixel.
+            // Corners of the region in which edge values may be computed. It extends beyond the tile, because eight
+            // columns and two rows are computed at a time, and is enlarged by at least the distance between the samples
+            // of a pixel.
             let [right, _] = lattice.place((TILE + LANES - 3, 2));
             let [_, below] = lattice.place((0, TILE));
             let [left, right, below] = [-192, right + 384, below + 384].map(i64::from);

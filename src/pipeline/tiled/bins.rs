@@ -41,8 +41,8 @@ impl TriangleKey {
     }
 }
 
-/// Number of triangles per chunk: few enough to keep all threads busy, and so many that a tile reads its triangles from
-/// few chunks.
+/// Number of triangles per chunk: small enough that there are chunks for all threads, and large enough that a tile
+/// reads its triangles from few chunks.
 ///
 /// The indices of eight pieces per triangle fit into [`TriangleKey::PIECE_BITS`] bits.
 const CHUNK: usize = 16_384;
@@ -63,7 +63,7 @@ pub(super) struct Chunk {
     pub(super) pieces: Vec<ScreenTriangle>,
     /// Vertices of each piece, in the packed layout that SIMD kernels read.
     pub(super) corners: Vec<[(PackedVertex, PackedSurface); 3]>,
-    /// Number of triangles and pieces that pass face culling, whether or not they contain samples.
+    /// Number of triangles and pieces that pass face culling, whether or not they cover any sample.
     pub(super) rasterized: usize,
 }
 
@@ -96,7 +96,7 @@ impl TileRange {
     fn for_each(self, row: usize, mut visit: impl FnMut(usize)) {
         let first = (self.0 & ((1 << Self::COLUMNS) - 1)) as usize;
         if self.0 < 1 << Self::COLUMNS {
-            // Fast path for a single tile, which is all that most small triangles overlap.
+            // Fast path: most small triangles overlap only one tile.
             return visit(first);
         }
         let (columns, rows) = ((self.0 >> Self::COLUMNS & 0xff) as usize, (self.0 >> Self::ROWS) as usize);
@@ -263,7 +263,7 @@ impl Binning<'_> {
                     continue;
                 }
             }
-            // Excludes the padding lanes: a vertex whose screen position is NaN may give even them a nonzero area.
+            // Excludes the padding lanes: if a vertex has a screen position of NaN, even their area may be nonzero.
             whole &= u64::from(u32::MAX) >> (u32::BITS as usize - group.len());
             let (shown, alive, tiles) = self.cull_lanes(simd, vertices, corners, whole);
             chunk.rasterized += shown.count_ones() as usize;
@@ -286,7 +286,7 @@ impl Binning<'_> {
     }
 
     /// Culls the triangles selected by `whole` among eight. Returns the bit mask of the triangles that pass face
-    /// culling, the bit mask of those that may also contain a sample, and the tile range of each triangle.
+    /// culling, the bit mask of those among them that may cover a sample, and the tile range of each triangle.
     #[inline(always)]
     fn cull_lanes<S: Simd>(
         &self,
@@ -385,7 +385,7 @@ impl Binning<'_> {
                 starts[tile] += 1;
             });
         }
-        // Each start has advanced to the start of the next tile.
+        // Each entry of `starts` has advanced to the start of the next tile.
         starts.rotate_right(1);
         starts[0] = 0;
     }

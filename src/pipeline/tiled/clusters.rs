@@ -10,12 +10,12 @@
 //! Let u = 2⁻²⁴ be the unit roundoff of f32. A clip-space component of a vertex v is a sum of four terms. Each term is
 //! rounded once as a product and at most three times in sums. The component is off by at most 4u (1 + O(u)) · M, where
 //! M = Σ |mᵢ| |vᵢ| is that sum with every term positive. If products underflow, it is off by 3 · 2⁻¹⁵⁰ more. The
-//! distance from a plane is the difference of two components, or a single one, in doubles: its sign is that of the
-//! exact difference. So if the exact distance is less than −(8u · max M + 2⁻¹⁴⁷) for every point of a box, the pipeline
-//! computes every vertex in the box as outside. [`ROUNDING`] and [`UNDERFLOW`] exceed these terms by at least a factor
-//! of four. This covers the rounding of the culling test itself, which is computed in doubles. Over a box, an affine
-//! function is greatest at the corner that the signs of its coefficients select. M is greatest at the largest
-//! magnitudes on each axis.
+//! distance from a plane is a single component or the difference of two. The difference is computed in doubles, so it
+//! has the sign of the exact difference of these components. Therefore, if the exact distance is less than
+//! −(8u · max M + 2⁻¹⁴⁷) for every point of a box, the pipeline computes every vertex in the box as outside.
+//! [`ROUNDING`] and [`UNDERFLOW`] exceed these terms by at least a factor of four. This covers the rounding of the culling test itself,
+//! which is computed in doubles. Over a box, an affine function has its maximum at the corner that the signs of its
+//! coefficients select. M has its maximum where the magnitude of each coordinate is largest.
 //!
 //! **Back-facing**: the doubled area of the snapped vertices has the sign of the culled side, or is zero. In a picture
 //! of W × H px, the exact doubled area on the screen, before snapping, is S = −(W·H/4) · D / (w₀ w₁ w₂). D is the
@@ -30,8 +30,9 @@
 //! (W·H/4) · h · |n·e + d·f| / w_max³  >  3 √2 δ κ / w_min + 8δ² / h
 //! ```
 //!
-//! This requires altitudes of about a hundredth of a pixel. The triangles must not be clipped, because the pieces are
-//! snapped again: the box must lie between the depth planes and within the guard band.
+//! The condition can only hold for altitudes of at least about a hundredth of a pixel on the screen. The triangles must
+//! not be clipped, because the pieces are snapped again: the box must lie between the depth planes and within the guard
+//! band.
 
 use std::ops::Range;
 
@@ -116,7 +117,7 @@ enum ClusterFate {
     Kept,
     /// The cluster lies entirely beyond one clip plane.
     Outside,
-    /// All triangles of the cluster are culled by their facing.
+    /// All triangles of the cluster are removed by face culling.
     BackFacing,
 }
 
@@ -241,7 +242,7 @@ impl ClusterCulling {
 const BAND: f32 = 2.0;
 const _: () = assert!(BAND * MAX_SIDE_PX as f32 <= 2.0 * GUARD_BAND_PX);
 
-/// Generous bound on the rounding error of an affine function computed in doubles, relative to its magnitude.
+/// Conservative bound on the rounding error of an affine function computed in doubles, relative to its magnitude.
 const DOUBLE_ROUNDING: f64 = 1e-12;
 
 /// Back-facing test of the clusters of one mesh in one view.
@@ -253,8 +254,9 @@ struct BackFacingTest {
     x: Affine,
     y: Affine,
     w: Affine,
-    /// Coefficients of D / 2A as a linear function of n and d, positive for culled triangles; then, for each
-    /// coefficient, the sum of the magnitudes of its terms. The module documentation explains the symbols.
+    /// Coefficients of D / 2A as a linear function of n and d, with the sign chosen so that the function is positive
+    /// for culled triangles; then, for each coefficient, the sum of the magnitudes of its terms. The module
+    /// documentation explains the symbols.
     seen_from: ([f64; 4], [f64; 4]),
     /// Factor κ: an edge of model-space length ℓ is at most κℓ/w px long on the screen.
     stretch: f64,
@@ -265,8 +267,8 @@ struct BackFacingTest {
 }
 
 impl BackFacingTest {
-    /// Creates the back-facing test of a mesh in one view. `sign` is the sign that the determinant D of the module
-    /// documentation has for culled triangles.
+    /// Creates the back-facing test of a mesh in one view. `sign` is the sign of the determinant D (see the module
+    /// documentation) for culled triangles.
     fn new(clip_from_model: Mat4, Viewport { width, height }: Viewport, sign: f64) -> Self {
         let (width, height) = (f64::from(width), f64::from(height));
         let rows = [0, 1, 3].map(|row| clip_from_model.row(row).as_dvec4().to_array());
@@ -300,7 +302,7 @@ impl BackFacingTest {
         }
     }
 
-    /// Returns the bit mask that selects, among eight clusters, those whose triangles are all culled by their facing.
+    /// Returns the bit mask that selects, among eight clusters, those whose triangles are all removed by face culling.
     #[inline(always)]
     fn back_facing<S: Simd>(
         &self,
@@ -442,8 +444,8 @@ mod tests {
         ClipPlane::ALL.iter().any(|plane| clip().all(|position| plane.distance(position, 1.0) < 0.0))
     }
 
-    /// Tests matrices and boxes next to a plane. The exact distance is zero or nearly zero, at scales from underflowing
-    /// products to huge ones.
+    /// Tests boxes whose exact distance from a clip plane is zero or nearly zero. The scale of the matrix varies from
+    /// underflowing products to huge ones.
     #[test]
     fn clusters_culled_as_outside_have_all_vertices_beyond_a_plane() {
         let mut random = fastrand::Rng::with_seed(21);
@@ -458,7 +460,7 @@ mod tests {
                 let edge = Vec3::from_array(std::array::from_fn(|_| number())) * 1e-6;
                 [a, a + edge]
             });
-            // The plane goes through the first box, as nearly as floats allow.
+            // Moves the plane through a corner of the first box, or very close to it.
             let at = matrix * corners[0][0].extend(1.0);
             let off = plane.distance(at, 1.0) as f32 * [1.0, 1.000_001, 0.999_999][round / 36 % 3];
             match plane {

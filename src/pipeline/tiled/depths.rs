@@ -12,7 +12,7 @@ use crate::pipeline::settings::Settings;
 pub(super) struct DepthRules {
     pub(super) comparison: DepthComparison,
     pub(super) encoding: DepthEncoding,
-    /// Whether depth is linear in view space instead of on the screen.
+    /// Whether depth is linear in view space instead of in screen space.
     pub(super) linear_in_space: bool,
     /// Whether there is a depth bias. It may move depths below 0 or above 1, so they are clamped.
     pub(super) biased: bool,
@@ -37,8 +37,8 @@ impl DepthRules {
         }
     }
 
-    /// Returns the rules. If `COMMON` is `true`, compile-time constants replace the rules that are tested, which
-    /// removes branches; [`DepthRules::are_common`] must then be `true`.
+    /// Returns the rules. If `COMMON` is `true`, the rules that code branches on are compile-time constants, which
+    /// removes the branches; [`DepthRules::are_common`] must then return `true`.
     #[inline(always)]
     pub(super) fn known<const COMMON: bool>(self) -> Self {
         if COMMON {
@@ -114,7 +114,7 @@ fn quantize<S: Simd>(simd: S, depth: F64<S>, encoding: DepthEncoding) -> F32<S> 
 }
 
 /// Bound on the rounding error of a depth and of its bounds, relative to the sum of the magnitudes of its terms: about
-/// 23 operations of 2⁻⁵³ each.
+/// 23 operations, each with a relative error of 2⁻⁵³.
 const ROUNDING: f64 = 1.0 / (1_u64 << 48) as f64;
 
 /// Depth of a triangle as a linear function of the sample position in a tile, before quantisation.
@@ -125,7 +125,7 @@ pub(super) struct DepthPlane {
     /// Change of depth per 1/256 px to the right, and per 1/256 px down.
     rise: [f64; 2],
     /// Largest difference between the plane and the depth of a sample, before quantisation. Infinite if depth is linear
-    /// in view space, because it is then not a plane on the screen.
+    /// in view space, because depth is then not linear in screen space.
     slack: f64,
     /// Lower bound on all depths of the triangle, in [0, 1].
     least: f64,
@@ -156,8 +156,8 @@ impl DepthPlane {
     }
 
     /// Returns a lower and an upper bound on the stored depths in each of eight rectangles of samples. `x` and `y` are
-    /// the positions of the first samples, and width and height the distances from these to the last samples, all in
-    /// steps of 1/256 px.
+    /// the positions of the first sample of each rectangle. Width and height are the distances from the first to the
+    /// last sample. All are in steps of 1/256 px.
     ///
     /// For rectangles that the triangle does not cover anywhere, the bounds may lie outside its range of depths.
     #[inline(always)]
@@ -174,7 +174,8 @@ impl DepthPlane {
         let at = x * across + (down * y + at_first);
         let mut ends = [(at + nearest).max(least), (at + farthest).min(greatest)];
         if rules.biased {
-            // The depths of a whole rectangle may be clamped to 0 or 1.
+            // All depths of a rectangle may be clamped to 0 or 1, so each bound is clamped to the range from `least` to
+            // `greatest`.
             ends = [ends[0].min(greatest), ends[1].max(least)];
         }
         each!(i in [0, 1] => quantize(simd, ends[i], rules.encoding))

@@ -28,7 +28,7 @@ pub(super) trait EdgeNumber: Copy + Add<Output = Self> + Mul<Output = Self> {
     /// Converts the number to a double, without rounding.
     fn double(self) -> f64;
 
-    /// Returns the least and the greatest a·x + b·y for x from 0 to `width` and y from 0 to `height`.
+    /// Returns the minimum and the maximum of a·x + b·y for x from 0 to `width` and y from 0 to `height`.
     fn reach(a: Self, b: Self, width: Self, height: Self) -> [Self; 2];
 
     /// Returns the sample distances of a lattice as numbers of this type.
@@ -52,7 +52,8 @@ pub(super) trait EdgeNumber: Copy + Add<Output = Self> + Mul<Output = Self> {
     /// Converts eight numbers to doubles, without rounding.
     fn doubles<S: Simd>(simd: S, numbers: Self::Eight<S>) -> F64<S>;
 
-    /// Returns the mask of the lanes inside the triangle, in which no edge value is less than its threshold in `least`.
+    /// Returns the mask of the lanes inside the triangle: each of the three edge values is at least its threshold in
+    /// `least`.
     fn inside<S: Simd>(values: [Self::Eight<S>; 3], least: [Self::Eight<S>; 3]) -> mask32x8<S>;
 
     /// Returns the mask of [`EdgeNumber::inside`] as the bits of an integer.

@@ -133,7 +133,7 @@ impl TiledFrame<'_> {
 /// Number of triangles in a tile at or above which hierarchical Z is disabled, unless most of them are large.
 const HIZ_MAX_TRIANGLES: usize = 96;
 
-/// Extent in columns or rows at or above which a triangle counts as large: it then spans more than two blocks.
+/// Number of columns or rows above which a triangle counts as large: the width of two blocks.
 const LARGE: i32 = 2 * BLOCK as i32;
 
 /// Returns `true` if a tile with this number of triangles uses hierarchical Z, that is, keeps depth bounds of its

@@ -55,8 +55,8 @@ impl<'a> Few<'a> {
 }
 
 impl TriangleSource for Few<'_> {
-    /// Step of five samples: the texels of few triangles lie close together, so prefetching them for all samples takes
-    /// longer than the cache misses that it avoids.
+    /// Prefetches the texels of every fifth sample. The texels of few triangles lie close together, so prefetching them
+    /// for all samples takes longer than the cache misses that it avoids.
     const PREFETCH_STEP: Option<usize> = Some(5);
 
     #[inline(always)]

@@ -46,7 +46,7 @@ pub(super) fn gather<S: Simd>(simd: S, by_gathers: bool, texels: &[u32], places:
 /// Panics if a quad is out of bounds.
 #[inline(always)]
 pub(super) fn quads<S: Simd>(simd: S, by_gathers: bool, [upper, lower]: [&[u32]; 2], places: &[u32]) -> [S::u32s; 4] {
-    // Equal lengths, so that one bounds check covers both.
+    // Makes the lengths equal, so that one bounds check covers both rows.
     let rows = [&upper[..lower.len()], lower];
     #[cfg(target_arch = "x86_64")]
     if by_gathers && let Some(avx512) = simd.level().as_avx512() {
@@ -122,8 +122,8 @@ mod x86 {
             let end = _mm512_set1_epi32(texels.len().saturating_sub(1).min(i32::MAX as usize) as i32);
             assert!(_mm512_cmpge_epu32_mask(places, end) == 0, "all texels are within the texture");
             let (low, high) = (_mm512_castsi512_si256(places), _mm512_extracti64x4_epi64::<1>(places));
-            // SAFETY: every index is less than that of the last texel, as asserted above, and not negative as an i32.
-            // This texel and the next one therefore lie within the slice; the instruction requires no alignment.
+            // SAFETY: every index is less than the index of the last texel, as asserted above, and not negative as an
+            // i32. This texel and the next one therefore lie within the slice; the instruction requires no alignment.
             let (low, high) = unsafe {
                 let texels = texels.as_ptr().cast();
                 (_mm512_i32gather_epi64::<4>(low, texels), _mm512_i32gather_epi64::<4>(high, texels))

@@ -21,8 +21,8 @@ use crate::pipeline::vertex::{ClipVertex, DrawMatrices, Varyings};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Mesh, TriangleId};
 
-/// Screen-space vertex with the attributes that most shading reads, in half a cache line. It is a single array, so that
-/// SIMD code can load it whole.
+/// Screen-space vertex with the attributes that most shading modes read, in half a cache line. It is a single array, so
+/// that SIMD code can load it whole.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(32))]
 pub(super) struct PackedVertex {
@@ -30,9 +30,9 @@ pub(super) struct PackedVertex {
 }
 
 impl PackedVertex {
-    /// Index of the snapped x coordinate, which points right: an integer below 2²⁴, in steps of 1/256 px.
+    /// Index of the snapped x coordinate: an integer below 2²⁴, in steps of 1/256 px, increasing to the right.
     pub(super) const X: usize = 0;
-    /// Index of the snapped y coordinate, which points down, in steps of 1/256 px.
+    /// Index of the snapped y coordinate, in steps of 1/256 px, increasing downward.
     pub(super) const Y: usize = 1;
     /// Index of the lower 32 bits of the depth, an f64. The upper 32 bits follow.
     const DEPTH: usize = 2;
@@ -496,8 +496,8 @@ pub(super) fn lambert_lanes<S: Simd, V: SimdFloat<S> + SimdBase<S, Element = f32
 /// Splits eight vectors into their x, y and z components.
 #[inline(always)]
 fn split<S: Simd>(simd: S, vectors: &[Vec3; LANES]) -> [F32<S>; 3] {
-    // Each array is loaded by one instruction, because its four floats are adjacent. The last one belongs to the next
-    // vector.
+    // One instruction loads each array except the last, because its four floats are adjacent in memory. The fourth
+    // float belongs to the next vector and is ignored.
     let rows = each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => {
         let Vec3 { x, y, z } = vectors[i];
         f32x4::load_array(simd, [x, y, z, vectors[(i + 1) % LANES].x])

@@ -1,7 +1,7 @@
 //! SIMD shading of sixteen samples at a time, eight in each of two rows. Each visible sample is shaded once.
 //!
 //! The arithmetic is the same as in [`crate::pipeline::interpolate`] and [`crate::pipeline::shade`], operation by
-//! operation. Shadings without a SIMD kernel call those functions themselves.
+//! operation. Shading modes without a SIMD kernel call those functions themselves.
 
 use glam::Vec3;
 
@@ -33,7 +33,7 @@ pub(super) struct Patch {
     pub(super) first: usize,
     /// Index one past the last row, within the tile.
     pub(super) end: usize,
-    /// Bit mask of the samples to shade in a row of a block.
+    /// Bit mask of the samples to shade in each row of each block.
     pub(super) mine: u32,
 }
 
@@ -135,8 +135,8 @@ fn shade_blocks<S: Simd>(
 /// Interpolates all attributes in the rows of a block. The colours of the first row will be written at index `start` of
 /// the picture, and those of each following row `stride` further on.
 ///
-/// The weights of all rows are computed first. Each is a dependency chain with a division, and the chains of several
-/// rows overlap.
+/// The weights of all rows are computed first. Each computation is a dependency chain with a division, and the chains
+/// of several rows overlap.
 #[inline(always)]
 fn interpolate_rows<S: Simd>(
     simd: S,
@@ -322,8 +322,8 @@ impl StoredWeights {
 }
 
 impl<S: Simd> AttributeWeights<S> {
-    /// Replaces the weights of samples that `mine` does not select, which may be infinite or NaN, with the weights of
-    /// the first vertex.
+    /// Replaces the weights of samples that `mine` does not select with the weights at the first vertex. The replaced
+    /// weights may be infinite or NaN.
     #[inline(always)]
     pub(super) fn of_some(self, simd: S, mine: u32) -> Self {
         let (wanted, nothing) = (mask32x16::from_bitmask(simd, mine.into()), f32x16::splat(simd, 0.0));

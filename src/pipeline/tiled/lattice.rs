@@ -17,7 +17,7 @@ pub(super) const BLOCK: usize = LANES;
 /// Number of blocks in a row and in a column of a tile.
 pub(super) const BLOCKS: usize = TILE / BLOCK;
 
-/// Period, in rows, after which the horizontal shifts of a checkerboard's rows repeat.
+/// Number of rows after which the horizontal shifts of a checkerboard's rows repeat.
 const SHIFTS: usize = 4;
 
 /// Sample positions in a tile relative to its first sample, in steps of 1/256 px.
@@ -33,7 +33,7 @@ pub(super) struct TileLattice {
     /// Offset of the lattice points from the pixel centres, in steps of 1/256 px. Samples lie on the points, or are
     /// jittered around them.
     offset: [i32; 2],
-    /// Least and greatest offset of any sample from its pixel centre along each axis, in steps of 1/256 px.
+    /// Minimum and maximum offset of any sample from its pixel centre along each axis, in steps of 1/256 px.
     reach: [[f32; 2]; 2],
 }
 
@@ -90,7 +90,8 @@ impl<T: EdgeNumber> LatticeSteps<T> {
     /// Returns the horizontal distance of a column from the first one in an unshifted row, in steps of 1/256 px.
     #[inline(always)]
     pub(super) fn column(&self, column: usize) -> T {
-        // A checkerboard samples two of four pixels in a row; on both grids column steps are as long as row steps.
+        // A checkerboard samples two of every four pixels in a row. On both kinds of grid, pixel columns are as far
+        // apart as rows.
         let pixel = if self.are_straight { column } else { column / 2 * 4 + column % 2 };
         T::of(pixel as i32) * self.row_step
     }
@@ -153,8 +154,8 @@ impl TileLattice {
         Self { reach, ..self }
     }
 
-    /// Returns the lattice, extended to samples that are jittered between a least and a greatest offset from the pixel
-    /// centre, in steps of 1/256 px. Its points are at the least offset; its blocks extend to the greatest.
+    /// Returns the lattice, extended to samples that are jittered between a minimum and a maximum offset from the pixel
+    /// centre, in steps of 1/256 px. The lattice points are at the minimum offset; the blocks extend to the maximum.
     pub(super) fn spread(mut self, [least, greatest]: [[i32; 2]; 2]) -> Self {
         for axis in 0..2 {
             let spread = greatest[axis] - least[axis];
@@ -193,8 +194,8 @@ impl TileLattice {
     /// Returns an upper bound on the distance of a tile's samples from its first pixel along either axis, in steps of
     /// 1/256 px.
     ///
-    /// It includes samples beyond the tile that are computed only because samples are processed eight at a time or two
-    /// rows at a time. The lattice must include all samples of its pixels.
+    /// The bound includes samples beyond the tile that are computed only because samples are processed eight at a time
+    /// or two rows at a time. The lattice must include all samples of its pixels.
     #[inline(always)]
     pub(super) fn farthest(&self) -> f64 {
         let (columns, rows) = (self.doubles.column(TILE + LANES), self.doubles.row(TILE + LANES));

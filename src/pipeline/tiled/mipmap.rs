@@ -68,8 +68,8 @@ impl TextureReader<'_> {
                 let share = level - finer.to_float::<f32x16<S>>();
                 let [of_fine, of_coarse] = self.two_levels(simd, finer);
                 self.locate_in_level(simd, layout, uv, &of_fine, fine);
-                // The coarser level need not be read if its weight is zero: texels are finite and not negative, so it
-                // would not even change a sign.
+                // The coarser level need not be read if its weight is zero for all samples: texels are finite and
+                // non-negative, so adding it would not change the result, not even the sign of a zero.
                 coarse.is_read = !share.simd_eq(0.0).all_true();
                 if coarse.is_read {
                     share.store_array(&mut coarse.share);
@@ -141,7 +141,8 @@ impl TextureReader<'_> {
         }
     }
 
-    /// Reads two mip levels by [`TextureReader::read_bytes`] and mixes them. Reads only one level without mip-mapping.
+    /// Reads two mip levels with [`TextureReader::read_bytes`] and mixes them. Reads only one level without
+    /// mip-mapping.
     #[inline(always)]
     pub(super) fn read_levels_bytes<S: Simd>(
         &self,
@@ -176,7 +177,8 @@ impl TextureReader<'_> {
         f32x16::load_array(simd, sixteen)
     }
 
-    /// Reads two mip levels by [`TextureReader::read_linear`] and mixes them. Reads only one level without mip-mapping.
+    /// Reads two mip levels with [`TextureReader::read_linear`] and mixes them. Reads only one level without
+    /// mip-mapping.
     #[inline(always)]
     pub(super) fn read_levels_linear<S: Simd>(
         &self,

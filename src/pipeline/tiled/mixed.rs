@@ -1,8 +1,8 @@
-//! Mixed pixels: pixels whose samples show several triangles, or a triangle and the background, as at edges.
+//! Mixed pixels: pixels whose samples show several triangles, or a triangle and the background, as at triangle edges.
 //!
 //! Each triangle in a mixed pixel is a *fragment*, which is shaded once: at the centre of the pixel if the triangle
-//! covers it, otherwise at the first sample that it covers, even if it is hidden there. Fragments are shaded sixteen at
-//! a time, whatever pixels they belong to.
+//! covers it, otherwise at the first sample that it covers, even if the triangle is hidden there. Fragments are shaded
+//! sixteen at a time, regardless of which pixels they belong to.
 
 use super::TiledFrame;
 use super::kernel::ALL;
@@ -95,7 +95,7 @@ impl MixedPixels {
         }
     }
 
-    /// Adds to the list the pixels that `mixed` selects among eight adjacent pixels of a row.
+    /// Adds the pixels selected by `mixed`, among eight adjacent pixels of a row, to the list.
     #[inline(always)]
     fn list<S: Simd>(
         &mut self,
@@ -117,8 +117,8 @@ impl MixedPixels {
         }
     }
 
-    /// Adds a pixel to the list. `place` is its column and row, and `lane` its lane among eight pixels. `centre` is its
-    /// centre relative to that of the tile's first pixel, in steps of 1/256 px.
+    /// Adds a pixel to the list. `place` is its column and row, and `lane` its lane among eight pixels. `centre` is the
+    /// pixel's centre relative to the centre of the tile's first pixel, in steps of 1/256 px.
     fn push(&mut self, place: (usize, usize), centre: [i32; 2], lane: usize) {
         let Self { places, picks, fragments, slots: seen, .. } = self;
         let (sixteen, pixel) = (places.len() / WIDE, places.len() % WIDE);
@@ -201,7 +201,7 @@ pub(super) struct SixteenFragments {
     slots: [u32; WIDE],
     /// Column and row of each fragment's pixel within the tile.
     pixels: [(u8, u8); WIDE],
-    /// Pixel centres relative to that of the tile's first pixel, to the right and down, in steps of 1/256 px.
+    /// Pixel centres relative to the centre of the tile's first pixel, to the right and down, in steps of 1/256 px.
     centres: [[i32; WIDE]; 2],
 }
 
@@ -232,8 +232,9 @@ impl Fragments {
 }
 
 impl ShadingJob<'_, &TileLattice> {
-    /// Shades the fragments selected by `open`, each at the first of the candidate positions `offsets` in its pixel
-    /// that its triangle covers. Writes their colours from index `start` on.
+    /// Shades the fragments selected by `open`, and writes their colours from index `start` on. Each fragment is shaded
+    /// at the first candidate position in its pixel that its triangle covers. The candidates `offsets` are relative to
+    /// the pixel centre, in steps of 1/256 px.
     #[inline(always)]
     fn fragments<S: Simd>(
         &mut self,
@@ -324,7 +325,7 @@ fn first_covered<S: Simd>(
     let (e0, e1) = (a0 * x + b0 * y + c0, a1 * x + b1 * y + c1);
     let (zero, one) = (i32x16::splat(simd, 0), i32x16::splat(simd, 1));
     let edges = [(a0, b0, e0), (a1, b1, e1), (zero - a0 - a1, zero - b0 - b1, area - e0 - e1)];
-    // Subtracting the thresholds makes the values inside an edge non-negative.
+    // After the thresholds are subtracted, an edge value is non-negative exactly if the position is inside the edge.
     let edges =
         each!((a, b, e) in [edges[0], edges[1], edges[2]] => (a, b, e - inside_thresholds([zero, one], a, b, rule)));
     let mut moved = [zero; 2];

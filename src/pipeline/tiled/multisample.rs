@@ -43,7 +43,7 @@ pub(crate) struct Multisampling<'a> {
 /// Sample planes of a multisampled frame, one per sample of a pixel. Each tile of the picture is drawn once per plane.
 pub(super) struct SamplePlanes<'a> {
     pub(super) samples: Multisampling<'a>,
-    /// Lattice of each sample, followed by that of the pixel centres if depths are kept.
+    /// Lattice of each sample, followed by the lattice of the pixel centres if depths are kept.
     pub(super) lattices: Vec<TileLattice>,
     /// Candidate shading positions of a triangle in a pixel, in order of preference: the centre, then the samples. They
     /// are offsets from the centre, in steps of 1/256 px.

@@ -1,9 +1,10 @@
 //! Alpha-tested and blended triangles with multisampling.
 //!
-//! A triangle has one fragment per pixel, as without transparency. A fragment that fails the alpha test is dropped from
-//! all samples. A blended fragment is blended over the colour of each sample separately. Tiles with blended triangles
-//! therefore keep the colours of all samples until the last of these triangles is drawn. A fragment is recomputed for
-//! each sample in which it is visible: sixteen at a time, this is faster than a lookup.
+//! A triangle has one fragment per pixel, as without transparency. A fragment that fails the alpha test is discarded in
+//! all samples of the pixel. A blended fragment is blended over the colour of each sample separately. Tiles with
+//! blended triangles therefore keep the colours of all samples until the last of these triangles is drawn. A fragment
+//! is recomputed for each sample in which it is visible: with sixteen at a time, this is faster than looking up a
+//! stored result.
 
 use super::TiledFrame;
 use super::lattice::{TILE, TILE_SAMPLES, TileLattice};
@@ -113,7 +114,8 @@ impl TiledFrame<'_> {
                     let mut tested = tested.at_first_covered(simd, &setup, lattice.offset(), &planes.shading_places);
                     tested.passed = tested.within(size);
                     samples += if shader.on_lanes {
-                        // The rows of all samples are stacked, so that the queue need not be flushed between samples.
+                        // Treats the tiles of all samples as one tall tile, so that the queue need not be flushed
+                        // between samples.
                         tested.place.1 += number * TILE;
                         let size = (TILE, colors.len() / TILE);
                         let mut below = TileRows { values: colors, stride: TILE, left: 0, size };

@@ -20,7 +20,8 @@ impl Outcode {
     const PLANES: u16 = (1 << ClipPlane::ALL.len()) - 1;
 
     /// Returns the outcodes of eight vertices in clip space, and whether any of them is nonzero. The side planes, moved
-    /// outward by the factor `widening`, form the guard band; only triangles that leave it are clipped.
+    /// outward by the factor `widening`, bound the guard band; at the side planes, only triangles that leave the guard
+    /// band are clipped.
     #[inline(always)]
     pub(super) fn of_lanes<S: Simd>(simd: S, [x, y, z, w]: [F32<S>; 4], widening: f32) -> ([Self; LANES], bool) {
         let between_sides = w.simd_ge(x.abs()) & w.simd_ge(y.abs());
@@ -92,7 +93,7 @@ impl BitOr for Outcode {
     }
 }
 
-/// Decision of the clipping stage about a triangle.
+/// Result of the clipping tests of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ClipVerdict {
     /// The triangle is dropped: it is outside the frustum, or a vertex is not finite.

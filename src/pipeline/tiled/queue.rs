@@ -136,8 +136,8 @@ pub(super) fn flush<S: Simd>(simd: S, frame: &TiledFrame<'_>, queue: &mut Queue,
             let shader = &frame.shaders[queue.shader];
             let Queue { pairs: all, taps, coarse, coarse_texels, .. } = queue;
             let (pairs, taps) = (&all[..pairs], &taps[..pairs]);
-            // A loop, because the compiler may fail to compile a closure of `for_each` for the selected instruction
-            // set.
+            // Uses a loop, because the compiler may fail to compile a closure passed to `for_each` for the selected
+            // instruction set.
             match shader.plan {
                 ShadingPlan::COMMON => {
                     let Some(texture) = shader.texture else { return };
@@ -163,9 +163,9 @@ pub(super) fn flush<S: Simd>(simd: S, frame: &TiledFrame<'_>, queue: &mut Queue,
     );
 }
 
-/// Finishes pairs of rows of the most common plan by [`finish_pair`]. The shader and the texture are copies that stores
-/// cannot alias, so they are loaded once for all pairs. The caller decides outside the loop whether to use hardware
-/// gathers.
+/// Finishes pairs of rows of the most common plan with [`finish_pair`]. The shader and the texture are copies that
+/// stores cannot alias, so they are loaded once for all pairs. The caller decides outside the loop whether to use
+/// hardware gathers.
 #[inline(always)]
 fn finish_common<S: Simd>(
     simd: S,
@@ -180,7 +180,7 @@ fn finish_common<S: Simd>(
     }
 }
 
-/// Finishes pairs of rows of a blended draw by [`finish_pair`].
+/// Finishes pairs of rows of a blended draw with [`finish_pair`].
 #[inline(never)]
 fn finish_blended<S: Simd>(
     simd: S,
@@ -199,7 +199,7 @@ fn finish_blended<S: Simd>(
     );
 }
 
-/// Finishes pairs of rows of a mip-mapped draw by [`finish_pair`]. Returns the number of texels read from coarser mip
+/// Finishes pairs of rows of a mip-mapped draw with [`finish_pair`]. Returns the number of texels read from coarser mip
 /// levels.
 #[inline(never)]
 fn finish_mipmapped<S: Simd>(
@@ -240,8 +240,8 @@ fn finish_pair<S: Simd>(
     }
     match plan.space {
         ColorSpace::Bytes => {
-            // Row by row and register by register, because narrower registers cannot hold the data of all sixteen
-            // samples.
+            // Computes one register of samples at a time, because narrower registers cannot hold the data of all
+            // sixteen samples.
             for start in (0..WIDE).step_by(LANES.max(S::f32s::LEN)) {
                 let rows = start..start + LANES.max(S::f32s::LEN);
                 for first in rows.clone().step_by(S::f32s::LEN) {
@@ -343,8 +343,8 @@ fn over<S: Simd, F: SimdFloat<S, Element = f32>>(simd: S, [r, g, b, alpha]: [F; 
     [red, green, blue, alpha]
 }
 
-/// Reads the 8-bit RGBA colours of up to eight pixels that lie within the picture. Does nothing if none of them is
-/// written later.
+/// Reads the 8-bit RGBA colours of up to eight pixels that lie within the picture. Does nothing if none of these pixels
+/// will be written.
 fn read_row(row: &QueuedRow, pixels: &[Rgba8], codes: &mut [u32]) {
     if row.mine == 0 {
         return;

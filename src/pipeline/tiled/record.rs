@@ -81,8 +81,9 @@ impl Record {
     }
 }
 
-/// Returns 1/w of the three vertices divided by the largest of them, for eight triangles, like
-/// [`crate::pipeline::viewport::relative_inv_w`]. It is 1 for triangles that `divides_by_w` does not select.
+/// Returns the relative 1/w of the three vertices of eight triangles, like
+/// [`crate::pipeline::viewport::relative_inv_w`]: 1/w divided by the largest 1/w of the triangle. The result is 1 for
+/// triangles that `divides_by_w` does not select.
 #[inline(always)]
 fn relative_inv_w<S: Simd>(simd: S, inv_w: [F32<S>; 3], divides_by_w: u64) -> [F32<S>; 3] {
     let largest = inv_w[0].max(inv_w[1]).max(inv_w[2]);
@@ -197,7 +198,7 @@ pub(super) trait TriangleSource: Copy {
         [first, second, area - first - second]
     }
 
-    /// Returns 1/w of the three vertices, divided by the largest of them.
+    /// Returns the relative 1/w of the three vertices: 1/w divided by the largest 1/w of the triangle.
     #[inline(always)]
     fn relative_inv_w<S: Simd>(self, simd: S) -> [f32x16<S>; 3] {
         let [_, _, _, r0] = self.quad(simd, Record::SECOND_EDGE);
@@ -306,7 +307,7 @@ pub(super) struct BinEntry {
     pub(super) draw: u32,
 }
 
-/// Index of a [`BinEntry`] in a tile's bin, with a flag bit for edge values that exceed 32 bits.
+/// Index of a [`BinEntry`] in a tile's bin, with a flag bit for edge values that may exceed 32 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Slot(pub(super) u32);
 

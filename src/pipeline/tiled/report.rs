@@ -7,8 +7,8 @@ use crate::pipeline::plan::DrawPlan;
 
 /// Wall-clock time of each stage of a frame.
 ///
-/// Each thread rasterizes and shades tiles in alternation. The wall-clock time of both stages is divided in proportion
-/// to the thread time spent on each.
+/// Each thread alternates between rasterizing and shading tiles. The wall-clock time of both stages is divided in
+/// proportion to the thread time spent on each.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct TiledTimes {
     /// Time spent planning draws and processing vertices.
@@ -40,7 +40,7 @@ pub struct TiledCounts {
     pub(crate) considered: u64,
     /// Number of triangles that pass face culling, including pieces of clipped triangles.
     pub(crate) rasterized: u64,
-    /// Number of rasterized triangles that may contain a sample.
+    /// Number of rasterized triangles that may cover a sample.
     pub(crate) kept: u64,
     /// Number of bin entries: pairs of a triangle and a tile.
     pub(crate) binned: u64,

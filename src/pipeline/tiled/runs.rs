@@ -25,7 +25,7 @@ pub(super) struct TileRun {
 }
 
 /// Divides a picture of `columns` × `rows` tiles into runs: whole rows, or parts of rows. Runs with the most work come
-/// first, so that no thread starts a long one when all others are done.
+/// first, so that no thread starts a long run when the other threads have no work left.
 pub(super) fn split_into_runs(chunks: &[Chunk], (columns, rows): (usize, usize), threads: usize) -> Vec<TileRun> {
     let runs_per_row = if rows >= threads * ROWS_PER_THREAD || threads == 1 {
         1

@@ -44,7 +44,7 @@ impl From<&ScreenVertex> for SnappedVertex {
     }
 }
 
-/// Position of a tile's first sample in steps of 1/256 px, and its column and row in the packed picture.
+/// Position of a tile's first sample in steps of 1/256 px, and that sample's column and row in the packed picture.
 pub(super) type Origin = ([f64; 2], [f32; 2]);
 
 /// Edge functions of a triangle, each belonging to the opposite vertex: e(x, y) = a·x + b·y + c.
@@ -85,7 +85,8 @@ impl EdgeFunctions {
         each!(i in [0, 1, 2] => self.a[i] * x + self.b[i] * y + self.c[i])
     }
 
-    /// Returns the first candidate position in a pixel that the triangle covers. It must cover at least one.
+    /// Returns the first candidate position in a pixel that the triangle covers. The triangle must cover at least one
+    /// candidate.
     ///
     /// `offsets` are the candidates, relative to the pixel centre. The centre and the result are relative to the
     /// origin. All are in steps of 1/256 px.
@@ -115,12 +116,12 @@ pub(super) struct Setup<E = f64> {
     /// Inside threshold of each edge, the least edge value that counts as inside: 0 if the fill rule assigns the edge
     /// to the triangle, otherwise 1.
     pub(super) inside: [E; 3],
-    /// Least vertex depth, including the depth bias. The depth at a sample is `min_depth` plus the sum of `rises` times
-    /// edge values, or times weights if depth is linear in view space.
+    /// Minimum vertex depth, including the depth bias. The depth at a sample is `min_depth` plus the sum of `rises`
+    /// times edge values, or times weights if depth is linear in view space.
     pub(super) min_depth: f64,
     /// Depth term of each edge: the factor of its edge value or weight in the sum that gives a sample's depth.
     pub(super) rises: [f64; 3],
-    /// Greatest vertex depth, including the depth bias.
+    /// Maximum vertex depth, including the depth bias.
     pub(super) max_depth: f64,
     /// 1/w of the vertices, for depth that is linear in view space.
     pub(super) inv_w: [f64; 3],

@@ -71,7 +71,7 @@ pub(super) fn shade_tile<S: Simd>(
         while bx < blocks {
             let owner = tile.owner(by * BLOCKS + bx);
             let mut next = bx + 1;
-            // Adjacent blocks of one triangle share most of the work.
+            // Adjacent blocks of one triangle are shaded together, because they share most of the work.
             while owner.is_some() && next < blocks && tile.owner(by * BLOCKS + next) == owner {
                 next += 1;
             }
@@ -192,7 +192,7 @@ impl<'a, L: SamplePositions> ShadingJob<'a, L> {
 
     /// Returns the edge functions of a triangle in f64; `None` if it has no area, in which case it is never visible.
     pub(super) fn exact_edges(&mut self, slot: Slot) -> Option<EdgeFunctions> {
-        // Searches from the back, because most requests repeat the last one.
+        // Searches from the back, because most requests are for the same triangle as the previous request.
         if let Some((_, edges)) = self.exact.iter().rev().find(|(known, _)| *known == slot) {
             return Some(*edges);
         }

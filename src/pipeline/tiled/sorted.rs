@@ -33,8 +33,8 @@ impl SortedFragments {
 
     /// Adds the fragments of a triangle, one for each sample selected by `shading.passed`.
     ///
-    /// `shading` has the edge values at the shading positions, and `tested` those at the samples themselves. `number`
-    /// is the index of the triangle, and `first` the index of the tile's first sample.
+    /// `shading` has the edge values at the shading positions, and `tested` has the edge values at the samples
+    /// themselves. `number` is the index of the triangle, and `first` the index of the tile's first sample.
     pub(super) fn add(
         &mut self,
         settings: &Settings,

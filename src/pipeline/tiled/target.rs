@@ -55,7 +55,7 @@ pub(super) struct Target<'a> {
     /// Column and row of the tile in the picture, in tiles.
     pub(super) place: (usize, usize),
     pub(super) number: usize,
-    /// Colours, which are filled with the background beforehand.
+    /// Destination of the colours, already filled with the background.
     pub(super) picture: ColorRows<'a>,
     /// Destination of the depths; `None` if they are not kept.
     pub(super) depths: Option<TileRows<'a, f32>>,
@@ -68,7 +68,8 @@ impl Target<'_> {
     }
 }
 
-/// One row of tiles of the packed picture, with its colours and depths. The bottom one may have fewer rows of pixels.
+/// One row of tiles of the packed picture, with its colours and depths. The bottom row of tiles may have fewer rows of
+/// pixels.
 pub(super) struct PictureRows<'p> {
     width: usize,
     colors: &'p mut [Rgba8],

@@ -21,7 +21,7 @@ pub(super) fn set_bits(bits: u64) -> impl Iterator<Item = usize> {
 /// Results of the depth test for eight samples in each of two adjacent rows.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TestedRows {
-    /// Column of the first sample in both rows, and the upper row, within the tile.
+    /// Column of the first sample in both rows, and index of the upper row, within the tile.
     pub(super) place: (usize, usize),
     /// Edge values, indexed by row, edge and lane.
     pub(super) edges: [[[f64; LANES]; 3]; 2],
@@ -66,8 +66,8 @@ impl TestedRows {
     /// Returns the samples with edge values at their shading positions. The shading position in a pixel is the first of
     /// the candidates `places` that the triangle covers.
     ///
-    /// `sample` is the current position of the samples, and must be among `places`. All positions are offsets from the
-    /// pixel centre, in steps of 1/256 px.
+    /// `sample` is the position of the tested samples in their pixels, and must be among `places`. All positions are
+    /// offsets from the pixel centre, in steps of 1/256 px.
     #[inline(never)]
     pub(super) fn at_first_covered<S: Simd>(
         &self,
@@ -102,7 +102,7 @@ impl TestedRows {
         )
     }
 
-    /// Computes interpolation weights. Samples that did not pass get the weights of the first vertex, because weights
+    /// Computes interpolation weights. Samples that did not pass get the weights at the first vertex, because weights
     /// computed from their edge values may be infinite or NaN.
     #[inline(always)]
     fn weights<S: Simd>(&self, simd: S, subject: &ShadedTriangle<'_>) -> AttributeWeights<S> {

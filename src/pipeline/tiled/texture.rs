@@ -175,7 +175,7 @@ impl<'a> TextureReader<'a> {
     /// Returns the indices of texels given by column and row, in a texture whose width and height are powers of two.
     #[inline(always)]
     pub(super) fn place<S: Simd>(&self, x: i32x16<S>, y: i32x16<S>) -> i32x16<S> {
-        // The stride is a power of two plus one: a shift and a sum are faster than a product.
+        // The stride is a power of two plus one: a shift and an addition are faster than a multiplication.
         (y << self.size.0.trailing_zeros()) + (y + x)
     }
 
@@ -291,7 +291,8 @@ impl<'a> TextureReader<'a> {
     }
 
     /// Filters four texels in linear light for each of eight samples, starting at sample `first`. Processes two samples
-    /// at a time with all their channels, because loading channels separately, twelve per sample, takes longer.
+    /// at a time with all their channels, because loading each channel separately, with twelve loads per sample, takes
+    /// longer.
     #[inline(always)]
     fn mix_linear<S: Simd>(
         &self,

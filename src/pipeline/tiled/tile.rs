@@ -1,11 +1,11 @@
 //! A tile of the picture while it is rasterized: the visible triangle and the depth of each sample.
 //!
 //! Samples are grouped in blocks of 8 × 8. A block is *uniform* if one triangle covers all of it, in front of
-//! everything drawn before. Only that triangle is stored for a uniform block; its samples are written when another
-//! triangle first covers the block in part. The least and the greatest stored depth of every block are known, so a
-//! triangle behind all of a block is skipped there (Greene, Kass and Miller, "Hierarchical Z-buffer visibility",
-//! SIGGRAPH 1993). While the whole tile shows a single triangle, or nothing, these bounds are stored once for the whole
-//! tile.
+//! everything drawn before. For a uniform block, only that triangle is stored; the samples of the block are written
+//! when another triangle first covers the block in part. Lower and upper bounds on the stored depths of each block are
+//! kept, so a triangle that is entirely behind a block is skipped there (Greene, Kass and Miller, "Hierarchical
+//! Z-buffer visibility", SIGGRAPH 1993). While the whole tile shows a single triangle, or nothing, these bounds are
+//! stored once for the whole tile.
 
 mod bounds;
 
@@ -54,9 +54,9 @@ pub(super) struct Tile {
     depths: Vec<f32>,
     /// Slot of the visible triangle in each uniform block.
     owners: [u32; BLOCKS * BLOCKS],
-    /// Least stored depth of each block. Not valid while there is a full-tile occluder.
+    /// Lower bound on the stored depths of each block. Not valid while there is a full-tile occluder.
     min_depths: [f32; BLOCKS * BLOCKS],
-    /// Greatest stored depth of each block. Not valid while there is a full-tile occluder.
+    /// Upper bound on the stored depths of each block. Not valid while there is a full-tile occluder.
     max_depths: [f32; BLOCKS * BLOCKS],
     /// Triangle that covers the whole tile in front of everything drawn before, or the background. `None` after another
     /// triangle was drawn into some of the blocks, or if no depth bounds are kept.
@@ -189,8 +189,8 @@ impl Tile {
         }
     }
 
-    /// Draws a triangle at most 16 samples wide, in columns of eight. Triangles at most four samples wide are drawn two
-    /// rows at a time if the rows are aligned.
+    /// Draws a triangle at most 16 samples wide and high, in strips eight samples wide. Triangles at most four samples
+    /// wide are drawn two rows at a time if the samples of all rows are vertically aligned.
     #[inline(never)]
     fn draw_small<S: Simd, E: EdgeNumber, const COMMON: bool>(
         &mut self,
@@ -219,7 +219,7 @@ impl Tile {
                     if !in_sight {
                         return;
                     }
-                    // Eight columns may extend into one more block than the triangle does.
+                    // The last strip of eight columns may extend into one more block than the triangle does.
                     for by in top / BLOCK..=bottom / BLOCK {
                         for bx in columns[0]..=((end - 1) / BLOCK).min(BLOCKS - 1) {
                             let block = by * BLOCKS + bx;

@@ -3,7 +3,7 @@
 //! Alpha-tested triangles are drawn together with the opaque ones, because samples that fail the alpha test are simply
 //! not stored. Blended triangles are drawn over the shaded tile, in the order that the settings select. Both are shaded
 //! with SIMD, two rows at a time, if a kernel supports their shading. Otherwise the code of the classic path shades
-//! them sample by sample. Fragments that are sorted individually are always blended by that code.
+//! them sample by sample. Fragments that are sorted individually are always blended by the classic path's code.
 
 use super::TiledFrame;
 use super::lattice::TILE;
@@ -73,8 +73,8 @@ impl TiledFrame<'_> {
         }
     }
 
-    /// Returns the blended triangles of a tile, given in submission order, in blending order. They stay in submission
-    /// order if their fragments are sorted individually.
+    /// Returns the blended triangles of a tile in blending order. `blended` is in submission order, which is kept
+    /// unless the settings sort whole triangles by distance.
     pub(super) fn in_order(&self, entrants: &TileBin, blended: &[Slot]) -> Vec<(Slot, ScreenTriangle)> {
         let measured = |slot: &Slot| {
             let BinEntry { key, draw } = entrants.get(*slot);

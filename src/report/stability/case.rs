@@ -185,7 +185,8 @@ impl StabilityCase {
     }
 
     /// Returns the case reduced to the parts with the given indices. Parts are triangles, evaluated pixels or
-    /// distances, depending on the kind of case. A partial mesh is no longer expected to cover the image.
+    /// distances, depending on the kind of case. A partial mesh is no longer expected to cover the image. Cases of
+    /// random pairs are returned unchanged.
     pub(crate) fn only(&self, parts: &[usize]) -> Self {
         let mut case = Self { id: format!("{}-part", self.id), ..self.clone() };
         match &mut case.body {

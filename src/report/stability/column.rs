@@ -70,7 +70,7 @@ impl ReportColumn {
         }
     }
 
-    /// Whether the method is implemented as commonly published, with its faults.
+    /// Returns whether the method is implemented as commonly published, with its faults.
     pub(crate) fn is_published(self) -> bool {
         match self {
             Self::Coverage(by) => by.rasterizer.is_published(),

@@ -47,11 +47,11 @@ choice! {
 enum Join {
     Sum,
     Largest,
-    /// Value is computed from other metrics.
+    /// Computed from other metrics.
     Derived,
 }
 
-/// Number of severity levels above 0, which means no fault; see [`Measures::severity`].
+/// Number of severity levels, not counting level 0 (no fault); see [`Measures::severity`].
 pub(crate) const LEVELS: usize = 6;
 
 impl Metric {
@@ -69,18 +69,18 @@ impl Metric {
         }
     }
 
-    /// Whether the metric is a count, which is summed over cases.
+    /// Returns whether the metric is a count, which is summed over cases.
     pub(crate) fn is_count(self) -> bool {
         self.join() == Join::Sum
     }
 
-    /// Whether the metric indicates a fault, as opposed to a quantity or a time.
+    /// Returns whether the metric indicates a fault, as opposed to a quantity or a time.
     pub(crate) fn is_fault(self) -> bool {
         !matches!(self, Self::Pixels | Self::Samples | Self::Pairs | Self::IdealTies | Self::Stiffness)
     }
 
-    /// Returns the metric that counts the total, if this metric counts a part of it: for example, all pixels for wrong
-    /// pixels.
+    /// Returns the metric for the total of which this metric counts a part, such as all pixels for wrong pixels.
+    /// Returns `None` for metrics that do not count a part of a total.
     fn whole(self) -> Option<Self> {
         match self {
             Self::Wrong | Self::WrongUnsnapped | Self::WrongStrict | Self::Seams | Self::Cracks | Self::Doubles => {
@@ -207,7 +207,7 @@ impl Serialize for Measures {
     }
 }
 
-/// Upper bound of a metric; a class passes if all its bounds hold.
+/// Upper bound on a metric; a class passes if all its bounds hold.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct Bound {
     /// Metric to which the bound applies.
@@ -227,7 +227,7 @@ impl Bound {
         Self { metric, most: 0.0 }
     }
 
-    /// Whether the measures are within the bound; `true` if the metric does not apply.
+    /// Returns whether the measures are within the bound; `true` if the metric does not apply.
     pub(crate) fn holds(&self, measures: &Measures) -> bool {
         measures.get(self.metric).is_none_or(|value| value <= self.most)
     }

@@ -8,9 +8,9 @@
 //! ```
 //!
 //! [`catalogue`] generates classes of numerically hard [`case`]s, and [`oracle`] solves them in exact arithmetic.
-//! [`subject`] runs the engine and is the only part that calls it; [`measure`] compares. [`sweep`] runs and times
-//! classes against every [`mod@column`]. The report is plain data, which [`mod@text`], [`mod@csv`] and [`mod@html`]
-//! format and the window shows.
+//! [`subject`] runs the engine and is the only part that calls it; [`measure`] compares its results with the exact
+//! ones. [`sweep`] runs and times every class in every [`mod@column`]. The report is plain data: [`mod@text`],
+//! [`mod@csv`] and [`mod@html`] format it, and the window shows it.
 
 pub(crate) mod case;
 

@@ -65,7 +65,7 @@ impl Weighting {
     }
 }
 
-/// Whether a formula is implemented as commonly published, with its faults.
+/// Returns whether a formula is implemented as commonly published, with its faults.
 pub(crate) fn is_published(interpolation: Interpolation) -> bool {
     interpolation == Interpolation::Published
 }

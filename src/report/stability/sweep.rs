@@ -130,8 +130,8 @@ pub(crate) struct ClassReport {
     pub(crate) units: u64,
     /// Results of each column.
     pub(crate) cells: Vec<ReportCell>,
-    /// Complete cases to which [`Worst::of`] refers, without duplicates. The measures of these cases can be recomputed
-    /// from them.
+    /// Complete cases to which [`Worst::of`] refers, without duplicates. [`Worst::measures`] can be recomputed from
+    /// them.
     pub(crate) worst_cases: Vec<StabilityCase>,
 }
 
@@ -151,7 +151,7 @@ pub(crate) struct ReportCell {
     pub(crate) time: Option<Time>,
     /// Worst case, if there was any fault.
     pub(crate) worst: Option<Worst>,
-    /// Results of each case, in depth classes, where every case is a separate experiment; empty in other classes.
+    /// Results of each case in depth classes, where every case is a separate experiment; empty in other classes.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) by_case: Vec<CaseMeasures>,
 }

@@ -143,7 +143,7 @@ fn interleaved(works: &[ClassWork<'_>], cancel: &AtomicBool) -> Option<Vec<Vec<f
             seconds[*index].push(spent.as_secs_f64() / f64::from(repeats[*index]));
         }
     }
-    // If cancelled meanwhile, the last time is invalid.
+    // If the run was cancelled meanwhile, the last time is invalid.
     (!cancel.load(Ordering::Relaxed)).then_some(seconds)
 }
 
@@ -323,7 +323,7 @@ mod tests {
             StabilityCase { id: id.to_owned(), class: String::new(), note: String::new(), body }
         };
         work(&vec![case("a"); 100], first)(&AtomicBool::new(true));
-        // Running all of them would take minutes.
+        // Running all cases would take minutes.
         assert!(begun.elapsed() < Duration::from_secs(5), "{:?}", begun.elapsed());
     }
 

@@ -1,6 +1,6 @@
 //! Trade-off of error against time.
 //!
-//! There is one point per configuration. Its time is the geometric mean over all classes of the time per pixel, so that
+//! There is one point per configuration. Its time is the geometric mean of the time per pixel over all classes, so that
 //! classes with a high cost per pixel do not dominate. Its error is the mean fraction of wrong pixels, or the largest
 //! error of a weight.
 

@@ -57,8 +57,8 @@ fn section(report: &UpscalingReport, scene: &SceneReport) -> io::Result<String> 
     let best = scene.rows.iter().filter(|row| row.is_on_front()).count();
     Ok(format!(
         "<section>\n<h2>{}</h2>\n<p class=\"soft\">{} triangles. Down and to the left is better; {best} of {} points \
-         are on the Pareto front, joined by the dashed line. Grey points are dominated, or faster than a better one \
-         only by a difference within noise. Bars extend from the 10th to the 90th percentile; thin lines join the \
+         are on the Pareto front, joined by the dashed line. Grey points are dominated, or their time advantage over \
+         a more accurate point is within noise. Bars extend from the 10th to the 90th percentile; thin lines join the \
          scales of one method. Noise floor of the times: {}. {}</p>\n<div \
          class=\"panels\"><figure>{}</figure>{}</div>\n{}<h3>Table</h3>\n{}<h3>Region of the largest differences</h3>\n\
          <p class=\"soft\">{} × {} px from column {}, row {}, enlarged without filtering.</p>\n{}</section>\n",

@@ -1,5 +1,5 @@
-//! Comparison of two ways to draw fewer pixels: skipping them inside the loop, as naive renderers do, or not visiting
-//! them.
+//! Comparison of two ways to draw fewer pixels: skipping unwanted pixels inside the loop, as naive renderers do, or not
+//! visiting them at all.
 //!
 //! The naive loop iterates over the bounding box of a triangle pixel by pixel and skips unwanted ones. That saves their
 //! shading, but rasterization still visits every pixel. A [`SampleGrid`] iterates over the wanted samples only. Both
@@ -182,7 +182,7 @@ mod tests {
     use crate::image::Image;
     use crate::scene::builtin;
 
-    /// Returns an image of only those pixels of `full` that the grid samples.
+    /// Returns the pixels of `full` that the grid samples, as a packed image.
     fn packed<T: Copy>(full: &Image<T>, grid: SampleGrid) -> Image<T> {
         let (width, height) = grid.packed_size(full.width(), full.height());
         Image::from_fn(width, height, |column, row| {

@@ -124,16 +124,17 @@ pub struct UpscalingRow {
     pub(crate) parts_ms: Parts,
     /// Error of the image in the still view.
     pub(crate) error: ErrorMetrics,
-    /// Error over the frames of the moving view, by which methods are ranked. Without motion, it equals the error in
-    /// the still view.
+    /// Error over the frames of the moving view, used to rank the methods. Without motion, it equals the error in the
+    /// still view.
     pub(crate) motion: MotionError,
     /// Label of a recipe that dominates this one in time and in FLIP in motion, or `None`. A shorter time counts only
     /// if the difference exceeds the noise.
     pub(crate) dominated_by: Option<String>,
-    /// Label of a recipe whose time differs within noise and whose error is smaller, or equal at a shorter time. `None`
-    /// if there is no such recipe, or if a recipe clearly dominates this one.
+    /// Label of a recipe that is better within noise: its time differs only within noise, and its error is smaller, or
+    /// its error is equal and its time shorter. `None` if there is no such recipe, or if another recipe dominates this
+    /// one.
     pub(crate) within_noise_of: Option<String>,
-    /// Whether the frame time differs from that of native rendering only within noise.
+    /// Whether the frame time is within noise of the native frame time; `false` for native rendering itself.
     pub(crate) native_within_noise: bool,
     /// Image of the recipe, cropped to the region of the largest errors.
     #[serde(skip)]
@@ -161,7 +162,7 @@ pub(crate) struct Parts {
 /// Maximum width and height of a crop, in pixels.
 const CROP: (u32, u32) = (160, 110);
 
-/// Runs all measurements. If cancelled, returns the scenes measured so far, or `None` if there are none. The last one
+/// Runs all measurements. If cancelled, returns the scenes measured so far, or `None` if there are none. The last scene
 /// may have fewer rounds.
 pub fn run(
     plan: &UpscalingPlan,

@@ -5,10 +5,11 @@ use crate::measure::noise::Noise;
 /// Position of a method relative to the Pareto front of time and error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Standing<M> {
-    /// On the Pareto front: every other method has a clearly longer time or a larger error.
+    /// On the Pareto front: each method with a smaller error takes longer by more than the noise, and no method with an
+    /// equal error is faster.
     Front,
-    /// Within noise of the Pareto front: the given method has a smaller error, or an equal error and a shorter time,
-    /// and the times differ only within noise.
+    /// Within noise of the Pareto front: the times of this and the given method differ only within noise, and the given
+    /// method has a smaller error, or an equal error and a shorter time.
     WithinNoise(M),
     /// Dominated: the given method is at least as good in both time and error, and better in one. A shorter time counts
     /// only if the difference exceeds the noise.
@@ -16,7 +17,7 @@ pub(crate) enum Standing<M> {
 }
 
 impl<M> Standing<M> {
-    /// Replaces the identifier of the other method, if there is one, by the result of `name`.
+    /// Replaces the identifier of the other method, if there is one, with the result of `name`.
     pub(crate) fn map<N>(self, name: impl FnOnce(M) -> N) -> Standing<N> {
         match self {
             Self::Front => Standing::Front,
@@ -66,10 +67,10 @@ mod tests {
     #[test]
     fn a_lead_in_time_within_noise_does_not_count() {
         let noise = Noise { pairs: 10, p90: 0.02 };
-        // The first is 0.5 % faster, but the second has less error: the first has no clear advantage.
+        // The first is faster by only 0.5 %, which is within noise, and the second has a smaller error.
         assert_eq!(standings(&[(1.0, 9.0), (1.005, 4.0)], &noise), [WithinNoise(1), Front]);
         assert_eq!(standings(&[(1.0, 9.0), (1.005, 4.0)], &QUIET), [Front, Front]);
-        // Equal errors: a method 0.5 % slower is within noise, one 20 % slower is beaten.
+        // Equal errors: a method that is 0.5 % slower is within noise, one that is 20 % slower is dominated.
         assert_eq!(standings(&[(1.0, 4.0), (1.005, 4.0), (1.2, 4.0)], &noise), [Front, WithinNoise(0), Beaten(0)]);
         assert_eq!(standings(&[(1.0, 9.0), (1.2, 4.0)], &noise), [Front, Front]);
     }

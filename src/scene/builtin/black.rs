@@ -89,11 +89,11 @@ fn draft_near_clipped() -> SceneDraft {
 
 fn draft_z_fought() -> SceneDraft {
     const DISTANCE: f32 = 10.0;
-    /// Near-plane distance, in world units. It makes a step of the depth buffer, 2⁻²⁴ · distance² / near, 0.3 units
-    /// wide at the poster, so that the stripes are wide enough to click.
+    /// Near-plane distance, in world units. It is so small that one depth step at the poster, 2⁻²⁴ · distance² / near,
+    /// is 0.3 units. The stripes are then wide enough to click.
     const NEAR: f32 = 2e-5;
-    /// Distance of the poster from the wall, in world units. At a third of a depth step, both have the same depth at
-    /// about half of the pixels.
+    /// Distance of the poster from the wall, in world units. The gap is a third of a depth step, so that poster and
+    /// wall have equal depths at about half of the pixels.
     const GAP: f32 = 0.1;
     let home = Camera { near: NEAR, far: 1e5, ..Camera::look_at(Vec3::ZERO, Vec3::Z * -DISTANCE) };
     let mut draft = SceneDraft::new(DUSK, home);

@@ -140,8 +140,8 @@ fn fir_color(v: f32) -> Vec3 {
     }
 }
 
-/// Returns the colour at position `along` of a striped pattern: one stripe of `other` per unit, on `main`. `share` is
-/// the width of a stripe as a fraction of the unit.
+/// Returns the colour of a striped pattern at position `along`. Every unit begins with a stripe of colour `other`; the
+/// rest has colour `main`. `share` is the width of a stripe as a fraction of the unit.
 fn stripes(along: f32, main: Vec3, other: Vec3, share: f32) -> Vec3 {
     if along.fract() < share { other } else { main }
 }

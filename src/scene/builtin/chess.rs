@@ -1,9 +1,9 @@
 //! The default scene: solids and pawns on a chess floor that extends to the horizon.
 //!
-//! The floor is a grid of 4 × 4 large quads with a repeated texture. It immediately exposes errors of wrapping,
-//! filtering and especially interpolation without perspective correction. The solids have textures, plain colours and
-//! vertex colours, and occlude each other. The front edge of the floor lies below the picture and beyond the near
-//! plane, so no triangle is clipped against the near plane.
+//! The floor is a grid of 4 × 4 large quads with a repeated texture. It makes errors in texture wrapping, in filtering
+//! and especially in perspective-correct interpolation obvious. The solids have textures, plain colours and vertex
+//! colours, and occlude each other. The front edge of the floor lies below the picture and beyond the near plane, so no
+//! triangle is clipped against the near plane.
 
 use glam::{Mat4, Quat, Vec2, Vec3, Vec3Swizzles as _};
 
@@ -24,7 +24,7 @@ pub(super) const CHESS: Builtin = Builtin {
 
 const BACKGROUND: [u8; 3] = [62, 68, 78];
 
-/// Size of the floor along x and z, in world units. At the horizon, the floor is at least as wide as a wide picture.
+/// Size of the floor along x and z, in world units. Its far edge fills the width of a 16:9 picture.
 const FLOOR_SIZE: Vec2 = Vec2::new(104.0, 62.0);
 
 /// World-space z of the floor's front edge, which lies below the bottom of the picture but beyond the near plane.

@@ -18,7 +18,7 @@ pub(super) const CUBES: Builtin = Builtin {
 /// Number of cubes along x, y and z.
 const COUNT: [u32; 3] = [8, 4, 4];
 
-/// Distance between the centres of neighbouring cubes, in world units. The edge of a cube is 1.
+/// Distance between the centres of neighbouring cubes, in world units. A cube has an edge length of 1.
 const SPACING: f32 = 1.75;
 
 fn draft() -> SceneDraft {

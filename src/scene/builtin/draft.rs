@@ -40,7 +40,7 @@ impl SceneDraft {
         self.library.add_texture(Texture::new(image).expect("generated pictures have pixels"))
     }
 
-    /// Adds a white material with a texture, whose alpha determines the transparency.
+    /// Adds a white material with a texture. The alpha of the texture determines the transparency.
     pub(super) fn textured(&mut self, name: &str, image: Image<Rgba8>) -> MaterialId {
         let texture = self.texture(image);
         self.library.add_material(Material::textured(name, texture))

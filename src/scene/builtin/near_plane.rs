@@ -53,7 +53,7 @@ fn wall_uv(position: Vec3, normal: Vec3) -> Vec2 {
 fn add_obstacles(draft: &mut SceneDraft) {
     let cube = draft.mesh(shapes::cube());
     let coral = draft.plain("coral", srgb(0xE8_6A_58));
-    // The beam runs from ahead on the right past the eye; the near plane cuts it inside the picture.
+    // The beam begins far ahead on the right and ends behind the eye; the near plane cuts it inside the picture.
     let along = Quat::from_rotation_arc(Vec3::Z, Vec3::new(-0.12, 0.06, 1.0).normalize());
     let beam = Mat4::from_rotation_translation(along, Vec3::new(0.62, -0.35, -3.0));
     draft.place("beam", cube, coral, beam * Mat4::from_scale(Vec3::new(0.12, 0.12, 4.0)));

@@ -1,8 +1,9 @@
 //! Procedural meshes: solids around the origin, a floor and a knot.
 //!
-//! All functions return indexed [`MeshData`] with unit normals, texture coordinates (v downwards) and counter-clockwise
-//! front faces. Solids are closed: seams repeat positions bit for bit, and with equal positions merged, every edge
-//! belongs to exactly two triangles. Round solids are profiles revolved around the y axis (see `revolve`).
+//! All functions return indexed [`MeshData`] with unit normals, texture coordinates (v pointing down) and
+//! counter-clockwise front faces. Solids are closed: seams repeat positions bit for bit, and with equal positions
+//! merged, every edge belongs to exactly two triangles. Round solids are profiles revolved around the y axis (see
+//! `revolve`).
 
 use std::f32::consts::TAU;
 
@@ -55,7 +56,8 @@ pub(super) fn cone(height: f32, segments: u32) -> MeshData {
     Profile::from(0.0, height).line_to(1.0, 0.0).line_to(0.0, 0.0).revolve("cone", segments)
 }
 
-/// Returns a capsule of radius 1 along y around the origin. The centres of its hemispherical caps are `length` apart.
+/// Returns a capsule of radius 1 along the y axis, centred at the origin. The centres of its two hemispheres are
+/// `length` apart.
 pub(super) fn capsule(length: f32, segments: u32) -> MeshData {
     let middle = length * 0.5;
     Profile::from(0.0, middle + 1.0)

@@ -66,7 +66,7 @@ fn draft_interpenetrating() -> SceneDraft {
     draft
 }
 
-/// Returns a triangle in the plane z = 0 with its centroid near the origin and its front towards +z.
+/// Returns a triangle in the plane z = 0 with its centroid near the origin, facing +z.
 fn triangle() -> MeshData {
     MeshData {
         name: "triangle".to_owned(),
@@ -77,10 +77,10 @@ fn triangle() -> MeshData {
     }
 }
 
-/// Creates the scene of a square that its diagonals and centre lines divide into eight triangles.
+/// Creates a scene with a square that is divided into eight triangles by its diagonals and centre lines.
 ///
-/// Some of these edges run through pixel centres for any picture size: the diagonals if width and height are both even,
-/// a centre line if one of them is odd.
+/// At any picture size, some of these edges run through pixel centres: the diagonals if width and height are both even,
+/// a centre line if either is odd.
 fn draft_shared_edges() -> SceneDraft {
     let mut draft = SceneDraft::new(BACKGROUND, Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO));
     let rim = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0)];
@@ -117,8 +117,8 @@ fn fan() -> MeshData {
     flat("fan", angles.windows(2).map(|pair| [Vec2::ZERO, rim(pair[0]), rim(pair[1])]))
 }
 
-/// Returns a strip of needle-shaped triangles between two parallel lines. Their width decreases to the right, from 0.05
-/// to 0.0001 units.
+/// Returns a strip of needle-shaped triangles between two parallel lines. The width of the triangles decreases to the
+/// right, from 0.05 to 0.0001 units.
 fn strip() -> MeshData {
     let mut triangles = Vec::new();
     let (mut width, mut left) = (0.05_f32, -0.9_f32);
@@ -135,8 +135,7 @@ fn strip() -> MeshData {
     flat("strip", triangles.into_iter())
 }
 
-/// Returns a mesh in the plane z = 0, without shared vertices. Each triangle has a colour that differs from its
-/// neighbours.
+/// Returns a mesh in the plane z = 0, without shared vertices. Neighbouring triangles have different colours.
 fn flat(name: &str, triangles: impl Iterator<Item = [Vec2; 3]>) -> MeshData {
     let positions: Vec<Vec3> = triangles.flatten().map(|p| p.extend(0.0)).collect();
     let count = positions.len() as u32;
@@ -150,8 +149,8 @@ fn flat(name: &str, triangles: impl Iterator<Item = [Vec2; 3]>) -> MeshData {
     }
 }
 
-/// Returns the colour of a triangle, as sRGB values. The hue advances by the golden angle per triangle, so neighbours
-/// differ, and no short cycle repeats.
+/// Returns the colour of a triangle, as sRGB values. The hue advances by the golden angle per triangle, so that
+/// neighbours differ and colours do not repeat in a short cycle.
 fn sliver_color(triangle: u32) -> Vec3 {
     const GOLDEN_TURN: f32 = 0.381_966;
     hue(triangle as f32 * GOLDEN_TURN % 1.0) * (0.75 + 0.25 * noise::hash(triangle, 0, 3))

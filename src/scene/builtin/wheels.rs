@@ -20,7 +20,7 @@ pub(super) const WHEELS: Builtin = Builtin {
     draft,
 };
 
-/// Number of spokes of the wheel. It looks the same after a twelfth of a turn.
+/// Number of spokes of the wheel. Apart from the painted spoke, the wheel looks the same after a twelfth of a turn.
 const SPOKES: u32 = 12;
 
 /// Clockwise rotation of the wheel per frame, in degrees.

@@ -31,8 +31,8 @@ pub(crate) fn sheet(triangles: usize) -> Scene {
     draft.finish(&format!("sheet of {} triangles", 2 * cells as usize * cells as usize))
 }
 
-/// Returns a scene of `count` textured squares behind each other. Each fills the picture, and the farthest is drawn
-/// first.
+/// Returns a scene of `count` textured squares, one behind the other. Each square fills the picture, and the farthest
+/// is drawn first.
 pub(crate) fn layers(count: usize) -> Scene {
     /// Edge length of a square, in world units, enough for a picture three times as wide as high.
     const EDGE: f32 = 24.0;

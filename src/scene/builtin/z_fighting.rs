@@ -58,7 +58,8 @@ fn add_pair(draft: &mut SceneDraft, mesh: MeshId, [back, front]: [MaterialId; 2]
         Mat4::from_scale_rotation_translation(Vec3::splat(edge * size), rotation, center + lean * Vec3::Y * lift)
     };
     draft.place(format!("back panel at {distance}"), mesh, back, panel(0.85, 0.0, 0.0));
-    // The rotation makes its depth depend on other vertex positions than the depth of the back panel.
+    // The rotation gives the front panel other vertex positions, so that its depth is interpolated from other values
+    // than the depth of the back panel.
     draft.place(format!("front panel at {distance}, gap {gap}"), mesh, front, panel(0.5, 0.6, gap));
 }
 

@@ -1,8 +1,8 @@
 //! First pass over an OBJ file: reads the numbered lists of vertex attributes (`v`, `vt`, `vn`).
 //!
 //! The lists are read before any face, because a face may refer to lines below it. NaN and infinity are read with a
-//! warning: positions keep them, so that the faces that use them are shown as broken. Coordinates are taken as written.
-//! The optional weight `w` is only used by rational curves and is ignored.
+//! warning. Positions keep these values, so that the triangles that use them are reported as not finite. Coordinates
+//! are kept as written; the optional weight `w`, which only rational curves use, is ignored.
 
 use std::path::Path;
 
@@ -22,7 +22,7 @@ const MAX_ENTRIES: usize = u32::MAX as usize;
 pub(super) struct AttributeLists {
     /// Positions (`v`), in file units.
     pub(super) positions: Vec<Vec3>,
-    /// Vertex colours in [0, 1], which a `v` line gives after the position. Empty if no vertex has a colour; otherwise,
+    /// Vertex colours in [0, 1], which follow the position on a `v` line. Empty if no vertex has a colour; otherwise,
     /// vertices without a colour are white.
     pub(super) colors: Vec<Vec3>,
     /// Texture coordinates (`vt`), with v pointing up as in the file. They may be NaN or infinite.

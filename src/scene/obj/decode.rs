@@ -1,9 +1,9 @@
 //! Decoding of OBJ and MTL files to text, and splitting of the text into lines.
 //!
-//! Neither format names an encoding. A byte-order mark decides for UTF-8 or UTF-16. Otherwise the text is UTF-8 if it
-//! is valid, and Latin-1 if not, which is what older exporters write. Names in OBJ and MTL then agree even if the two
-//! files are encoded differently. Files in other formats are recognised here by their first bytes, so that the message
-//! can name the format.
+//! Neither format specifies an encoding. A byte-order mark selects UTF-8 or UTF-16. Text without one is decoded as
+//! UTF-8 if it is valid UTF-8, otherwise as Latin-1, which older exporters write. Names in OBJ and MTL then agree even
+//! if the two files are encoded differently. Files in other formats are recognised here by their first bytes, so that
+//! the message can name the format.
 
 use std::borrow::Cow;
 
@@ -12,7 +12,7 @@ use memchr::memchr2;
 /// Decoded text of a file, and whether padding was removed.
 #[derive(Debug, PartialEq)]
 pub(super) struct Decoded {
-    /// Text without byte-order mark and trailing NUL bytes; line endings as in the file.
+    /// Text without a byte-order mark or trailing NUL bytes; line endings as in the file.
     pub(super) text: String,
     /// Whether NUL bytes were removed from the end. They are left by a crash of the exporter or by padding to whole
     /// sectors.
@@ -58,8 +58,8 @@ fn is_binary(byte: u8) -> bool {
     byte < 0x20 && !matches!(byte, b'\t' | b'\n' | b'\r' | 0x0B | 0x0C)
 }
 
-/// Returns a message that names another file format, recognised by its first bytes; `None` for possible OBJ or MTL
-/// text.
+/// Returns a message that names the format of a file that is neither OBJ nor MTL, recognised by its first bytes; `None`
+/// if the file may be OBJ or MTL text.
 fn foreign_format(bytes: &[u8]) -> Option<&'static str> {
     const KNOWN: [(&[u8], &str); 14] = [
         (b"\x89PNG", "this is a PNG image"),
@@ -109,8 +109,8 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
-/// Iterator over the lines of a text like [`Lines`], which joins a line that ends with a backslash with the next line.
-/// Joined lines have the number of the first one. Comments are not joined, because they may end with a path.
+/// Iterator like [`Lines`] that joins a line ending with a backslash with the next line. Joined lines have the number
+/// of the first one. Comments are not joined, because they may end with a path.
 pub(super) struct JoinedLines<'a>(Lines<'a>);
 
 /// Returns the lines of `text`, with continued lines joined.

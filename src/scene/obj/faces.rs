@@ -1,9 +1,9 @@
 //! Second pass over an OBJ file: reads faces with their objects, groups and materials (`f`, `o`, `g`, `usemtl`,
 //! `mtllib`).
 //!
-//! Faces become triangles that refer to the lists of the first pass by indices counted from 0. They are collected in
-//! [`MeshPart`]s: all triangles of one object in one material, with or without texture coordinates. Points, lines and
-//! curves are skipped with a warning, and so are faces without area.
+//! Faces become triangles that refer to the lists of the first pass by indices counted from 0. The triangles are
+//! collected in [`MeshPart`]s. A part holds the triangles of one object with one material, either all with texture
+//! coordinates or all without. Points, lines and curves are skipped with a warning, and so are faces without area.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -20,7 +20,7 @@ use crate::math::unit_or;
 use crate::scene::SceneError;
 use crate::scene::load::Load;
 
-/// Value that represents "no texture coordinate" and "no normal" in a [`FaceCorner`].
+/// Value that represents "no texture coordinate" or "no normal" in a [`FaceCorner`].
 pub(super) const NONE: u32 = u32::MAX;
 
 /// Maximum number of triangles of a scene: the indices of their corners have 32 bits.
@@ -137,7 +137,8 @@ struct FaceReader<'a, 'l> {
     outline: Vec<Vec3>,
     local: Triangulation,
     triangulator: Triangulator,
-    /// Triangulation work of the last face that is not yet counted as progress, in corners of simple faces.
+    /// Triangulation work of the last face, which is not yet counted as progress. The unit is the work for one corner
+    /// of a simple face.
     cut_corners: usize,
     /// Whether all positions are finite.
     all_finite: bool,
@@ -241,7 +242,9 @@ impl<'a, 'l> FaceReader<'a, 'l> {
         Ok(match outcome {
             _ if is_broken => Some("face with a corner that is not finite; not drawn".to_owned()),
             TriangulationOutcome::NoArea => Some("face without area; skipped".to_owned()),
-            TriangulationOutcome::Crossing => Some("face that crosses itself; drawn by its winding numbers".to_owned()),
+            TriangulationOutcome::Crossing => {
+                Some("face that crosses itself; filled by its winding numbers".to_owned())
+            }
             TriangulationOutcome::NotFlat => {
                 Some("face that is not flat and crosses itself in its plane; drawn as a fan".to_owned())
             }
@@ -294,7 +297,7 @@ impl<'a, 'l> FaceReader<'a, 'l> {
     /// second.
     fn between(&mut self, [a, b]: [FaceCorner; 2], place: f64) -> Result<FaceCorner, String> {
         let number = |list_length: usize| {
-            u32::try_from(list_length).ok().filter(|n| *n != NONE).ok_or("more vertices than 32-bit indices")
+            u32::try_from(list_length).ok().filter(|n| *n != NONE).ok_or("more vertices than 32-bit indices allow")
         };
         let Self { lists, load, .. } = self;
         let position = number(lists.positions.len())?;

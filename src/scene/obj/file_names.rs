@@ -1,7 +1,8 @@
 //! Lookup of files whose names are written differently in the model and on disk.
 //!
 //! macOS writes decomposed names (NFD), and most other systems composed ones (NFC). Windows does not distinguish upper
-//! and lower case. Archives carry such names to systems that do distinguish them.
+//! and lower case. A model copied to another system may therefore refer to a file by a name that differs in normal form
+//! or case.
 
 use std::path::{Path, PathBuf};
 

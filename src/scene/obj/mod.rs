@@ -50,8 +50,8 @@ use crate::disk;
 /// of 10 million triangles without normals.
 const SHARES: [f32; 5] = [0.25, 0.35, 0.15, 0.15, 0.1];
 
-/// Maximum coordinate of a model that is not scaled down. A product of three such numbers, as in a determinant, is
-/// still finite in f32.
+/// Maximum magnitude of a coordinate; a larger model is scaled down. The product of three such coordinates, as in a
+/// determinant, is still finite in f32.
 const MAX_COORDINATE: f32 = 1e12;
 
 /// Background colour of a loaded model, as sRGB codes. It contrasts with both bright and dark surfaces.
@@ -126,7 +126,7 @@ pub(crate) fn load_with(path: &Path, tr: TrMeaning, control: LoadControl<'_>) ->
     };
     let scene = assemble(&faces, meshes, materials, &mut warnings)?;
     if scene.home.up == UpAxis::Z.unit() {
-        let text = "the first view has z up: the model stands on z = 0 and is centred in y; override with `--up y`";
+        let text = "the home view has z up: the model stands on z = 0 and is centred in y; override with `--up y`";
         notes.push(Warning::file(path, text));
     }
     Ok(Loaded { scene, warnings: warnings.finish(path), notes })
@@ -134,7 +134,7 @@ pub(crate) fn load_with(path: &Path, tr: TrMeaning, control: LoadControl<'_>) ->
 
 fn read_text(path: &Path, warnings: &mut Warnings, load: &mut Load<'_>) -> Result<String, SceneError> {
     let unusable = |reason| SceneError::Unusable { path: path.to_owned(), reason };
-    // Latin-1 text needs up to twice its length in addition.
+    // Length of the file's bytes, and up to twice that for Latin-1 text converted to UTF-8.
     let transient = 3 * disk::length(path);
     load.charge(transient).map_err(unusable)?;
     let bytes = disk::read(path, load.memory().bytes())
@@ -307,7 +307,7 @@ impl<'a> Materials<'a> {
             normal_texture: normals.or(bumps),
             normal_scale: normal_picture.as_ref().map_or(1.0, |picture| picture.options.bump),
             uv_scale: placement.scale,
-            // v runs down here but up in the file: 1 − (s·(1 − v) + o) = s·v + (1 − s − o).
+            // v points down here but up in the file: 1 − (s·(1 − v) + o) = s·v + (1 − s − o).
             uv_offset: Vec2::new(placement.offset.x, 1.0 - placement.scale.y - placement.offset.y),
             clamp: placement.clamp,
             ..plain

@@ -70,7 +70,7 @@ pub(super) struct TextureOptions {
     pub(super) offset: Vec2,
     /// Whether texture coordinates are clamped (`-clamp on`).
     pub(super) clamp: bool,
-    /// Factor of the x and y components of a normal map (`-bm`).
+    /// Scale factor for the x and y components of a normal map (`-bm`).
     pub(super) bump: f32,
     /// Channel of the picture to read (`-imfchan`), if given.
     pub(super) channel: Option<PictureChannel>,
@@ -132,7 +132,7 @@ pub(super) fn read(library: &Path, text: &str, known: &mut Descriptions, warning
 struct MtlReader<'a> {
     library: &'a Path,
     warnings: &'a mut Warnings,
-    /// Material that the statements belong to, with its name.
+    /// Material to which the next statement belongs, with its name; `None` before the first `newmtl`.
     material: Option<(String, Description)>,
 }
 
@@ -240,7 +240,8 @@ impl MtlReader<'_> {
             };
             let mut values = Vec::with_capacity(most);
             while values.len() < most {
-                // Up to three numbers may follow, so a word that is not a number starts the file name.
+                // An option with several numbers may have fewer than `most`; a word that is not a number starts the
+                // file name.
                 let ends = |word: &&str| most > 1 && !values.is_empty() && number(word).is_err();
                 match words.next_if(|word| !ends(word)) {
                     Some(value) => values.push(value),

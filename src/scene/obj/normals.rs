@@ -1,14 +1,14 @@
 //! Computation of normals for face corners without one.
 //!
-//! Input: positions and triangles with a non-zero area. Output: unit normals, and their indices in the corners. A
-//! corner's normal is the mean of the normals of the faces around its vertex, weighted by their angles there (Thürmer
+//! Input: positions and triangles with a non-zero area. Output: unit normals, whose indices are stored in the corners.
+//! A corner's normal is the mean of the normals of the faces around its vertex, weighted by their angles there (Thürmer
 //! and Wüthrich, "Computing Vertex Normals from Polygonal Facets", 1998). Only faces of the same smoothing group (`s`)
 //! contribute. In a file without smoothing groups, only faces within [`CREASE_DEGREES`] of the corner's own face
-//! contribute, so a box keeps its edges and a bunny is smooth. Faces are neighbours if they share a vertex in the file,
-//! across objects and materials, so no seam shows where the material changes.
+//! contribute, so that a box keeps its hard edges and a curved surface is smooth. Faces are neighbours if they share a
+//! vertex in the file, even across objects and materials, so that no seam is visible where the material changes.
 //!
-//! Comparing every face around a vertex with every other is quadratic. Around a vertex of many faces, such as the tip
-//! of a fan of thousands, faces of nearly equal direction are therefore merged first, which bounds the work.
+//! Comparing every face around a vertex with every other is quadratic. If many faces share a vertex, such as the tip of
+//! a fan of thousands of triangles, faces with nearly equal directions are merged first, which bounds the work.
 
 use std::collections::HashMap;
 
@@ -29,8 +29,8 @@ const VERTICES_PER_REPORT: usize = 1 << 14;
 /// Number of faces around a vertex above which faces of nearly equal direction are merged.
 const CROWD: usize = 32;
 
-/// Maximum angle between face directions that are merged, in degrees. Fewer than 300 directions can differ pairwise by
-/// more.
+/// Maximum angle between face directions that are merged, in degrees. Fewer than 300 directions can all differ from
+/// each other by more than this angle.
 const CROWD_DEGREES: f64 = 15.0;
 
 /// Computes a normal for every corner without one, appends it to `lists` and stores its index in `faces`. Returns
@@ -94,8 +94,8 @@ pub(super) fn fill(lists: &mut AttributeLists, faces: &mut Faces, load: &mut Loa
     Ok(uses_crease)
 }
 
-/// Assigns the face normal to all corners without a normal in the triangles for which `chosen` returns `true`.
-/// Consecutive corners with equal face normals share one entry of `normals`.
+/// Assigns the face normals to the corners of all triangles for which `chosen` returns `true`, except to corners that
+/// already have a normal. Consecutive corners with equal face normals share one entry of `normals`.
 fn flat(faces: &[Vec3], triangles: &mut [[FaceCorner; 3]], normals: &mut Vec<Vec3>, chosen: impl Fn(usize) -> bool) {
     for (place, triangle) in triangles.iter_mut().enumerate().filter(|(place, _)| chosen(*place)) {
         for corner in triangle.iter_mut().filter(|corner| corner.normal == NONE) {
@@ -160,7 +160,8 @@ fn has_crease(directions: &[MergedNormal]) -> bool {
 }
 
 impl MergedNormal {
-    /// Returns the normalised sum of all weighted directions within the crease angle of this one.
+    /// Returns the normalised sum of the weighted normals in `all` that have the same smoothing as this one and lie
+    /// within the crease angle of it.
     fn smooth(&self, all: &[Self]) -> Vec3 {
         let limit = CREASE_DEGREES.to_radians().cos();
         let alike = |d: &&Self| d.smoothing == self.smoothing && d.unit.dot(self.unit) >= limit;
@@ -170,7 +171,7 @@ impl MergedNormal {
 }
 
 /// Merges the `count` faces adjacent to a vertex if they share a smoothing group or, for more than [`CROWD`] faces, if
-/// their directions are nearly equal. Also returns the index of the merged normal of each face.
+/// their directions are nearly equal. Also returns, for each face, the index of its merged normal.
 fn merge_directions(faces: impl Iterator<Item = Face>, count: usize) -> (Vec<MergedNormal>, Vec<usize>) {
     let limit = if count > CROWD { CROWD_DEGREES.to_radians().cos() } else { f64::INFINITY };
     let mut directions: Vec<MergedNormal> = Vec::new();
@@ -221,7 +222,7 @@ impl Incidence {
             sum += *end;
             *end = sum;
         }
-        // The list is filled from the back, which moves each end down to its start.
+        // Each vertex's range is filled from its end, and its entry in `ends` moves down to the start of the range.
         let mut order = vec![0_u32; corners.len()];
         for (number, corner) in corners.iter().enumerate().rev() {
             let start = &mut ends[corner.position as usize];

@@ -51,8 +51,8 @@ pub(super) fn tr_is_opacity(
     true
 }
 
-/// Whether `d` and `Tr` agree in all materials that have both, with values that distinguish the meanings. `false` if
-/// there is no such material.
+/// Whether `d` and `Tr` are equal in all materials that have both, which indicates that `Tr` means opacity. Ignores
+/// materials with `d` = 0.5, for which both meanings agree. Returns `false` if no material remains.
 fn agrees_with_dissolve(all: &Descriptions) -> bool {
     let mut pairs = all
         .values()

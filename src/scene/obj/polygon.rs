@@ -4,14 +4,14 @@
 //! is projected along its normal by Newell's method (Sutherland, Sproull and Schumacker, 1974), which also handles
 //! corners that are not exactly coplanar. The first suitable method in this list is used:
 //!
-//! - a fan, if all its triangles have positive area: linear, and keeps corners in the middle of an edge;
-//! - ear clipping (Meisters, 1975; Held, 2001, by the crate `earcut`), if there are few corners: cubic at worst;
+//! - a fan, if all its triangles have positive area: O(n), and keeps corners that lie in the middle of an edge;
+//! - ear clipping (Meisters, 1975; Held, 2001, by the crate `earcut`), if there are few corners: O(n³) at worst;
 //! - a sweep ([`sweep`]), if the outline does not touch itself: O(n log n);
 //! - regions by winding number ([`winding`]), which adds the points where the outline crosses itself;
 //! - a plain fan, if the face is far from flat and its projection crosses itself, or if it crosses itself too often.
 //!
-//! Triangles without area are skipped, because they cover nothing. The projection is in f64, in which products of f32
-//! coordinates neither overflow nor vanish.
+//! Triangles without area are skipped, because they cover nothing. The projection is computed in f64, where products of
+//! f32 coordinates neither overflow nor underflow.
 
 mod grid;
 mod sweep;
@@ -35,11 +35,11 @@ const AREA_TOLERANCE: f64 = 1e-6;
 /// Minimum area of a triangle relative to its face; smaller areas are attributed to rounding.
 const SLIVER: f64 = 1e-14;
 
-/// Ratio of a face's area to its area without cancellation, below which Newell's normal is not used. For a bow tie, the
+/// Minimum ratio of a face's area to its area without cancellation at which Newell's normal is used. For a bow tie, the
 /// terms of Newell's normal cancel.
 const CANCELLATION: f64 = 1e-4;
 
-/// Maximum height of a corner above the plane of a flat face, relative to the square root of the area.
+/// Maximum height of a corner above the plane of a flat face, relative to the square root of its doubled area.
 const FLATNESS: f64 = 1e-4;
 
 /// Result of triangulating a face.
@@ -119,7 +119,7 @@ impl Triangulator {
         }
         triangles.clear();
         if !flat.is_flat() {
-            // A triangle without area on the plane may have an area in space and leave a hole.
+            // A triangle whose projection has no area may have an area in space; omitting it would leave a hole.
             triangles.extend(solid_fan(corners));
             return if is_whole { TriangulationOutcome::Whole } else { TriangulationOutcome::NotFlat };
         }
@@ -163,8 +163,8 @@ impl Triangulator {
         let turns_alike = triangles.iter().all(|triangle| area(triangle) >= -least);
         triangles.retain(|triangle| area(triangle) > least);
         let covered: f64 = triangles.iter().map(area).sum();
-        // The areas of clipped ears add up to that of the outline, except if ears are missing, because their areas may
-        // cancel.
+        // If ears are missing, the total area may still be right, because the areas of the missing ears can cancel. The
+        // sweep then decides whether the outline is simple.
         let is_complete = triangles.len() == count - 2 || count > MAX_EAR_CORNERS || swept().is_some();
         covered > 0.0 && turns_alike && is_complete && (covered - doubled_area).abs() <= AREA_TOLERANCE * doubled_area
     }
@@ -177,7 +177,7 @@ impl Triangulator {
         let relative = |i: usize| corners[i % corners.len()].as_dvec3() - origin;
         let areas = || (0..corners.len()).map(|i| relative(i).cross(relative(i + 1)));
         let newell: DVec3 = areas().sum();
-        // Adding all areas on the side of the largest one prevents cancellation.
+        // Areas that oppose the largest one are negated, so that the sum does not cancel.
         let largest = areas().max_by(|a, b| a.length_squared().total_cmp(&b.length_squared())).unwrap_or(DVec3::ZERO);
         let aligned: DVec3 = areas().map(|area| if area.dot(largest) < 0.0 { -area } else { area }).sum();
         let is_cancelled = newell.length() < CANCELLATION * aligned.length();
@@ -339,7 +339,7 @@ mod tests {
         let mut seen = std::collections::BTreeSet::new();
         for round in 0..300 {
             let count = [5, 8, 20, 90][round % 4];
-            // Lattice points of a small square coincide, overlap and lie on edges of others.
+            // On a small lattice, many corners coincide or lie on other edges, and edges overlap.
             let size = [4, 1000][round / 4 % 2];
             let corners: Vec<Vec3> =
                 (0..count).map(|_| Vec3::new(random.i32(0..=size) as f32, random.i32(0..=size) as f32, 0.0)).collect();
@@ -347,7 +347,7 @@ mod tests {
             if outcome == TriangulationOutcome::TooManyCrossings {
                 continue;
             }
-            // The polygon is projected with its larger part facing up, which may be either side of z = 0.
+            // The projection makes the larger part of the polygon counter-clockwise, which may reverse all signs.
             let mut agree = [true; 2];
             for _ in 0..200 {
                 let inside = |random: &mut fastrand::Rng| (random.f32() * size as f32 * 64.0).floor() / 64.0 + 0.007;

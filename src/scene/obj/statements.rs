@@ -3,7 +3,7 @@
 //! The loader takes its warning texts from this table. A test compares the table in the manual with `markdown`, so that
 //! both agree.
 
-/// Kind of statement: of a model file, of a material library, or a texture option.
+/// Kind of a statement: OBJ statement, MTL statement, or texture option.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Format {
     /// Statement of a model file (OBJ).

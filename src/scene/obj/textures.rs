@@ -1,4 +1,5 @@
-//! Loading of the textures of materials: each picture is located, read once, and limited by a memory budget.
+//! Loading of the textures of materials: locates each picture and reads it at its first use, within the memory limit of
+//! the load.
 //!
 //! A picture may lie outside the model's folder (`../textures/x.png` is common), because only its pixels are shown. An
 //! absolute path on the exporter's machine (`C:\work\x.png`) is replaced by the file of that name beside the library.
@@ -26,8 +27,8 @@ const BYTES_PER_TEXEL: u64 = 32;
 pub(super) enum Use {
     /// Colour texture with alpha (`map_Kd`), or emission texture (`map_Ke`).
     Color,
-    /// Opacity texture (`map_d`): one channel of the picture, which is moved to alpha. Without a given channel, alpha
-    /// is used if the picture has any, otherwise luminance.
+    /// Opacity texture (`map_d`): one channel of the picture, which is copied to alpha. If no channel is given, the
+    /// alpha channel is used if any texel is not opaque, otherwise luminance.
     Opacity(Option<PictureChannel>),
     /// Normal map that is declared as one (`norm`).
     Normals,

@@ -16,7 +16,7 @@ use crate::scene::{MeshData, SceneError};
 /// Number of triangles between progress reports.
 const TRIANGLES_PER_REPORT: usize = 1 << 14;
 
-/// Number of vertices at one position at which a hash map replaces the linear search over them.
+/// Minimum number of vertices at one position for which a hash map replaces the linear search.
 const CROWD: usize = 16;
 
 /// Returns the meshes of all parts, in the order of the parts. The names of the meshes are empty.
@@ -113,7 +113,7 @@ impl Numbering {
             name: String::new(),
             positions: corners().map(|corner| lists.positions[corner.position as usize]).collect(),
             normals: corners().map(|corner| lists.normals[corner.normal as usize]).collect(),
-            // v runs up in the file and down in a mesh.
+            // v points up in the file and down in a mesh.
             uvs: if has_uvs {
                 corners().map(|corner| lists.uvs[corner.uv as usize]).map(|uv| Vec2::new(uv.x, 1.0 - uv.y)).collect()
             } else {

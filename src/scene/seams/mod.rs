@@ -4,13 +4,14 @@
 //! edge that runs along another open edge is therefore a fault of the mesh, of one of two kinds:
 //!
 //! * a **T-junction**: a vertex lies within the open edge of another triangle. Its position is rounded independently,
-//!   so it deviates from the edge by a fraction of a pixel. Samples in between are hit by no triangle, or by two.
+//!   so it deviates from the edge by a fraction of a pixel. Samples between vertex and edge are covered by no triangle,
+//!   or by two.
 //! * an **unwelded vertex**: two vertices whose positions are not bitwise equal lie closer together than the tolerance.
 //!
 //! Vertices are identical if their world-space positions are bitwise equal, regardless of indices, normals and texture
 //! coordinates. Objects with the same transform therefore share vertices, too. A vertex lies on an edge if two
-//! conditions hold: it is closer to the edge than the [`tolerance`], and one of its open edges runs along that edge.
-//! Neither condition depends on the facing of the triangles.
+//! conditions hold: it is closer to the edge than the [`tolerance`], and an open edge that ends at the vertex runs
+//! along that edge. Neither condition depends on the facing of the triangles.
 //!
 //! Cost: all vertices and edges are sorted, and each open edge needs one search in a tree of the open vertices. This
 //! takes about one second for a million triangles on two threads.
@@ -30,7 +31,7 @@ use self::weld::{Welded, is_open};
 use super::{Scene, TriangleId};
 
 /// Maximum distance at which a vertex counts as lying on an edge, as a fraction of the diagonal of the scene's bounding
-/// box. It is the rounding error of coordinates of about 1 that a file stores with four decimals.
+/// box. It corresponds to the rounding of coordinates of about 1 in a file with four decimals.
 const TOLERANCE_OF_SCENE: f64 = 1e-4;
 
 /// Maximum distance at which a vertex counts as lying on an edge, as a fraction of the edge's length. Prevents fine
@@ -97,12 +98,12 @@ impl Junction {
         let edge = format!("the edge of triangle {} opposite to v{}", edge.triangle.0, edge.opposite);
         match kind {
             JunctionKind::TJunction => format!(
-                "T-junction: {vertex} lies within {edge}, {distance:.2e} off it, but is not a vertex of that triangle, \
-                 so the two sides round differently"
+                "T-junction: {vertex} lies within {edge}, {distance:.2e} units off it, but is not a vertex of that \
+                 triangle, so the two sides round differently; to fix it, split the edge there"
             ),
             JunctionKind::Unwelded => format!(
-                "Unwelded vertex: {vertex} lies {distance:.2e} from an end of {edge}, but is not the same vertex, so \
-                 the two sides do not meet"
+                "Unwelded vertex: {vertex} lies {distance:.2e} units from an end of {edge}, but is not the same \
+                 vertex, so the two sides do not meet; to fix it, weld the vertices"
             ),
         }
     }
@@ -123,7 +124,7 @@ pub(crate) struct Seam {
 pub(crate) struct SeamCounts {
     /// Number of vertices within open edges.
     pub(crate) t_junctions: usize,
-    /// Number of vertices that welding with the tolerance would remove.
+    /// Number of vertices that welding within the tolerance would remove.
     pub(crate) unwelded: usize,
 }
 
@@ -264,7 +265,7 @@ impl<'a> OpenEdgeSearch<'a> {
             }
             let at = self.mesh.positions[vertex as usize];
             let close = (0..2).find(|end| at.distance([from, to][*end]) <= reach);
-            // A vertex near an end and connected to it by a closed edge is on the other rim of a thin strip.
+            // A vertex that a closed edge connects to an endpoint is on the opposite border of a thin strip.
             let is_across = |end: &u32| self.mesh.edge(vertex, *end).is_some_and(|twins| !is_open(twins));
             if edge.ends.iter().any(is_across) {
                 return;

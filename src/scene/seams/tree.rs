@@ -69,7 +69,8 @@ impl PointTree {
     }
 }
 
-/// Orders point indices as the leaves of the tree, by splitting them recursively at the median along the longest axis.
+/// Sorts point indices into the order of the leaves, by splitting them recursively at the median along the longest
+/// axis.
 fn order(points: &[DVec3], numbers: &mut [u32]) {
     if numbers.len() <= LEAF {
         return;

@@ -7,7 +7,7 @@ use crate::ui::session::Severity;
 use crate::ui::store::Store;
 
 impl Workbench {
-    /// Enables saving preferences to `store`, and restores its window state.
+    /// Enables saving preferences to `store`, and restores the window state stored there.
     pub(in crate::ui) fn save_preferences_to(&mut self, store: Store) {
         self.window = store.window().clone();
         self.store = Some(store);

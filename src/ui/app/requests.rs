@@ -56,7 +56,7 @@ impl Workbench {
             WorkerResponse::Measured(_) => self.session.measuring = None,
             WorkerResponse::Panicked(text) => {
                 self.requested_at = None;
-                let text = format!("Drawing stopped: internal error: {text}. The last complete picture stays.");
+                let text = format!("Drawing stopped: internal error: {text}. The last complete picture is kept.");
                 self.session.report(Severity::Error, text);
             }
         }

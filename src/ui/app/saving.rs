@@ -23,12 +23,12 @@ use crate::{disk, drawing};
 /// File being written by a background thread.
 pub(super) struct PendingExport {
     task: BackgroundTask<f32, Result<PathBuf, String>>,
-    /// Completed fraction, from 0 to 1; `None` for exports without progress, which cannot be cancelled.
+    /// Completed fraction, from 0 to 1; `None` until the export reports progress. Some exports never do.
     completed: Option<f32>,
 }
 
 impl PendingExport {
-    /// Cancels the export, unless it is of a kind that does not report progress.
+    /// Cancels the export if it has reported progress; other exports cannot be cancelled.
     pub(super) fn cancel(&self) {
         if self.completed.is_some() {
             self.task.cancel();
@@ -37,13 +37,13 @@ impl PendingExport {
 }
 
 impl Workbench {
-    /// Writes all frame times as CSV into the current folder.
+    /// Writes all frame times to a CSV file in the current folder.
     pub(super) fn export_timings(&mut self, ui: &Ui) {
         let table = self.session.timings.csv();
         self.save(ui, ("frame-times", "csv"), move || Ok(table.into_bytes()));
     }
 
-    /// Writes the triangle visible at the picked pixel as a case into the current folder.
+    /// Writes the triangle visible at the picked pixel to a case file in the current folder.
     pub(super) fn save_case(&mut self, ui: &Ui) {
         let Some(view) = &self.session.view else { return };
         let visible = view.report.as_ref().and_then(|report| Some((report.drawn_at, report.visible()?.submission)));
@@ -62,14 +62,14 @@ impl Workbench {
         self.save(ui, (&minimal.id, "json"), move || Ok(text.into_bytes()));
     }
 
-    /// Writes the picture on the canvas as a PNG file into the current folder.
+    /// Writes the picture on the canvas to a PNG file in the current folder.
     pub(super) fn save_picture(&mut self, ui: &Ui) {
         let Some(picture) = self.shown_picture(ui) else { return };
         self.save(ui, ("picture", "png"), move || encode_png(&picture).map_err(|error| error.to_string()));
     }
 
-    /// Writes the current scene as a vector drawing into the current folder. `end` is the file name extension, which
-    /// selects the format.
+    /// Writes a vector drawing of the current scene to a file in the current folder. `end` is the file name extension,
+    /// which selects the format.
     pub(super) fn save_outline(&mut self, ui: &Ui, kind: OutlineKind, end: &'static str) {
         let Request { scene, camera, recipe, viewport, .. } = self.session.request();
         self.save_cancellable(ui, (kind.id(), end), move |progress, cancel| {
@@ -81,8 +81,8 @@ impl Workbench {
         });
     }
 
-    /// Writes the current step of the open 2D lab page as a drawing into the current folder. `end` is the file name
-    /// extension, which selects the format.
+    /// Writes a drawing of the current step of the open 2D lab page to a file in the current folder. `end` is the file
+    /// name extension, which selects the format.
     pub(super) fn save_drawing(&mut self, ui: &Ui, end: &'static str) {
         let lab = &self.session.lab;
         let (page, recording, step) = (lab.page, lab.recording.clone(), lab.step);
@@ -117,8 +117,9 @@ impl Workbench {
         }
     }
 
-    /// Writes a new file into the current folder in a background thread, since encoding a large picture takes a while.
-    /// The file appears under its name only once it is complete. `name` consists of the file stem and the extension.
+    /// Writes a new file to the current folder, in a background thread unless the window is synchronous, because
+    /// encoding a large picture takes a while. The file appears under its name only once it is complete. `name`
+    /// consists of the file stem and the extension.
     pub(super) fn save(
         &mut self,
         ui: &Ui,

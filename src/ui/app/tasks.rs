@@ -25,7 +25,7 @@ impl Workbench {
         }));
     }
 
-    /// Starts measuring the frame time that is saved by the work skipped under the plan of the current view.
+    /// Starts measuring how much frame time the draw plans of the current view save by skipping work.
     pub(super) fn measure_plan(&mut self, ui: &Ui) {
         /// Number of measured rounds.
         const ROUNDS: usize = 21;
@@ -38,7 +38,8 @@ impl Workbench {
         }));
     }
 
-    /// Starts measuring how the cost of a frame scales under the current recipe.
+    /// Starts measuring how the frame time scales with triangles, pixels, overlapping layers and threads under the
+    /// current recipe.
     pub(super) fn measure_scaling(&mut self, ui: &Ui) {
         /// Maximum triangle count and number of measured rounds, chosen so that the measurement takes seconds, not
         /// minutes.

@@ -1,7 +1,7 @@
 //! Assertion checks: run on demand, or on every new frame until an assertion is violated.
 //!
 //! A background thread redraws the frame on screen with an observer. This slows other frames down, so checking is off
-//! by default and the window shows when it is on. The first violation stops checking and picks its pixel.
+//! by default, and the window indicates when it is on. The first violation stops checking and picks its pixel.
 
 pub(crate) mod panel;
 
@@ -32,14 +32,14 @@ pub(crate) struct Checks {
     cancelled: bool,
 }
 
-/// Change to the assertion checks that the user requests.
+/// Change to the assertion checks, requested by the user.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ChecksChange {
     /// Checks the frame on screen.
     Run,
     /// Stops checking.
     Cancel,
-    /// Toggles checking every new frame.
+    /// Toggles whether every new frame is checked.
     ToggleEveryFrame,
 }
 

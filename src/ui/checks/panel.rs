@@ -22,8 +22,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     if ui.add_enabled(checks.progress.is_none(), run).on_hover_text(help).clicked() {
         commands.push(Command::Checks(ChecksChange::Run));
     }
-    let help =
-        "Check each new frame until an assertion is violated, then pick that pixel. Meanwhile, frames take longer";
+    let help = "Check each new frame until an assertion is violated, then pick its pixel. Frames take longer meanwhile";
     if ui.add(Button::selectable(checks.every_frame, "Check every frame")).on_hover_text(help).clicked() {
         commands.push(Command::Checks(ChecksChange::ToggleEveryFrame));
     }

@@ -45,7 +45,7 @@ impl Mode {
             "Show pictures side by side with a shared zoom, position and selected pixel; hold Shift to show A in every tile  (T)",
         ),
         (Self::Wipe, "Wipe", "Show A left of a line and B right of it; drag the line to move it  (W)"),
-        (Self::Flip, "Flip", "Show A in the whole canvas; hold Shift to show B  (B)"),
+        (Self::Flip, "Flip", "Show A on the whole canvas; hold Shift to show B  (B)"),
         (
             Self::Difference,
             "Difference",
@@ -57,8 +57,7 @@ impl Mode {
 /// Recipes of all tiles, and the index of the active one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct TileSet {
-    /// Recipe of each tile. The entry of the active tile may be outdated, because its current recipe is stored in the
-    /// session.
+    /// Recipe of each tile. The entry of the active tile may be outdated: the session stores its current recipe.
     recipes: Vec<Recipe>,
     /// Index of the tile that shows the session's recipe.
     pub(crate) active: usize,
@@ -82,7 +81,7 @@ impl TileSet {
         }
     }
 
-    /// Adds tiles until there are `count`. Each further tile gets an upscaler that no other tile uses, if any is left.
+    /// Adds tiles until there are `count`. Each added tile gets an upscaler that no other tile uses, if there is one.
     fn fill(&mut self, count: usize, of_active: Recipe) {
         while self.recipes.len() < count {
             let base = *self.recipes.first().unwrap_or(&of_active);
@@ -142,7 +141,7 @@ pub(crate) enum CompareChange {
     Activate(usize),
     /// Sets the recipe of a tile.
     Recipe(usize, Box<Recipe>),
-    /// Removes a tile.
+    /// Removes a tile, unless only two are left.
     Remove(usize),
     /// Swaps A and B.
     Swap,

@@ -121,7 +121,7 @@ fn triangles_that_share_edges_cover_each_pixel_once() {
     mesh.vertices =
         std::iter::once(pos2(8.5, 8.5)).chain(rim).map(|pos| Vertex { pos, uv: Pos2::ZERO, color }).collect();
     for spoke in 0..8 {
-        // The winding alternates, because egui does not guarantee any.
+        // The winding alternates, because egui does not guarantee a winding order.
         let [first, second] = [1 + spoke, 1 + (spoke + 1) % 8];
         mesh.indices.extend(if spoke % 2 == 0 { [0, first, second] } else { [0, second, first] });
     }

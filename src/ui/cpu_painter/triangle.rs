@@ -1,9 +1,9 @@
 //! Textured triangle, rasterized exactly and without gaps: integer edge functions give the span of pixels in each row.
 //!
-//! An edge function E(x, y) = (b − a) × (p − a) is affine and integer on the grid of 1/256 px. The first and last pixel
-//! of a row thus follow from one integer division per edge. Two triangles that share an edge have its edge function
-//! with opposite signs. The top-left rule assigns a pixel centre exactly on the edge to one of them (Pineda 1988; D3D11
-//! specification, 3.4).
+//! An edge function E(x, y) = (b − a) × (p − a) is affine, with integer values on the grid of 1/256 px. The first and
+//! last pixel of a row thus follow from one integer division per edge. If two triangles share an edge, their edge
+//! functions for it differ only in sign. The top-left rule assigns a pixel centre exactly on the edge to one of the
+//! triangles (Pineda 1988; D3D11 specification, 3.4).
 
 use eframe::egui::{TextureFilter, epaint::Vertex};
 
@@ -115,8 +115,8 @@ impl<'a> PaintTriangle<'a> {
         })
     }
 
-    /// Returns the half-open range of columns within `clip` whose pixel centres in row `y` satisfy all three edge
-    /// functions.
+    /// Returns the columns within `clip` whose pixel centres in row `y` are inside all three edges, as a half-open
+    /// range.
     fn span(&self, y: i64, clip: PixelRect) -> (i64, i64) {
         let (mut left, mut right) = (clip.left, clip.right);
         for edge in &self.edges {
@@ -197,8 +197,8 @@ fn modulate(color: Vec4, texel: Vec4) -> Vec4 {
     color * texel * (1.0 / 255.0)
 }
 
-/// Blends `source` over `pixel` and rounds to nearest. `keep` is 1 − alpha of `source`. The casts saturate, which
-/// additive colours (alpha 0) need.
+/// Blends `source` over `pixel` and rounds to nearest. `keep` is 1 − alpha of `source`. The conversion to bytes
+/// saturates, because additive colours (alpha 0) can exceed 255.
 #[inline(always)]
 fn blend(pixel: &mut Rgba8, source: Vec4, keep: f32) {
     *pixel = bytes(source + channels(*pixel) * keep);

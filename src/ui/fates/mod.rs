@@ -34,7 +34,7 @@ pub(crate) struct FatesView {
     pub(crate) members: Arc<[TriangleId]>,
 }
 
-/// Change to the filter that the user requests.
+/// Change to the filter, requested by the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum FatesChange {
     /// Filters triangles by this bin, or removes that filter if the bin is already selected.
@@ -60,7 +60,7 @@ impl FatesView {
         *selection = self.selection();
     }
 
-    /// Clears the filter and replaces the selection with `others`, which was made outside the “Fates” tab.
+    /// Clears the filter and replaces the selection with `others`, a selection made outside the “Fates” tab.
     pub(crate) fn adopt_selection(&mut self, others: TriangleSelection, selection: &mut TriangleSelection) {
         self.apply(FatesChange::Clear, selection);
         *selection = others;

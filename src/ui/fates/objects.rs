@@ -86,7 +86,7 @@ fn seen(triangles: &TriangleCounts) -> u64 {
     triangles.of(TriangleFate::Visible) + triangles.of(TriangleFate::BlendedOver)
 }
 
-/// Returns the number of triangles for each fate other than visible, as text, the most frequent first.
+/// Formats the number of triangles of each fate, most frequent first, except for visible and blended-over triangles.
 fn fate_shares(triangles: &TriangleCounts) -> String {
     let is_seen = |fate: TriangleFate| matches!(fate, TriangleFate::Visible | TriangleFate::BlendedOver);
     let mut bins: Vec<_> = TriangleFate::ALL.iter().copied().filter(|f| !is_seen(*f) && triangles.of(*f) > 0).collect();

@@ -61,7 +61,8 @@ impl SelectionLayer {
     }
 }
 
-/// Draws a description of the selection into the upper left corner of the canvas, with a button that clears it.
+/// Draws a description of the selection in the upper left corner of the canvas, with a button that clears the
+/// selection.
 pub(crate) fn badge(ui: &mut Ui, canvas: Rect, session: &Session, commands: &mut Vec<Command>) {
     let selection = &session.selection;
     if selection.is_empty() {

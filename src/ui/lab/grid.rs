@@ -1,4 +1,4 @@
-//! The 2D lab's grid: pixels drawn as squares, the ideal shape over them, and draggable handles. The wheel zooms,
+//! The 2D lab's grid: pixels drawn as squares, the ideal shape over them, and draggable handles. The wheel zooms, and
 //! dragging pans.
 
 use eframe::egui::{

@@ -27,7 +27,7 @@ const TABLE_POINTS: f32 = 440.0;
 /// Radius of a mark in the plot, in points.
 const MARK: f32 = 5.0;
 
-/// Lower bound of plotted times, in microseconds. A clock may return 0, which has no logarithm.
+/// Lower bound of plotted times, in microseconds. A measured time may be 0, which has no logarithm.
 const SHORTEST_MICROS: f64 = 1e-3;
 
 /// Margins around the points of the plot, as fractions of the plotted range.

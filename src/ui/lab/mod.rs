@@ -81,7 +81,7 @@ pub(crate) enum LabChange {
     Reset,
     /// Shows the state after this number of steps.
     Go(usize),
-    /// Steps forwards by this number of steps, or backwards if it is negative.
+    /// Moves forwards by this number of steps, or backwards if it is negative.
     StepBy(i64),
     /// Plays forwards (1) or backwards (−1), or pauses (0).
     Play(i64),
@@ -136,8 +136,9 @@ impl Lab {
         Page::ALL.iter().position(|page| *page == self.page).unwrap_or(0)
     }
 
-    /// While the lab is open, converts commands that step or zoom into commands of the lab. Returns `None` for commands
-    /// that have no meaning in the lab, and all other commands unchanged.
+    /// While the lab is open, converts a command that applies to the lab, such as stepping, into a command of the lab.
+    /// Returns `None` if the command has no meaning in the lab, otherwise the command unchanged. Opening a model or a
+    /// built-in scene also closes the lab.
     pub(crate) fn claim(&mut self, command: Command) -> Option<Command> {
         if !self.open {
             return Some(command);

@@ -12,7 +12,7 @@ pub(super) fn paper(tokens: &Tokens) -> Color32 {
 
 /// Returns the display colour of a grid pixel filled with `ink`.
 pub(super) fn ink(ink: Ink, tokens: &Tokens) -> Color32 {
-    /// Opacity of the tint that marks the side of a curve on which a pixel lies, over the background colour, in [0, 1].
+    /// Opacity, in [0, 1], of the tint over the background that shows on which side of a curve a pixel lies.
     const SIDE_SHARE: f32 = 0.28;
     let full = tokens.text;
     match ink {

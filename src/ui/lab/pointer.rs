@@ -86,7 +86,7 @@ fn act(
                 with(PointerButton::Secondary).then_some(Paint::Paper)
             };
             if let Some(paint) = paint {
-                // Paints all pixels since the last pass: a fast pointer skips some.
+                // Paints the line from the last pass's position to this one, because a fast pointer skips pixels.
                 let before = view.place(at - ui.input(|i| i.pointer.delta()));
                 stroke(before, place).for_each(|pixel| fill.paint(pixel, paint));
             }

@@ -7,11 +7,11 @@ use crate::inspect::mesh_view::{MarkKind, MeshMark};
 use crate::ui::format;
 use crate::ui::theme::{MARK_EDGE, ON_PIXEL, font_size, tokens};
 
-/// Maximum number of vertices created by clipping that are labelled with their parameter t. With more, the labels would
-/// overlap.
+/// Maximum number of vertices created by clipping that are labelled with their parameter t. With more vertices, the
+/// labels would overlap and are omitted.
 const MAX_NUMBERS: usize = 16;
 
-/// Length of the dashes and length of the gaps of dashed lines, in points.
+/// Dash length and gap length of dashed lines, in points.
 const DASH: (f32, f32) = (5.0, 4.0);
 
 /// Colour of clipping marks (outlines, removed parts and new vertices): orange, as in the pictures of the pipeline
@@ -55,7 +55,7 @@ fn dot(ui: &Ui, painter: &Painter, kind: MarkKind, at: Pos2, with_numbers: bool)
 }
 
 fn line(ui: &Ui, painter: &Painter, kind: MarkKind, rect: Rect, ends: [Pos2; 2]) {
-    // Clipped first, because the ends may lie far outside and every dash there would cost a shape.
+    // Clipped first: the ends may lie far outside, and each dash out there would add an invisible shape.
     let Some(ends) = clipped(rect.expand(2.0), ends) else { return };
     let warning = tokens(ui).warning;
     match kind {

@@ -111,8 +111,8 @@ pub(crate) fn apply(session: &mut Session, change: MeshViewChange) {
     }
 }
 
-/// Returns the column and row of a rasterized pixel that shows the triangle in the frame on screen; `None` if there is
-/// no such pixel.
+/// Returns the column and row of a pixel that shows the triangle in the frame on screen; `None` if there is none.
+/// Pixels filled in by the upscaler do not count.
 fn pixel_of(view: &RenderedView, triangle: TriangleId) -> Option<(u32, u32)> {
     let frame: &Frame = &view.frame;
     let at = match &view.buffers {

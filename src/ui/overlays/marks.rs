@@ -1,5 +1,5 @@
-//! Vector lines and marks over enlarged pixels: overlay lines, sample points, and the edges that own the samples
-//! exactly on them.
+//! Vector lines and marks over enlarged pixels: overlay lines, sample points, and triangle edges, coloured by whether
+//! samples exactly on the edge belong to the triangle.
 
 use std::sync::{Arc, Weak};
 
@@ -50,7 +50,7 @@ pub(crate) fn paint(painter: &Painter, placement: Placement, session: &Session, 
     }
 }
 
-/// Whether the bounding box of the line from `a` to `b`, in picture pixels, overlaps the canvas.
+/// Whether the bounding box of the line from `a` to `b`, both in points, overlaps the canvas.
 fn meets(placement: Placement, a: Pos2, b: Pos2) -> bool {
     placement.canvas.intersects(eframe::egui::Rect::from_two_pos(a, b).expand(1.0))
 }
@@ -68,7 +68,7 @@ struct EdgeCache {
     /// longer shown.
     frame: Weak<Frame>,
     recipe: Recipe,
-    /// Left, top, right and bottom side of the visible part of the picture, in pixels.
+    /// Left, top, right and bottom edges of the visible part of the picture, in picture pixels.
     seen_px: [f32; 4],
     edges: Arc<Vec<EdgeMarks>>,
 }

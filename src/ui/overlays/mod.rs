@@ -23,7 +23,7 @@ pub(crate) struct Overlays {
     pub(crate) layers: Vec<OverlayLayer>,
     /// Whether the list of all overlays is open.
     pub(crate) open: bool,
-    /// Whether sample points and the edges that own samples are drawn over enlarged pixels.
+    /// Whether sample points and triangle edges, coloured by sample ownership, are drawn over enlarged pixels.
     pub(crate) marks: bool,
     /// Whether pixels are large enough to draw lines as vectors instead of pixels.
     pub(crate) vectors: bool,
@@ -46,7 +46,7 @@ pub(crate) enum OverlayChange {
     Raise(Overlay),
     /// Removes all overlays.
     Clear,
-    /// Sets whether sample points and the edges that own samples are drawn.
+    /// Sets whether sample points and triangle edges, coloured by sample ownership, are drawn.
     Marks(bool),
     /// Sets whether lines are drawn as vectors instead of pixels.
     Vectors(bool),
@@ -99,8 +99,7 @@ impl Overlays {
         None
     }
 
-    /// Returns the topmost active overlay that marks faulty pixels, which are the pixels that the user can step
-    /// through.
+    /// Returns the topmost active overlay that marks faulty pixels. The user can step through these pixels.
     pub(crate) fn stepped(&self) -> Option<Overlay> {
         let faults = [
             Overlay::Faults,
@@ -113,8 +112,8 @@ impl Overlays {
         self.layers.iter().rev().map(|layer| layer.overlay).find(|overlay| faults.contains(overlay))
     }
 
-    /// Returns the pixel after or before `from` that is marked by the overlay of [`Overlays::stepped`]. After the last
-    /// marked pixel, continues with the first, and vice versa.
+    /// Returns the next pixel after `from` that the overlay of [`Overlays::stepped`] marks, or the previous one if not
+    /// `forwards`. Wraps around at the first and the last marked pixel.
     pub(crate) fn beside(&self, view: &RenderedView, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
         let overlay = self.stepped()?;
         view.look_result.sheets.iter().find(|sheet| sheet.overlay == overlay)?.next_pixel(from, forwards)

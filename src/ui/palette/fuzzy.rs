@@ -19,8 +19,7 @@ const JOINED: i32 = 6;
 /// Score of each letter skipped between two matches.
 const GAP: i32 = -1;
 
-/// Number of characters of the title that reduce the score by one point. The shorter of two equally good titles
-/// therefore wins.
+/// Number of title characters that cost one point, so that the shorter of two equally good titles scores higher.
 const LENGTH_OF_ONE: i32 = 8;
 
 /// Matches all words of `typed` in `title`, in any order, ignoring case. Returns `None` if a word does not match; an

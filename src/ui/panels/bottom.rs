@@ -27,7 +27,7 @@ pub(crate) enum Tab {
     Arithmetic,
     /// Samples from which the picked pixel was reconstructed, with their weights.
     Xray,
-    /// Histogram of the visible quantity.
+    /// Histogram and statistics of the values shown on the canvas.
     Histogram,
     /// Fate of every triangle and fragment, such as culled or visible.
     Fates,
@@ -58,7 +58,7 @@ pub(crate) const TABS: &[(Tab, &str, &str)] = &[
     (Tab::ErrorTime, "Error vs time", "Error and time of each upscaler; click a point to compare that upscaler"),
     (
         Tab::Arithmetic,
-        "Arithmetic",
+        "Calculation",
         "Every step from the corners of a triangle to the picked pixel, with numbers and rounding errors",
     ),
     (
@@ -107,7 +107,8 @@ pub(crate) fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut V
     }
     ui.add_space(4.0);
     panel::notify_open(*tab == Tab::Histogram, session, commands);
-    // Clipped to the available space: a taller tab would resize the canvas, and with it a picture of canvas size.
+    // The content is clipped to the available space: a taller tab would resize the canvas, and with it a picture of
+    // canvas size.
     let room = ui.available_rect_before_wrap();
     let mut within = ui.new_child(UiBuilder::new().id_salt("tab").max_rect(room).layout(*ui.layout()));
     within.shrink_clip_rect(room.expand2(ui.spacing().item_spacing));

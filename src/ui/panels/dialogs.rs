@@ -13,7 +13,7 @@ use crate::ui::place::{bookmarks, go_to as go_to_wanted};
 use crate::ui::session::Session;
 use crate::ui::theme::tokens;
 
-/// Time within which an empty result of the system's file dialog is treated as a failure to show it. No user closes a
+/// Time within which an empty result is taken to mean that the system could not show its file dialog. No user closes a
 /// dialog this fast.
 const FASTEST_PERSON: Duration = Duration::from_millis(400);
 
@@ -193,7 +193,7 @@ fn go_to(ui: &mut Ui, text: &mut String, session: &Session, commands: &mut Vec<C
         let wanted = session.search_target(text);
         let entered = ui.input(|i| i.key_pressed(Key::Enter));
         let go = ui.add_enabled(wanted.is_ok(), eframe::egui::Button::new("Go"));
-        // Always laid out, so that the dialog does not jump during typing.
+        // The message is laid out even if it is empty, so that the dialog does not change its size during typing.
         let complaint = wanted.as_ref().err().map_or("", String::as_str);
         ui.label(RichText::new(complaint).color(tokens(ui).warning));
         match wanted {

@@ -72,7 +72,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 /// Draws the buttons, and the scene and size that the times were measured with.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if let Some(measuring) = session.measuring {
-        if ui.button("Cancel").on_hover_text("Stop the measurement; the results so far are kept").clicked() {
+        if ui.button("Cancel").on_hover_text("Stop the measurement and keep the results so far").clicked() {
             commands.push(Command::CancelMeasure);
         }
         ui.add(ProgressBar::new(measuring.progress).desired_width(240.0).show_percentage());
@@ -167,7 +167,7 @@ fn lines(ui: &mut Ui, series: &[MethodTimes], size: egui::Vec2) {
 }
 
 /// Draws the cumulative distribution: the fraction of frames that took at most a given time. A steep curve means steady
-/// times, a long tail to the right means spikes.
+/// times, and a long tail to the right means spikes.
 fn distribution(ui: &mut Ui, series: &[MethodTimes], size: egui::Vec2) {
     Plot::new("distribution of frame times")
         .width(size.x)

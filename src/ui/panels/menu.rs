@@ -123,8 +123,8 @@ fn scene(ui: &mut Ui, commands: &mut Vec<Command>) {
     }
 }
 
-/// Draws a menu entry for each lesson. The entry opens a scene with a black spot, and the settings that produce the
-/// spot.
+/// Draws a menu entry for each lesson. The entry opens a scene with a black spot and applies the settings that produce
+/// the spot.
 fn lessons(ui: &mut Ui, commands: &mut Vec<Command>) {
     for lesson in lesson::ALL {
         if ui
@@ -234,7 +234,7 @@ fn figures(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         "Share of the picture's pixels that are rasterized and shaded",
     );
     let mut figures = vec![drawn];
-    // With a triangle limit the picture is drawn twice, so its time would describe neither frame.
+    // With a triangle limit, the picture is drawn twice, and the time would describe neither of the two frames.
     let warm_ms = session.timings.warm_median_ms(view.request.recipe.upscaler).or_else(|| {
         let frame = session.stages.as_ref()?.times.frame;
         Some(frame.as_secs_f64() * 1e3)

@@ -35,7 +35,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, 
             line(ui, Icon::Image, tokens(ui).accent, &text, Some(Command::CloseOffer), commands);
         } else if let Some((path, completed)) = loading {
             ui.spinner();
-            if ui.button("Cancel").on_hover_text("Stop loading; the current scene stays").clicked() {
+            if ui.button("Cancel").on_hover_text("Stop loading and keep the current scene").clicked() {
                 commands.push(Command::CancelLoading);
             }
             ui.add(ProgressBar::new(completed).desired_width(120.0));

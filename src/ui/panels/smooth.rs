@@ -12,7 +12,7 @@ use crate::upscale::{self, Upscaling};
 
 /// Draws the anti-aliasing settings.
 pub(super) fn antialias(ui: &mut Ui, antialias: &mut Antialiasing) {
-    row(ui, "Anti-aliasing", "Anti-aliasing method and the pattern of its samples", |ui| {
+    row(ui, "Anti-aliasing", "Reduction of jagged edges and moiré: method and sample pattern", |ui| {
         pick(ui, &mut antialias.method)
     });
     note(ui, crate::pipeline::settings::Choice::help(antialias.method));

@@ -49,7 +49,7 @@ const MARKS: [(MarkerShape, &str); 4] =
 /// Draws the controls of the tab “Stability”, beside the tabs.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if let Some(progress) = session.stability.progress {
-        if ui.button("Cancel").on_hover_text("Stop the report; the last report stays").clicked() {
+        if ui.button("Cancel").on_hover_text("Stop the report and keep the last one").clicked() {
             commands.push(Command::CancelStability);
         }
         let share = progress.done as f32 / progress.of.max(1) as f32;

@@ -252,9 +252,12 @@ fn cull(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
 }
 
 fn rasterize(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
-    row(ui, "Execution", "Execution of the pipeline; all alternatives draw the same picture, bit for bit", |ui| {
-        pick(ui, &mut recipe.execution)
-    });
+    row(
+        ui,
+        "Execution",
+        "Tile by tile on all threads, or triangle by triangle on one; the picture is the same, bit for bit",
+        |ui| pick(ui, &mut recipe.execution),
+    );
     match execution(&session.scene, recipe) {
         (_, Some(obstacle)) => note(ui, format!("Drawn in classic execution: {obstacle}.")),
         (Execution::Tiled, None) => {

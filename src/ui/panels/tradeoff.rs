@@ -39,14 +39,14 @@ const HEADINGS: [(&str, &str); 6] = [
 /// Radius around a point within which a click selects it, in points.
 const NEAR_POINTS: f32 = 12.0;
 
-/// Distance below the smallest nonzero error at which error-free pictures are plotted on the logarithmic error axis, in
-/// powers of ten.
+/// Distance from the smallest nonzero error down to the line on which an error of 0 is plotted, in powers of ten. A
+/// logarithmic axis has no position for 0.
 const LANE: f64 = 0.4;
 
 /// Draws the controls of the tab “Error vs time”, beside the tabs.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if let Some(measuring) = session.measuring {
-        if ui.button("Cancel").on_hover_text("Stop the measurement; the results so far are kept").clicked() {
+        if ui.button("Cancel").on_hover_text("Stop the measurement and keep the results so far").clicked() {
             commands.push(Command::CancelMeasure);
         }
         ui.add(ProgressBar::new(measuring.progress).desired_width(200.0).show_percentage());
@@ -115,7 +115,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let points = session.timings.tradeoff();
     let in_motion = session.timings.measurement_request().is_some_and(|measured| !measured.turn.is_still());
     if points.is_empty() {
-        // Keeps the tab's height, so that a picture of canvas size does not change.
+        // Takes all of the available height, so that the canvas, and a picture of canvas size, keep their sizes.
         ui.set_min_height(ui.available_height());
         empty_state(
             ui,
@@ -153,7 +153,7 @@ fn color(ui: &Ui, upscaling: Upscaling) -> Color32 {
     colors[place.unwrap_or(0) % colors.len()]
 }
 
-/// Returns the mean FLIP error over the frames of the camera motion, which ranks the upscalers.
+/// Returns the mean FLIP error over the frames of the camera motion. It is plotted, and the table is sorted by it.
 fn flip(point: &TradeOff) -> f64 {
     point.error.motion.mean.flip
 }
@@ -163,7 +163,7 @@ fn standing(point: &TradeOff) -> String {
     match point.standing {
         Standing::Front => "On the Pareto front: no other upscaler is both faster and more accurate".to_owned(),
         Standing::WithinNoise(other) => {
-            format!("{} has less error and is slower only {WITHIN}", other.label())
+            format!("{} has less error, and its extra time is {WITHIN}", other.label())
         }
         Standing::Beaten(by) => format!("Dominated by {}", by.label()),
     }

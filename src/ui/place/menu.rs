@@ -10,7 +10,7 @@ use crate::ui::session::Session;
 /// Maximum number of bookmarks in the menu. The bookmarks dialog lists all of them.
 const LISTED: usize = 20;
 
-/// Draws the entries of the menu “Go”.
+/// Draws the entries of the “Go” menu.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut entry = |ui: &mut Ui, enabled: bool, name: &str, command: Command| {
         let mut button = Button::new(name);

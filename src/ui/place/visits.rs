@@ -5,8 +5,8 @@ use crate::inspect::InspectionState;
 /// Maximum number of entries in the navigation history.
 const MAX_VISITS: usize = 200;
 
-/// Maximum time between two changes of camera or pixel that count as one entry of the history, in seconds. Examples are
-/// dragging, scrolling and held arrow keys.
+/// Maximum time, in seconds, between two changes of camera or pixel that are combined into one entry of the history,
+/// for example during a drag, scrolling or a held arrow key.
 const ONE_MOVE_SECONDS: f64 = 0.6;
 
 /// Navigation history with its past, current and future entries.

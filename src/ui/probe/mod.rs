@@ -51,7 +51,7 @@ pub(crate) enum ProbeChange {
     Show(Option<Heat>),
     /// Restores the camera, settings and picture size with which the last result was measured.
     GoBack,
-    /// Picks the pixel of an unstable triangle that changed in the most runs.
+    /// Of the pixels of an unstable triangle, picks the one that changed in the most runs.
     GoTo(Fragile),
     /// Saves an unstable triangle as a case.
     SaveCase(Fragile),
@@ -148,7 +148,7 @@ fn case_of(session: &mut Session, fragile: &Fragile) -> WindowAction {
     WindowAction::Write(Box::new(MinimalCase::new(&triangle, fragile.worst_pixel, *viewport, settings, &scene.name)))
 }
 
-/// Returns the part of a request that determines the picture that the probe measures.
+/// Returns the scene, camera, pipeline settings and viewport of a request, which determine the probed picture.
 fn subject_of(request: &Request) -> ProbedView {
     let Request { scene, camera, recipe, viewport, .. } = request;
     ProbedView { scene: scene.clone(), camera: *camera, settings: recipe.pipeline, viewport: *viewport }

@@ -1,4 +1,4 @@
-//! The tab “Probe”: settings on the left, unstable triangles on the right.
+//! The “Probe” tab: settings on the left, unstable triangles on the right.
 
 use eframe::egui::{self, Button, DragValue, ProgressBar, RichText, ScrollArea, Ui};
 
@@ -21,7 +21,7 @@ const FIGURE_POINTS: f32 = 104.0;
 /// Maximum displacement that can be selected, in units in the last place, and maximum number of runs.
 const MAX_SETTINGS: (u32, u16) = (65_536, 4096);
 
-/// Draws the controls of the tab “Probe”, beside the tabs.
+/// Draws the controls of the “Probe” tab, beside the tab names.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let probing = &session.probing;
     if let Some(progress) = probing.progress {
@@ -54,7 +54,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     }
 }
 
-/// Draws the content of the tab “Probe”.
+/// Draws the content of the “Probe” tab.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ui.horizontal_top(|ui| {
         ui.vertical(|ui| {
@@ -80,7 +80,7 @@ fn settings(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     row(ui, "Jitter, ulp", help, |ui| ui.add(DragValue::new(&mut probe.ulps).range(0..=MAX_SETTINGS.0).speed(0.1)));
     let help = "Number of times that the view is drawn; more runs give finer results but take longer";
     row(ui, "Runs", help, |ui| ui.add(DragValue::new(&mut probe.runs).range(1..=MAX_SETTINGS.1).speed(0.5)));
-    row(ui, "Seed", "Equal seeds give equal jitter", |ui| ui.add(DragValue::new(&mut probe.seed).speed(0.1)));
+    row(ui, "Seed", "The same seed gives the same jitter", |ui| ui.add(DragValue::new(&mut probe.seed).speed(0.1)));
     if probe != session.probing.probe {
         commands.push(Command::Probe(ProbeChange::Set(probe)));
     }
@@ -145,7 +145,7 @@ fn header(ui: &mut Ui) {
         for (name, help) in [
             ("Triangle", "Number of the triangle in the scene"),
             ("Changes", "Pixels that the triangle lost or gained, summed over all runs"),
-            ("Worst pixel", "Of the pixels that the triangle lost or gained, the one that changed in the most runs"),
+            ("Worst pixel", "Lost or gained pixel that changed in the most runs"),
             ("Runs", "Number of runs in which a different triangle was visible at the worst pixel"),
         ] {
             figure(ui, name, FIGURE_POINTS, weak).on_hover_text(help);

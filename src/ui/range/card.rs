@@ -101,7 +101,7 @@ fn title(ui: &mut Ui, view: &RenderedView, changes: &mut Vec<RangeChange>, comma
     });
 }
 
-/// Draws number fields for the minimum and maximum of the range, with the buttons that fit the range between them.
+/// Draws number fields for the minimum and maximum of the range and, between the fields, buttons that fit the range.
 fn ends(ui: &mut Ui, session: &Session, view: &RenderedView, changes: &mut Vec<RangeChange>) {
     let Some(range) = view.range else { return };
     let rule = session.range.setting(view.request.shown).display.rule;

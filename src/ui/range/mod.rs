@@ -1,5 +1,5 @@
-//! Range control: shows a histogram, on which the user sets the range that the colour map covers, and the statistics of
-//! a region. Every buffer and stage has its own settings.
+//! Range control: a histogram, on which the user sets the range of the colour map, and the statistics of a region.
+//! Every buffer and stage has its own settings.
 
 pub(crate) mod card;
 
@@ -93,7 +93,7 @@ impl RangeControl {
     /// Returns the statistics to compute for `shown`; `None` if none are needed.
     pub(crate) fn measures(&self, shown: Shown) -> Option<StatisticsRequest> {
         let wanted = (self.open || self.tab) && kind(shown) != ValueKind::Names;
-        // sRGB codes have the same range in every picture.
+        // sRGB values range from 0 to 255 in every picture.
         let codes = Range { low: 0.0, high: 255.0 };
         let whole = (kind(shown) == ValueKind::Colors).then_some(codes);
         wanted.then(|| StatisticsRequest { axis: self.setting(shown).axis.or(whole), region: self.region })

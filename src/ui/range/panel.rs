@@ -1,4 +1,4 @@
-//! The tab “Histogram”: the histogram of the whole picture in a wide plot, and the statistics of every channel.
+//! The “Histogram” tab: the histogram of the whole picture in a wide plot, and the statistics of every channel.
 
 use eframe::egui::{Grid, RichText, ScrollArea, Ui, vec2};
 
@@ -16,7 +16,7 @@ use crate::ui::widgets::empty_state;
 /// Width of the table of statistics, in points; the histogram takes the rest.
 const TABLE: f32 = 700.0;
 
-/// Draws the content of the tab “Histogram”.
+/// Draws the content of the “Histogram” tab.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let Some((view, measured)) =
         session.view.as_ref().and_then(|view| Some((view, view.look_result.measured.as_deref()?)))
@@ -48,7 +48,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
 }
 
-/// Draws the controls of the tab “Histogram”, beside the tabs.
+/// Draws the controls of the “Histogram” tab, beside the tab names.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut log = session.range.log_counts;
     if ui

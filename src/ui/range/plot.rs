@@ -92,8 +92,8 @@ impl HistogramPlot<'_> {
     }
 }
 
-/// Returns the colour that the picture shows for the value `number`. For a colour channel, this is the grey of the
-/// displayed brightness.
+/// Returns the colour that the picture shows for the value `number`. For a colour channel, returns a grey with the
+/// displayed brightness of the channel.
 pub(crate) fn color_of(shown: Shown, setting: &Setting, range: Range, number: f32) -> Rgba8 {
     if kind(shown) == ValueKind::Numbers {
         return setting.display.number_color(buffer_of(shown), range, number);
@@ -115,7 +115,7 @@ fn axis_numbers(ui: &Ui, rect: Rect, axis: Range, most: u64, log: bool) {
     let high = painter.text(rect.right_bottom(), Align2::RIGHT_BOTTOM, short(axis.high), font, color);
     let scale = if log { "logarithmic counts" } else { "linear counts" };
     let font = FontId::proportional(font_size::SMALL);
-    // The longest text that fits between the numbers.
+    // Draws the longest text that fits between the numbers.
     let room = high.left() - low.right() - 2.0 * space::S;
     for text in [format!("{scale}, highest {}", format::count(most)), scale.to_owned()] {
         let text = painter.layout_no_wrap(text, font.clone(), color);

@@ -48,7 +48,7 @@ pub(crate) enum ScrubChange {
     Step(Unit, bool),
     /// Steps by the selected unit, forwards if `true`, otherwise backwards.
     StepUnit(bool),
-    /// Pauses playback and goes to a moment of the frame's drawing.
+    /// Pauses playback and goes to a moment in the drawing of the frame.
     Go(Moment),
     /// Sets the unit of a step.
     Unit(Unit),
@@ -63,22 +63,21 @@ pub(crate) enum ScrubChange {
 }
 
 impl Scrub {
-    /// Returns the number of fragments to draw of the last triangle, if `triangle_limit` triangles are drawn. `None`
-    /// means all fragments.
+    /// Returns the number of fragments to draw of the last of `triangle_limit` triangles; `None` draws all.
     pub(crate) fn fragment_limit(&self, triangle_limit: Option<usize>) -> Option<usize> {
         self.partial.filter(|moment| Some(moment.triangles) == triangle_limit)?.fragments
     }
 }
 
 impl Session {
-    /// Returns the requested moment of the frame's drawing.
+    /// Returns the requested moment in the drawing of the frame.
     pub(crate) fn moment(&self) -> Moment {
         let all = self.triangle_count();
         let triangles = self.triangle_limit.map_or(all, |limit| limit.min(all));
         Moment { triangles, fragments: self.scrub.fragment_limit(self.triangle_limit) }
     }
 
-    /// Goes to a moment of the frame's drawing. If it is the end of the frame, removes the triangle limit.
+    /// Goes to a moment in the drawing of the frame. Removes the triangle limit if the moment is the end of the frame.
     pub(crate) fn go_to(&mut self, moment: Moment) {
         let Moment { triangles, fragments } = moment;
         let is_all = triangles > self.triangle_count() || (triangles == self.triangle_count() && fragments.is_none());
@@ -86,7 +85,7 @@ impl Session {
         self.scrub.partial = Some(moment).filter(|_| triangles > 0 && fragments.is_some());
     }
 
-    /// Requests a moment of the frame's drawing without checking that it exists, for use before the first frame.
+    /// Requests a moment in the drawing of the frame without checking that it exists, for use before the first frame.
     pub(crate) fn begin_at(&mut self, moment: Moment) {
         (self.triangle_limit, self.scrub.partial) = (Some(moment.triangles), Some(moment));
     }

@@ -209,8 +209,8 @@ fn ticks(ui: &Ui, slider: &Response, timeline: &Timeline) {
     for touch in timeline.touches.iter().step_by(each) {
         let x = range.min + range.span() * touch.moment.triangles as f32 / all;
         let color: Color32 = if touch.written { tokens(ui).passed } else { tokens(ui).rejected };
-        // Ticks of written fragments are at the top, those of rejected ones at the bottom: colour alone would not
-        // suffice.
+        // Written fragments have ticks at the top, rejected ones at the bottom, so that colour is not the only
+        // distinction.
         let (from, to) =
             if touch.written { (rect.top(), rect.top() + LENGTH) } else { (rect.bottom() - LENGTH, rect.bottom()) };
         let tick = Rect::from_min_max(pos2(x, from), pos2(x, to)).expand2(vec2(0.75, 0.0));

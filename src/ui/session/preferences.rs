@@ -70,7 +70,7 @@ pub(crate) struct WindowState {
     pub(crate) window_size: Option<[f32; 2]>,
     /// Whether the window is maximized.
     pub(crate) maximized: bool,
-    /// Layout of panels and headings, as RON of [`eframe::egui::Memory`]; empty for the default layout.
+    /// Layout of panels and headings: [`eframe::egui::Memory`] serialised as RON; empty for the default layout.
     pub(crate) layout: String,
 }
 
@@ -126,7 +126,7 @@ impl Preferences {
     /// Parses stored preferences, skipping fields that cannot be read. Also returns whether everything was read.
     pub(crate) fn read_checked(stored: &str) -> (Self, bool) {
         let Ok(fields) = serde_json::from_str::<Map<String, Value>>(stored) else { return Default::default() };
-        // A number too large for its type is read as infinity, which cannot be written.
+        // A number too large for its type is read as infinity and written as null, which cannot be read again.
         let can_be_read = |(key, value): &(String, Value)| {
             let read = Self::deserialize(json!({ key: value })).and_then(serde_json::to_value);
             read.is_ok_and(|again| Self::deserialize(json!({ key: again[key] })).is_ok())
@@ -218,7 +218,7 @@ fn the_readable<'de, D: Deserializer<'de>, T: DeserializeOwned + Serialize>(from
 impl Session {
     /// Returns the preferences to store, with the given state of the window.
     pub(crate) fn preferences(&self, window: &WindowState) -> Preferences {
-        // A scene that is still loading is the one to restore.
+        // While a scene is loading, that scene is the one to store.
         let InspectionState { scene, camera, mirrored, .. } =
             self.places.pending.clone().unwrap_or_else(|| self.place());
         Preferences {

@@ -8,7 +8,7 @@ use crate::ui::compare::TileSet;
 /// Maximum number of undo steps.
 const UNDO_STEPS: usize = 200;
 
-/// Maximum pause, in seconds, between camera moves that are combined into one undo step, such as those of scrolling.
+/// Maximum pause, in seconds, between camera moves that are combined into one undo step, for example while scrolling.
 const ONE_MOVE_SECONDS: f64 = 0.6;
 
 /// State covered by undo.

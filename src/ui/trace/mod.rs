@@ -1,5 +1,5 @@
-//! The arithmetic of one fragment as a table, which can be stepped through by line, by stage, or to the next line that
-//! is flagged, for example for a NaN.
+//! The arithmetic of one fragment as a table, which can be stepped through by line, by stage, or to the next flagged
+//! line, such as one with a NaN.
 
 pub(crate) mod panel;
 
@@ -27,7 +27,7 @@ pub(crate) struct TraceView {
     pub(crate) line: usize,
     /// Filter text: only lines that contain it are listed.
     pub(crate) filter: String,
-    /// Number of steps so far. A change makes the table scroll to the current line.
+    /// Number of steps so far. When it changes, the table scrolls to the current line.
     pub(crate) steps: u64,
 }
 
@@ -160,8 +160,8 @@ fn is_same(old: &trace::TraceLine, new: &trace::TraceLine) -> bool {
     }
 }
 
-/// Returns the index of the line in `trace` that corresponds to a line of the previous trace; the same index if there
-/// is none.
+/// Returns the index of the line in `trace` that corresponds to a line of the previous trace, or the same index if no
+/// line corresponds.
 fn counterpart(last: &Trace, line: usize, trace: &Trace) -> usize {
     let name = names(last).nth(line);
     let same = name.and_then(|name| names(trace).position(|other| other == name));

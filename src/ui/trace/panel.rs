@@ -1,4 +1,4 @@
-//! The tab “Arithmetic”: buttons for stepping, the current line of the trace in full, and the table of all lines.
+//! The “Calculation” tab: buttons for stepping, the current line of the trace in full, and the table of all lines.
 
 use eframe::egui::style::ScrollAnimation;
 use eframe::egui::{self, Align, Color32, Rect, RichText, ScrollArea, TextEdit, Ui, vec2};
@@ -69,10 +69,10 @@ fn fragments(ui: &mut Ui, trace: &Trace, push: &mut impl FnMut(TraceChange)) {
     }
 }
 
-/// Draws the content of the tab “Arithmetic”.
+/// Draws the content of the “Calculation” tab.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if !is_picked(session) {
-        let how = "Click a pixel of the picture to list every step of its arithmetic, with the rounding errors.";
+        let how = "Click a pixel of the picture to list every step of its calculation, with the rounding errors.";
         empty_state(ui, Icon::ScanSearch, "No pixel picked", how);
         return;
     }

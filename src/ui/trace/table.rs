@@ -189,7 +189,7 @@ fn explain(ui: &mut Ui, line: &TraceLine, is_changed: bool) {
         ui.label("Dot: the value differs from that of the previously traced pixel or frame.");
     }
     if line.aside {
-        ui.label("Not computed by the pipeline; shown for orientation.");
+        ui.label("Not computed by the pipeline; shown for reference.");
     }
 }
 

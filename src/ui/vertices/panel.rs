@@ -66,13 +66,13 @@ const GROUPS: [ColumnGroup; 11] = [
     },
     ColumnGroup {
         name: "World",
-        help: "World-space position, shown for orientation: the pipeline multiplies the matrices first",
+        help: "World-space position, shown for reference: the pipeline multiplies the matrices first",
         columns: &["x", "y", "z"],
         width: FULL,
     },
     ColumnGroup {
         name: "View",
-        help: "View-space position, where the camera looks along −z. Shown for orientation: the pipeline multiplies \
+        help: "View-space position, where the camera looks along −z. Shown for reference: the pipeline multiplies \
                the matrices first",
         columns: &["x", "y", "z"],
         width: FULL,
@@ -97,7 +97,7 @@ const GAP: f32 = 14.0;
 /// Maximum number of rows to copy, because clipboards limit the size of their content.
 const COPIED_ROWS: u32 = 65_536;
 
-/// Draws the controls of the tab “Vertices”, beside the tabs.
+/// Draws the controls of the “Vertices” tab, beside the tab names.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let whole = session.vertices.whole_object;
     for (value, name, help) in [
@@ -180,7 +180,7 @@ fn header(ui: &mut Ui, width: f32) {
 fn row(ui: &mut Ui, width: f32, stages: &VertexStages, marks: Marks) -> Response {
     let (rect, _) = ui.allocate_exact_size(vec2(width, ROW_HEIGHT - 4.0), Sense::hover());
     let name = format!("Vertex {}", stages.index);
-    // The visible part only: screen readers click the middle of a widget, which must be visible.
+    // Only the visible part is clickable: screen readers click the middle of a widget, which must be visible.
     let seen = rect.intersect(ui.clip_rect());
     let response = ui.interact(seen, ui.scope_id().with(&name), Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, marks.is_selected, &name));
@@ -252,7 +252,7 @@ fn cells(v: &VertexStages) -> Vec<TableCell> {
     let f32s = |values: &[f32]| -> Vec<TableCell> {
         values.iter().map(|value| TableCell::number((*value).into(), format::f32_full(*value))).collect()
     };
-    // `f32` digits suffice; more would suggest that the pipeline computes these values.
+    // The pipeline does not compute these values, so the digits of an `f32` suffice.
     let f64s = |values: [f64; 3]| values.map(|value| TableCell::number(value, format::f32_full(value as f32)));
     let absent = |count: usize| (0..count).map(|_| TableCell::absent()).collect::<Vec<_>>();
     let mut cells = vec![TableCell { text: v.index.to_string(), kind: CellKind::Plain }];

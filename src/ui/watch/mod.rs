@@ -12,8 +12,7 @@ use super::theme::{MARK_EDGE, Tokens, font_size};
 use super::zoom::Placement;
 use crate::inspect::watch::WatchedPixel;
 
-/// Maximum number of watched pixels. After every frame, the drawing of each watched pixel is repeated to find its
-/// values.
+/// Maximum number of watched pixels. After every frame, each watched pixel is replayed to find its values.
 pub(crate) const MAX_PIXELS: usize = 24;
 
 /// Watched pixels and their values.

@@ -1,4 +1,4 @@
-//! The tab “Watch”: one row per watched pixel, one column per buffer.
+//! The “Watch” tab: one row per watched pixel, one column per buffer.
 
 use eframe::egui::{self, Button, Color32, Grid, RichText, ScrollArea, Sense, Ui, WidgetInfo};
 
@@ -26,7 +26,7 @@ const COLUMNS: [(&str, &str); 9] = [
     ("Shaded", "Number of fragments at the pixel's centre that were shaded"),
 ];
 
-/// Draws the controls of the tab “Watch”, beside the tabs.
+/// Draws the controls of the “Watch” tab, beside the tab names.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let watched = |pixel| session.watch.pixels.contains(&pixel);
     let addable = session.pick.is_some_and(|pixel| !watched(pixel));

@@ -1,4 +1,4 @@
-//! Renderer side of watched pixels: finds their values by repeating the drawing of these pixels after every new frame.
+//! Renderer side of watched pixels: replays these pixels after every new frame to find their values.
 
 use crate::inspect::watch::{WatchedPixel, watch};
 use crate::ui::engine::{RenderedView, Request};
@@ -18,7 +18,7 @@ impl PixelWatcher {
         self.pixels = pixels;
     }
 
-    /// Sets the view in which the values of the pixels are found, which is the one on screen.
+    /// Sets the view on screen, in which the values of the pixels are found.
     pub(crate) fn set_view(&mut self, view: &RenderedView) {
         self.is_due |= view.fresh && !self.pixels.is_empty();
         self.view = Some(view.clone());

@@ -137,7 +137,8 @@ pub(crate) fn visible_view<'a>(ui: &Ui, session: &'a Session) -> Option<&'a Rend
 }
 
 impl Session {
-    /// Returns the what-if request for the renderer if the bar is open and there is a state A.
+    /// Returns the what-if request for the renderer; `None` if the bar is closed, if there is no state A, or while a
+    /// comparison or a case is open.
     pub(crate) fn what_if_request(&self) -> Option<WhatIfRequest> {
         let shown = self.what_if.open && !self.comparison.is_on() && self.case.is_none();
         let recipe = self.what_if.before.filter(|_| shown)?;

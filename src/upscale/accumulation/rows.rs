@@ -14,7 +14,7 @@ use crate::upscale::{FilterSpace, Motion, Scale, bands};
 /// samples.
 type ColorQuad = [f32; 4];
 
-/// History of a pixel that has none, marked by a negative sample count.
+/// Value for pixels without history, marked by a negative sample count.
 const NO_HISTORY: ColorQuad = [0.0, 0.0, 0.0, -1.0];
 
 /// Position of an output column or row among the samples of this frame.
@@ -161,7 +161,7 @@ impl RowContext<'_> {
             return;
         }
         let row = self.rows[y as usize];
-        // Consecutive output rows mostly share both sample rows, or the lower one becomes the upper one.
+        // Consecutive output rows usually read the same two sample rows, or the lower sample row becomes the upper one.
         if light_of[1] == Some(row.between[0]) {
             light.swap(0, 1);
             light_of.swap(0, 1);

@@ -1,7 +1,7 @@
 //! Checkerboard rendering: only half of the 2×2-pixel squares of the image are drawn, and the others are filled in.
 //!
-//! A pixel of a missing square has a drawn square on both sides in its row and its column. It touches the one and is
-//! separated from the other by the rest of its own square:
+//! In its row and in its column, a pixel of a missing square has a drawn square on either side. The pixel touches one
+//! of the two; the rest of its own square separates it from the other:
 //!
 //! ```text
 //!   a a . . e e      For the . at column 2, row 1, the a beside it and the c below it are "touching",
@@ -59,7 +59,8 @@ fn around(size: (u32, u32), at: PixelPosition) -> impl Iterator<Item = PixelPosi
     [TOUCHING, BEHIND].into_iter().flat_map(move |by| neighbours(by, size, at)).flatten()
 }
 
-/// Returns the column in the packed image of the drawn pixel in column `x`. It does not depend on the row.
+/// Returns the packed column of a drawn pixel, given its column `x` in the full image. The result does not depend on
+/// the row.
 fn packed_column(x: u32) -> u32 {
     x / 4 * 2 + x % 2
 }

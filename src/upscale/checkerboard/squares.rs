@@ -22,8 +22,8 @@ pub(super) trait Fill: Sync {
 
 /// Position of 16 consecutive missing pixels of a row.
 pub(super) struct MissingRun {
-    /// Row of the missing pixels. `across` is the row of the drawn pixels that they touch, and `far_across` that of the
-    /// drawn pixels behind them.
+    /// Row of the missing pixels. `across` is the row of the drawn pixels that they touch, and `far_across` the row of
+    /// the drawn pixels behind them.
     pub(crate) y: u32,
     pub(crate) across: u32,
     pub(crate) far_across: u32,
@@ -119,7 +119,8 @@ fn fill_row<S: Simd>(
         return 0..0;
     }
     let [own, near, far] = [y, across, far_across].map(|y| drawn.row(y).as_flattened());
-    // The packed index of a drawn pixel beside a missing one is one larger or one smaller.
+    // The packed index of the drawn pixel beside a missing pixel is one more or one less than the index of the missing
+    // pixel among the missing ones.
     let beside = |first: usize| if drawn_first { first + 1 } else { first - 1 };
     let mut first = from;
     loop {

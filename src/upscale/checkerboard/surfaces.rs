@@ -62,7 +62,7 @@ impl Upscaler for CheckerboardSurfaces {
     }
 }
 
-/// Unnormalised weights of drawn pixels: of one that touches the missing pixel, and of one behind it.
+/// Unnormalised weights of a drawn pixel that touches the missing pixel, and of one behind it.
 const NEAR_AND_FAR: [f32; 2] = [2.0, 1.0];
 
 /// Kernel that interpolates missing pixels from neighbours on the same surface.

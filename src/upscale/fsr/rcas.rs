@@ -3,8 +3,8 @@
 //! The weight of the four outer pixels, called the lobe, is as negative as possible without any channel leaving [0, 1].
 //!
 //! Let mn and mx be the minimum and maximum of the four neighbours. A channel e of the centre stays in range for lobes
-//! down to −min(mn, e) / (4 mx) and (1 − max(mx, e)) / (4 mn − 4). The limit nearest to zero of the three channels
-//! applies, but the lobe is at least −3/16, because −¼ would divide by zero. Alpha is unchanged.
+//! down to −min(mn, e) / (4 mx) and (1 − max(mx, e)) / (4 mn − 4). Of the limits of the three channels, the one nearest
+//! to zero applies, but the lobe is at least −3/16, because −¼ would divide by zero. Alpha is unchanged.
 //!
 //! With the lobe l and the sum s of the four neighbours, (l s + e) / (4 l + 1) equals e + q (4 e − s), where q = −l
 //! / (4 l + 1). Quotients are compared and sums computed in integers. q is a fraction of 2¹⁵, and its product is

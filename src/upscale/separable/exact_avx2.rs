@@ -1,7 +1,7 @@
 //! AVX2 version of [`super::exact`], 32 channel values at a time.
 //!
 //! For each block of eight pixels, a widened row holds first red and blue, then green and alpha. If the number of steps
-//! D is a power of two, values are scaled so that an interpolated one has eight fractional bits. The 8-bit result is
+//! D is a power of two, values are scaled so that an interpolated value has eight fractional bits. The 8-bit result is
 //! then the upper byte of a 16-bit value: red and blue need only a shift, green and alpha only a mask. Between the rows
 //! of a cell, values change by a constant, so each row costs only additions.
 
@@ -34,7 +34,7 @@ pub(super) struct ExactAvx2 {
     /// Number of pixels of the first block that lie left of the image, so that the other blocks are stored at aligned
     /// addresses.
     skipped: usize,
-    /// Number of padding samples before the first one, which blocks left of the image read.
+    /// Number of padding samples before the first sample, for the pixels left of it.
     before: usize,
     /// Gather pattern of each block in a period.
     period: Vec<Gather>,
@@ -44,9 +44,9 @@ pub(super) struct ExactAvx2 {
 
 /// Gather pattern of a block: two runs of four samples, taken from eight adjacent ones.
 struct Gather {
-    /// Index of the first of the eight samples, counted from the first that any block reads.
+    /// Index of the first of the eight samples in the padded row, for the first period.
     start: usize,
-    /// Indices of both runs among the eight samples.
+    /// Indices of the samples of both runs among the eight samples.
     runs: [u32; 8],
     /// Byte shuffle that selects two samples per value: for red and blue, then for green and alpha.
     bytes: [[u8; 32]; 2],
@@ -97,8 +97,8 @@ impl ExactAvx2 {
         let (pixels, samples) = lattice.scale.ratio();
         let skipped = (BLOCK - pixels_to_alignment % BLOCK) % BLOCK;
         let before = (-lattice.place_beyond(-(skipped as i64)).cell).max(0) as usize;
-        // Number of blocks until the pattern repeats; with three pixels per cell, a single block is not a multiple of a
-        // cell.
+        // Number of blocks until the pattern repeats. If the lattice repeats every three pixels, a single block does
+        // not hold a whole number of its periods.
         let blocks: usize = if pixels.is_multiple_of(3) { 3 } else { 1 };
         let first = |block: usize| (block * BLOCK) as i64 - skipped as i64;
         let period = (0..blocks).map(|block| Gather::new(lattice, first(block), before)).collect();

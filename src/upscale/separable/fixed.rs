@@ -8,10 +8,9 @@
 //!   value(t) = Σ even · s + Σ odd · d      value(1 − t) = Σ even · s − Σ odd · d      even, odd = (wₖ ± wₙ₋ₖ) / 2
 //! ```
 //!
-//! so both positions need the multiplications of only one. Each product is rounded once to the unit of the sum
-//! ([`times`], like the `pmulhrsw` instruction); sums are exact. Errors stay below 1/12 of an 8-bit step, so a result
-//! differs from exact arithmetic by at most one. This scalar version defines the result; SIMD versions must be
-//! bit-identical.
+//! so the multiplications for one position serve both. Each product is rounded once to the unit of the sum ([`times`],
+//! like the `pmulhrsw` instruction); sums are exact. Errors stay below 1/12 of an 8-bit step, so a result differs from
+//! exact arithmetic by at most one. This scalar version defines the result; SIMD versions must be bit-identical.
 
 use super::cells::Pass;
 use crate::image::Rgba8;

@@ -1,8 +1,8 @@
 //! AVX2 version of [`super::fixed`], 16 values at a time.
 //!
-//! Widened rows are stored in the order in which two registers are packed into one of 8-bit values: pixels 0, 1, 4, 5
-//! of each block of eight, then 2, 3, 6, 7. They start with the first pixel of a cell, which lies left of the image in
-//! a centred lattice.
+//! Widened rows are stored in the order that packing two registers into one register of 8-bit values requires: pixels
+//! 0, 1, 4, 5 of each block of eight, then 2, 3, 6, 7. A widened row starts with the first pixel of a cell. In a
+//! centred lattice, this pixel lies left of the image.
 //!
 //! Arrays of registers are filled by loops: a closure passed to a standard library function would be compiled without
 //! the AVX2 feature and called once per register.
@@ -29,7 +29,7 @@ const BLOCK: usize = 8;
 /// Number of samples widened at a time.
 const GROUP: usize = 4;
 
-/// Maximum number of channel values read for a group: those of its own samples and of six around it.
+/// Maximum number of channel values read for a group: the values of its own samples and of the six samples around it.
 const WINDOW: usize = 4 * (6 + GROUP);
 
 /// Eight pixels in two registers, in the order of a widened row.
@@ -71,7 +71,7 @@ impl<'a, const H: usize> FixedAvx2<'a, H> {
         let (pixels, samples) = lattice.scale.ratio();
         let mut first_cell = lattice.place(0).cell;
         let mut skipped = (1_i64..).take_while(|back| lattice.place_beyond(-back).cell == first_cell).count();
-        // Start left of the image by the number of cells that aligns the other blocks, if there is one.
+        // Starts farther left by a whole number of cells, if such a number aligns the other blocks.
         let wanted = (BLOCK - pixels_to_alignment % BLOCK) % BLOCK;
         let cells = wanted.checked_sub(skipped).filter(|px| samples == 1 && px.is_multiple_of(pixels as usize));
         if let Some(px) = cells {

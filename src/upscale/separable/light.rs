@@ -101,7 +101,7 @@ impl<const N: usize> Linear<N> {
     fn widen_runs<S: Simd, const PIXELS: usize>(&self, simd: S, samples: &[f32], wide: &mut [f32]) -> usize {
         let Some(columns) = self.columns.first_chunk::<PIXELS>() else { return 0 };
         let mut done = 0;
-        // Index of the first sample around each cell, after the samples inserted on the left.
+        // Index, in the padded samples, of the first sample that each phase reads.
         let mut from = columns.map(|place| (place.cell + 1) as usize);
         for run in wide.chunks_exact_mut(PIXELS * WIDE) {
             let mut sums = [f32x16::splat(simd, 0.0); PIXELS];

@@ -1,4 +1,4 @@
-//! Tests of the tab “Arithmetic”: stepping through the lines of the picked pixel, and showing one of its values for all
+//! Tests of the tab “Calculation”: stepping through the lines of the picked pixel, and showing one of its values for all
 //! pixels.
 
 use eframe::egui::{Key, Modifiers};
@@ -41,7 +41,7 @@ fn keys_step_through_the_lines_and_open_the_tab() {
 #[test]
 fn the_inspector_leads_to_the_arithmetic_of_a_fragment() {
     let mut bench = Bench::small("interpenetrating");
-    bench.click("Show arithmetic");
+    bench.click("Show calculation");
     bench.rest();
     let shown = bench.view().report.as_ref().and_then(|report| {
         let visible = report.visible()?;
@@ -54,7 +54,7 @@ fn the_inspector_leads_to_the_arithmetic_of_a_fragment() {
 #[test]
 fn another_pixel_is_traced_when_it_is_picked() {
     let mut bench = Bench::small("interpenetrating");
-    bench.click("Arithmetic");
+    bench.click("Calculation");
     let first = trace(&bench);
     let (x, y) = bench.session().pick.expect("a pixel is picked at first");
     bench.session_mut().pick = Some((x + 1, y));
@@ -69,7 +69,7 @@ fn another_pixel_is_traced_when_it_is_picked() {
 #[test]
 fn the_eye_of_a_line_shows_its_number_and_hides_it_again() {
     let mut bench = Bench::small("interpenetrating");
-    bench.click("Arithmetic");
+    bench.click("Calculation");
     let line = trace(&bench).lines.iter().position(|line| line.buffer == Some(Intermediate::Lambda1));
     let step = rasterscope::ui::trace::TraceChange::Step(line.expect("every fragment has weights") as i64);
     bench.session_mut().apply(rasterscope::ui::command::Command::Trace(step));

@@ -34,9 +34,9 @@ fn f1_opens_the_manual_and_escape_closes_nothing_else() {
 fn a_search_lists_sections_and_a_click_opens_one() {
     let mut bench = Bench::small("triangle");
     bench.press(Key::F1);
-    type_text(&mut bench, "arithmetic fragment");
+    type_text(&mut bench, "calculation fragment");
     assert!(!lists(&bench, Chapter::Changelog), "only results are listed");
-    bench.click("The arithmetic of a fragment");
+    bench.click("The calculation of a fragment");
     assert!(bench.mentions("lists every step from the corners"), "text of the section");
 }
 

@@ -140,8 +140,8 @@ fn the_near_plane_is_reported_exactly_where_a_nearer_plane_would_show_the_triang
             let reported = absent(cut, Cause::NearPlane);
             count += reported.len();
             let all: BTreeSet<_> = there(cut).union(&reported).copied().collect();
-            // Snapping moves an edge by a fraction of a pixel; an edge that passes the centre is reported as a near
-            // miss.
+            // Snapping moves edges by a fraction of a pixel. If an edge moves across the pixel's centre, the triangle
+            // is reported as a near miss.
             let beside = |id: &TriangleId| {
                 let passes = |r: &PixelReport| {
                     r.absent.iter().any(|a| a.triangle == *id && a.distance_px.is_some_and(|d| d < 1.0 / 64.0))

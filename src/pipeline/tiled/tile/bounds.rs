@@ -1,5 +1,5 @@
-//! Hierarchical Z: lower and upper bounds on the stored depths of each block, or of the whole tile, with which
-//! triangles are rejected without reading samples.
+//! Hierarchical Z: lower and upper bounds on the stored depths of each block, or of the whole tile. They are used to
+//! reject triangles without reading samples.
 
 use super::super::depths::{DepthPlane, DepthRules, compare_bounds, whole_depths};
 use super::super::edge_number::EdgeNumber;
@@ -12,9 +12,9 @@ use crate::pipeline::depth::DepthComparison;
 /// Full-tile occluder: a triangle that covers the whole tile in front of everything drawn before, or the background.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FullTileOccluder {
-    /// Least stored depth in the tile.
+    /// Lower bound on the stored depths in the tile.
     pub(super) min_depth: f32,
-    /// Greatest stored depth in the tile.
+    /// Upper bound on the stored depths in the tile.
     pub(super) max_depth: f32,
     /// Depth plane of the triangle; `None` for the background.
     pub(super) plane: Option<DepthPlane>,
@@ -24,7 +24,7 @@ impl Tile {
     /// Tests a triangle against the full-tile occluder. Returns `true` if the triangle is hidden behind the occluder,
     /// or becomes the occluder itself; in both cases nothing remains to be drawn.
     ///
-    /// Otherwise replaces the occluder, if there is one, by the depth bounds of all blocks.
+    /// Otherwise replaces the occluder, if there is one, with the depth bounds of all blocks.
     #[inline(always)]
     pub(super) fn test_occluder<S: Simd, E: EdgeNumber>(
         &mut self,
@@ -55,7 +55,7 @@ impl Tile {
         true
     }
 
-    /// Replaces the full-tile occluder, if there is one, by the depth bounds of all blocks.
+    /// Replaces the full-tile occluder, if there is one, with the depth bounds of all blocks.
     #[inline(always)]
     pub(super) fn replace_occluder<S: Simd>(&mut self, simd: S, lattice: &TileLattice, rules: &DepthRules) {
         let Some(FullTileOccluder { min_depth: least, max_depth: greatest, plane }) = self.occluder.take() else {
@@ -84,7 +84,8 @@ impl Tile {
         lattice: &TileLattice,
         rules: &DepthRules,
     ) -> bool {
-        // In most cases this test suffices: a triangle in front at the first sample is not behind everywhere.
+        // In most cases this test suffices: a triangle that is in front at the tile's first sample is not hidden
+        // everywhere.
         let in_front = match rules.comparison {
             DepthComparison::Always => true,
             DepthComparison::Less | DepthComparison::LessEqual => plane.at_first() < self.max_depths[0].into(),

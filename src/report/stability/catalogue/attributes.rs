@@ -112,7 +112,7 @@ fn samples(dice: &mut Rng, side: u32, triangles: &[&[ScreenCorner; 3]]) -> Vec<[
         .collect();
     let spans = regions.first().map(|region| region.spans(viewport)).unwrap_or_default();
     let mut pixels: Vec<[u32; 2]> = Vec::new();
-    // Only a few pixels per row: large triangles cover millions.
+    // Take only a few pixels per row, because large triangles cover millions.
     for span in spans {
         let width = span.right - span.left;
         let step = (width as usize / SAMPLES).max(1);

@@ -99,7 +99,7 @@ fn near_crossing(dice: &mut Rng) -> Vec<CaseDraft> {
 
 fn zero_w(dice: &mut Rng) -> Vec<CaseDraft> {
     let mut with_w = |w: f32| {
-        // z on or in front of the near plane, as a projection would give it for such a w.
+        // The z that projection would give for such a w, approximately: the vertex lies in front of the near plane.
         let odd = [dice.uniform(-2.0, 2.0) as f32, dice.uniform(-2.0, 2.0) as f32, w - NEAR as f32, w];
         let other =
             |dice: &mut Rng| project([dice.uniform(-2.0, 2.0), dice.uniform(-2.0, 2.0), dice.uniform(0.5, 4.0)]);
@@ -109,7 +109,7 @@ fn zero_w(dice: &mut Rng) -> Vec<CaseDraft> {
     let ws = [0.0, -0.0, 1e-7, 1e-30, -1e-30, 1e-38, 1e-45];
     let mut drafts: Vec<_> =
         ws.iter().cycle().take(14).map(|w| clip_space(format!("w = {w:e}"), vec![with_w(*w)])).collect();
-    // On the near plane although w vanishes: no camera produces this, but no program may fail on it.
+    // A vertex on the near plane although w is (almost) 0: no camera produces it, but a renderer must handle it.
     drafts.extend([0.0, 1e-30].map(|w| {
         let odd = [1.0, 0.5, 0.0, w];
         clip_space(format!("z = 0, w = {w:e}"), vec![[odd, project([-1.0, -1.0, 2.0]), project([1.0, -1.0, 3.0])]])
@@ -141,10 +141,10 @@ fn huge(dice: &mut Rng) -> Vec<CaseDraft> {
     let far = |dice: &mut Rng| dice.sign() * dice.log_uniform(1e6, 3.4e38);
     let mut drafts = Vec::new();
     for _ in 0..6 {
-        // x and y up to the limits of f32, in front of the eye.
+        // Vertices in front of the eye, with x and y up to the limits of f32.
         let corners = [(); 3].map(|()| to_f32([far(dice), far(dice), 0.5, 1.0]));
         drafts.push(clip_space("x and y beyond all bounds", vec![corners]));
-        // In front of and behind the eye: w of any size and sign, with proportional z.
+        // Vertices in front of and behind the eye: w of any magnitude and sign, with z proportional to w.
         let corners = [(); 3].map(|()| {
             let w = far(dice);
             to_f32([w * dice.uniform(-2.0, 2.0), w * dice.uniform(-2.0, 2.0), w * 0.5, w])

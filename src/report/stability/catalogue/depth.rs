@@ -52,7 +52,7 @@ pub(super) const CLASSES: &[Class] = &[
 ];
 
 fn draft(near: f64, far: f64, z: Vec<f32>) -> CaseDraft {
-    // Placeholder values; the measured buffer replaces mapping and format.
+    // Placeholders: the depth format under test determines mapping and storage.
     let (mapping, format) = (DepthMapping::Standard, DepthStorage::F32);
     let (near, far) = (near as f32, far as f32);
     CaseDraft::new(

@@ -80,7 +80,8 @@ fn fan(dice: &mut Rng, size: Size, hub: [f32; 2], spokes: usize, reach: f64) -> 
     let rim: Vec<[f32; 2]> = (0..spokes)
         .map(|i| {
             let angle = start + (i as f64 + dice.uniform(-0.05, 0.05)) / spokes as f64 * TAU;
-            // The chords of three spokes come as close as 0.4 of this radius and must lie outside the image.
+            // With three spokes, the chords come as close to the hub as 0.4 of this radius. They must lie outside the
+            // image.
             let radius = reach * (4.0 * f64::from(size[0].max(size[1]))) * dice.uniform(1.0, 1.1);
             to_f32([f64::from(hub[0]) + radius * angle.cos(), f64::from(hub[1]) + radius * angle.sin()])
         })
@@ -149,8 +150,8 @@ fn strip(dice: &mut Rng, note: String, size: Size, sides: &[[[f32; 2]; 2]]) -> C
     mesh(dice, note, size, triangles)
 }
 
-/// Creates a test case of `count` strips from the left to the right of the image. Their borders lie at random heights
-/// and are nearly horizontal: each endpoint is displaced by up to `tilt` px.
+/// Creates a test case of `count` horizontal strips across the image. Their borders lie at random heights and are
+/// nearly horizontal: each endpoint is displaced by up to `tilt` px.
 fn level(dice: &mut Rng, size: Size, count: usize, tilt: f64) -> CaseDraft {
     let [width, height] = size.map(f64::from);
     let mut heights: Vec<f64> = (1..count).map(|_| dice.uniform(-MARGIN, height + MARGIN)).collect();
@@ -162,7 +163,7 @@ fn level(dice: &mut Rng, size: Size, count: usize, tilt: f64) -> CaseDraft {
             [to_f32([-MARGIN, y + dice.uniform(0.0, tilt)]), to_f32([width + MARGIN, y + dice.uniform(0.0, tilt)])]
         })
         .collect();
-    // Borders that would cross share an end point instead.
+    // Borders that would cross share an endpoint instead.
     for end in 0..2 {
         for i in 1..sides.len() {
             sides[i][end][1] = sides[i][end][1].max(sides[i - 1][end][1]);

@@ -178,7 +178,8 @@ fn slivers(dice: &mut Rng) -> Vec<CaseDraft> {
         let end = [start[0] + along[0] * length, start[1] + along[1] * length];
         [to_f32(start), to_f32(end), to_f32([end[0] - along[1] * width, end[1] + along[0] * width])]
     };
-    // Starts on both sides of a pixel centre and ends exactly on one, so that the sliver contains the centres between.
+    // The short side is centred on a pixel centre and the tip lies on another, so the sliver contains all pixel centres
+    // on its axis.
     let between_centres = |dice: &mut Rng| {
         let (from, to) = ([dice.centre(0, 4), dice.centre(0, 31)], [dice.centre(28, 32), dice.centre(0, 31)]);
         let half = dice.log_uniform(1e-6, 0.1) as f32;
@@ -202,8 +203,8 @@ fn needles(dice: &mut Rng) -> Vec<CaseDraft> {
 }
 
 fn near_ties(dice: &mut Rng) -> Vec<CaseDraft> {
-    // An edge from the origin to an odd multiple of (odd, odd) passes through a pixel centre in the middle of each
-    // step. Its start is moved by less than f64 can add to the coordinates of its end.
+    // An edge from the origin to `parts` · (dx, dy), with all three numbers odd, passes through a pixel centre in the
+    // middle of each step. The start is then displaced by less than f64 resolves at the coordinates of the end.
     const STEPS: [[f32; 2]; 6] = [[1.0, 1.0], [3.0, 1.0], [1.0, 3.0], [3.0, 5.0], [5.0, 3.0], [7.0, 5.0]];
     let one = |dice: &mut Rng, [dx, dy]: [f32; 2]| {
         let parts = ((SIDE as f32 / dx.max(dy)) as i32 - 1) | 1;

@@ -102,7 +102,7 @@ fn near_ties_are_near_and_no_ties() {
             let view = crate::pipeline::viewport::Viewport { width: 32, height: 32 };
             pixel_count(&ExactRegion::triangle(*corners, Snap::Unsnapped, rule).spans(view))
         });
-        // Without the tiny offsets there are ties; with them there are none.
+        // Without the tiny offsets, some pixel centres lie exactly on an edge (ties); with the offsets, none does.
         let flattened = corners.map(|corner| corner.map(|c| if c.abs() < 1e-12 { 0.0 } else { c }));
         open == closed && covered(flattened, Snap::Unsnapped) != covered(*corners, Snap::Unsnapped)
     };

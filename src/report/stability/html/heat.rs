@@ -77,7 +77,7 @@ fn group(column: ReportColumn) -> &'static str {
     if column.is_published() { "As published" } else { column.arithmetic_name().unwrap_or_default() }
 }
 
-/// Whether the column at this index starts a new group.
+/// Returns whether the column at this index starts a new group.
 fn starts_group(columns: &[ReportColumn], index: usize) -> bool {
     index > 0 && group_key(columns, index) != group_key(columns, index - 1)
 }
@@ -195,7 +195,7 @@ fn tooltip(class: &ClassReport, cell: &ReportCell) -> String {
     lines.join("\n")
 }
 
-/// Returns the footer row of a heat map: the geometric mean over all classes of the time per pixel.
+/// Returns the footer row of a heat map: the geometric mean of each column's time per pixel over all classes.
 fn footer(classes: &[&ClassReport], columns: &[ReportColumn]) -> String {
     let mean = |column: &ReportColumn| {
         let times = classes.iter().filter_map(|class| {

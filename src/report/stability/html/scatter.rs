@@ -99,7 +99,7 @@ impl LogAxis {
     fn around(values: impl Iterator<Item = f64>) -> Option<Self> {
         /// Margin on each side, as a fraction of the range.
         const ROOM: f64 = 0.06;
-        /// Range below which the margin no longer shrinks, in powers of ten.
+        /// Range, in powers of ten, below which the margin no longer shrinks.
         const LEAST: f64 = 0.5;
         let powers = values.filter(|v| *v > 0.0 && v.is_finite()).map(f64::log10);
         let (low, high) = powers.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
@@ -112,9 +112,9 @@ impl LogAxis {
         (value.log10() - self.low) / (self.high - self.low)
     }
 
-    /// Returns the tick values: powers of ten, with 2 and 5 times these on a short axis.
+    /// Returns the tick values: powers of ten and, on a short axis, 2 and 5 times these powers.
     fn ticks(self) -> Vec<f64> {
-        /// Range in powers of ten up to which ticks at 2 and 5 are added.
+        /// Longest range, in powers of ten, with ticks at 2 and 5.
         const FEW: f64 = 2.0;
         let factors: &[f64] = if self.high - self.low > FEW { &[1.0] } else { &[1.0, 2.0, 5.0] };
         let step = ((self.high - self.low) / 10.0) as usize + 1;
@@ -224,7 +224,7 @@ fn axes(plot: &ScatterPlot, y_axis: &str) -> String {
 fn tick(value: f64) -> String {
     const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     if (0.009..10_000.0).contains(&value) {
-        // Rounded to two decimals, which are all it has.
+        // A tick value in this range has at most two decimals, so this only removes rounding errors.
         return ((value * 100.0).round() / 100.0).to_string();
     }
     let power = (value.log10() + 1e-9).floor() as i32;
@@ -306,13 +306,14 @@ fn marker((x, y): (f64, f64), shape: usize, color: usize, r: f64, style: &str) -
 /// Rectangle in SVG units: left, top, right, bottom.
 type Rectangle = [f64; 4];
 
-/// Returns the labels that fit beside their markers without covering others.
+/// Returns the labels of the points, beside their markers. A label is omitted if every position would overlap a marker,
+/// a bar or another label, or leave the plot.
 fn labels(plot: &ScatterPlot, points: &[TradeoffPoint]) -> String {
     let around = |x: f64, y: f64, r: f64| [x - r, y - r, x + r, y + r];
     let mut taken: Vec<Rectangle> = points.iter().map(|p| around(plot.x(p.ns.median), plot.y(p.error), 6.0)).collect();
     let bar = |p: &TradeoffPoint| [plot.x(p.ns.p10), plot.y(p.error) - 1.0, plot.x(p.ns.p90), plot.y(p.error) + 1.0];
     taken.extend(points.iter().map(bar));
-    // Points on the Pareto front first, because their labels matter most.
+    // Place the labels of the Pareto front first, because they matter most.
     let mut order: Vec<&TradeoffPoint> = points.iter().collect();
     order.sort_by_key(|point| !point.optimal);
     let mut svg = String::new();

@@ -34,7 +34,7 @@ impl ExpectedCoverage {
         }
     }
 
-    /// Returns the number of pixels covered by all triangles together.
+    /// Returns the number of covered pixels, summed over all triangles.
     pub(super) fn pixels(&self, snap: Snap) -> u64 {
         self.at(snap).iter().map(|spans| pixel_count(spans)).sum()
     }
@@ -127,7 +127,7 @@ mod tests {
     fn cracks_double_hits_and_wrong_pixels_are_told_apart() {
         let case = square();
         let mut answers = ExpectedCoverage::new(&case).unsnapped;
-        // The second triangle omits its first pixel on row 7 and covers one of the first triangle's on row 3.
+        // The second triangle omits its first pixel on row 7 and covers a pixel of the first triangle on row 3.
         let omitted = answers[1].iter_mut().find(|s| s.row == 7).unwrap();
         omitted.left += 1;
         answers[1].push(Span { row: 3, left: 6, right: 7 });
@@ -141,7 +141,8 @@ mod tests {
 
     #[test]
     fn snapping_errors_count_only_against_unsnapped_corners() {
-        // The left edge lies slightly to the right of the centres of column 2; snapped onto them, it owns them.
+        // The left edge lies slightly to the right of the centres of column 2. After snapping, it passes through these
+        // centres and owns them.
         let case = case(vec![[[2.500_5, -4.0], [6.0, 4.0], [2.500_5, 12.0]], [[1.0; 2]; 3]], false);
         let snapped = ExpectedCoverage::new(&case).snapped;
         let (declared, culprits) = judged(&case, Snap::Grid256, &snapped);

@@ -28,7 +28,7 @@ pub(super) fn distances(case: &DepthCase, format: DepthFormat) -> MeasureOutcome
     evaluate(case, format, &case.z.iter().map(|z| buffer.stored(*z)).collect::<Vec<_>>())
 }
 
-/// Compares the stored depths with the exact ones, and each stored depth with the next one.
+/// Compares the stored depths with the exact ones, and each stored depth with that of the next distance.
 fn evaluate(case: &DepthCase, format: DepthFormat, stored: &[f64]) -> MeasureOutcome {
     let (mapping, storage) = meaning(format);
     let right: Vec<_> = case.z.iter().map(|z| exact_depth(mapping, case.near, case.far, *z)).collect();

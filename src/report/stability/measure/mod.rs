@@ -1,8 +1,8 @@
 //! Comparison of the engine's results for one test case with the exact results.
 //!
 //! [`Expected`] holds the exact results, computed once per case. [`answer`] runs the engine in one of its
-//! configurations and compares. For each kind of case, a function computes [`Measures`] from expected and actual
-//! results, independent of the origin of the results.
+//! configurations and compares the results. For each kind of case, a function computes [`Measures`] from expected and
+//! actual results, wherever these come from.
 
 mod clip_space;
 
@@ -32,7 +32,7 @@ pub(crate) enum Expected {
     ClipSpace(Vec<ExpectedTriangle>),
     /// Expected weights, depths and attributes, one entry per triangle.
     Samples(Vec<samples::ExpectedSamples>),
-    /// Depths, which depend on the format and are therefore computed during the comparison.
+    /// Marker for depth cases: exact depths depend on the format, so the comparison computes them.
     Depth,
 }
 
@@ -47,7 +47,7 @@ pub(crate) struct MeasureOutcome {
 
 impl MeasureOutcome {
     fn new(measures: Measures, culprits: Vec<usize>) -> Self {
-        // Joining to empty measures computes the derived metrics.
+        // Joining with empty measures computes the derived metrics.
         let mut complete = Measures::default();
         complete.join(&measures);
         Self { measures: Some(complete), culprits }

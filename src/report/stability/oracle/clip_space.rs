@@ -18,7 +18,8 @@ use crate::pipeline::viewport::Viewport;
 /// Exact clip-space triangle, as seen in a viewport.
 #[derive(Clone, Debug)]
 pub(crate) struct ClipTriangle {
-    /// Numbers λ₀, λ₁ and λ₂ (see the module) as affine functions of pixel column and row, multiplied by `unit`.
+    /// Numbers λ₀, λ₁ and λ₂ (see the module documentation) as affine functions of pixel column and row, multiplied by
+    /// `unit`.
     weights: [ExactHalfPlane; 3],
     /// z/w as an affine function of pixel column and row, multiplied by `unit`.
     depth: ExactHalfPlane,

@@ -22,7 +22,7 @@ pub(crate) enum DepthMapping {
 }
 
 impl DepthMapping {
-    /// Whether smaller distances map to larger depths.
+    /// Returns whether smaller distances map to larger depths.
     pub(crate) fn is_reversed(self) -> bool {
         matches!(self, Self::Reversed | Self::ReversedInf)
     }
@@ -76,8 +76,8 @@ pub(crate) fn exact_depth(mapping: DepthMapping, near: f32, far: Option<f32>, di
     })
 }
 
-/// Rounds an exact depth once to its storage format, as an integer code or a float; both preserve the order. Distances
-/// with the same result are indistinguishable, however precise the computation of the depth.
+/// Rounds an exact depth once to its storage format, as an integer code or a float; both preserve the order of depths.
+/// Distances with the same result are indistinguishable, however precisely the depth is computed.
 pub(crate) fn ideal_code(storage: DepthStorage, value: &BigRational) -> BigRational {
     match storage.largest_code() {
         Some(largest) => {
@@ -90,7 +90,7 @@ pub(crate) fn ideal_code(storage: DepthStorage, value: &BigRational) -> BigRatio
 
 /// Returns the float nearest to a number in [0, 1], ties to even.
 fn nearest_f32(value: &BigRational) -> BigRational {
-    // Rounding twice may be off by one, so the neighbours are compared, too.
+    // Rounding twice, to f64 and then to f32, may be off by one step, so the neighbouring floats are compared as well.
     let guess = (approximate(value) as f32).to_bits();
     let candidates = [guess.saturating_sub(1), guess, guess + 1];
     let distance =

@@ -20,8 +20,8 @@ pub(crate) enum Snap {
 /// Number of fractional bits of [`Snap::Grid256`].
 const GRID_PLACES: u32 = 8;
 
-/// Reciprocal of the borderline distance, in 1/px. A pixel centre this close to an edge may fall on either side of it
-/// if vertices are snapped or rounded during projection.
+/// Reciprocal of the borderline distance, in 1/px. A pixel centre within the borderline distance of an edge may fall on
+/// either side of the edge if vertices are snapped or rounded during projection.
 const BORDERLINE: i32 = 128;
 
 /// Half-plane of the pixels for which `by_column` · column + `by_row` · row + `origin` is positive, or zero if the
@@ -52,16 +52,16 @@ impl ExactHalfPlane {
         Some(if self.by_column.is_positive() { (Some(-steps), None) } else { (None, Some(steps)) })
     }
 
-    /// Whether a pixel centre is within 1/[`BORDERLINE`] px of the line. The gradient is per pixel, so the distance is
-    /// |value| / √(`by_column`² + `by_row`²).
+    /// Returns whether a pixel centre is within 1/[`BORDERLINE`] px of the line. The gradient is per pixel, so the
+    /// distance is |value| / √(`by_column`² + `by_row`²).
     fn is_close(&self, column: u32, row: u32) -> bool {
         let value = self.at(column, row) * BORDERLINE;
         let squared_gradient = &self.by_column * &self.by_column + &self.by_row * &self.by_row;
         &value * &value <= squared_gradient
     }
 
-    /// Whether the fill rule counts a pixel centre exactly on the line as inside. A rule named after a corner acts as
-    /// if the centre were moved by a tiny distance horizontally and a far smaller one vertically.
+    /// Returns whether the fill rule counts a pixel centre exactly on the line as inside. A rule named after a corner
+    /// acts as if the centre were moved by a tiny distance horizontally and a far smaller one vertically.
     pub(super) fn owns_its_line(&self, rule: FillRule) -> bool {
         let (right, down) = match rule {
             FillRule::TopLeft => (1, 1),
@@ -76,7 +76,7 @@ impl ExactHalfPlane {
     }
 }
 
-/// Intersection of half-planes, or nothing if there are no half-planes, as for a triangle without area.
+/// Intersection of half-planes; empty if there are no half-planes, as for a triangle without area.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ExactRegion {
     pub(super) bounds: Vec<ExactHalfPlane>,
@@ -90,8 +90,8 @@ impl ExactRegion {
         Self { bounds, rows: None }
     }
 
-    /// Creates a screen-space triangle of either winding, with vertices in pixels. It is empty if it has no area or a
-    /// coordinate is not finite.
+    /// Creates the region of a screen-space triangle of either winding, with vertices in pixels. The region is empty if
+    /// the triangle has no area or a coordinate is not finite.
     pub(crate) fn triangle(corners_px: [[f32; 2]; 3], snap: Snap, rule: FillRule) -> Self {
         if corners_px.iter().flatten().any(|c| !c.is_finite()) {
             return Self::default();
@@ -110,7 +110,7 @@ impl ExactRegion {
         Self { bounds: bounds.collect(), rows: Some(rows_around(corners_px)) }
     }
 
-    /// Whether the region has no bounds and is therefore empty.
+    /// Returns whether the region has no bounds and is therefore empty.
     pub(crate) fn is_empty(&self) -> bool {
         self.bounds.is_empty()
     }
@@ -136,7 +136,7 @@ impl ExactRegion {
         (left < right).then_some(Span { row, left, right })
     }
 
-    /// Whether the region contains a pixel centre.
+    /// Returns whether the region contains a pixel centre.
     pub(crate) fn contains(&self, column: u32, row: u32) -> bool {
         let inside = |bound: &ExactHalfPlane| {
             let value = bound.at(column, row);
@@ -145,8 +145,8 @@ impl ExactRegion {
         !self.is_empty() && self.bounds.iter().all(inside)
     }
 
-    /// Whether a pixel centre is within 1/128 px of a line that bounds the region, and not clearly outside another
-    /// line.
+    /// Returns whether a pixel centre is within 1/128 px of a line that bounds the region, and not clearly outside
+    /// another line.
     pub(crate) fn is_borderline(&self, column: u32, row: u32) -> bool {
         let lines = || self.bounds.iter().filter(|b| !b.by_column.is_zero() || !b.by_row.is_zero());
         let clearly_outside =

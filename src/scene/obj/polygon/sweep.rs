@@ -378,7 +378,7 @@ mod tests {
     #[test]
     fn long_straight_and_hollow_sides_take_no_quadratic_time() {
         let count = 200_000;
-        // Only from the last corner is the whole of a straight or concave side visible.
+        // A straight or concave side is visible as a whole only from the last corner.
         let straight = |x: i32| GridPoint::new(x, 1000);
         let hollow = |x: i32| GridPoint::new(x, (i64::from(x - count / 2).pow(2) / 40) as i32 + 1000);
         for side in [&straight as &dyn Fn(i32) -> GridPoint, &hollow] {

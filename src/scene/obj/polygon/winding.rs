@@ -2,7 +2,8 @@
 //!
 //! Regions that the outline encloses counter-clockwise face like the polygon, clockwise regions face the other way, and
 //! regions where the windings cancel are empty. The crate `i_overlay` finds the regions, and `i_triangle` triangulates
-//! them. Their time grows with the number of crossings, which are therefore counted first, up to a limit.
+//! them. The run time of both crates grows with the number of crossings. Crossings are therefore counted first, and too
+//! many are rejected.
 
 use std::collections::HashMap;
 
@@ -23,8 +24,7 @@ const FREE_CROSSINGS: usize = 1000;
 /// Maximum number of crossings of any polygon. Triangulating that many takes about 100 MB.
 const MAX_CROSSINGS: usize = 200_000;
 
-/// Maximum number of edge pairs that are compared because both edges are on the sweep line. Comparing that many takes
-/// about 0.2 s.
+/// Maximum number of edge pairs that the search for crossings compares. Comparing that many takes about 0.2 s.
 const MAX_PAIRS: usize = 100_000_000;
 
 /// Point where the outline crosses itself, on the edge from corner `edge` to the next.
@@ -36,8 +36,8 @@ pub(in crate::scene::obj) struct OutlineCrossing {
     pub(in crate::scene::obj) place: f64,
 }
 
-/// Returns the triangles of the regions with a non-zero winding number, and appends the points where edges cross to
-/// `crossings`.
+/// Returns the triangles of the regions with a non-zero winding number. Appends the points where edges cross each other
+/// to `crossings`.
 ///
 /// Indices from `corners.len()` on refer to `crossings`. Returns `None` if the outline crosses itself too often or if
 /// the triangulation is cancelled.
@@ -95,7 +95,7 @@ impl<'a> Outline<'a> {
     /// Finds all crossings of an outline. Returns `None` if there are too many or if the search is cancelled.
     fn new(corners: &'a [GridPoint], is_cancelled: &dyn Fn() -> bool) -> Option<Self> {
         let mut this = Self { corners, cells: HashMap::new() };
-        // An outline that repeats an edge crosses other edges there only once.
+        // Repeated edges are dropped, so that each of their crossings is counted once.
         let mut known = HashMap::with_capacity(corners.len());
         let mut edges: Vec<_> = (0..corners.len() as u32)
             .map(|number| (this.edge(number), number))

@@ -27,8 +27,8 @@ pub(super) fn places(canvas: Rect, session: &Session) -> Vec<TileLayout> {
         PictureSize::Fixed(width, height) => width as f32 / height.max(1) as f32,
         PictureSize::Canvas => 1.4,
     };
-    // Space for the region's figures is reserved before the region is drawn, so that drawing it does not resize the
-    // pictures.
+    // Space for the region's error metrics is reserved before the user draws the region, so that the pictures keep
+    // their size.
     let blocks = if comparison.region.is_some() || comparison.draws_region { 2.0 } else { 1.0 };
     let layout = |columns: usize| {
         let rows = shown.div_ceil(columns);
@@ -41,7 +41,7 @@ pub(super) fn places(canvas: Rect, session: &Session) -> Vec<TileLayout> {
     let area = |columns: &usize| {
         let (_, picture, _) = layout(*columns);
         let height = picture.y.min(picture.x / aspect);
-        // Prefers the layout without empty cells if picture areas are nearly equal.
+        // Prefers a layout with few empty cells if picture areas are nearly equal.
         height * height * aspect * shown as f32 / (*columns * shown.div_ceil(*columns)) as f32
     };
     let columns = (1..=shown.max(1)).max_by(|a, b| area(a).total_cmp(&area(b))).unwrap_or(1);

@@ -8,7 +8,7 @@ use crate::pipeline::settings::Choice as _;
 use crate::ui::format;
 use crate::ui::theme::{RADIUS, font_size, space, tokens};
 
-/// Draws the legend of the difference image into the lower left corner of the picture.
+/// Draws the legend of the difference image in the lower left corner of the picture.
 pub(super) fn legend(ui: &Ui, picture: Rect, (kind, gain): (Difference, u32)) {
     const WIDTH: f32 = 220.0;
     const BAR: f32 = 8.0;

@@ -183,7 +183,7 @@ fn picture(
     }
     let stroke = Stroke::new(1.5, tokens(ui).accent);
     for outline in &comparison.outlines {
-        // Corners may lie up to 10³⁸ px away: clamped to the range that the painter's floats handle.
+        // Corners may lie up to 10³⁸ px away. They are clamped to a range that the painter's floats can handle.
         let near = |c: f64| c.clamp(-1e5, 1e5) as f32;
         let corner = |index: usize| {
             let [x, y] = outline[index % outline.len()];

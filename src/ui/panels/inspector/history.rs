@@ -1,5 +1,5 @@
 //! The history of the picked pixel as a list: its clear value, every fragment in drawing order with its effect,
-//! triangles without a fragment here with the reason, and the final value. Chips filter the list.
+//! triangles that have no fragment at the pixel, with the reason, and the final value. Chips filter the list.
 
 use eframe::egui::{self, Align, Button, Color32, Label, Layout, RichText, Sense, Ui, UiBuilder};
 
@@ -234,11 +234,11 @@ fn row(ui: &mut Ui, chosen: bool, row: &HistoryRow<'_>, commands: &mut Vec<Comma
     let fill = if chosen { tokens(ui).raised } else { Color32::TRANSPARENT };
     let frame = egui::Frame::new().fill(fill).corner_radius(theme::RADIUS).inner_margin(4);
     let sense = if row.can_be_chosen { Sense::click() } else { Sense::hover() };
-    // The row registers for clicks before its content, so that its buttons lie above it.
+    // The row registers for clicks before its content, so that clicks on its buttons go to the buttons.
     let builder = UiBuilder::new().sense(sense);
     let response = ui
         .scope_builder(builder, |ui| {
-            // With selectable labels a click on the text would select the text instead of the row.
+            // With selectable labels, a click on the text would select the text instead of the row.
             ui.style_mut().interaction.selectable_labels = false;
             frame.show(ui, |ui| row_content(ui, row, commands));
         })

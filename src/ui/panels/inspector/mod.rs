@@ -111,16 +111,17 @@ impl Inspector {
     }
 }
 
-/// Draws a button that shows a fragment in the tab “Arithmetic”.
+/// Draws a button that shows a fragment in the tab “Calculation”.
 fn arithmetic_button(ui: &mut Ui, report: &PixelReport, fragment: &FragmentRecord, commands: &mut Vec<Command>) {
     let Some(index) = report.fragments.iter().position(|other| std::ptr::eq(other, fragment)) else { return };
     let help = "Every step from the corners of the triangle to the pixel, with numbers and rounding errors";
-    if ui.button("Show arithmetic").on_hover_text(help).clicked() {
+    if ui.button("Show calculation").on_hover_text(help).clicked() {
         commands.push(Command::Trace(trace::TraceChange::Fragment(index)));
     }
 }
 
-/// Returns the fragment at this pixel that violates an assertion first; `None` if there is none.
+/// Returns the fragment of the first violation that the assertions found; `None` if there is no violation or if it is
+/// at another pixel.
 fn violating(session: &Session, report: &PixelReport) -> Option<Chosen> {
     let (found, frame) = session.checks.found.as_ref()?;
     let (_, violation) = found.first_violation()?;
@@ -129,7 +130,7 @@ fn violating(session: &Session, report: &PixelReport) -> Option<Chosen> {
     Some(Chosen::Fragment(index))
 }
 
-/// Draws the position of the pixel under the pointer and its value of the shown quantity.
+/// Draws the position of the pixel under the pointer, and the value of the shown quantity at that pixel.
 fn hover_line(ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>, commands: &mut Vec<Command>) {
     let here = hovered.and_then(|(x, y)| {
         let view = what_if::visible_view(ui, session)?;

@@ -144,7 +144,7 @@ fn shading_numbers(ui: &mut Ui, shading: &ShadingRecord) {
         float_row(ui, "N·L", cosine, "Cosine of the angle between normal and light direction");
     }
     if let Some(light) = shading.light {
-        float_row(ui, "Light", light, "Factor of the lighting, by which the surface colour is multiplied");
+        float_row(ui, "Light", light, "Factor by which lighting multiplies the surface colour");
     }
     if let Some(highlight) = shading.highlight {
         float_row(ui, "Highlight", highlight, "Factor of the specular colour: max(0, N·H)^Ns");

@@ -20,9 +20,9 @@
 //! Alpha is filtered like a colour channel.
 //!
 //! Slopes and the kernel are floats. The twelve weights are 16-bit fixed point, because a register holds twice as many
-//! of them; each product is rounded once ([`times_one`]). Sums of weighted samples are exact. Rounding changes a
-//! channel by at most 0.2 of an 8-bit step for random black and white samples, and by at most 0.3 in a search for bad
-//! cases. In photographs, one channel value in a thousand differs by one from correct rounding.
+//! 16-bit values as floats; each product is rounded once ([`times_one`]). Sums of weighted samples are exact. Rounding
+//! changes a channel by at most 0.2 of an 8-bit step for random black and white samples, and by at most 0.3 in a search
+//! for bad cases. In photographs, one channel value in a thousand differs by one from correct rounding.
 //!
 //! This file contains the scalar version for one pixel. [`wide`] is the SIMD version; it reads the per-sample data of
 //! [`source`] and uses the operations of [`super::words`].
@@ -36,8 +36,8 @@ use crate::upscale::lattice::{Lattice, LatticePosition};
 
 pub(super) use wide::{EasuScratch, fill};
 
-/// Squared slope below which no edge direction is computed. The slope is 1/181 of the 8-bit range, less than one 8-bit
-/// step over the width of the kernel.
+/// Squared luma slope below which no edge direction is computed. Luma ranges from 0 to 510. The slope itself is 255 /
+/// 181: for greys, a difference of 0.7 of an 8-bit step between the two neighbours of a sample.
 const MIN_SLOPE: f32 = 255.0 * 255.0 / 32768.0;
 
 /// Difference between the lobe λ at a clear edge and its value of ½ elsewhere.
@@ -85,8 +85,8 @@ impl Spot {
     }
 }
 
-/// Fixed-point representation of 1 for w before it is clamped. 16 bits then reach down to w = −2, which no sample
-/// reaches.
+/// Fixed-point representation of 1 for w before it is clamped. 16 bits can then represent values down to w = −2, which
+/// no sample reaches.
 const ONE: i16 = 15 << 10;
 
 /// Fixed-point representation of 1 for w after it is clamped to [0, 1] and doubled, and for the coefficient of w.
@@ -96,10 +96,12 @@ const ONE_DOUBLED: f32 = 2.0 * ONE as f32;
 const ONE_SQUARED: f32 = ONE_DOUBLED * ONE_DOUBLED / 32768.0;
 
 /// Fixed-point representation of 1 for the coefficients of x², xy and y², which are at most ½. It is large enough that
-/// squared offsets of samples fit in 16 bits in [`Distances`]: four times [`ONE`] divided by this is less than 1.
+/// the squared offsets of samples, which are at most 4, fit in the 16 bits of [`Distances`]: 4 · [`ONE`] / `FACTOR` is
+/// less than 1.
 const FACTOR: f32 = 61_500.0;
 
-/// Kernel of an output pixel, rotated along the edge and scaled along both axes, in floats that are rounded later.
+/// Kernel of an output pixel, oriented along the edge and scaled along both axes. The coefficients are floats that are
+/// rounded later.
 #[derive(Clone, Copy)]
 struct EasuKernel {
     /// Coefficient of x² in λ s. The fields `xy` and `yy` hold the coefficients of xy and y². All are in units of 1 /
@@ -120,10 +122,10 @@ impl EasuKernel {
         let (across, down) = if flat { (1.0, 0.0) } else { (across, down) };
         let (xx, yy) = (across * across, down * down);
         let (squared, most) = (xx + yy, xx.max(yy));
-        // One division replaces two: by the squared length, and by its larger component.
+        // One division replaces two: one by the squared length, and one by the larger squared component.
         let inverse = 1.0 / (squared * most);
         let stretch = ((squared * squared) * inverse).sqrt();
-        // Squares of the components of the direction, and their product.
+        // Squares and product of the components of the unit direction.
         let inverse = most * inverse;
         let (xx, xy, yy) = (xx * inverse, (across * down) * inverse, yy * inverse);
         let half = straightness * 0.5;

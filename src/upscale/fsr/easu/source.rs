@@ -6,8 +6,8 @@ use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 use crate::upscale::lattice::{Lattice, LatticePosition};
 
-/// Number of output pixels with equal phase, from as many adjacent cells, whose kernels are computed together. They are
-/// then filtered [`WIDE`] at a time.
+/// Number of output pixels whose kernels are computed together: pixels of one phase, one from each of as many adjacent
+/// cells. The pixels are then filtered [`WIDE`] at a time.
 pub(super) const AHEAD: usize = 4 * WIDE;
 
 /// Number of cells in a tile, small enough that the data of its samples stays in the L1 cache from row to row.
@@ -82,8 +82,9 @@ pub(super) struct SourceRows {
 }
 
 impl SourceRows {
-    /// Reads the sample rows `rows` of a non-empty image: from one row before the first cell to two rows after the
-    /// last, because the kernel spans four. Computes slopes in all rows except the first and the last.
+    /// Reads the sample rows `rows` of a non-empty image. They range from one row before the first cell to two rows
+    /// after the last cell, because the kernel spans four rows. Computes slopes in all rows except the first and the
+    /// last.
     pub(super) fn read(&mut self, lanes: Lanes, drawn: &Image<Rgba8>, rows: Range<i32>) {
         self.stride = stride_of(drawn.width() as usize);
         self.first_row = rows.start;
@@ -238,7 +239,7 @@ const GREATEST: usize = 4;
 const MIXED: usize = 8;
 
 impl CellRow {
-    /// Allocates the rows, each as long as those of `source`.
+    /// Allocates the rows, each as long as the rows of `source`.
     pub(super) fn prepare(&mut self, source: &SourceRows) {
         self.stride = source.stride;
         self.rows.reserve(source.stride * (MIXED + SLOPES.len()));

@@ -1,7 +1,7 @@
 //! SIMD version of [`super`] for 16 pixels at a time: pixels of one phase in adjacent cells, which read adjacent
 //! samples. Floats are added in the same order, and integer sums are exact, so results are bit-identical.
 //!
-//! The code avoids closures: those that the standard library calls would be compiled without the CPU features of the
+//! The code avoids closures: a closure called by the standard library would be compiled without the CPU features of the
 //! wide lanes.
 
 use super::source::{AHEAD, CellRow, MARGIN, SourceRows, TILE, values};
@@ -174,7 +174,8 @@ impl RunInputs<'_> {
     #[inline(always)]
     fn codes<S: Simd>(&self, simd: S, at: usize, weights: &TapWeights<S>) -> u32x16<S> {
         let [red, green, blue] = each!(channel in [0, 1, 2] => self.colors[channel].codes(simd, at, weights));
-        // Bits above the low byte of red are overwritten; those of green and blue are shifted out or overwritten.
+        // Besides the low byte, each value has bits only in its top byte. Those of green and blue are shifted out;
+        // alpha replaces those of red.
         let color = red | green << 8 | blue << 16;
         match &self.alpha {
             None => color | 0xff00_0000,
