@@ -2,7 +2,7 @@
 
 pub(crate) mod comparison;
 
-mod html;
+pub(crate) mod html;
 
 pub(crate) mod skipped_work;
 

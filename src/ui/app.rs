@@ -397,6 +397,7 @@ impl Workbench {
                 }
             }
             Command::SavePicture => self.save_picture(ui),
+            Command::SaveComparison => self.save_comparison(ui),
             Command::SaveOutline(kind, end) => self.save_outline(ui, kind, end),
             Command::CopyPicture => self.copy_picture(ui),
             Command::ToggleTheme => {

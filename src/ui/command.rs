@@ -138,6 +138,8 @@ pub(crate) enum Command {
     ClearTimings,
     /// Saves the picture on the canvas as PNG.
     SavePicture,
+    /// Saves the compared pictures and their errors as an HTML page.
+    SaveComparison,
     /// Saves the exact values on the canvas as floats (PFM).
     SaveData,
     /// Saves the scene as a vector drawing, in the format with this file name extension.

@@ -419,11 +419,11 @@ fn grid(side: usize) -> String {
 fn a_load_ends_at_the_memory_limit_and_when_it_is_cancelled() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("grid.obj");
-    std::fs::write(&path, grid(200)).unwrap();
+    std::fs::write(&path, grid(240)).unwrap();
     let load = |control: LoadControl<'_>| obj::load_with(&path, TrMeaning::Auto, control);
     let error = load(LoadControl::quiet(MemoryLimit::mib(4))).unwrap_err().to_string();
     assert!(error.contains("needs more than the memory limit of 4 MiB; raise it with `--memory`"), "{error}");
-    assert!(load(LoadControl::quiet(MemoryLimit::mib(40))).is_ok());
+    assert!(load(LoadControl::quiet(MemoryLimit::mib(64))).is_ok());
 
     let shares = Mutex::new(Vec::new());
     let progress = |share| shares.lock().unwrap().push(share);

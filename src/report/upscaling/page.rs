@@ -5,14 +5,12 @@ use std::io;
 use super::plot;
 use super::skipping::PixelShareTimes;
 use super::sweep::{SceneReport, UpscalingReport, UpscalingRow};
-use crate::image::file::encode_png;
-use crate::image::{Image, Rgba8};
 use crate::measure::error::ImageError;
 use crate::measure::motion::Turn;
 use crate::measure::noise::WITHIN;
 use crate::measure::rounds::WARM_UP_ROUNDS;
 use crate::pipeline::settings::Choice as _;
-use crate::report::html::{document, escaped, partial, tiles};
+use crate::report::html::{document, escaped, image_source, partial, tiles};
 use crate::upscale::Anchor;
 
 /// CSS rules specific to this page.
@@ -234,34 +232,15 @@ fn crops(rows: &[UpscalingRow]) -> io::Result<String> {
     for family in rows.chunk_by(|a, b| a.recipe.upscaler.method() == b.recipe.upscaler.method()) {
         let Some(row) = family.last() else { continue };
         figures += &format!(
-            "<figure><img alt=\"{label}\" src=\"data:image/png;base64,{}\"><figcaption><b>{label}</b> · FLIP {:.4} · {:.2} \
+            "<figure><img alt=\"{label}\" src=\"{}\"><figcaption><b>{label}</b> · FLIP {:.4} · {:.2} \
              ms</figcaption></figure>\n",
-            png(&row.crop)?,
+            image_source(&row.crop)?,
             row.error.flip,
             row.frame_ms.median,
             label = escaped(&row.label)
         );
     }
     Ok(format!("<div class=\"crops\">\n{figures}</div>\n"))
-}
-
-/// Encodes an image as a PNG file in base64.
-fn png(picture: &Image<Rgba8>) -> io::Result<String> {
-    Ok(base64(&encode_png(picture)?))
-}
-
-/// Encodes bytes in padded base64 (RFC 4648).
-fn base64(bytes: &[u8]) -> String {
-    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for group in bytes.chunks(3) {
-        let number = group.iter().fold(0_u32, |n, byte| n << 8 | u32::from(*byte)) << (8 * (3 - group.len()));
-        for place in 0..4 {
-            let letter = LETTERS[(number >> (18 - 6 * place)) as usize & 63];
-            text.push(if place <= group.len() { char::from(letter) } else { '=' });
-        }
-    }
-    text
 }
 
 fn method(report: &UpscalingReport) -> String {
@@ -280,18 +259,4 @@ fn method(report: &UpscalingReport) -> String {
         report.rounds,
         motion(report)
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn base64_matches_the_standard() {
-        let cases = [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")];
-        for (plain, coded) in cases {
-            assert_eq!(base64(plain.as_bytes()), coded);
-        }
-        assert_eq!(base64(&[0xFB, 0xFF, 0xBF]), "+/+/");
-    }
 }

@@ -13,6 +13,7 @@ use crate::image::{Image, Rgba8};
 use crate::inspect::outline::{OutlineControl, OutlineKind, OutlineRequest, outline};
 use crate::lab::drawing::encode_recording;
 use crate::pipeline::settings::Choice as _;
+use crate::ui::compare::export::ComparisonPage;
 use crate::ui::engine::Request;
 use crate::ui::panels::bottom::Tab;
 use crate::ui::session::Severity;
@@ -66,6 +67,16 @@ impl Workbench {
     pub(super) fn save_picture(&mut self, ui: &Ui) {
         let Some(picture) = self.shown_picture(ui) else { return };
         self.save(ui, ("picture", "png"), move || encode_png(&picture).map_err(|error| error.to_string()));
+    }
+
+    /// Writes the compared pictures with their errors to an HTML page in the current folder.
+    pub(super) fn save_comparison(&mut self, ui: &Ui) {
+        match ComparisonPage::of(&self.session) {
+            Ok(page) => self.save(ui, ("comparison", "html"), move || {
+                page.html().map(String::into_bytes).map_err(|error| error.to_string())
+            }),
+            Err(reason) => self.session.report(Severity::Error, reason),
+        }
     }
 
     /// Writes a vector drawing of the current scene to a file in the current folder. `end` is the file name extension,

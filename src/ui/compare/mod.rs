@@ -8,6 +8,8 @@ pub(crate) mod bar;
 
 pub mod compute;
 
+pub(crate) mod export;
+
 pub(crate) mod tiles;
 
 use crate::chain::Recipe;

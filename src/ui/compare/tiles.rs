@@ -1,7 +1,7 @@
 //! Compared pictures on the canvas: shown as tiles with shared zoom, position and pick, as a wipe, as a flip, or as a
 //! difference image.
 
-mod figures;
+pub(super) mod figures;
 
 mod header;
 

@@ -159,6 +159,7 @@ fn commands() -> Vec<PaletteEntry> {
             Command::WhatIf(what_if::WhatIfChange::PinNow),
         ),
         ("Restore the settings from before the last change", Command::WhatIf(what_if::WhatIfChange::Revert)),
+        ("Save the compared pictures and their errors as an HTML page", Command::SaveComparison),
         ("Stop comparing", Command::Compare(CompareChange::Mode(Mode::Off))),
         ("Measure all upscalers", Command::Measure),
         ("Measure the savings of skipped work", Command::MeasurePlan),

@@ -152,6 +152,7 @@ fn compare(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     entry(ui, "Compare all upscalers in tiles", Command::Compare(CompareChange::Every), commands);
     let is_on = session.comparison.is_on();
     entry_if(ui, is_on, "Swap pictures A and B", Command::Compare(CompareChange::Swap), commands);
+    entry_if(ui, is_on, "Save comparison (HTML)", Command::SaveComparison, commands);
     entry_if(ui, is_on, "Stop comparing", Command::Compare(CompareChange::Mode(Mode::Off)), commands);
 }
 

@@ -29,6 +29,10 @@ const SIZE: Viewport = Viewport { width: 203, height: 149 };
 /// Size of the pictures for recipes whose classic execution is slow.
 const SMALL: Viewport = Viewport { width: 101, height: 67 };
 
+/// Maximum number of triangles of a scene that is drawn with every kind of lanes, and often with jittered samples.
+/// Jittered samples are slow in classic execution, which draws each triangle once per possible sample position.
+const FEW_TRIANGLES: usize = 200;
+
 /// Returns each of `recipes` combined with every value of a setting.
 fn with<C: Choice>(recipes: &[Recipe], set: fn(&mut Recipe, C)) -> Vec<Recipe> {
     let changed = |recipe: &Recipe, choice: C| {
@@ -105,6 +109,8 @@ fn textures() -> Vec<Recipe> {
 struct Renderers {
     of_lanes: Vec<(&'static str, Renderer)>,
     size: Viewport,
+    /// Number of checks so far, which selects the lanes for scenes of many triangles.
+    checks: usize,
 }
 
 impl Renderers {
@@ -114,16 +120,20 @@ impl Renderers {
 
     /// Creates renderers for pictures of this size.
     fn of(size: Viewport) -> Self {
-        Self { of_lanes: Lanes::all().map(|lanes| (lanes.name(), Renderer::on(lanes))).collect(), size }
+        Self { of_lanes: Lanes::all().map(|lanes| (lanes.name(), Renderer::on(lanes))).collect(), size, checks: 0 }
     }
 
-    /// Draws in tiled execution and compares colours and depths with those of classic execution.
+    /// Draws in tiled execution and compares colours and depths with those of classic execution. Scenes of more than
+    /// [`FEW_TRIANGLES`] take turns with the kinds of lanes; others are drawn with each.
     fn check(&mut self, name: &str, scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe) {
         if execution(scene, recipe).0 == Execution::Classic {
             return;
         }
         let expected = run(scene, camera, recipe, self.size, &mut ());
-        for (lanes, renderer) in &mut self.of_lanes {
+        let kinds = self.of_lanes.len();
+        let (first, count) = if scene.triangle_count() > FEW_TRIANGLES { (self.checks % kinds, 1) } else { (0, kinds) };
+        self.checks += 1;
+        for (lanes, renderer) in self.of_lanes.iter_mut().skip(first).take(count) {
             let frame = renderer.render(scene, camera, recipe, self.size, KeepDepth::Yes);
             let context = || format!("{name} {lanes} {recipe:?}");
             assert_eq!(frame.rasterized(), expected.geometry.triangles.len(), "{}", context());
@@ -163,6 +173,8 @@ fn check_all_at(size: Viewport, recipes: &[Recipe]) {
         for recipe in &recipes {
             renderers.check(name, &scene, &scene.home, recipe);
         }
+        // The next scene pairs the recipes with other lanes.
+        renderers.checks += 1;
     }
 }
 
@@ -225,7 +237,7 @@ fn every_antialiasing_method_gives_the_same_picture() {
         r.antialias.method = c;
         r.upscaler = Upscaling::new("checkerboard", 1).unwrap();
     }));
-    check_all(&recipes);
+    check_all_at(SMALL, &recipes);
 }
 
 /// Returns a recipe with multisampling for each number of samples.
@@ -278,14 +290,10 @@ fn multisampling_gives_the_same_picture_with_every_depth_test_and_format() {
     check_all_at(SMALL, &with::<DepthFormat>(&recipes, |r, c| r.pipeline.depth_format = c));
 }
 
-/// Largest number of triangles of a scene that is often drawn with jittered samples. Classic execution is slow there,
-/// because it draws each triangle once per possible sample position.
-const MOST_JITTERED: usize = 200;
-
-/// Checks recipes on all scenes of at most [`MOST_JITTERED`] triangles.
+/// Checks recipes on all scenes of at most [`FEW_TRIANGLES`] triangles.
 fn check_small_scenes(recipes: &[Recipe]) {
     let (mut renderers, recipes) = (Renderers::of(SMALL), distinct(recipes.iter().copied()));
-    for (name, scene) in all_scenes().filter(|(_, scene)| scene.triangle_count() <= MOST_JITTERED) {
+    for (name, scene) in all_scenes().filter(|(_, scene)| scene.triangle_count() <= FEW_TRIANGLES) {
         for recipe in &recipes {
             renderers.check(name, &scene, &scene.home, recipe);
         }
@@ -425,7 +433,7 @@ fn views_from_within_the_scene_give_the_same_picture() {
             camera.target += common::in_cube(&mut random) * 2.0;
             renderers.check(builtin.id, &scene, &camera, &Recipe::default());
             smooth.check(builtin.id, &scene, &camera, &multisampled(&[SampleCount::Four])[0]);
-            if scene.triangle_count() <= MOST_JITTERED {
+            if scene.triangle_count() <= FEW_TRIANGLES {
                 smooth.check(builtin.id, &scene, &camera, &jittered(&[SampleCount::Four])[0]);
             }
         }

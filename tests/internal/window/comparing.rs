@@ -143,6 +143,48 @@ fn a_dragged_rectangle_has_figures_of_its_own() {
     assert!(compared(&bench).tiles.iter().all(|tile| tile.region_figures.is_none()));
 }
 
+/// Decodes padded base64 (RFC 4648).
+fn decoded(text: &str) -> Vec<u8> {
+    let value = |letter: u8| match letter {
+        b'A'..=b'Z' => letter - b'A',
+        b'a'..=b'z' => letter - b'a' + 26,
+        b'0'..=b'9' => letter - b'0' + 52,
+        b'+' => 62,
+        _ => 63,
+    };
+    let bits = text.bytes().filter(|letter| *letter != b'=').flat_map(|letter| {
+        let value = value(letter);
+        (0..6).rev().map(move |bit| value >> bit & 1)
+    });
+    let bits: Vec<u8> = bits.collect();
+    bits.chunks_exact(8).map(|byte| byte.iter().fold(0, |all, bit| all << 1 | bit)).collect()
+}
+
+#[test]
+fn a_saved_comparison_holds_the_pictures_the_errors_and_the_commands() {
+    let mut bench = Bench::small("triangle");
+    let folder = tempfile::tempdir().unwrap();
+    bench.session_mut().folder = folder.path().to_owned();
+    bench.press(Key::D);
+    bench.click("Compare");
+    bench.click("Save comparison (HTML)");
+    let page = std::fs::read_to_string(folder.path().join("comparison.html")).expect("a page");
+    let pictures = page.split("base64,").skip(1).map(|rest| {
+        let text = rest.split('"').next().expect("the end of the attribute");
+        image::load_from_memory(&decoded(text)).expect("a picture").into_rgba8().into_raw()
+    });
+    let Compared { tiles, difference, .. } = compared(&bench);
+    let shown = tiles.iter().map(|tile| &tile.picture).chain(difference.as_ref().map(|image| &image.picture));
+    assert!(pictures.eq(shown.map(|picture| picture.as_bytes().to_vec())));
+    let figures = tiles[1].measured.as_ref().and_then(|measured| measured.figures).expect("measured");
+    let expected = format!("PSNR {:.2} dB · SSIM {:.4}", figures.codes.psnr_db, figures.codes.ssim);
+    assert!(page.contains("PSNR identical") && page.contains(&expected), "{expected}");
+    for method in [tiles[0].recipe.upscaler.method(), tiles[1].recipe.upscaler.method()] {
+        let setting = format!("--set upscaler.method={method}");
+        assert!(method == "native" || page.contains(&setting), "{setting}");
+    }
+}
+
 #[test]
 fn escape_stops_comparing_after_the_pick_is_dropped() {
     let mut bench = Bench::small("triangle");

@@ -42,6 +42,11 @@ const NAMED: [Named; 6] = [
     ("differ", |f| format!("{} px", format::count(f.codes.differing_pixels))),
 ];
 
+/// Returns the name and the formatted value of every error metric, the most informative first.
+pub(in crate::ui::compare) fn named(figures: &ErrorMetrics) -> impl Iterator<Item = (&'static str, String)> {
+    NAMED.iter().map(|(name, value)| (*name, value(figures)))
+}
+
 /// Tooltip that explains the error metrics.
 const FIGURES_HELP: &str = "Errors against the reference. PSNR and MSE are computed from sRGB codes. SSIM: 1 means \
                             equal. FLIP: 0 means equal, 1 means black against white. max: largest difference of a \
