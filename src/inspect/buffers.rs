@@ -20,8 +20,8 @@ choice! {
         Color = "color", "Colour", "The finished picture.";
         Depth = "depth", "Depth", "The depth buffer at the end of the frame.";
         TriangleId = "triangle-id", "Triangle id", "The triangle that won each sample, one colour per triangle.";
-        Lambda = "lambda", "λ on screen", "Screen-space weights of the winning triangle: λ0 red, λ1 green, λ2 blue.";
-        PerspectiveLambda = "perspective-lambda", "Attribute weights", "Attribute weights of the winning triangle (perspective-correct unless affine).";
+        Lambda = "lambda", "Barycentric: linear", "Screen-space weights of the winning triangle: λ0 red, λ1 green, λ2 blue.";
+        PerspectiveLambda = "perspective-lambda", "Barycentric: perspective-correct", "Weights of attributes in the winning triangle; equal to the linear ones if interpolation is affine.";
         Overdraw = "overdraw", "Overdraw",
             "Number of triangles that cover each sample, whether or not they pass the depth test.";
         Shaded = "shaded", "Times shaded", "Number of times each sample was shaded: work that the depth test did not save.";

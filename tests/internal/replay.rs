@@ -20,7 +20,7 @@ use rasterscope::upscale::{Anchor, Upscaling};
 const SIZE: (u32, u32) = (31, 23);
 
 /// Size of the pictures for long lists of recipes, smaller than [`SIZE`].
-const SIZE_OF_MANY: (u32, u32) = (19, 13);
+const SIZE_OF_MANY: (u32, u32) = (15, 11);
 
 /// Returns a recipe for each value of a setting, with the other settings at their defaults.
 fn each<C: Choice>(set: fn(&mut Recipe, C)) -> impl Iterator<Item = Recipe> {
@@ -239,7 +239,7 @@ fn every_pixel_replays_to_the_frame_under_every_antialiasing_and_post_filter() {
 fn every_pixel_of_every_builtin_scene_replays_to_the_frame_under_every_upscaler() {
     let scenes: Vec<_> = builtin::ALL.iter().map(|b| (b.id, b.build())).collect();
     let recipes: Vec<_> = upscalers_at_their_first_scale(false).collect();
-    replay_all(&scenes, &recipes, (13, 9));
+    replay_all(&scenes, &recipes, (9, 7));
 }
 
 #[test]

@@ -17,10 +17,10 @@ const COLUMNS: [(&str, &str); 9] = [
     ("Depth", "Final value of the depth buffer"),
     ("Triangle", "Number of the visible triangle in the scene"),
     ("Object", "Object that the visible triangle belongs to"),
-    ("λ on screen", "Screen-space barycentric coordinates in the visible triangle"),
+    ("Barycentric: linear", "Screen-space barycentric weights in the visible triangle"),
     (
-        "Attribute weights",
-        "Barycentric coordinates in the visible triangle for attributes: perspective-correct unless affine",
+        "Barycentric: perspective-correct",
+        "Weights of attributes in the visible triangle. If interpolation is affine, they equal the linear ones",
     ),
     ("Overdraw", "Number of triangles that cover the pixel's centre"),
     ("Shaded", "Number of fragments at the pixel's centre that were shaded"),

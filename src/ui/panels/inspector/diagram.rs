@@ -78,13 +78,13 @@ fn corners_center(corners: &[Pos2; 3]) -> Pos2 {
 /// Draws the barycentric weights of the vertices, both in screen space and as used for attribute interpolation.
 pub(super) fn weights(ui: &mut Ui, fragment: &FragmentRecord) {
     egui::Grid::new("weights").num_columns(3).spacing([12.0, 2.0]).min_col_width(92.0).show(ui, |ui| {
-        ui.label("");
+        ui.label(RichText::new("Barycentric").small().color(tokens(ui).text_weak));
         for (heading, help) in [
-            ("λ on screen", "Area opposite to the corner, divided by the area of the triangle, in screen space"),
+            ("Linear", "Area opposite to the corner, divided by the area of the triangle, in screen space"),
             (
-                "Attribute weights",
-                "Weight for attribute interpolation: λ/w, divided by the sum of all three, unless \
-                            interpolation is affine",
+                "Perspective-correct",
+                "λ/w, divided by the sum of all three: the weights of attributes. If interpolation is affine, \
+                            they equal the linear ones",
             ),
         ] {
             ui.label(RichText::new(heading).small().color(tokens(ui).text_weak)).on_hover_text(help);
