@@ -1,4 +1,4 @@
-//! Bilinear interpolation, with weights 1 − t and t at position t between two samples.
+//! Bilinear interpolation.
 
 use super::separable::{KernelWeights, Separable};
 
@@ -9,10 +9,6 @@ pub(crate) static BILINEAR: Separable = Separable {
     help: "Interpolates linearly, along rows and then columns. Good on smooth shading: never leaves the range of its \
            neighbours, so it cannot ring. Blurs texture, and the kinks at the samples show as a lattice of faint \
            crosses. Values are rounded, and the picture is filled in up to the border.",
-    weights: KernelWeights::Two(weights),
+    weights: KernelWeights::Linear,
     deringing: false,
 };
-
-fn weights(t: f64) -> [f64; 2] {
-    [1.0 - t, t]
-}

@@ -15,6 +15,7 @@ use rasterscope::manual::Chapter;
 use rasterscope::pipeline::settings::Choice as _;
 use rasterscope::scene::builtin;
 use rasterscope::ui::key_sheet::keys_and_descriptions;
+use rasterscope::upscale;
 use serde_json::Value;
 
 /// Path of the program under test.
@@ -221,6 +222,14 @@ fn every_link_and_picture_exists() {
                 assert!(anchors.any(|known| known == heading), "{}: {link}", file.display());
             }
         }
+    }
+}
+
+#[test]
+fn the_chapter_on_upscalers_names_every_method() {
+    for upscaler in upscale::ALL {
+        let id = format!("`{}`", upscaler.id());
+        assert!(Chapter::ComparingUpscalers.text().contains(&id), "{id} is missing in the table of methods");
     }
 }
 

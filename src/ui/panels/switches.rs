@@ -100,7 +100,7 @@ fn model_reading(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         let mut tr = *tr;
         row(
             ui,
-            "Meaning of “Tr” in MTL files",
+            "MTL “Tr”",
             "Interpretation of `Tr` in the material libraries of this model, which is reloaded  (--tr)",
             |ui| {
                 let options = [

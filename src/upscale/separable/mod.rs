@@ -43,16 +43,20 @@ pub(crate) struct Separable {
     pub(super) deringing: bool,
 }
 
-/// Function that returns the weights of the surrounding samples, in order, at t in [0, 1) between the inner two. The
-/// weights sum to 1.
+/// Weights of the surrounding samples, in order, at t in [0, 1) between the inner two. The weights sum to 1.
 #[derive(Clone, Copy)]
 pub(super) enum KernelWeights {
-    /// Weights of one sample on each side.
-    Two(fn(f64) -> [f64; 2]),
-    /// Weights of two samples on each side.
+    /// Linear interpolation: weights 1 − t and t of one sample on each side. It is computed exactly in sRGB codes.
+    Linear,
+    /// Weights of two samples on each side. Any other kernel of one sample on each side has outer weights of 0.
     Four(fn(f64) -> [f64; 4]),
     /// Weights of three samples on each side.
     Six(fn(f64) -> [f64; 6]),
+}
+
+/// Returns the weights of linear interpolation.
+fn linear(t: f64) -> [f64; 2] {
+    [1.0 - t, t]
 }
 
 /// Returns the weights at every phase of a lattice.
@@ -75,10 +79,10 @@ impl Separable {
     /// Upscales samples into an image. `level` selects the instruction set, which does not affect the result.
     fn fill(&self, level: Level, how: Upscaling, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>) {
         match (how.light(), self.weights) {
-            (FilterSpace::Linear, KernelWeights::Two(weights)) => fill_linear(level, weights, how, drawn, full),
+            (FilterSpace::Linear, KernelWeights::Linear) => fill_linear(level, linear, how, drawn, full),
             (FilterSpace::Linear, KernelWeights::Four(weights)) => fill_linear(level, weights, how, drawn, full),
             (FilterSpace::Linear, KernelWeights::Six(weights)) => fill_linear(level, weights, how, drawn, full),
-            (FilterSpace::Bytes, KernelWeights::Two(_)) => fill_exact(level, how.lattice(), drawn, full),
+            (FilterSpace::Bytes, KernelWeights::Linear) => fill_exact(level, how.lattice(), drawn, full),
             (FilterSpace::Bytes, KernelWeights::Four(weights)) => {
                 let phases = phases::<4, 2>(weights, how.lattice());
                 #[cfg(target_arch = "x86_64")]
@@ -155,16 +159,19 @@ fn pixel_of(weights: KernelWeights, how: Upscaling, drawn: &Image<Rgba8>, (x, y)
     let (lattice, deringing) = (how.lattice(), how.deringing());
     let columns = vec![lattice.place(x)];
     match (how.light(), weights) {
-        (FilterSpace::Linear, KernelWeights::Two(w)) => {
-            pixel(&Linear::new(Level::new(), &table(w, lattice), lattice.scale, columns, deringing), drawn, lattice, y)
-        }
+        (FilterSpace::Linear, KernelWeights::Linear) => pixel(
+            &Linear::new(Level::new(), &table(linear, lattice), lattice.scale, columns, deringing),
+            drawn,
+            lattice,
+            y,
+        ),
         (FilterSpace::Linear, KernelWeights::Four(w)) => {
             pixel(&Linear::new(Level::new(), &table(w, lattice), lattice.scale, columns, deringing), drawn, lattice, y)
         }
         (FilterSpace::Linear, KernelWeights::Six(w)) => {
             pixel(&Linear::new(Level::new(), &table(w, lattice), lattice.scale, columns, deringing), drawn, lattice, y)
         }
-        (FilterSpace::Bytes, KernelWeights::Two(_)) => {
+        (FilterSpace::Bytes, KernelWeights::Linear) => {
             pixel(&ExactScalar { steps: lattice.phases() as u16, columns }, drawn, lattice, y)
         }
         (FilterSpace::Bytes, KernelWeights::Four(w)) => {
@@ -232,7 +239,7 @@ fn axis_taps(weights: KernelWeights, lattice: Lattice, at: u32, samples: u32) ->
     let LatticePosition { cell, phase } = lattice.place(at);
     let t = f64::from(phase) / f64::from(lattice.phases());
     let weights = match weights {
-        KernelWeights::Two(weights) => weights(t).to_vec(),
+        KernelWeights::Linear => linear(t).to_vec(),
         KernelWeights::Four(weights) => weights(t).to_vec(),
         KernelWeights::Six(weights) => weights(t).to_vec(),
     };

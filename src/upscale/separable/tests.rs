@@ -232,7 +232,7 @@ fn the_alignment_of_rows_does_not_matter() {
             let mut wide = Image::filled(size.0, size.1, [77, 1, 2, 3]);
             let lattice = how.lattice();
             match method.weights {
-                KernelWeights::Two(_) => {
+                KernelWeights::Linear => {
                     fill(&exact_avx2::ExactAvx2::new(avx2, lattice, size.0, before), drawn, lattice, &mut wide);
                 }
                 KernelWeights::Four(weights) => {
