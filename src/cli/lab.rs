@@ -27,7 +27,7 @@ pub(crate) struct LabArgs {
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
 
-    /// Also compare error and run time of all methods of the page
+    /// Also compare error and run time of all methods on the page
     #[arg(long)]
     compare: bool,
 

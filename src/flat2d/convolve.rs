@@ -30,7 +30,7 @@ pub(crate) const GAUSSIAN_CUTOFF: f32 = 3.0;
 /// Reason why weights do not form a mask.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub(crate) enum MaskError {
-    /// The number of weights is not the square of an odd number up to the maximum side length.
+    /// The weights do not form a square with an odd side of at most the maximum length.
     #[error("{0} weights are not a square with an odd side up to {MOST_SIDE}, such as 9 or 25")]
     Shape(usize),
     /// The weight with this index is infinite or NaN.

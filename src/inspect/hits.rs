@@ -182,7 +182,7 @@ const WIDEST_STEP_PX: u32 = 4;
 /// A search for faults within a scissor rectangle.
 struct FaultSearch<'a> {
     triangles: &'a [ScreenTriangle],
-    /// List that contains `triangles` and precomputed bounding boxes, if there is one.
+    /// Copy of `triangles` with precomputed bounding boxes; `None` if they were not precomputed.
     list: Option<&'a TriangleList>,
     settings: &'a Settings,
     grid: SampleGrid,

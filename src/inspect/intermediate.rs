@@ -36,10 +36,10 @@ choice! {
         DepthStep = "depth-step", "Depth resolution", "Distance to the next depth that can be stored, in world units: surfaces closer together may tie.";
         U = "u", "u", "The first texture coordinate, before addressing.";
         V = "v", "v", "The second texture coordinate, downwards, before addressing.";
-        DuDx = "du-dx", "du/dx", "Change of u from a pixel to its right neighbour.";
-        DvDx = "dv-dx", "dv/dx", "Change of v from a pixel to its right neighbour.";
-        DuDy = "du-dy", "du/dy", "Change of u from a pixel to the one below.";
-        DvDy = "dv-dy", "dv/dy", "Change of v from a pixel to the one below.";
+        DuDx = "du-dx", "du/dx", "Change in u from a pixel to its right neighbour.";
+        DvDx = "dv-dx", "dv/dx", "Change in v from a pixel to its right neighbour.";
+        DuDy = "du-dy", "du/dy", "Change in u from a pixel to the one below.";
+        DvDy = "dv-dy", "dv/dy", "Change in v from a pixel to the one below.";
         Footprint = "footprint", "Texels per pixel", "Longer side of a pixel's footprint on the texture, in texels; above 1, texels are skipped.";
         Cosine = "cosine", "N·L", "Cosine of the angle between normal and light direction.";
         Light = "light", "Light", "Factor by which light multiplies the surface colour.";

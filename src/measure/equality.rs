@@ -63,7 +63,7 @@ pub(crate) struct ExecutionVariant {
 pub(crate) struct Equality {
     /// All configurations that were compared.
     pub(crate) ways: Vec<ExecutionVariant>,
-    /// Reason why the recipe cannot be drawn in tiled execution; `None` if it can.
+    /// Reason why tiled execution cannot draw the recipe; `None` if it can.
     pub(crate) obstacle: Option<&'static str>,
 }
 

@@ -215,7 +215,7 @@ const MAX_DIFFERING: usize = 1 << 16;
 pub(crate) struct PixelCounts {
     /// Number of pixels covered by the engine, at least partly.
     pub(crate) covered: u64,
-    /// Number of pixels covered by the engine or by the exact answer.
+    /// Number of pixels that the engine covers, that the exact answer covers, or both.
     pub(crate) concerned: u64,
     /// Number of pixels covered by only one of the engine and the exact answer.
     pub(crate) differing: u64,

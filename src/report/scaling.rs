@@ -14,7 +14,7 @@ const STYLE: &str = "svg .points { fill: none; stroke: var(--c0); stroke-width: 
     svg .bar { stroke: var(--c0); opacity: 0.55; } svg .line { fill: none; stroke: var(--soft); stroke-dasharray: 5 4; }\n\
     table.rows td, table.rows th { text-align: right; padding: 3px 10px; }\n";
 
-/// Texts that describe a varied quantity, such as the number of triangles, in the report.
+/// Text that describes the quantity on the x-axis, such as the number of triangles, in the report.
 struct QuantityDescription {
     title: &'static str,
     of: &'static str,

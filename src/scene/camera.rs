@@ -103,8 +103,8 @@ impl Camera {
         }
     }
 
-    /// Creates a perspective view that shows all of `bounds` in any picture at least as wide as high. `direction`
-    /// points from the bounds towards the eye.
+    /// Creates a perspective view that shows all of `bounds` in any picture that is at least as wide as it is high.
+    /// `direction` points from the bounds towards the eye.
     pub(crate) fn fit(bounds: Aabb, direction: Vec3) -> Self {
         Self::fit_into(bounds, direction, 1.0)
     }

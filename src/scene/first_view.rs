@@ -59,7 +59,7 @@ impl UpAxis {
 /// on 0.
 const ON_ZERO: f32 = 0.01;
 
-/// Minimum height relative to the largest side for a model to count as not flat.
+/// Models whose height is less than this fraction of their longest side are treated as flat.
 const MIN_HEIGHT: f32 = 0.05;
 
 /// Maximum distance of the centre from 0 along an axis, relative to the size, for a model to count as centred.

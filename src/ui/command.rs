@@ -456,7 +456,7 @@ pub(crate) const MOUSE: &[(&str, &str)] = &[
     ("Ctrl + wheel", "Dolly the camera"),
     ("Hold Alt", "Show pixel values as raw bits in hexadecimal"),
     ("Shift + drag", "Show statistics of a rectangle of the picture"),
-    ("Comparing: hold Shift", "Show the other picture"),
+    ("Hold Shift while comparing", "Show the other picture"),
     ("What changed: hold Shift", "Show the picture before the change"),
     ("Comparing: R, then drag", "Measure the errors in a rectangle"),
     ("C, then drag, wheel, W A S D Q E", "Camera mode: orbit, dolly, fly"),

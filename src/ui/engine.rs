@@ -130,7 +130,7 @@ pub(crate) struct RenderedView {
     pub(crate) rasterized: usize,
     /// Picture on the canvas.
     pub(crate) picture: Arc<Image<Rgba8>>,
-    /// Captured buffers of the frame; `None` if the shown quantity does not need them.
+    /// Captured buffers of the frame; `None` if the displayed quantity does not need them.
     pub(crate) buffers: Option<Arc<Buffers>>,
     /// Intermediate value of every sample; `None` if the shown quantity is not an intermediate value.
     pub(crate) captured: Option<Arc<Captured>>,

@@ -7,8 +7,8 @@ use egui_plot::{GridInput, GridMark};
 /// Minimum distance between labels, as a multiple of the finest grid spacing that the plot can draw.
 const LINES_APART: f64 = 3.5;
 
-/// Returns three grid spacings of an axis: between lines, between labelled lines (1, 2 or 5 times a power of ten), and
-/// ten times the latter.
+/// Returns three grid spacings for an axis: the distance between lines, the distance between labelled lines (1, 2 or 5
+/// times a power of ten), and ten times the second.
 pub(crate) fn round_steps(input: &GridInput) -> [f64; 3] {
     let least = (input.base_step_size * LINES_APART).max(f64::MIN_POSITIVE);
     let power = 10_f64.powf(least.log10().floor());

@@ -1,10 +1,10 @@
 //! AVX2 version of [`super::nearest`], eight pixels at a time. Eight pixels copy at most eight adjacent samples, so a
 //! single permutation suffices.
 //!
-//! Identical rows are stored together, so that no row is read again to be copied. At ×4, this takes two thirds of the
-//! time of copying on an AMD processor (Zen 3), but a tenth more on an Intel one (Emerald Rapids). If there are only
-//! two such rows, the second is copied from the first. At ×2, copying takes three quarters of the time of storing
-//! together on Intel, but a tenth more on AMD.
+//! Identical rows can be produced in two ways: store each computed block to all of them, or compute one row and copy
+//! it. Two rows are copied and more are stored together. At ×4, storing together takes two thirds of the time of
+//! copying on an AMD processor (Zen 3), and a tenth more on an Intel processor (Emerald Rapids). At ×2, copying takes
+//! three quarters of the time of storing together on the Intel processor, and a tenth more on the AMD processor.
 
 use std::arch::x86_64::_mm256_permutevar8x32_epi32;
 

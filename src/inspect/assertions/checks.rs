@@ -35,7 +35,8 @@ pub(super) struct PassedFragment<'a> {
     pub(super) settings: &'a Settings,
     /// Depths of the fragment and of the stored fragment, in that order, before quantisation.
     pub(super) depths: [f64; 2],
-    /// Larger of the depth buffer's steps at the two depths, plus the uncertainty of the fragment's depth.
+    /// Allowed difference of the compared depths: the larger of the buffer's steps at the two, plus the uncertainty of
+    /// the fragment's depth.
     pub(super) step: f64,
 }
 

@@ -23,10 +23,10 @@ const STRAIGHT_PX: f64 = 0.01;
 /// Limit for a quarter of the squared sine of the angle between two lines. At or below it, they count as one line.
 const PARALLEL: f64 = 1e-5;
 
-/// Range of the drawing's overall progress in which the vertices are found, in percent.
+/// Part of the drawing's progress bar that computing the vertices takes, in percent.
 const VERTICES_PERCENT: Range<usize> = 50..80;
 
-/// Range of the drawing's overall progress in which the boundaries are traced, in percent.
+/// Part of the drawing's progress bar that tracing the boundaries takes, in percent.
 const BOUNDARIES_PERCENT: Range<usize> = 80..100;
 
 /// A vertex on the boundary of regions, in the cell between four samples.

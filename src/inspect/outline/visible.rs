@@ -22,7 +22,7 @@ use crate::scene::{Scene, TriangleId};
 /// small enough that every thread gets several bands.
 const ROWS: u32 = 64;
 
-/// Range of the drawing's overall progress in which the visible surfaces are found, in percent.
+/// Part of the drawing's progress bar that finding the visible surfaces takes, in percent.
 const VISIBILITY_PERCENT: Range<usize> = 0..50;
 
 /// Index of a stack of surfaces in [`Stacks`].

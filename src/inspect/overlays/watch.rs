@@ -36,7 +36,7 @@ pub(crate) struct FragmentStats {
 pub(crate) struct VisibleSurface {
     /// Area of the triangle as rasterized, in px²; for a clipped triangle, the area of the visible piece.
     pub(crate) area_px2: f32,
-    /// Minimum height of the triangle in px: its doubled area divided by its longest side.
+    /// Minimum height of the triangle in px: twice its area divided by its longest side.
     pub(crate) height_px: f32,
     /// Whether the triangle is front-facing.
     pub(crate) is_front: bool,

@@ -54,7 +54,7 @@ impl<'a> FragmentRecorder<'a> {
     }
 
     /// Returns the recorded fragments with their final outcomes. The last written fragment is visible. Each earlier one
-    /// is overwritten if a later one covers it completely, otherwise blended over.
+    /// is overwritten if any later one is opaque, and otherwise blended over.
     pub(super) fn finish(mut self) -> Vec<FragmentRecord> {
         let written: Vec<usize> = (0..self.records.len()).filter(|i| self.records[*i].outcome.is_written()).collect();
         let mut is_covered = false;

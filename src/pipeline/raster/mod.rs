@@ -286,8 +286,8 @@ pub(crate) fn cover_in_bands<E>(
     Ok(())
 }
 
-/// Rasterizes a triangle like [`cover`], but only the samples of a grid within a scissor, and appends the covered spans
-/// to `spans`.
+/// Rasterizes a triangle like [`cover`], restricted to the samples of a grid inside a scissor rectangle. Appends the
+/// covered spans to `spans`.
 pub(crate) fn cover_within(
     (rasterizer, arithmetic, rule): (Rasterizer, settings::Arithmetic, FillRule),
     corners_px: [[f32; 2]; 3],

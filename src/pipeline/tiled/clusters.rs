@@ -11,9 +11,9 @@
 //! rounded once as a product and at most three times in sums. The component is off by at most 4u (1 + O(u)) · M, where
 //! M = Σ |mᵢ| |vᵢ| is that sum with every term positive. If products underflow, it is off by 3 · 2⁻¹⁵⁰ more. The
 //! distance from a plane is a single component or the difference of two. The difference is computed in doubles, so it
-//! has the sign of the exact difference of these components. Therefore, if the exact distance is less than
-//! −(8u · max M + 2⁻¹⁴⁷) for every point of a box, the pipeline computes every vertex in the box as outside.
-//! [`ROUNDING`] and [`UNDERFLOW`] exceed these terms by at least a factor of four. This covers the rounding of the culling test itself,
+//! has the sign of the exact difference of these components. Therefore, if the exact distance is less than −8u · max M
+//! − 2⁻¹⁴⁷ for every point of a box, the pipeline computes every vertex in the box as outside. [`ROUNDING`] and
+//! [`UNDERFLOW`] exceed these terms by at least a factor of four. This covers the rounding of the culling test itself,
 //! which is computed in doubles. Over a box, an affine function has its maximum at the corner that the signs of its
 //! coefficients select. M has its maximum where the magnitude of each coordinate is largest.
 //!

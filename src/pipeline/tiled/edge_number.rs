@@ -31,7 +31,7 @@ pub(super) trait EdgeNumber: Copy + Add<Output = Self> + Mul<Output = Self> {
     /// Returns the minimum and the maximum of a·x + b·y for x from 0 to `width` and y from 0 to `height`.
     fn reach(a: Self, b: Self, width: Self, height: Self) -> [Self; 2];
 
-    /// Returns the sample distances of a lattice as numbers of this type.
+    /// Returns the distances between neighbouring samples of a lattice, as numbers of this type.
     fn steps(lattice: &TileLattice) -> &LatticeSteps<Self>;
 
     /// Returns whichever of the two arrays has elements of this type.

@@ -39,7 +39,7 @@ pub(crate) enum Body {
     CoplanarPair(CoplanarPairCase),
     /// Coverage, weights and depth of one or more clip-space triangles, each drawn separately.
     ClipTri(ClipSpace),
-    /// Stored depths of a list of ascending distances.
+    /// Depths stored for a list of ascending distances.
     Depth(DepthCase),
     /// Stored depths of random pairs of nearly equal distances, whose order a depth buffer may lose.
     DepthPairs(DepthPairs),

@@ -63,7 +63,8 @@ pub(crate) enum ScrubChange {
 }
 
 impl Scrub {
-    /// Returns the number of fragments to draw of the last of `triangle_limit` triangles; `None` draws all.
+    /// Returns how many fragments of the last triangle to draw if only `triangle_limit` triangles are drawn. `None`
+    /// means all.
     pub(crate) fn fragment_limit(&self, triangle_limit: Option<usize>) -> Option<usize> {
         self.partial.filter(|moment| Some(moment.triangles) == triangle_limit)?.fragments
     }

@@ -25,7 +25,7 @@ struct ColumnGroup {
 const FULL: f32 = 96.0;
 
 const GROUPS: [ColumnGroup; 11] = [
-    ColumnGroup { name: "Vertex", help: "Number of the vertex in the mesh", columns: &["number"], width: 58.0 },
+    ColumnGroup { name: "Vertex", help: "Index of the vertex in the mesh", columns: &["number"], width: 58.0 },
     ColumnGroup {
         name: "Model",
         help: "Position in model space, as stored in the mesh",
@@ -281,7 +281,7 @@ fn cells(v: &VertexStages) -> Vec<TableCell> {
     cells
 }
 
-/// Returns the indices of the vertices to copy: of the whole object, or of the three corners.
+/// Returns the indices of the vertices to copy: all vertices of the object, or only the three corners.
 fn rows(object: &ObjectVertices<'_>, corners: [u32; 3], whole: bool) -> Vec<u32> {
     if whole { (0..(object.count() as u32).min(COPIED_ROWS)).collect() } else { corners.to_vec() }
 }

@@ -1,4 +1,5 @@
-//! The bar above the canvas that shows the effect of a change of settings, and the label of the visible picture.
+//! Bar above the canvas that states the effect of changed settings. Also draws the label of the visible picture, A or
+//! B.
 
 use eframe::egui::{self, Align2, Button, FontId, Label, Rect, RichText, Ui, vec2};
 

@@ -195,8 +195,8 @@ impl RowContext<'_> {
         }
     }
 
-    /// Computes the minimum and maximum of the 3 × 3 samples around each sample that can be nearest to a pixel of row
-    /// `y`.
+    /// Computes the minimum and maximum of 3 × 3 samples, centred on each sample that can be the nearest one to a pixel
+    /// of row `y`.
     #[inline(always)]
     fn bounds<S: Simd>(&self, simd: S, y: u32, scratch: &mut RowScratch) {
         let color = self.now.drawn.color;

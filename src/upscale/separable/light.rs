@@ -300,7 +300,8 @@ const FIRST_OCTAVE: u32 = 119;
 /// Sum of the biased exponents of a value and of the factor that scales it to [1, 2).
 const EXPONENTS: u32 = 254;
 
-/// 255 · 1.055 · 2^(5 e / 12) for octaves e from −7 to −1, then −8: indexed by the lowest three bits of the exponent.
+/// 255 · 1.055 · 2^(5 e / 12) for octave e. The index is the lowest three bits of the exponent, so the order is −7 to
+/// −1, then −8.
 const OCTAVE_SCALE: [f32; 8] =
     [35.627_758, 47.557_35, 63.481_445, 84.737_564, 113.111_08, 150.985_18, 201.541_03, 26.690_66];
 

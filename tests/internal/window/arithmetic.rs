@@ -1,5 +1,5 @@
-//! Tests of the tab “Calculation”: stepping through the lines of the picked pixel, and showing one of its values for all
-//! pixels.
+//! Tests of the tab “Calculation”: stepping through the lines of the picked pixel, and showing one of its values for
+//! all pixels.
 
 use eframe::egui::{Key, Modifiers};
 use rasterscope::inspect::trace::Trace;

@@ -59,7 +59,10 @@ fn a_panel_opens_its_chapter() {
 fn a_link_scrolls_to_its_section() {
     let mut bench = Bench::small("triangle");
     bench.press(Key::F1);
-    bench.click(Chapter::Stability.title());
+    // The tab at the bottom has the same name.
+    let named = bench.window.query_all_by_role_and_label(Role::Button, Chapter::Stability.title());
+    named.min_by(|a, b| a.rect().top().total_cmp(&b.rect().top())).expect("a chapter").click();
+    bench.rest();
     let heading = |bench: &Bench| bench.window.get_by_role_and_label(Role::Label, "Probe").rect().top();
     let top = bench.window.get_by_role_and_label(Role::TextInput, "Search the manual").rect().top();
     let before = heading(&bench) - top;
