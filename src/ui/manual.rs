@@ -123,37 +123,43 @@ impl ManualWindow {
         });
     }
 
-    /// Draws the open chapter.
+    /// Draws the open chapter, and follows the link that was clicked.
     fn page(&mut self, ui: &mut Ui) {
         let scroll_to = self.scroll_to.take();
+        let mut clicked = None;
         ScrollArea::vertical().id_salt(("page", self.chapter)).auto_shrink(false).show(ui, |ui| {
             for (index, section) in self.chapter.sections().into_iter().enumerate() {
                 let top = ui.cursor().min;
-                ui.push_id(index, |ui| content(ui, &mut self.cache, &section));
+                let link = ui.push_id(index, |ui| content(ui, &mut self.cache, &section, &self.links)).inner;
+                clicked = clicked.take().or(link);
                 if scroll_to == Some(index) {
                     let heading = egui::Rect::from_min_size(top, vec2(1.0, 1.0));
                     ui.scroll_to_rect(heading, Some(egui::Align::Min));
                 }
             }
         });
-        let clicked = self.links.iter().find(|link| self.cache.get_link_hook(link) == Some(true));
-        let target = clicked.and_then(|link| self.chapter.linked_section(link));
+        let target = clicked.and_then(|link| self.chapter.linked_section(&link));
         if let Some((chapter, section)) = target {
             self.go_to(chapter, section);
         }
     }
 }
 
-/// Draws a section of a chapter.
-fn content(ui: &mut Ui, cache: &mut CommonMarkCache, section: &Section) {
+/// Draws a section of a chapter. Returns the one of `links` that was clicked, if any.
+fn content(ui: &mut Ui, cache: &mut CommonMarkCache, section: &Section, links: &BTreeSet<String>) -> Option<String> {
+    let mut clicked = None;
     for (index, part) in section.parts().into_iter().enumerate() {
         ui.push_id(index, |ui| match part {
             SectionPart::Text(text) => {
                 CommonMarkViewer::new().show(ui, cache, &text);
+                // The next text that is drawn resets all hooks.
+                let link = links.iter().find(|link| cache.get_link_hook(link) == Some(true)).cloned();
+                clicked = clicked.take().or(link);
             }
             SectionPart::Code(code) => code_block(ui, &code),
         });
     }
+    clicked
 }
 
 /// Draws a block of code with a button that copies it.
