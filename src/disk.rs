@@ -23,7 +23,7 @@ use tempfile::{Builder, NamedTempFile};
 /// Maximum number of symbolic links followed from the path of an output to its file.
 const MAX_LINKS: usize = 40;
 
-/// Canonical paths of the files read so far; `None` unless [`protect_inputs`] was called.
+/// Canonical paths of the input files recorded since [`protect_inputs`] was called; `None` before that call.
 static INPUTS: Mutex<Option<BTreeSet<PathBuf>>> = Mutex::new(None);
 
 /// Reads all bytes of the regular file at `path`.
@@ -78,7 +78,8 @@ pub fn protect_inputs() {
     lock_inputs().get_or_insert_default();
 }
 
-/// Records a file as an input before it is read, if inputs are protected.
+/// Records the file at `path` as an input, which [`write()`] then refuses to replace. Has no effect unless
+/// [`protect_inputs`] was called.
 pub(crate) fn note_input(path: &Path) {
     let mut inputs = lock_inputs();
     if let (Some(inputs), Ok(path)) = (inputs.as_mut(), path.canonicalize()) {
@@ -229,12 +230,13 @@ impl Destination {
     }
 }
 
-/// Creates a temporary file in `folder` that contains `bytes`, flushed to the disk. The file is deleted when dropped.
+/// Creates a temporary file in `folder`, writes `bytes` to it and flushes it to the disk. The file is deleted when
+/// dropped.
 fn written(folder: &Path, bytes: &[u8]) -> io::Result<NamedTempFile> {
     produced(folder, |file| file.write_all(bytes))
 }
 
-/// Creates a temporary file in `folder` that contains the output of `produce`, flushed to the disk. The file is deleted
+/// Creates a temporary file in `folder`, lets `produce` write to it and flushes it to the disk. The file is deleted
 /// when dropped.
 fn produced(folder: &Path, produce: impl FnOnce(&mut dyn io::Write) -> io::Result<()>) -> io::Result<NamedTempFile> {
     let mut builder = Builder::new();

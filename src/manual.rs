@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-/// Declares the enum of chapters from pairs of variant and file name, in reading order.
+/// Declares the enum of chapters. Each entry consists of a variant and a file name; the entries are in reading order.
 macro_rules! chapters {
     ($($(#[$attribute:meta])* $chapter:ident = $file:literal,)+) => {
         /// Chapter of the manual.
@@ -70,7 +70,7 @@ pub struct Passage {
     pub(crate) section: usize,
     /// Heading of the section.
     pub heading: &'static str,
-    /// First line of the section that contains one of the words, without Markdown marks.
+    /// First line below the heading that contains one of the words, without Markdown marks; empty if there is none.
     pub(crate) line: String,
 }
 
@@ -146,8 +146,8 @@ impl Section {
     }
 }
 
-/// Returns the sections that contain all words of `query`, ignoring case. Sections whose heading contains all of them
-/// come first; otherwise the order is the reading order.
+/// Returns the sections that contain all words of `query`, ignoring case. Sections whose heading contains all words
+/// come first. Both groups are in reading order.
 ///
 /// # Examples
 /// ```

@@ -67,7 +67,7 @@ impl TriangleArea {
         Some((area > 0.0).then_some((x, y, area)))
     }
 
-    /// Returns the area, in px², of the part of a pixel that the triangle covers.
+    /// Returns the area, in px², that the triangle covers in a pixel.
     fn area(&self, x: u32, y: u32) -> f64 {
         let sides = self.edges.each_ref().map(|edge| edge.side_of_pixel(x, y));
         if sides.contains(&Some(Ordering::Less)) {
@@ -153,7 +153,8 @@ const UNIT_SQUARE: [PixelPoint; 4] = {
     [[O, O], [I, O], [I, I], [O, I]]
 };
 
-/// Clips a convex polygon to a half-plane whose edge function at the pixel's top left corner is `at_corner`.
+/// Clips a convex polygon within a pixel to a half-plane. `at_corner` is the value of the half-plane's edge function at
+/// the pixel's top left corner.
 fn cut(polygon: &[PixelPoint], edge: &HalfPlane, at_corner: DoubleDouble) -> Vec<PixelPoint> {
     let mut inside = Vec::with_capacity(polygon.len() + 1);
     for (from, to) in polygon.iter().zip(polygon.iter().cycle().skip(1)) {
@@ -169,9 +170,9 @@ fn cut(polygon: &[PixelPoint], edge: &HalfPlane, at_corner: DoubleDouble) -> Vec
     inside
 }
 
-/// Returns the point between two positions at which a linear function is zero. Each position comes with the magnitude
-/// of the function there; the two values have opposite signs. Interpolation starts at the position with the smaller
-/// magnitude, so a zero close to a corner keeps all its digits.
+/// Returns the zero of a linear function on the segment between two positions. The function has opposite signs at the
+/// two positions; each position is given with the magnitude of the function's value there. Interpolation starts at the
+/// position with the smaller magnitude, so a zero close to either position keeps all its digits.
 fn crossing(a: (PixelPoint, DoubleDouble), b: (PixelPoint, DoubleDouble)) -> PixelPoint {
     let ((near, small), (far, large)) = if a.1.rounded() <= b.1.rounded() { (a, b) } else { (b, a) };
     let share = small / (small + large);
@@ -199,9 +200,9 @@ mod tests {
         triangle_area(corners.map(DVec2::from), SIZE, SIZE).collect()
     }
 
-    /// Returns the signed area between a segment and the bottom side of a pixel, within the pixel, as an integral over
-    /// x. A piece of width dx at height h above the bottom side adds min(max(h, 0), 1) dx. The sign is negative if the
-    /// segment runs to the left.
+    /// Returns the area, inside a pixel, between a segment and the pixel's bottom side. The area is an integral over x:
+    /// where the segment lies at height h above the bottom side, a width of dx adds min(max(h, 0), 1) dx. The area is
+    /// negative if the segment runs to the left.
     fn under_segment(from: (f64, f64), to: (f64, f64), column: u32, row: u32) -> f64 {
         let (x0, bottom) = (f64::from(column), f64::from(row) + 1.0);
         let [a, b] = [from.0, to.0].map(|x| x.clamp(x0, x0 + 1.0));
@@ -209,7 +210,7 @@ mod tests {
             return 0.0;
         }
         let height = |x: f64| bottom - (from.1 + (to.1 - from.1) * (x - from.0) / (to.0 - from.0));
-        // Between the x at which the height passes 0 or 1, the integrand is linear.
+        // The integrand is linear between the values of x at which `height` is 0 or 1.
         let mut stops = vec![a, b];
         for level in [0.0, 1.0] {
             let x = from.0 + (bottom - level - from.1) * (to.0 - from.0) / (to.1 - from.1);

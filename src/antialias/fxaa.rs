@@ -5,10 +5,10 @@
 //!
 //! 1. second differences of luma decide whether the edge is horizontal or vertical, and first differences decide which
 //!    neighbour lies across it;
-//! 2. the boundary between the two pixels is followed in both directions until the luma along it changes;
+//! 2. the boundary between the pixel and that neighbour is followed in both directions until the luma along it changes;
 //! 3. a straight line between the two endpoints cuts into the pixels on one side of the edge: each of them is blended
 //!    with its neighbour across the edge, weighted by the fraction of the pixel that the line cuts off;
-//! 4. the blend weight of each pixel is at least a minimum that grows with its difference from its eight neighbours.
+//! 4. the blend weight is at least a minimum that grows with the difference between a pixel and its eight neighbours.
 
 use std::cell::RefCell;
 
@@ -26,25 +26,26 @@ const MIN_CONTRAST: i16 = 8;
 /// 2⁻³.
 const MIN_CONTRAST_SHIFT: u32 = 3;
 
-/// Maximum blend weight of the neighbour for an isolated pixel.
+/// Maximum blend weight. An isolated pixel reaches it, such as a white pixel on a black background.
 const SUBPIXEL: f32 = 0.75;
 
-/// Minimum blend weight. Pixels with a smaller weight stay unchanged: at 1920 × 1080 px, 20 % of the edge pixels of the
-/// scene `chess`, and 46 % of those of `stained-glass`.
+/// Minimum blend weight. Pixels with a smaller weight stay unchanged. At 1920 × 1080 px, 20 % of the edge pixels have a
+/// smaller weight in the scene `chess`, and 46 % in `stained-glass`.
 const MIN_SHARE: f32 = 1.0 / 256.0;
 
-/// Maximum distance, in pixels, over which an edge is followed in each direction. An edge ends where the mean luma of
-/// the two pixels beside it changes by a quarter of the luma difference across it.
+/// Maximum distance, in pixels, over which an edge is followed in each direction from a pixel. The edge ends where the
+/// mean luma of the two pixels on both sides of it has changed by a quarter of the luma difference across the edge.
 pub(crate) const SEARCH_PX: u32 = 16;
 
 /// Number of pixels filtered together, one per 16-bit SIMD lane.
 const BLOCK: usize = 32;
 
-/// Number of rows and columns of luma on each side of a band: the maximum distance at which the edge search reads luma.
+/// Number of additional rows and columns of luma on each side of a band of rows. The edge search reads luma up to this
+/// distance from a pixel.
 const MARGIN: usize = SEARCH_PX as usize;
 
-/// Number of bands per thread. It is small, because the luma of the [`MARGIN`] rows above and below each band is
-/// computed twice.
+/// Number of bands of rows per thread. It is small, because each band computes the luma of [`MARGIN`] rows above and
+/// below it, which the adjacent bands compute, too.
 const BANDS_PER_THREAD: usize = 4;
 
 thread_local! {
@@ -79,8 +80,8 @@ struct FxaaInput<'a> {
     linear: bool,
 }
 
-/// Filters the rows of `band`, which starts at row `first` of the picture. Computes luma [`MARGIN`] rows ahead, so all
-/// rows in use stay in the L2 cache.
+/// Filters the rows of `band`, which starts at row `first` of the picture. Computes luma only [`MARGIN`] rows ahead of
+/// the row that is being filtered, so all rows in use stay in the L2 cache.
 #[inline(always)]
 fn fill_band<S: Simd>(simd: S, source: FxaaInput<'_>, luma: &mut Vec<i16>, first: usize, band: &mut [Rgba8]) {
     let picture = source.picture;
@@ -118,8 +119,8 @@ fn fill_luma<S: Simd>(simd: S, pixels: &[Rgba8], luma: &mut [i16]) {
     luma[MARGIN + pixels.len()..].fill(right);
 }
 
-/// Computes the luma of pixels with the Rec. 709 weights, in units of 1/256: (54 r + 183 g + 19 b + 128) / 256, rounded
-/// down.
+/// Computes the luma of pixels: (54 r + 183 g + 19 b + 128) / 256, rounded down. The factors are the Rec. 709 weights
+/// in units of 1/256.
 #[inline(always)]
 fn luma_of_block<S: Simd>(simd: S, pixels: &[Rgba8; BLOCK]) -> i16x32<S> {
     let halves = pixels.as_chunks::<WIDE>().0;
@@ -181,7 +182,7 @@ struct ContrastEdges<S: Simd> {
     towards_before: mask16x32<S>,
     /// Luma of each pixel plus the luma of its neighbour across the edge.
     line: i16x32<S>,
-    /// Minimum rise or fall of [`ContrastEdges::line`] that ends the edge.
+    /// Change of [`ContrastEdges::line`], up or down, at which the edge ends.
     ends_at: i16x32<S>,
 }
 
@@ -247,7 +248,8 @@ impl Neighbourhood<'_> {
         self.search(simd, [self.stride, 1], &edges, found & !horizontal, &mut ends);
         let [back, ahead] = ends;
         let nearest = back.step.simd_le(ahead.step).select(back.change, ahead.change);
-        // The line cuts into a pixel if the edge ends towards the luma of the other side.
+        // The line cuts into a pixel if, at the nearer endpoint, the luma changes towards that of the neighbour
+        // `beyond`.
         let cuts_in = nearest.simd_lt(0) ^ middle.simd_lt(beyond);
         let off_centre = (found & cuts_in).select((ahead.step - back.step).abs(), zero);
         let around = (n + s + w + e) * 2 + nw + ne + sw + se;
@@ -321,9 +323,11 @@ fn contrast<S: Simd>(cross: [i16x32<S>; 5]) -> i16x32<S> {
     brightest(cross) - n.min(s).min(w).min(e).min(middle)
 }
 
-/// Returns the blend weights of pixels: the distance from the middle of the edge divided by the edge's length, or more
-/// if a pixel differs from its neighbours. The elements of `numbers` are the difference between the distances to the
-/// two endpoints, the edge's length, twelve times the difference from the mean of the neighbours, and the contrast.
+/// Returns the blend weights of pixels. The weight is the distance from the pixel to the middle of its edge, divided by
+/// the edge's length. It is larger if the luma of the pixel differs much from that of its neighbours.
+///
+/// The elements of `numbers` are: the difference between the pixel's distances to the two endpoints, the edge's length,
+/// twelve times the luma difference between the pixel and the weighted mean of its neighbours, and the contrast.
 #[inline(always)]
 fn share<S: Simd>(numbers: [i32x16<S>; 4]) -> f32x16<S> {
     let [off_centre, length, stands_out, contrast] = each!(i in [0, 1, 2, 3] => numbers[i].to_float::<f32x16<S>>());
@@ -410,7 +414,7 @@ mod tests {
         };
         let (back, ahead) = (end(-1), end(1));
         let nearest = if back.0 <= ahead.0 { back } else { ahead };
-        // The line cuts into this pixel if the edge ends towards the other side's brightness.
+        // The line cuts into this pixel if, at the nearer endpoint, the luma changes towards that of `beyond`.
         let cuts_in = (nearest.1 < 0) != (middle < beyond);
         let of_line = if cuts_in { (ahead.0 - back.0).abs() / 2.0 / (back.0 + ahead.0) } else { 0.0 };
 
@@ -458,7 +462,7 @@ mod tests {
                 image.pixels().iter().filter(|pixel| !matches!(pixel[0], 0 | 255)).count()
             });
             // The edge spans the picture, so its endpoints are equally far from each pixel, and no line cuts into a
-            // pixel. The only blending left is the small one of pixels that differ from their neighbours.
+            // pixel. Only the pixels at the edge change a little, because they differ from their neighbours.
             assert!(count(&after) <= 2 * 20, "{linear}");
             assert_eq!(after.row(3), level.row(3));
         }

@@ -10,8 +10,8 @@ use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 
-/// Number of rows per band, the unit of parallel work. Adjacent bands share the rows of their margins, and each band
-/// converts these rows itself.
+/// Number of rows per band. Bands are filtered in parallel. Each band also reads rows of the adjacent bands, and
+/// converts these rows again.
 const BAND_ROWS: u32 = 64;
 
 /// Number of filtered channels: red, green and blue.

@@ -1,8 +1,9 @@
 //! Sample patterns: positions of the samples in a pixel.
 //!
 //! Offsets lie in [0, 1)², x right and y down from the pixel's top left corner. The mean of the samples is the pixel's
-//! colour. Patterns differ at edges: a regular pattern of n² samples gives only n distinct steps along a nearly
-//! vertical edge. The other patterns give up to as many steps as they have samples.
+//! colour. Patterns differ at edges. In a regular pattern of n² samples, each column holds n samples, so the coverage
+//! along a nearly vertical edge changes in only n steps. In a pattern whose samples all lie in different columns, the
+//! coverage changes in n² steps.
 
 /// Sample pattern: the positions of the samples in a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,8 +19,8 @@ pub enum Pattern {
         /// Number of subdivisions, at most [`Pattern::MAX_LEVELS`].
         level: u32,
     },
-    /// One sample in each of `side` × `side` squares, at a random one of [`Pattern::JITTER`]² candidate positions,
-    /// chosen anew for each pixel. Turns stair-stepping into noise.
+    /// One sample in each of `side` × `side` squares of the pixel. Its position is chosen at random from
+    /// [`Pattern::JITTER`]² candidates, anew for each pixel. Turns stair-stepping into noise.
     Jittered {
         /// Number of squares along an axis, at least 1.
         side: u32,
@@ -77,8 +78,8 @@ impl Pattern {
             }
             Self::RotatedGrid => [[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]].to_vec(),
             Self::LowDiscrepancy { count } => {
-                // Half a grid step moves each point to the middle of its cell, so that the mean of 2ᵏ points is the
-                // pixel's centre.
+                // Adding half a grid step moves each point from the corner of its grid cell to the middle. The mean of
+                // 2ᵏ points is then the pixel's centre.
                 let half_step = 0.5 / f64::from(count.max(1).next_power_of_two());
                 (0..count.max(1)).map(|index| sobol(index).map(|at| at + half_step)).collect()
             }

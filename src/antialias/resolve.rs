@@ -82,8 +82,8 @@ fn means_of_sixteen<S: Simd>(simd: S, colors: &[Rgba8], picks: &[Picks], light: 
     finished_lanes(simd, sums, picks.len() as u32, light)
 }
 
-/// Adds one sample per pixel with SIMD to `sums`, each of which holds the sums of sixteen pixels. [`means_of_sums`]
-/// then returns the same colours as [`mean`].
+/// Adds one sample per pixel to `sums` with SIMD. Each element of `sums` holds the sums of sixteen pixels. After the
+/// last sample, [`means_of_sums`] gives the same colours as [`mean`].
 pub(crate) fn add_samples(lanes: Lanes, colors: &[Rgba8], light: ColorSpace, sums: &mut [Sums]) {
     on_lanes!(lanes, simd => add_sixteens(simd, colors, numbers(light), sums));
 }

@@ -12,7 +12,7 @@ use glam::DVec2;
 /// Number of rows into which a filter kernel is divided for integration.
 pub(crate) const ROWS: u32 = 64;
 
-/// Filter kernel: weight of a point by its position relative to the pixel's centre.
+/// Filter kernel: the weight of a point, as a function of its position relative to the pixel's centre.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Weight {
     /// Box filter: a constant weight over the pixel.
@@ -75,8 +75,8 @@ pub(crate) fn weighted_coverage(polygon: &[DVec2], center: DVec2, weight: Weight
     (covered / whole).clamp(0.0, 1.0)
 }
 
-/// Returns the minimum and maximum x of the part of the horizontal line at `y` that lies inside a convex polygon, or
-/// `None` if the line misses the polygon.
+/// Intersects the horizontal line at `y` with a convex polygon. Returns the minimum and maximum x of the intersection,
+/// or `None` if the line misses the polygon.
 fn stretch(polygon: &[DVec2], y: f64) -> Option<(f64, f64)> {
     let sides = polygon.iter().zip(polygon.iter().cycle().skip(1));
     let crossings =
@@ -110,7 +110,7 @@ mod tests {
             for (x, y, area) in triangle_area(corners, 8, 8) {
                 let center = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
                 let found = weighted_coverage(&corners, center, Weight::Box);
-                // Each row is represented by its middle line, even a row in which the triangle ends.
+                // The coverage of a row is evaluated only on its middle line, even if the triangle ends within the row.
                 assert!((found - area).abs() < 1.5 / f64::from(ROWS), "({x}, {y}) of {corners:?}: {found}, not {area}");
             }
         }

@@ -48,8 +48,8 @@ impl ClipTri {
         from_clip_space(&vertices, &[[0, 1, 2]], options.arithmetic, self.viewport(), &mut ())
     }
 
-    /// Rasterizes one triangle and passes the spans of each clipped piece to `take`, in bands of rows from the top of
-    /// the picture.
+    /// Clips one triangle and rasterizes each piece that clipping leaves. `take` receives the piece and its spans, one
+    /// band of rows at a time, from the top of the picture.
     pub(crate) fn rasterize(
         &self,
         triangle: usize,

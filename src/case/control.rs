@@ -10,14 +10,15 @@ use super::{Refusal, Unanswered};
 /// case and working memory, well below 512 MB.
 pub(crate) const MAX_ANSWER_BYTES: u64 = 192 << 20;
 
-/// Returns the maximum number of entries of type `T` that an answer may have, as limited by [`MAX_ANSWER_BYTES`].
+/// Returns the number of entries of type `T` that fit into [`MAX_ANSWER_BYTES`].
 const fn max_entries<T>() -> u64 {
     MAX_ANSWER_BYTES / size_of::<T>() as u64
 }
 
 /// Returns a refusal if `count` entries of type `T` exceed [`MAX_ANSWER_BYTES`].
 ///
-/// The message reads “the answer has more than 5 …”, followed by `entries`, the plural name of the entries.
+/// `entries` is the plural name of the entries in the message, such as `pixels` in “the answer has more than 5 pixels,
+/// the limit”.
 pub(super) fn check_length<T>(entries: &str, count: u64) -> Result<(), Refusal> {
     if count > max_entries::<T>() {
         return Err(Refusal(format!("the answer has more than {} {entries}, the limit", max_entries::<T>())));
@@ -65,8 +66,9 @@ impl<'a> Control<'a> {
 
     /// Collects the results of an algorithm that yields at most one result per step.
     ///
-    /// Progress is reported as if `done` steps out of `of` were complete before this call; both are estimates. Returns
-    /// an error if the case is cancelled or the results exceed [`MAX_ANSWER_BYTES`].
+    /// For progress reports, `done` is the number of steps completed before this call, and `of` is the total number of
+    /// steps; both may be estimates. Returns an error if the case is cancelled or the results exceed
+    /// [`MAX_ANSWER_BYTES`].
     pub(super) fn collect<T>(
         &self,
         entries: &str,

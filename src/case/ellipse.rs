@@ -68,7 +68,8 @@ mod tests {
             let crosses = |from: (i64, i64), to: (i64, i64)| form(from.0, from.1) <= 0 && form(to.0, to.1) >= 0;
             for (x, y) in pixels.iter().map(|(x, y)| (2 * x.abs(), 2 * y.abs())) {
                 let beside = crosses((x, y - 1), (x, y + 1)) || crosses((x - 1, y), (x + 1, y));
-                // The tips of a thin ellipse continue along its axis and are exempt.
+                // Pixels on the axes are exempt: near the tips of a thin ellipse, the curve passes on both sides of
+                // such a pixel.
                 assert!(beside || x == 0 || y == 0, "{a} {b}: {x}/2 {y}/2");
             }
             assert!((-a..=a).all(|x| pixels.iter().any(|pixel| pixel.0 == x)), "{a} {b}: columns");

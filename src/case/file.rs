@@ -25,7 +25,7 @@ pub enum CaseError {
         /// I/O error of the operating system.
         source: std::io::Error,
     },
-    /// The file is not valid JSON or does not match the format of its kind.
+    /// The file is not valid JSON, or its fields do not match the kind of case.
     #[error("{}:{line}:{column}: {reason}", path.display())]
     Malformed {
         /// Path of the file.

@@ -1,5 +1,5 @@
-//! Builds a minimal case that reproduces one pixel of a frame: a `tri_coverage` case of the triangle that covers the
-//! pixel, in a small part of the picture where possible.
+//! Builds a minimal case that reproduces one pixel of a frame: a `tri_coverage` case with only the triangle that covers
+//! the pixel. Where possible, its picture is only a small window of the frame's picture.
 
 use serde::Serialize;
 
@@ -33,8 +33,9 @@ pub(crate) struct MinimalCase {
 impl MinimalCase {
     /// Creates a case from a triangle that covers `pixel` in a picture of size `viewport`.
     ///
-    /// The picture of the case is a window of at most [`SIDE_PX`] pixels per side around `pixel`, if shifting the
-    /// triangle into it by whole pixels causes no rounding. Otherwise it is the full picture.
+    /// The picture of the case is a window around `pixel` of at most [`SIDE_PX`] pixels per side. The triangle is
+    /// shifted by whole pixels into the coordinates of this window. If the shift would round a coordinate, the case has
+    /// the full picture instead.
     pub(crate) fn new(
         triangle: &ScreenTriangle,
         pixel: (u32, u32),

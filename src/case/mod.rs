@@ -1,4 +1,5 @@
-//! Numerical cases in files: small inputs to one algorithm each, answered by the code that renders frames.
+//! Numerical cases in files. Each case is a small input to one algorithm. The code that renders frames computes its
+//! answer.
 //!
 //! Input: a JSON file with an `id`, a `kind`, and the fields of that kind. Each kind has a source file in this module.
 //! Output: a result that can be compared with an independently known answer. If the program does not support a request,
@@ -107,8 +108,8 @@ impl Case {
 pub struct Options {
     /// Rasterizer that finds the samples inside a triangle.
     pub rasterizer: Rasterizer,
-    /// Arithmetic that decides coverage. Polygon fills are exact with every arithmetic; fixed point only snaps the
-    /// corners first.
+    /// Arithmetic that decides coverage. Polygon fills decide coverage exactly with every arithmetic; with fixed point,
+    /// they snap the corners first.
     pub arithmetic: Arithmetic,
 }
 

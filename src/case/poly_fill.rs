@@ -78,7 +78,7 @@ impl PolyFill {
         let filling = FillParameters { rule, corners, sample, width: self.width, height: self.height };
         let mut walk = fill(&contours, filling);
         let mut spans = Vec::new();
-        // The cost of a row is the number of edges that cross it, up to a million.
+        // The time for a row grows with the number of edges that cross it, which may be a million.
         while let Some(span) = walk.step() {
             spans.extend(span.map(|span| [span.y, span.x0, span.x1]));
             check_length::<[u32; 3]>("spans", spans.len() as u64)?;

@@ -72,8 +72,8 @@ pub struct Frame {
     pub raster: Viewport,
     /// Positions of the drawn samples in the full picture.
     pub(crate) sampling: Sampling,
-    /// Triangles in full-resolution pixels; `None` unless the wireframe needs them and `geometry` belongs to a smaller
-    /// picture.
+    /// Triangles for the wireframe, with corners in pixels of the full picture; `None` unless the wireframe is drawn
+    /// and `geometry` belongs to a smaller picture.
     pub(super) outlines: Option<TriangleList>,
     /// Execution, classic or tiled, that drew the frame.
     pub execution: Execution,
@@ -160,8 +160,8 @@ impl Frame {
         matches!(self.sampling, Sampling::Grid(grid) if grid.sample_at(x, y).is_some())
     }
 
-    /// Returns the framebuffer position of a pixel's sample, as (column, row). Returns the nearest sample if samples
-    /// lie between pixels, or `None` if the pixel was not drawn.
+    /// Returns the position in the framebuffer, as (column, row), of the sample of a pixel; `None` if the pixel was not
+    /// drawn. With [`Sampling::Lattice`], samples do not coincide with pixels, and the nearest sample is returned.
     pub(crate) fn sample_at(&self, x: u32, y: u32) -> Option<(u32, u32)> {
         match self.sampling {
             Sampling::Grid(grid) => grid.sample_at(x, y),
@@ -176,8 +176,8 @@ impl Frame {
         self.sampling.pixel(sample, (self.viewport.width, self.viewport.height))
     }
 
-    /// Returns the rasterized triangles in full-resolution pixels. The list is empty if the frame was rasterized at a
-    /// lower resolution and without the wireframe.
+    /// Returns the rasterized triangles, with corners in pixels of the full picture. The list is empty if the frame was
+    /// rasterized at a lower resolution and without the wireframe.
     pub(crate) fn outlines(&self) -> &[ScreenTriangle] {
         match self.sampling {
             Sampling::Grid(_) => &self.geometry.triangles,

@@ -125,8 +125,8 @@ impl Recipe {
         Ok(())
     }
 
-    /// Changes several settings, in any order: methods and filters are set before the settings that depend on them. On
-    /// error nothing changes.
+    /// Changes several settings. The assignments may be in any order: upscaling method and post filter are set before
+    /// the settings that depend on them. On error nothing changes.
     ///
     /// # Examples
     /// ```

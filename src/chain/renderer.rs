@@ -168,7 +168,7 @@ impl Renderer {
             let make = Arc::new(move || prepare(&scene, &seen_by, &settings, raster, &mut ()));
             LazyGeometry { made: OnceLock::new(), make }
         };
-        // This draw gives the colours if there are no supersampling passes, and the depths if they are kept.
+        // Without supersampling passes, this draw gives the colours. If depths are kept, it also gives the depths.
         let one_pass = !recipe.antialias.has_passes();
         let mut centres = (one_pass || keep_depth == KeepDepth::Yes).then(|| {
             let memory = (self.spare.take(), self.spare_depth.take().filter(|_| keep_depth == KeepDepth::Yes));

@@ -87,8 +87,8 @@ pub(crate) fn places_on_grid(antialias: Antialiasing) -> Vec<Vec<[i32; 2]>> {
     candidates(antialias).into_iter().map(on_grid).collect()
 }
 
-/// Draws all samples of the pixels in a rectangle. Returns one framebuffer per sample, drawn into a copy of the cleared
-/// one.
+/// Draws all samples of the pixels in the scissor rectangle of `extent`. Returns one framebuffer per sample position;
+/// each starts as a copy of `cleared`.
 fn sampled(
     scene: &Scene,
     geometry: &Geometry,
@@ -129,8 +129,8 @@ pub(crate) fn replay(scene: &Scene, recipe: &Recipe, frame: &Frame, pixels: &[(u
     (0..pixels.len()).map(|pixel| passes.iter().filter_map(|pass| pass[pixel]).collect()).collect()
 }
 
-/// Draws each of the given pixels again, with the sample of one pass. Returns their colours; `None` for pixels that
-/// were not drawn.
+/// Draws one sample of each given pixel again, from the triangles in `geometry`. Returns the colour of each pixel, or
+/// `None` for a pixel that was not drawn.
 fn replay_pass(
     scene: &Scene,
     recipe: &Recipe,
@@ -165,7 +165,8 @@ pub(crate) fn places(antialias: Antialiasing, (x, y): (u32, u32)) -> Vec<[f64; 2
 }
 
 /// Progressive rendering that adds one sample per pixel at a time, so that a caller can show progress and stop. Samples
-/// follow the low-discrepancy pattern; a single sample lies at the pixel's centre. Their mean is taken in linear light.
+/// follow the low-discrepancy pattern; a single sample lies at the pixel's centre. The samples are averaged in linear
+/// light.
 #[derive(Debug)]
 pub(crate) struct ProgressiveRender {
     scene: Arc<Scene>,

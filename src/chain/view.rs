@@ -63,7 +63,8 @@ pub(super) fn raster_viewport(sampling: Sampling, Viewport { width, height }: Vi
     Viewport { width, height }
 }
 
-/// Returns the camera of the picture that is rasterized before upscaling, with samples at `place` in its pixels.
+/// Returns the camera of the picture that is rasterized before upscaling. The sample of each rasterized pixel lies at
+/// `place`, in pixels from the pixel's top left corner.
 pub(super) fn raster_camera(camera: &Camera, sampling: Sampling, viewport: Viewport, place: [f64; 2]) -> Camera {
     samples::jittered_camera(camera, sampling, viewport, place).unwrap_or(*camera)
 }

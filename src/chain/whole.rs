@@ -1,4 +1,5 @@
-//! Optional work of a frame that belongs to no single draw: whether each part runs, and the reason if it is skipped.
+//! Optional parts of drawing a frame that belong to no single draw, such as upscaling and the post filter: whether each
+//! part runs, and the reason if it is skipped.
 
 use serde::Serialize;
 
@@ -9,7 +10,7 @@ use crate::pipeline::settings::{DepthTest, Execution};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::Scene;
 
-/// Optional part of a frame's work that belongs to no single draw.
+/// Optional part of drawing a frame that concerns the frame as a whole, not a single draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum FramePart {
@@ -92,8 +93,8 @@ mod tests {
     use crate::scene::builtin::workload::layers;
     use crate::upscale::Upscaling;
 
-    /// Picture size in pixels. Both sides are divisible by 3 and 4, so every upscaler's sample grid fits the picture
-    /// exactly.
+    /// Picture size in pixels. Width and height are divisible by 3 and 4, so every upscaler's sample grid fits the
+    /// picture exactly.
     const SIZE: Viewport = Viewport { width: 96, height: 48 };
 
     #[test]

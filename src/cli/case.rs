@@ -104,8 +104,8 @@ fn answer_all(cases: &[PathBuf], folder: &Path, options: Options) -> Result<(), 
     failure.map_or(Ok(()), Err)
 }
 
-/// Reads a case and adds its id to `ids`. Returns an error if an earlier case has the same id, because their results
-/// would overwrite each other.
+/// Reads a case and adds its id to `ids`. Returns an error if an earlier case has the same id, because both results
+/// would be written to the same file.
 fn read_unlike(path: &Path, ids: &mut HashSet<String>) -> Result<Case, Failure> {
     let case = Case::read(path)?;
     if ids.insert(case.id.clone()) {

@@ -120,7 +120,7 @@ pub(crate) struct RequestedView {
     /// Whether the scene is mirrored in z relative to its source.
     #[cfg_attr(not(feature = "ui"), expect(dead_code, reason = "only the window mirrors it back"))]
     pub(crate) mirrored: bool,
-    /// Whether all shared options have their default values.
+    /// Whether the options that select scene, home view, camera and recipe have their default values.
     pub(crate) is_default: bool,
     /// Memory limit for models that the user opens later.
     #[cfg_attr(not(feature = "ui"), expect(dead_code, reason = "only the window opens others"))]

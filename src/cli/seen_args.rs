@@ -46,8 +46,9 @@ pub(crate) struct SeenArgs {
     pub(crate) picture: Option<Viewport>,
 }
 
-/// Returns the point in the drawing of a frame after `triangles` triangles, with only the first `fragments` fragments
-/// of the last one. `None` means no limit.
+/// Returns the point in the drawing of a frame at which `triangles` triangles are drawn. Of the last triangle, only the
+/// first `fragments` fragments are drawn, or all if `fragments` is `None`. Returns `None` if `triangles` is `None`,
+/// because the whole frame is drawn then.
 pub(crate) fn moment(triangles: Option<usize>, fragments: Option<usize>) -> Option<Moment> {
     triangles.map(|triangles| Moment { triangles, fragments })
 }

@@ -1,4 +1,4 @@
-//! Drawings as bitmaps: every shape is filled as a polygon with 4 × 4 samples per pixel.
+//! Drawings as bitmaps: every shape except text is filled as a polygon, with 4 × 4 samples per pixel.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -87,7 +87,8 @@ fn samples_inside(contours: &[Vec<DVec2>], (width, height): (u32, u32), scale: f
     fill(&contours, filling)
 }
 
-/// Returns the pixel columns that a span of samples overlaps, each with its number of samples in the span.
+/// Returns the pixel columns that a span of samples overlaps. Each column comes with the number of its samples that lie
+/// in the span.
 fn counts_of(span: PixelSpan) -> impl Iterator<Item = (usize, u32)> {
     let pixels = span.x0 / SAMPLES..span.x1.div_ceil(SAMPLES);
     pixels.map(move |x| (x as usize, span.x1.min((x + 1) * SAMPLES) - span.x0.max(x * SAMPLES)))
@@ -134,8 +135,8 @@ fn cover(image: &mut Image<Rgba8>, contours: &[Vec<DVec2>], color: Rgb, scale: f
     }
 }
 
-/// Blends a colour into each pixel of a row, weighted by its number of covered samples in `counts`. Then clears
-/// `counts`.
+/// Blends a colour into each pixel of a row, weighted by the number of covered samples that `counts` holds for the
+/// pixel. Then clears `counts`.
 fn mix(image: &mut Image<Rgba8>, row: u32, counts: &mut [u32], color: Rgb) {
     for (x, count) in counts.iter_mut().enumerate().filter(|(_, count)| **count > 0) {
         let below = image.at(x as u32, row);

@@ -20,8 +20,8 @@ const FONT_NAME: Name<'_> = Name(b"F1");
 /// Object number of the first form XObject. The constants above use the smaller numbers.
 const FIRST_FORM: i32 = 6;
 
-/// Distance of a Bézier control point from its endpoint, relative to the radius, for the best approximation of a circle
-/// by four cubic curves.
+/// Distance between an endpoint of a cubic Bézier curve and the adjacent control point, relative to the radius, if four
+/// curves approximate a circle. With 4/3 · (√2 − 1), the middle of each curve lies on the circle.
 const QUARTER: f64 = 0.552_284_749_8;
 
 /// Returns the bytes of a PDF file whose page has `scale` points (1/72 inch) per unit.
@@ -108,8 +108,8 @@ fn add(content: &mut Content, forms: &mut Vec<Content>, shape: &Shape) {
     }
 }
 
-/// Returns the drawing commands for all regions, with or without outlines. Setting an outline width of 0 does not
-/// remove outlines, because viewers draw them one pixel wide.
+/// Returns the drawing commands for all regions, with or without outlines. An outline width of 0 would not remove the
+/// outlines, because viewers draw such outlines one pixel wide.
 fn areas(regions: &[PartitionRegion], with_lines: bool) -> Content {
     let mut content = Content::new();
     for PartitionRegion { contours, fill } in regions {

@@ -85,8 +85,8 @@ fn with(document: Document, (number, shape): (usize, &Shape)) -> Document {
     }
 }
 
-/// Returns the path element of a region. It has no line width of its own, but inherits that of the `use` element that
-/// refers to it.
+/// Returns the path element of a region. The element has no line width of its own; it inherits the width from the `use`
+/// element that draws it.
 fn area(PartitionRegion { contours, fill }: &PartitionRegion) -> Path {
     let mut data = String::new();
     for contour in contours {

@@ -115,8 +115,8 @@ mod tests {
         midpoint_circle((0, 0), radius).collect()
     }
 
-    /// Returns the pixels nearest to the true circle, by an exhaustive search over rows in the octant x ≤ y, which is
-    /// then mirrored.
+    /// Returns the pixels nearest to the true circle. In the octant x ≤ y, tries all rows of each column; the other
+    /// octants are reflections.
     fn nearest_pixels(radius: i64) -> HashSet<(i64, i64)> {
         let octant = (0..=radius).filter_map(|x| {
             // (y − ½)² < r² − x² < (y + ½)², multiplied by four.

@@ -27,8 +27,8 @@ pub(crate) fn parametric_circle(center: (i32, i32), radius: u32, angles: u32) ->
     })
 }
 
-/// Returns a number of angles for which consecutive points of the parametric form are at most one pixel apart, so that
-/// the circle has no gaps.
+/// Returns a number of angles for which the parametric form has no gaps, because consecutive points are at most one
+/// pixel apart.
 pub(crate) fn angles_without_gaps(radius: u32) -> u32 {
     (TAU * f64::from(radius)).ceil().max(1.0) as u32
 }

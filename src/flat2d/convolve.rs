@@ -30,7 +30,8 @@ pub(crate) const GAUSSIAN_CUTOFF: f32 = 3.0;
 /// Reason why weights do not form a mask.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub(crate) enum MaskError {
-    /// The weights do not form a square with an odd side of at most the maximum length.
+    /// The weights do not form a square whose side length is odd and at most `MOST_SIDE`. Contains the number of
+    /// weights.
     #[error("{0} weights are not a square with an odd side up to {MOST_SIDE}, such as 9 or 25")]
     Shape(usize),
     /// The weight with this index is infinite or NaN.

@@ -2,9 +2,9 @@
 //!
 //! The scan tests every pixel of the bounding box of the segment. Let d be the vector from the first to the second
 //! endpoint, and v the vector from the first endpoint to the pixel. The distance is |d × v| / |d|. Comparing it with ½
-//! needs no root: 4 (d × v)² ≤ |d|². This condition and the limits at the endpoints, d · v ≥ 0 and d · (v − d) ≤ 0,
-//! include equality: a point exactly on the border belongs to the line. Floats decide pixels whose distance from the
-//! border exceeds the error bound, and exact arithmetic decides the rest.
+//! needs no root: 4 (d × v)² ≤ |d|². The limits at the endpoints are d · v ≥ 0 and d · (v − d) ≤ 0. All three
+//! conditions include equality: a point exactly on the border belongs to the line. Floats decide pixels whose distance
+//! from the border exceeds the error bound, and exact arithmetic decides the rest.
 //!
 //! Such a line is one pixel wide, measured at a right angle, whatever its slope. Slanted lines may therefore have gaps.
 

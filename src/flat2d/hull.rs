@@ -1,8 +1,8 @@
 //! Convex hull of points (Andrew 1979), the shape of a rubber band stretched around them.
 //!
-//! The algorithm visits the points from left to right and back, and keeps a chain of corners. If the path from the
-//! chain's last edge to the next point does not turn right (as seen on a screen, y down), the last corner cannot be on
-//! the hull and is dropped. Every point inside the hull is Σ tᵢ Pᵢ with all tᵢ ≥ 0 and Σ tᵢ = 1; [`convex_weights`]
+//! The algorithm visits the points from left to right and back, and keeps a chain of corners. If the chain, extended to
+//! the next point, would not turn right at its last corner (as seen on a screen, y down), that corner cannot be on the
+//! hull and is dropped. Every point inside the hull is Σ tᵢ Pᵢ with all tᵢ ≥ 0 and Σ tᵢ = 1; [`convex_weights`]
 //! computes such weights.
 
 use std::cmp::Ordering;
@@ -24,7 +24,8 @@ pub(crate) enum HullStep {
 #[derive(Clone, Debug)]
 pub(crate) struct ConvexHull<'a> {
     points: &'a [DVec2],
-    /// Indices of the points in the order of the visit: from left to right and back again, without duplicates.
+    /// Indices of the points in the order in which they are visited: from left to right, then back again. Of several
+    /// points at the same position, only one is visited.
     tour: Vec<usize>,
     /// Index into `tour` of the next point.
     next: usize,
@@ -49,8 +50,8 @@ impl ConvexHull<'_> {
         &self.chain[..self.chain.len() - usize::from(closed)]
     }
 
-    /// Returns the chain index after which corners may still be dropped. On the way back from the rightmost point, this
-    /// is the index of the rightmost point; before, it is 0.
+    /// Returns an index into the chain: only corners after this one may be dropped. On the way back from the rightmost
+    /// point, this is the index of the rightmost point; before, it is 0.
     fn droppable_from(&self) -> usize {
         let turning = self.tour.len() / 2;
         if self.next <= turning {

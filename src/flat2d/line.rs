@@ -62,7 +62,7 @@ pub(crate) fn direction_independent_line(p0: (i64, i64), p1: (i64, i64)) -> Midp
 }
 
 impl MidpointLine {
-    /// Returns the decision variable for the step after the next pixel.
+    /// Returns the decision variable for the step from the next pixel to the pixel after it.
     ///
     /// It is positive if the line passes beyond the midpoint between the two candidates, so that the step leaves the
     /// row or column.
@@ -70,7 +70,7 @@ impl MidpointLine {
         self.decision
     }
 
-    /// Whether the step after the next pixel leaves the row or column.
+    /// Whether the step from the next pixel to the pixel after it leaves the row or column.
     pub(crate) fn slants(&self) -> bool {
         self.decision > 0 || self.slants_on_tie && self.decision == 0
     }

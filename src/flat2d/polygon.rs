@@ -2,17 +2,19 @@
 //!
 //! The *edge table* lists all edges by the first row that they cross. The *active edge list* holds the edges that cross
 //! the current row: an edge is active while y₀ ≤ yc < y₁, where yc is the height of the row's samples. This half-open
-//! interval avoids special cases. At a corner of the same height as the samples, a contour that continues up or down
-//! crosses the row once; at a local top or bottom, it crosses twice or not at all. Horizontal edges never cross a row.
-//! From left to right, each crossing at or before a sample changes the winding number by one, and the *inside rule*
-//! decides the pixel from that number. Even-odd tests whether the number is odd, which is equivalent to an odd count of
-//! crossings; non-zero tests whether it differs from 0.
+//! interval avoids special cases. A corner may lie exactly at the height of the samples. If the contour continues up or
+//! down there, it crosses the row once; if the corner is a local top or bottom, it crosses the row twice or not at all.
+//! Horizontal edges never cross a row. From left to right, the winding number starts at 0 and changes by one at each
+//! crossing. The *inside rule* decides from its value at a sample whether the pixel is inside. The even-odd rule tests
+//! whether the number is odd, which is equivalent to an odd count of crossings; the non-zero rule tests whether it
+//! differs from 0.
 //!
 //! The textbook sorts the crossings of a row and fills between pairs. Only the column of a crossing matters, so this
 //! implementation sums the windings per column, which sorts the crossings at no cost. Vertical edges, and nearly all
 //! edges that reach far outside the picture, cross all their rows in a single column. Such an edge is added to its
-//! column once and removed at its end. In total, the edges are sorted twice. The cost of a row grows with the number of
-//! crossings by the other edges and with the number of columns between the outermost crossings.
+//! column once and removed at its end. The edges are sorted only twice: by first row and by last row. The cost of a row
+//! grows with the number of crossings by the other edges and with the number of columns between the outermost
+//! crossings.
 
 mod edge;
 
@@ -28,7 +30,7 @@ use super::PixelSpan;
 use crate::math::fixed::snap_to_grid;
 use edge::{PolygonEdge, SampleRow, Slant};
 
-/// Rule that decides, from its winding number, whether a sample is inside the polygon.
+/// Rule that decides from a sample's winding number whether the sample is inside the polygon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InsideRule {
     /// Samples with an odd winding number are inside: where contours overlap, inside and outside alternate.
@@ -69,7 +71,7 @@ impl SamplePoint {
 /// Parameters of a polygon fill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FillParameters {
-    /// Rule that decides, from its winding number, whether a sample is inside the polygon.
+    /// Rule that decides from a sample's winding number whether the sample is inside the polygon.
     pub rule: InsideRule,
     /// Whether corners are used as given or snapped to the 1/256 px grid.
     pub corners: Corners,
@@ -113,16 +115,17 @@ struct Slanted {
 #[derive(Clone, Debug)]
 pub struct PolygonFill {
     filling: FillParameters,
-    /// Edge table, sorted by first row; `started` is the number of its edges activated so far.
+    /// Edge table: all edges, sorted by first row. The first `started` of them have been activated.
     edges: Vec<PolygonEdge>,
     started: usize,
-    /// Edge-table indices, sorted by last row; `ended` is the number of those edges that have ended.
+    /// Indices of all edges in the edge table, sorted by the edges' last rows. The first `ended` of these edges have
+    /// ended.
     by_end: Vec<u32>,
     ended: usize,
     slanted: Vec<Slanted>,
-    /// Winding numbers of the active edges that stay in a single column, summed per column. The last entry stands for
-    /// everything right of the picture. `crossing` has the same layout and holds the current row's crossings by slanted
-    /// edges; the scan of the row resets each entry to zero as it passes.
+    /// Sum of the windings of the active edges in each column, for edges that cross all their rows in a single column.
+    /// The last entry stands for everything right of the picture. `crossing` has the same layout, but sums the windings
+    /// of slanted edges in the current row; scanning the row resets its entries to zero.
     column_winding: Vec<i32>,
     crossing: Vec<i32>,
     /// Range from the first to the last column that any crossing has touched so far.
@@ -222,7 +225,7 @@ impl PolygonFill {
         Some(PixelSpan { y: self.row, x0, x1 })
     }
 
-    /// Advances past the next column that is inside the polygon, or outside if `inside` is `false`, and returns it.
+    /// Returns the next column that is inside the polygon or, if `inside` is `false`, outside, and advances past it.
     /// Returns `None` if there is no such column up to the last crossing.
     fn next_column_where(&mut self, inside: bool) -> Option<u32> {
         while self.column < self.touched.end.min(self.filling.width) {

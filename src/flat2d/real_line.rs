@@ -1,10 +1,10 @@
-//! Lines between real points: one pixel, the nearest to the line, for each integer coordinate along the longer axis.
+//! Lines between real points. For each integer coordinate along the longer axis, a line has one pixel: the nearest one.
 //!
 //! Rounding y = y₀ + m (x − x₀) fails where the line passes close to the midpoint between two pixels, and adding m step
 //! by step also accumulates drift. This module uses the formula only for a first guess at the start of the line. The
-//! line changes its row by at most one per step, so the pixel of the next step is the same or a neighbour. An exact
-//! test decides on which side of the midpoint between them the line passes. A line through a midpoint takes the pixel
-//! of the larger coordinate, whatever its direction.
+//! coordinate along the shorter axis changes by at most one per step, so each pixel has only two candidates. An exact
+//! test decides on which side of the midpoint between the candidates the line passes. A line through a midpoint takes
+//! the pixel of the larger coordinate, whatever its direction.
 
 use std::cmp::Ordering;
 

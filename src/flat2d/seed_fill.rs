@@ -6,9 +6,9 @@
 //! such as a diagonal wall; a 4-connected fill stops where a region continues across a corner.
 //!
 //! The recursion depth of a pixel-by-pixel recursive fill can reach the number of pixels in the region. This
-//! implementation keeps a stack of seeds, one for each run of fillable pixels found beside a filled one, and fills a
-//! whole span per popped seed. The fill terminates because filled pixels are no longer fillable; a flood fill with the
-//! region's own colour fills nothing.
+//! implementation pops a seed from a stack, fills the whole run of fillable pixels around it, and pushes one seed for
+//! each adjacent run in the rows above and below. The fill terminates because filled pixels are no longer fillable; a
+//! flood fill with the region's own colour fills nothing.
 
 use std::ops::Range;
 

@@ -37,7 +37,7 @@ pub(crate) struct SlopeLine {
 /// each endpoint.
 ///
 /// The endpoints are rounded to f32. Returns `None` if a coordinate exceeds 2²⁴, beyond which f32 cannot represent
-/// fractions.
+/// every integer.
 pub(crate) fn slope_line(p0: DVec2, p1: DVec2, stepping: Stepping) -> Option<SlopeLine> {
     const MAX_COORDINATE_PX: f64 = (1 << 24) as f64;
     if !(p0.abs().max_element() <= MAX_COORDINATE_PX && p1.abs().max_element() <= MAX_COORDINATE_PX) {

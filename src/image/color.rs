@@ -14,10 +14,11 @@ pub(crate) struct Tables {
     pub(crate) linear_of_code: [f32; 256],
     /// Each 8-bit code as a float, 0 to 255.
     pub(crate) code: [f32; 256],
-    /// Table from which [`Tables::encode`] finds the code of a linear value with a single read. There is one entry per
-    /// bucket of values: c · 2¹⁶ + (2¹⁶ − n), where c is the code of the smallest value in the bucket, and n is the
-    /// offset in the bucket of the first value with code c + 1. The sum of an entry and the offset of a value is the
-    /// value's code in fixed point, with 16 fractional bits.
+    /// Table from which [`Tables::encode`] finds the code of a linear value with a single read. Each entry belongs to a
+    /// bucket: 2¹⁵ consecutive `f32` values, numbered from 0 by their offsets. The entry is c · 2¹⁶ + (2¹⁶ − n), where
+    /// c is the code of the value at offset 0. n is the offset of the first value with code c + 1, or 2¹⁵ if the bucket
+    /// has no such value. The code of a value is the sum of the entry and the value's offset, shifted right by 16: from
+    /// offset n on, the addition carries into bit 16.
     buckets: Box<[u32; BUCKETS]>,
 }
 
@@ -25,8 +26,9 @@ pub(crate) struct Tables {
 /// begins at 0.5 / 255 / 12.92 = 1.5 · 10⁻⁴ > 2⁻¹³.
 const MIN_BITS: u32 = 0x3900_0000;
 
-/// Right shift from the bits of an `f32` to its bucket. There are 2⁸ buckets per octave, so a bucket is 0.4 % wide.
-/// Every code covers a wider range, so a bucket contains at most one threshold between codes.
+/// Right shift that turns the bits of an `f32`, less [`MIN_BITS`], into the index of a bucket. There are 2⁸ buckets per
+/// octave, so a bucket is at most 0.4 % wide. Every code covers a wider range, so a bucket contains at most one
+/// threshold between codes.
 const BUCKET_SHIFT: u32 = 15;
 
 /// Number of `f32` values in a bucket.
@@ -52,7 +54,7 @@ static TABLES: LazyLock<Tables> = LazyLock::new(|| {
         buckets: Box::new(std::array::from_fn(|bucket| {
             let bits = MIN_BITS + bucket as u32 * FLOATS_PER_BUCKET;
             let code = thresholds.partition_point(|t| *t <= f32::from_bits(bits)).clamp(1, 256) - 1;
-            // If the next code begins beyond the bucket, no value in the bucket has it.
+            // If the next code begins beyond the bucket, no offset in the bucket reaches `next`.
             let next = (thresholds[code + 1].to_bits() - bits).min(FLOATS_PER_BUCKET);
             ((code as u32 + 1) << CODE_SHIFT) - next
         })),

@@ -1,4 +1,4 @@
-//! An observer that counts pipeline events and fragments with NaN or infinite values.
+//! An observer that counts pipeline events, and fragments whose depth or weights are NaN or infinite.
 
 use crate::pipeline::interpolate::attribute_weights;
 use crate::pipeline::observe::{Counters, DepthOutcome, Fate, Observer};

@@ -24,7 +24,7 @@ pub(super) fn is_nearer(depth: f32, other: f32, settings: &Settings) -> bool {
     if settings.reversed() { depth > other } else { depth < other }
 }
 
-/// Tracker of the nearest blended depth at each sample. Fragments must be added in drawing order.
+/// Tracker of the depth of the nearest blended fragment at each sample. Fragments must be added in drawing order.
 pub(super) struct BlendedDepths<'a> {
     settings: &'a Settings,
     plans: &'a [DrawPlan],
@@ -41,8 +41,8 @@ impl<'a> BlendedDepths<'a> {
         Self { settings, plans, nearest: blends.then(|| Image::filled(width, height, f32::NAN)) }
     }
 
-    /// Adds a written fragment. If the fragment is blended over earlier blended fragments, returns its depth and the
-    /// depth of the nearest earlier fragment.
+    /// Adds a written fragment. If it is blended over earlier blended fragments, returns its own depth and the depth of
+    /// the nearest of these earlier fragments.
     pub(super) fn add(&mut self, triangle: &ScreenTriangle, sample: &RasterSample) -> Option<[f32; 2]> {
         let nearest = self.nearest.as_mut()?;
         let plan = self.plans.get(triangle.instance as usize)?;

@@ -204,7 +204,7 @@ impl Display {
         }
     }
 
-    /// Renders a buffer as a full picture. With default settings this is [`view::picture`].
+    /// Renders a buffer as a full picture. With default settings, calls [`view::picture`].
     pub(crate) fn picture(
         &self,
         buffer: Buffer,
@@ -237,9 +237,10 @@ impl Display {
     }
 }
 
-/// Returns whether a value lies below the range, and whether it lies above. A value with several channels lies above if
-/// any channel does. Weights lie below if any channel does; a colour lies below only if all channels do. The colour
-/// codes 0 and 255 always count as outside the range, because they may be clipped.
+/// Returns whether a value lies below the range, and whether it lies above it. One channel above the range is enough
+/// for the value to lie above. One weight below the range is also enough for weights to lie below, but a colour lies
+/// below only if all its channels do. The colour codes 0 and 255 always count as outside the range, because they may be
+/// clipped.
 pub(crate) fn beyond(value: Value, range: Range) -> (bool, bool) {
     let is_code = matches!(value, Value::Color(_));
     let below = |v: f32| v < range.low || is_code && v <= 0.0;
@@ -269,7 +270,7 @@ mod tests {
     #[test]
     fn default_settings_show_what_the_plain_picture_shows() {
         let (frame, buffers) = frame();
-        // An explicit map takes the other code path.
+        // With an explicit map, `picture` does not call `view::picture`.
         let explicit = Display { map: Some(ColorMap::Viridis), ..Display::default() };
         for buffer in Buffer::ALL.iter().copied().filter(|buffer| *buffer != Buffer::Hits) {
             let range = Display::default().range(buffer, &frame, Some(&buffers));

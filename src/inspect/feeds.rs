@@ -9,8 +9,8 @@ use crate::upscale::{FilterSpace, Tap, Upscaling};
 /// three samples.
 const REACH_SAMPLES: f64 = 3.0;
 
-/// Constant part of the search radius around a sample, in pixels. A checkerboard sample contributes to pixels up to two
-/// pixels away even without upscaling.
+/// Part of the search radius around a sample that does not depend on the scale, in pixels. A checkerboard sample
+/// contributes to pixels up to two pixels away even without upscaling.
 const REACH_PX: u32 = 4;
 
 /// One sample that contributes to a pixel.

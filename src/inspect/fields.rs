@@ -69,7 +69,8 @@ pub(crate) fn assignments(recipe: &Recipe) -> Vec<String> {
     reported.map(|(key, value)| format!("{key}={value}")).collect()
 }
 
-/// Returns the words of `values` that `recipe` accepts as the value of `key`; empty if `key` accepts any number.
+/// Returns the valid values of the setting `key`: the words in its description `values` that `recipe` accepts. Returns
+/// no words if the setting accepts any number.
 pub(crate) fn choices(recipe: &Recipe, values: &str, key: &str) -> Vec<String> {
     let is_taken = |word: &&str| {
         let mut changed = *recipe;

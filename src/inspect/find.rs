@@ -159,7 +159,8 @@ pub(crate) fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, wanted: &Searc
     }
 }
 
-/// Observer that marks the samples that the wanted triangles cover, and the samples where they were shaded last.
+/// Observer that marks two sets of samples: those that a wanted triangle covers, and those at which a wanted triangle
+/// was the last one shaded.
 struct TargetSamples<'a> {
     is_wanted: &'a dyn Fn(&ScreenTriangle) -> bool,
     covered: Image<bool>,

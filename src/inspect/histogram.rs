@@ -16,8 +16,8 @@ pub(crate) struct Histogram {
 }
 
 impl Histogram {
-    /// Creates a histogram of the finite `values`, with `bins` bins of equal width (at least one). If the range has no
-    /// width, the values within it are counted in the first bin.
+    /// Creates a histogram of the finite `values`, with `bins` bins of equal width, or one bin if `bins` is 0. If the
+    /// range has no width, the values within it are counted in the first bin.
     pub(crate) fn of(values: impl IntoIterator<Item = f32>, range: Range, bins: usize) -> Self {
         let mut histogram = Self { range, bins: vec![0; bins.max(1)], below: 0, above: 0 };
         for value in values {

@@ -5,9 +5,9 @@
 //! corners are those that the recipe's arithmetic uses (snapped in fixed point). Its fill rule is the recipe's, or
 //! top-left if the recipe's rule is deliberately wrong.
 //!
-//! Triangles are looked up only at samples whose counts differ. A difference is a fault of a *shared edge* if two
-//! triangles of one instance share an edge there and lie on opposite sides of it. Other differences, such as at an
-//! outline under the inclusive rule, are counted separately. Neither count includes culled triangles. Faults of
+//! Triangles are looked up only at samples whose two hit counts differ. A difference is a fault of a *shared edge* if
+//! two triangles of one instance share an edge there and lie on opposite sides of it. Other differences, such as at an
+//! outline under the inclusive rule, are counted separately. Culled triangles are not counted at all. Faults of
 //! overlapping surfaces are not detected at samples where they cancel each other out.
 //!
 //! Adjacent surfaces that share no vertices along their borders may have gaps even if every triangle is drawn
@@ -173,7 +173,7 @@ pub(super) fn seam_fault_at(
     seams::faults(scene, recipe, frame, seams, Scissor::pixel(x, y)).into_iter().next()
 }
 
-/// Maximum distance by which a rasterizer implemented as published moves an outline, in samples.
+/// Maximum distance, in samples, by which a naive rasterizer (implemented as published) moves the outline of a surface.
 const REACH_SAMPLES: u32 = 2;
 
 /// Maximum distance in pixels between neighbouring samples of any grid.
@@ -334,7 +334,8 @@ impl<'a> FaultSearch<'a> {
         differences
     }
 
-    /// Finds the edges nearest to each missing hit, and returns the triangles on both sides of these edges.
+    /// Examines the samples with too few hits. For each triangle that is missing at a sample, finds its edges nearest
+    /// to the sample. Returns the triangles on both sides of these edges.
     fn edges_of_missing(&self, differences: &[CountDifference]) -> EdgeTriangles {
         let mut meetings = EdgeTriangles::default();
         for difference in differences.iter().filter(|d| d.kind() == FaultKind::Crack) {
@@ -367,8 +368,8 @@ impl<'a> FaultSearch<'a> {
         })
     }
 
-    /// Whether the reference has fewer hits at a nearby sample. If so, the rasterizer may have moved the outline of a
-    /// surface past this sample, so the missing hit may not be a crack.
+    /// Whether the reference has fewer hits at a nearby sample than at this one. If so, the rasterizer may have moved
+    /// the outline of a surface past this sample, so the missing hit may not be a crack.
     fn is_near_outline(&self, difference: &CountDifference, due: &Image<u32>) -> bool {
         let Some((column, row)) = self.grid.sample_at(difference.pixel.0, difference.pixel.1) else { return false };
         let (column, row) = (column - self.origin.0, row - self.origin.1);

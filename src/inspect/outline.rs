@@ -57,7 +57,7 @@ pub(crate) struct OutlineRequest<'a> {
     pub(crate) scene: &'a Arc<Scene>,
     /// Camera from which the scene is drawn.
     pub(crate) camera: &'a Camera,
-    /// Settings of the frame. Lines ignore the upscaler and the depth settings.
+    /// Settings of the frame. Drawings of lines ignore the upscaler, the wireframe setting and the depth settings.
     pub(crate) recipe: &'a Recipe,
     /// Size of the drawing, in pixels. One pixel is one unit of the drawing.
     pub(crate) viewport: Viewport,

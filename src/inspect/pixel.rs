@@ -169,7 +169,7 @@ pub struct SourceRecord {
     pub(crate) color: Rgba8,
 }
 
-/// Anti-aliasing sample of a drawn pixel, whose colour is the mean of all its samples.
+/// Anti-aliasing sample of a drawn pixel. The colour of the pixel is the mean of its samples.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct SampleRecord {
     /// Position of the sample relative to the pixel's top-left corner, in px.

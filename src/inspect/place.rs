@@ -48,7 +48,7 @@ pub(crate) struct InspectionState {
     pub(crate) overlays: Vec<OverlayLayer>,
     /// Number of rasterized triangles to draw; `None` for all.
     pub(crate) triangles: Option<usize>,
-    /// Number of fragments to draw of the last triangle; `None` for all.
+    /// Number of drawn fragments of the last triangle; `None` if all of them are drawn.
     #[serde(default)]
     pub(crate) fragments: Option<usize>,
     /// Inspected pixel: column and row in the full picture.

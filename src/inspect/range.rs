@@ -46,8 +46,8 @@ pub(crate) fn channels(value: Value) -> impl Iterator<Item = f32> {
 }
 
 impl RangeFit {
-    /// Returns the range of the selected values of a picture of `size` pixels; `None` without a finite value. For
-    /// values with several channels, only the `chosen` channels count.
+    /// Returns the range of the values that this fit includes, in a picture of `size` pixels; `None` without a finite
+    /// value. For values with several channels, only the `chosen` channels count.
     pub(crate) fn range(self, size: (u32, u32), chosen: [bool; 3], value: impl Fn(u32, u32) -> Value) -> Option<Range> {
         let all = PixelRegion { left: 0, top: 0, right: size.0, bottom: size.1 };
         let region = if let Self::Within(region) = self { region } else { all };

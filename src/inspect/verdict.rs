@@ -22,8 +22,9 @@ use crate::scene::{Instance, Scene, TriangleId};
 const UNAMBIGUOUS_WIN: &str = "Won by ";
 
 /// Explains the colour of a pixel in a few sentences. A fault along a shared edge or a wrong blending order comes
-/// first, then the outcome of the depth test. Sentences about a black pixel or a defective scene file follow. After an
-/// unambiguous win, the reason for a black pixel precedes the outcome, because it is the most likely question.
+/// first, then the outcome of the depth test. Sentences about a black pixel or a defective scene file follow. If one
+/// triangle won unambiguously, the reason why the pixel is black comes before the outcome of the depth test, because
+/// that is the most likely question.
 pub(super) fn verdict(report: &PixelReport, scene: &Scene, recipe: &Recipe, frame: &Frame) -> String {
     let fault = report.fault.as_ref().map(|fault| fault_verdict(fault, &recipe.pipeline));
     let story = story(report, frame.is_drawn(report.x, report.y), DepthComparison::of(&recipe.pipeline));
@@ -35,7 +36,7 @@ pub(super) fn verdict(report: &PixelReport, scene: &Scene, recipe: &Recipe, fram
     sentences.join(" ")
 }
 
-/// Returns the instance that contains a triangle, together with its index.
+/// Returns the index of the instance that contains a triangle, and that instance.
 fn instance_of(scene: &Scene, id: TriangleId) -> Option<(usize, &Instance)> {
     let index = scene.first_triangles().partition_point(|first| *first <= id).checked_sub(1)?;
     Some((index, scene.instances.get(index)?))
@@ -223,7 +224,7 @@ mod tests {
 
     const PREVIOUS_STATE: SampleState = SampleState { color: [9, 9, 9, 255], depth: None };
 
-    /// Returns the verdict on `fragments`, each given as triangle and depth, of which the last is visible.
+    /// Returns the verdict on `fragments`, each given as triangle and depth. The last one is visible.
     fn story(fragments: &[(u32, f32)], stored: Option<f32>, comparison: DepthComparison) -> String {
         story_in(DepthEncoding::F32, fragments, stored, comparison)
     }

@@ -369,8 +369,8 @@ fn slope_steps([from, to]: [DVec2; 2], stepping: Stepping) -> Box<dyn Iterator<I
     }))
 }
 
-/// Returns the accumulated rounding error, in pixels, at the last pixel of a line 1000 times as long. The error is that
-/// of the coordinate along the shorter axis.
+/// Returns the rounding error, in pixels, that accumulates along a line 1000 times as long. It is the error of the
+/// coordinate along the shorter axis at the last pixel.
 fn drift_of_longer([from, to]: [DVec2; 2], stepping: Stepping) -> Option<f64> {
     const LONGER: f64 = 1_000.0;
     let mut line = slope_line(from, from + (to - from) * LONGER, stepping)?;

@@ -71,17 +71,18 @@ impl SamplingMethod {
     }
 }
 
-/// Sharpening strength: the unsharp mask adds this multiple of a pixel's difference from the mean of its four
-/// neighbours.
+/// Sharpening strength. The unsharp mask multiplies the difference between a pixel and the mean of its four neighbours
+/// by this factor, and adds the product to the pixel.
 const SHARPENING: f32 = 4.0;
 
-/// Path length of the motion blur, in pixels. The path ends at the centres of two diagonal neighbours of the pixel.
+/// Path length of the motion blur, in pixels. The path runs from the centre of a diagonal neighbour, through the
+/// pixel's own centre, to the opposite neighbour's centre.
 const MOTION_PX: f32 = 2.0 * SQRT_2;
 
 /// Size of the grid, in columns and rows.
 const SIZE: (u32, u32) = (48, 36);
 
-/// Half the number of sample points per axis for the numerical integration of filter-weighted means.
+/// Number of sample points per filter radius along each axis, for integrating filter-weighted means numerically.
 const DENSE: u32 = 12;
 
 /// Number of sample points per axis for reference values that have no closed form. No method uses the same number.

@@ -29,7 +29,7 @@ choice! {
 /// Size of the grid, in columns and rows.
 const SIZE: (u32, u32) = (32, 24);
 
-/// Values at the three corners that are interpolated over the triangle, in [0, 1].
+/// Values at the three corners, in [0, 1]. The page interpolates these values over the triangle.
 const VALUES: [f32; 3] = [0.0, 0.5, 1.0];
 
 /// Input and settings of the lab page on triangles: triangle ABC and its neighbour CBD.

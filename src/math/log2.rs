@@ -2,8 +2,8 @@
 
 use super::lanes::*;
 
-/// Coefficients of the polynomial that approximates g, constant term first. With x = 2ᵉ·(1 + f), the logarithm is e +
-/// log₂(1 + f), and log₂(1 + f) = f + f·(1 − f)·g(f). The fit minimises the maximum error of the logarithm: 2.3·10⁻⁶.
+/// Coefficients of the polynomial g, constant term first. The logarithm of x = 2ᵉ·(1 + f) is e + log₂(1 + f), and
+/// log₂(1 + f) is approximated by f + f·(1 − f)·g(f). The coefficients minimise the maximum error, which is 2.3·10⁻⁶.
 const POLYNOMIAL: [f32; 5] = [0.442_544_94, -0.275_600_3, 0.181_948_87, -0.095_956_445, 0.025_841_443];
 
 /// Number of fraction bits of an `f32`.

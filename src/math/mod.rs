@@ -12,7 +12,7 @@
 //! | depth | z/w, affine in screen space, unless linear in w; nearer is smaller unless reversed |
 //! | attributes | perspective-correct by default: λᵢ' = (λᵢ/wᵢ) / Σ(λⱼ/wⱼ) |
 //! | colour | textures and the final image are 8-bit sRGB; shading works in linear light unless set otherwise |
-//! | texel | texture coordinate u·width − 0.5, so texel centres sit at half-integers; v is flipped once, on load |
+//! | texel | the centre of texel i lies at u·width = i + 0.5; v is flipped once, on load |
 
 pub(crate) mod double_double;
 
@@ -59,9 +59,9 @@ pub(crate) fn unit_or_lanes<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3], fall
 /// Returns the result of [`unit_or`] for eight vectors at a third of its cost, or `None` if that result is not certain.
 ///
 /// The reciprocal square root in f32 has an error below 2.5 · 2⁻²⁴; one Newton step reduces it below 2⁻⁴⁴. The error of
-/// [`unit_or`], all in f64, is below 2⁻⁴⁹. Its result therefore lies between the value computed here scaled by 1 − 2⁻⁴²
-/// and by 1 + 2⁻⁴². If both bounds round to the same f32, [`unit_or`] rounds to it as well. The two roundings differ in
-/// only about one of 100 000 cases.
+/// [`unit_or`], all in f64, is below 2⁻⁴⁹. If u is the component computed here, the component that [`unit_or`] computes
+/// before rounding to f32 therefore lies between (1 − 2⁻⁴²) u and (1 + 2⁻⁴²) u. If both bounds round to the same f32,
+/// [`unit_or`] rounds to it as well. The two roundings differ in only about one of 100 000 cases.
 #[inline(always)]
 fn approximate_unit_lanes<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3]) -> Option<[lanes::F32<S>; 3]> {
     use lanes::{F32, SimdBase as _, SimdFloat as _, SimdMask as _, narrow, widen};

@@ -47,9 +47,9 @@ pub(crate) fn figures(picture: &Image<Rgba8>, reference: &Image<Rgba8>) -> Optio
     Some((ErrorMetrics { codes, flip: flip::mean(&map) }, map))
 }
 
-/// Compares an image with a reference within a rectangle. `flip` holds the FLIP errors of the whole image, whose
-/// filters also read pixels outside the rectangle; SSIM reads only pixels inside. Returns `None` if the rectangle
-/// contains no pixel of the images.
+/// Compares an image with a reference within a rectangle. `flip` holds the FLIP errors of the whole image, because the
+/// filters of FLIP also read pixels outside the rectangle. SSIM reads only pixels inside. Returns `None` if the
+/// rectangle contains no pixel of the images.
 pub(crate) fn figures_within(
     region: PixelRegion,
     picture: &Image<Rgba8>,

@@ -19,8 +19,8 @@ use crate::pipeline::tiled::TiledReport;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::Scene;
 
-/// Number of warm-up frames before the measured ones, in which buffers are allocated and caches and clock frequencies
-/// settle.
+/// Number of warm-up frames before the measured ones. During warm-up, buffers are allocated, and caches and clock
+/// frequencies settle.
 const WARM_UP_FRAMES: i64 = 3;
 
 /// Time to write as many bytes as a frame holds, without drawing: a lower bound for every frame time.
@@ -97,8 +97,9 @@ struct FrameSample {
     counts: Vec<(&'static str, u64)>,
 }
 
-/// Times the frames of a sequence repeatedly on the current rayon pool. Each frame has the temporal history that it has
-/// in the sequence. Returns `None` if cancelled before the first measured frame was complete.
+/// Times the frames of a sequence repeatedly on the current rayon pool. Frames that only build up the temporal history
+/// of a timed frame are drawn before it and are not timed. Returns `None` if cancelled before the first measured frame
+/// was complete.
 pub(crate) fn bench(
     shot: &FrameSequence<'_>,
     recipe: &Recipe,

@@ -29,11 +29,12 @@ pub(crate) const PIXELS_PER_DEGREE: f64 = 0.7 * (3840.0 / 0.7) * std::f64::const
 /// Exponent applied to colour distances.
 const COLOR_EXPONENT: f32 = 0.7;
 
-/// Knee of the error mapping, as a fraction of the largest colour distance: distances below it are mapped to most of
-/// the error range.
+/// Knee of the piecewise linear mapping from colour distances, raised to [`COLOR_EXPONENT`], to errors. It is a
+/// fraction of the largest such distance. Distances below the knee take up most of the range of errors.
 const KNEE: f32 = 0.4;
 
-/// Error at the knee: distances below the knee map linearly to smaller errors, distances above it to larger ones.
+/// Error at the knee. Distances below the knee are mapped linearly to smaller errors, distances above it to larger
+/// ones.
 const KNEE_ERROR: f32 = 0.95;
 
 /// Exponent applied to feature differences.
@@ -271,8 +272,9 @@ type BlurKernel = &'static [(f64, f64)];
 /// Blur of the lightness, red–green and blue–yellow channels, in this order.
 const BLUR_KERNELS: [BlurKernel; 3] = [&[(1.0, 0.0047)], &[(1.0, 0.0053)], &[(34.1, 0.04), (13.5, 0.025)]];
 
-/// Number of planes that the row pass writes: blurred lightness, blurred red–green, blurred blue–yellow (twice), and
-/// lightness smoothed and filtered by its first and second derivatives.
+/// Number of planes that the row pass writes. Four are blurred: lightness, red–green, and blue–yellow with each of its
+/// two Gaussians. Three are for features: lightness filtered with a Gaussian and with the Gaussian's first and second
+/// derivatives.
 const FILTERED: usize = 7;
 
 /// Filter weights at integer pixel offsets.
@@ -362,7 +364,8 @@ impl Filters {
     }
 }
 
-/// Returns the 1D weights of each Gaussian in a sum; as 2D kernels, all Gaussians together sum to 1.
+/// Returns the 1D weights of each Gaussian of a kernel. They are scaled such that the weights of all 2D Gaussians of
+/// the kernel add up to 1.
 fn blur_weights(sight: BlurKernel) -> Vec<Vec<f32>> {
     use std::f64::consts::PI;
     /// Threshold relative to the largest weight; smaller weights vanish in the rounding of an f32 sum.

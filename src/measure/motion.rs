@@ -56,7 +56,7 @@ impl Turn {
         camera
     }
 
-    /// Returns the number of the frame that a timing run draws in round `round`: the measured frames, repeated in
+    /// Returns the number of the frame that a timing run draws in round `round`. A run repeats the measured frames in
     /// order. Warm-up rounds have negative numbers and draw warm-up frames.
     pub(crate) fn frame_of_round(&self, round: i64) -> i64 {
         if round < 0 { round } else { round % i64::from(self.frames) }
@@ -111,7 +111,8 @@ impl MotionError {
     }
 }
 
-/// Playback of a sequence with one recipe. Every frame is drawn with the temporal history that it has in the sequence.
+/// Playback of a sequence with one recipe. Before a frame is drawn, the earlier frames that its temporal history
+/// depends on are drawn, unless they were drawn already.
 #[derive(Debug)]
 pub(crate) struct Playback {
     recipe: Recipe,
@@ -155,8 +156,8 @@ impl Playback {
         true
     }
 
-    /// Draws frame `number` after the frames that its history depends on. Calls `look` with the frame and returns the
-    /// result. Recipes without history use the renderer `shared`.
+    /// First draws the frames that are missing from the history of frame `number`, then draws this frame. Calls `look`
+    /// with it and returns the result of `look`. Recipes without history use the renderer `shared`.
     pub(crate) fn draw<T>(
         &mut self,
         shot: &FrameSequence<'_>,

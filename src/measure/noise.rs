@@ -1,8 +1,9 @@
 //! Noise floor of a timing run: the difference between two measurements of the same recipe.
 //!
 //! A run draws some recipes twice per round (A/A), interleaved with all others. The rounds are split into blocks of
-//! consecutive rounds. Each block yields one pair: the medians of both series over the block. The pairs therefore
-//! sample the whole run. The noise floor is the 90th percentile of the relative differences of all pairs.
+//! consecutive rounds. For each recipe drawn twice, each block yields one pair: the median of the recipe's first times
+//! in the block, and the median of its second times. The pairs therefore sample the whole run. The noise floor is the
+//! 90th percentile of the relative differences of all pairs.
 //!
 //! A median over the whole run uses more frames than a median over a block, so the floor is an upper estimate.
 
@@ -32,7 +33,7 @@ pub(crate) struct Noise {
 }
 
 impl Noise {
-    /// Returns the noise floor at a time of `ms` milliseconds, in milliseconds.
+    /// Converts the noise floor to milliseconds, for a frame time of `ms` milliseconds.
     pub(crate) fn ms(&self, ms: f64) -> f64 {
         self.p90 * ms
     }
@@ -42,7 +43,7 @@ impl Noise {
         relative_difference(a_ms, b_ms) <= self.p90
     }
 
-    /// Whether a change of `change_ms` to a time of `of_ms` is within the noise floor, both in milliseconds.
+    /// Whether a change by `change_ms` milliseconds is within the noise floor of a frame time of `of_ms` milliseconds.
     pub(crate) fn covers_change(&self, change_ms: f64, of_ms: f64) -> bool {
         change_ms.abs() <= self.ms(of_ms)
     }
@@ -81,7 +82,8 @@ impl Pairs {
         }
     }
 
-    /// Adds the pairs of one recipe timed frame after frame; odd frames form the second series.
+    /// Adds the pairs of a recipe whose frames were timed one after another. Times at even indices form the first
+    /// series, times at odd indices the second.
     pub(crate) fn add_alternating(&mut self, times: &[f64]) {
         let series = [0, 1].map(|first| times.iter().skip(first).step_by(2).copied().collect::<Vec<_>>());
         self.add(&series[0], &series[1]);

@@ -1,4 +1,5 @@
-//! Effect of a recipe change on frame time: frames of both recipes are timed in alternation, with the noise floor.
+//! Effect of a recipe change on frame time. Frames of both recipes are timed in alternation; each recipe is drawn twice
+//! per round, which also yields the noise floor.
 
 use serde::Serialize;
 
@@ -32,7 +33,7 @@ impl PairTimes {
         Some(Self { a_ms, b_ms, change_ms, noise, within_noise })
     }
 
-    /// Returns the noise floor in milliseconds, at the shorter of the two medians.
+    /// Returns the noise floor in milliseconds, for a frame time equal to the smaller of the two recipes' medians.
     pub(crate) fn noise_ms(&self) -> f64 {
         self.noise.ms(self.a_ms.median.min(self.b_ms.median))
     }

@@ -53,16 +53,16 @@ impl Responses {
         }
     }
 
-    /// Returns the minimum and the maximum height of the step response, extended to include 0 and 1. Values outside [0,
-    /// 1] are undershoot or overshoot.
+    /// Returns the minimum height of the step response, at most 0, and its maximum height, at least 1. A minimum below
+    /// 0 is an undershoot; a maximum above 1 is an overshoot.
     pub(crate) fn overshoot(&self) -> (f64, f64) {
         let heights = || self.step.iter().map(|[_, height]| *height);
         (heights().fold(0.0, f64::min), heights().fold(1.0, f64::max))
     }
 }
 
-/// Returns the value of a zone plate at a position in pixels, in [0, 1]. The ring period falls to 2 px at the border,
-/// the shortest period that pixels can represent.
+/// Returns the value, in [0, 1], of a zone plate at the position (`x`, `y`) in pixels. The ring period falls to 2 px at
+/// the border, the shortest period that pixels can represent.
 fn zone_plate(x: f64, y: f64) -> f64 {
     let middle = f64::from(PLATE) / 2.0;
     let squared = (x - middle).powi(2) + (y - middle).powi(2);

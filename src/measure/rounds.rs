@@ -10,7 +10,7 @@ use crate::chain::{FrameTimes, Recipe, Renderer};
 use super::motion::{FrameSequence, Playback};
 use super::noise::{Noise, Pairs};
 
-/// Number of warm-up rounds before the measured ones, in which caches and clock frequencies settle.
+/// Number of warm-up rounds before the measured ones. During warm-up, caches and clock frequencies settle.
 pub(crate) const WARM_UP_ROUNDS: usize = 2;
 
 /// Maximum number of recipes drawn twice per round. They are spread evenly over all recipes, because cheap and

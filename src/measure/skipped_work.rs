@@ -1,5 +1,5 @@
-//! Time saved by skipping work: frames of one view are timed with every skip enabled and with skips disabled, in
-//! alternation.
+//! Time saved by skipping parts of the pipeline that a draw does not need. Frames of one view are timed in alternation,
+//! with every such skip enabled and with skips disabled.
 
 use std::hint::black_box;
 use std::sync::Arc;
@@ -23,10 +23,10 @@ use crate::scene::{Camera, Scene};
 pub(crate) struct Saving {
     /// Skipped part of the pipeline; `None` stands for all parts together.
     pub(crate) part: Option<PipelinePart>,
-    /// Number of draws that skip the part unless the skip is disabled.
+    /// Number of draws that skip the part if the skip is enabled.
     pub(crate) draws: usize,
-    /// Additional frame time with the skip disabled, in milliseconds, relative to the frame with every skip enabled in
-    /// the same round.
+    /// Frame time with the skip disabled minus frame time with every skip enabled, both from the same round, in
+    /// milliseconds.
     pub(crate) saved_ms: Summary,
     /// Whether the median saving is within the noise floor.
     pub(crate) within_noise: bool,
@@ -44,7 +44,7 @@ pub(crate) struct Savings {
     /// Time spent computing the draw plans of a frame, in milliseconds; it is the only overhead for a view that skips
     /// nothing.
     pub(crate) planning_ms: Summary,
-    /// Parts that every draw runs, not counting draws outside the view.
+    /// Parts that every draw in view runs. [`PipelinePart::Vertices`] is included only if all draws are in view.
     pub(crate) needed: Vec<PipelinePart>,
     /// Savings for each part that some draw skips and whose skip can be disabled. If there are several such parts, the
     /// last entry is for all of them together.

@@ -2,10 +2,11 @@
 //!
 //! In tiled execution, stages run one after the other and each records its own time. In classic execution,
 //! rasterization, depth test and shading are interleaved per sample, and a clock in that loop would cost more than the
-//! work it times. The total time of these stages is therefore split in proportion to the differences between partial
-//! frames, each of which is drawn one stage further than the previous one. These are estimates: noise can make a
-//! difference negative, which then counts as zero and means "too short to measure". The compiler may also move work
-//! from one stage into the next if only the next one reads the result.
+//! work it times. Therefore, partial frames are drawn, each up to one stage further than the previous one. The total
+//! time of the interleaved stages is split in proportion to the differences between the times of successive partial
+//! frames. The results are estimates. Noise can make a difference negative; it then counts as zero, which means "too
+//! short to measure". The compiler may also move work from one stage into the next if only the next one reads the
+//! result.
 //!
 //! The medians of the stages do not add up to the median of the frame. Therefore [`StageTimes`] belong to one frame,
 //! and [`summarize_stages`] scales the stages to the median frame time.
@@ -159,7 +160,7 @@ const LEVELS: [LastStage; 4] = [LastStage::Coverage, LastStage::Depth, LastStage
 ///
 /// In classic execution, each round draws a whole frame and one partial frame per entry of `LEVELS`. The time of a
 /// partial frame is its minimum over the rounds, because disturbances can only add time. In tiled execution, every step
-/// draws a whole frame. Of the whole frames, the one with the median time is used.
+/// draws a whole frame. The result describes the whole frame with the median time.
 #[derive(Debug)]
 pub(crate) struct StageTimer {
     least: [Duration; LEVELS.len()],
@@ -257,8 +258,9 @@ pub(crate) fn stage_times(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, 
 /// Time spent in one stage over a series of frames, in milliseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct StageMs {
-    /// Fraction of the frame time that the stage takes in the middle half of the frames, multiplied by the median frame
-    /// time. The values of all stages add up to the median frame time.
+    /// Share of the stage in the frame time, multiplied by the median frame time. The values of all stages therefore
+    /// add up to the median frame time. The share is measured over all frames except the fastest and the slowest
+    /// quarter.
     pub(crate) median: f64,
     /// 10th percentile of the stage's time over all frames.
     pub(crate) p10: f64,

@@ -20,7 +20,7 @@ use super::viewport::ScreenTriangle;
 use super::{Extent, Geometry, LastStage, partial};
 use crate::image::Image;
 
-/// Number of pixel rows whose fragments are collected at a time, which bounds the memory used by the fragment list.
+/// Number of pixel rows whose fragments are collected at a time. It limits the memory that the fragment list uses.
 const ROWS: u32 = 16;
 
 /// Splits a range of triangles into those that are drawn in order and those whose fragments are sorted by depth.
@@ -46,7 +46,7 @@ pub(super) fn nearness(settings: &Settings, triangle: &ScreenTriangle, sample: &
 /// Fragment of a blended triangle that passed the depth test and is not yet blended.
 #[derive(Clone, Copy, Debug)]
 struct Collected {
-    /// Index of the sample in the concatenated framebuffers.
+    /// Index of the sample, counted through all framebuffers one after the other.
     sample: usize,
     nearness: f32,
     /// Index of the triangle in [`Geometry::triangles`].
@@ -59,7 +59,7 @@ struct Collected {
 #[derive(Clone, Debug, Default)]
 pub(super) struct FragmentList {
     collected: Vec<Collected>,
-    /// Interpolated attributes. Samples of a pixel that is shaded once share an entry.
+    /// Interpolated attributes. If a pixel is shaded only once, all its samples share an entry.
     fragments: Vec<Fragment>,
 }
 
@@ -75,14 +75,15 @@ impl FragmentList {
         self.fragments.push(fragment);
     }
 
-    /// Adds a sample of the most recently added fragment. `sample` is its index in the concatenated framebuffers.
+    /// Adds a sample of the most recently added fragment. `sample` is its index, counted through all framebuffers one
+    /// after the other.
     pub(super) fn add(&mut self, sample: usize, nearness: f32, triangle: usize) {
         let fragment = self.fragments.len() - 1;
         self.collected.push(Collected { sample, nearness, triangle, fragment });
     }
 
-    /// Sorts all fragments. Returns them with the indices of their samples and triangles, sample by sample from far to
-    /// near.
+    /// Sorts the fragments by sample, and the fragments of each sample from far to near. Returns each fragment with the
+    /// index of its sample and the index of its triangle.
     pub(super) fn sorted(&mut self) -> impl Iterator<Item = (usize, usize, &Fragment)> {
         let Self { collected, fragments } = self;
         collected.sort_by(|a, b| a.sample.cmp(&b.sample).then(a.nearness.total_cmp(&b.nearness)));
@@ -128,8 +129,8 @@ impl Sorting<'_> {
         }
     }
 
-    /// Collects the samples of a blended triangle that pass the depth test, and reports the others to the observer. The
-    /// triangle is given with its edges and its index in [`Geometry::triangles`].
+    /// Collects those samples of a blended triangle that pass the depth test, and reports the other samples to the
+    /// observer. The first argument is the triangle with its edges and its index in [`Geometry::triangles`].
     pub(super) fn collect<N: Numbers, O: Observer>(
         &self,
         (triangle, edges, place): (&ScreenTriangle, &RasterTriangle<N>, usize),

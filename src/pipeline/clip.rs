@@ -28,8 +28,8 @@ pub(crate) const MIN_W: f32 = f32::MIN_POSITIVE;
 pub(crate) enum ClipPlane {
     /// Plane z = 0, with z ≥ 0 inside. With reversed depth it is the far plane of the view: see [`Self::of_view`].
     Near,
-    /// Plane w = [`MIN_W`], with w ≥ `MIN_W` inside: stands in for w > 0. Vertices from a camera that lie inside the
-    /// near plane of the view also lie inside this plane, except for rounding.
+    /// Plane w = [`MIN_W`], with w ≥ `MIN_W` inside. It replaces the condition w > 0. If a camera projected the
+    /// vertices, a vertex inside the near plane of the view is also inside this plane, except for rounding errors.
     Eye,
     /// Plane z = w, with z ≤ w inside.
     Far,
@@ -65,8 +65,8 @@ impl ClipPlane {
         }
     }
 
-    /// Returns the plane of the view frustum that a clip-space plane represents, or vice versa. Near and far are
-    /// swapped if z = 0 is the far plane.
+    /// Converts a clip-space plane to the plane of the view frustum that it represents, or the other way round: swaps
+    /// near and far if z = 0 is the far plane.
     pub(crate) fn of_view(self, has_zero_at_far: bool) -> Self {
         match self {
             Self::Near if has_zero_at_far => Self::Far,
@@ -75,8 +75,8 @@ impl ClipPlane {
         }
     }
 
-    /// Returns the largest magnitude among the terms of [`Self::distance`]. The argument holds the magnitudes of the
-    /// clip-space components.
+    /// Returns the largest magnitude among the clip-space components from which [`Self::distance`] is computed. The
+    /// argument holds the magnitudes of x, y, z and w.
     pub(super) fn magnitude(self, DVec4 { x, y, z, w }: DVec4) -> f64 {
         match self {
             Self::Near => z,
@@ -260,17 +260,18 @@ impl Polygon {
     }
 }
 
-/// Returns the parameter of the intersection of an edge with a plane, from 0 at the inside endpoint to 1 at the outside
-/// one. The arguments are the signed distances from the plane: `da` ≥ 0 of the inside endpoint, `db` < 0 of the outside
-/// one.
+/// Returns the position along an edge at which the edge intersects a plane: from 0 at the inside endpoint to 1 at the
+/// outside endpoint. The arguments are the signed distances of the endpoints from the plane: `da` ≥ 0 for the inside
+/// endpoint, `db` < 0 for the outside endpoint.
 fn share_beyond((da, db): (f64, f64)) -> f64 {
     da / (da - db)
 }
 
 /// Returns the vertex at which an edge intersects a plane. The edge runs from `a`, at signed distance `da` ≥ 0 from the
 /// plane, to `b`, at `db` < 0. The vertex is a weighted mean of the endpoints, so it never leaves their range. Neither
-/// weight is computed as 1 minus the other. The far endpoint therefore still determines the direction if the other
-/// endpoint lies at the eye and the far one is 10³⁸ times farther away.
+/// weight is computed as 1 minus the other, so even a tiny weight is accurate. This matters if one endpoint lies at the
+/// eye and the other is up to 10³⁸ units away: the weight of the far endpoint is tiny, but this endpoint alone
+/// determines the direction in which the vertex is seen.
 fn between(a: &ClipVertex, b: &ClipVertex, (da, db): (f64, f64)) -> ClipVertex {
     let t = share_beyond((da, db));
     let position = a.position.as_dvec4() * (db / (db - da)) + b.position.as_dvec4() * t;
@@ -374,8 +375,8 @@ mod tests {
 
     #[test]
     fn a_corner_whose_w_rounding_made_negative_is_cut_off_and_the_rest_stays() {
-        // By its z, the first vertex lies on the near plane; by its w, behind the eye. Only rounding yields such a
-        // vertex.
+        // The z of the first vertex places it on the near plane, but its w places it behind the eye. Only rounding
+        // errors create such a vertex.
         let (cut, left) =
             clip_one([vertex(0.0, 0.0, 0.0, -1e-6), vertex(0.5, 0.0, 0.5, 1.0), vertex(0.0, 0.5, 0.5, 1.0)]);
         assert_eq!(cut, Ok(Cut::Pieces));

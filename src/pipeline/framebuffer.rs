@@ -8,12 +8,14 @@ use super::settings::{DepthTest, Settings};
 use super::viewport::Viewport;
 use crate::image::{Image, Rgba8};
 
-/// Colours and depths of the pixels that a [`SampleGrid`] selects, or of a rectangle of them, packed without gaps.
+/// Colours and depths of the pixels that a [`SampleGrid`] selects, packed without gaps. A framebuffer may also hold
+/// only a rectangle of the packed picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Framebuffer {
     /// Grid that selects the drawn pixels.
     pub grid: SampleGrid,
-    /// Packed column and row of the first sample held; (0, 0) unless only a part is drawn.
+    /// Column and row, in the packed picture, of the first sample that the framebuffer holds; (0, 0) unless it holds
+    /// only a part of the picture.
     pub(crate) origin: (u32, u32),
     /// Colour of each sample, as sRGB codes.
     pub color: Image<Rgba8>,
@@ -37,7 +39,8 @@ impl Framebuffer {
         Self::cleared(grid, sample, (1, 1), background, settings)
     }
 
-    /// Returns a cleared framebuffer for a range of packed rows of a `width` × `height` px picture.
+    /// Returns a cleared framebuffer for the rows `rows` of the packed picture. The full picture has `width` × `height`
+    /// px.
     pub(crate) fn of_rows(
         grid: SampleGrid,
         (width, height): (u32, u32),

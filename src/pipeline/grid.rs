@@ -15,8 +15,8 @@ pub enum SampleGrid {
         /// Side length of the block in pixels, at least 1.
         step: u32,
     },
-    /// Checkerboard of squares of 2 × 2 pixels. Draws the squares that have the same colour as the top-left one. A
-    /// packed row holds the two drawn pixels out of every four consecutive pixels.
+    /// Checkerboard of squares of 2 × 2 pixels. Draws the squares that have the same colour as the top-left one. Of
+    /// every four consecutive pixels, a row of the packed picture holds the two that are drawn.
     Checkerboard,
     /// Checkerboard of squares of 2 × 2 pixels. Draws the squares that [`SampleGrid::Checkerboard`] does not draw.
     OddCheckerboard,
@@ -36,7 +36,7 @@ impl SampleGrid {
         }
     }
 
-    /// Returns the pixel of the full picture to which a packed sample belongs.
+    /// Returns the pixel of the full picture to which the sample at `column` and `row` of the packed picture belongs.
     #[inline]
     pub(crate) fn pixel(self, column: u32, row: u32) -> (u32, u32) {
         match self {
@@ -45,7 +45,8 @@ impl SampleGrid {
         }
     }
 
-    /// Returns the packed sample of a pixel of the full picture, or `None` if that pixel is not drawn.
+    /// Returns the column and row in the packed picture of pixel (x, y) of the full picture, or `None` if that pixel is
+    /// not drawn.
     #[inline]
     pub(crate) fn sample_at(self, x: u32, y: u32) -> Option<(u32, u32)> {
         match self {
@@ -57,7 +58,8 @@ impl SampleGrid {
         }
     }
 
-    /// Returns the half-open range of packed rows whose samples may lie within the pixel rows `from..to`.
+    /// Returns the half-open range of rows of the packed picture whose samples may lie within the pixel rows `from..to`
+    /// of the full picture.
     pub(crate) fn rows(self, from: u32, to: u32) -> std::ops::Range<u32> {
         match self {
             Self::Block { step } => from.div_ceil(step)..to.div_ceil(step),
@@ -65,8 +67,8 @@ impl SampleGrid {
         }
     }
 
-    /// Returns the half-open range of columns of packed row `row` whose samples lie within the pixel columns
-    /// `from..to`.
+    /// Returns the half-open range of columns, in row `row` of the packed picture, whose samples lie within the pixel
+    /// columns `from..to` of the full picture.
     pub(crate) fn columns(self, row: u32, from: u32, to: u32) -> std::ops::Range<u32> {
         match self {
             Self::Block { step } => from.div_ceil(step)..to.div_ceil(step),

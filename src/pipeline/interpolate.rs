@@ -1,8 +1,9 @@
 //! Interpolation of vertex attributes at a sample, by affine or perspective-correct weights.
 //!
 //! Screen-space (affine) weights are the edge values over the doubled area. Perspective-correct weights are (λᵢ/wᵢ) /
-//! Σ(λⱼ/wⱼ) (Low, "Perspective-Correct Interpolation", 2002); here eᵢ·rᵢ / Σ eⱼ·rⱼ, where rᵢ is 1/wᵢ relative to the
-//! largest. With equal w every rᵢ is exactly 1, so skipping the division changes no bit.
+//! Σ(λⱼ/wⱼ) (Low, "Perspective-Correct Interpolation", 2002). They are computed as eᵢ·rᵢ / Σ eⱼ·rⱼ, where eᵢ is an edge
+//! value and rᵢ is 1/wᵢ divided by the largest 1/w of the three corners. If w is equal at all corners, every rᵢ is
+//! exactly 1, so skipping the division changes no bit.
 //!
 //! Each of the three weights is computed from its own edge and divided by the *sum* of the three, so no weight absorbs
 //! the errors of the others. Attributes take the form a₀ + p₁·(a₁ − a₀) + p₂·(a₂ − a₀), which reproduces a constant
@@ -49,7 +50,7 @@ pub(crate) fn attribute_weights(
 /// Terms of the attribute weights: the weight of corner i is `q[i]` · `inverse_sum`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WeightTerms {
-    /// Edge values, each times the relative 1/w of its corner.
+    /// Edge values, each multiplied by the [`ScreenTriangle::relative_inv_w`] of its corner.
     pub(crate) q: [f32; 3],
     /// Sum of `q`.
     pub(crate) sum: f32,
@@ -67,8 +68,8 @@ pub(crate) fn weight_terms(triangle: &ScreenTriangle, sample: &RasterSample) -> 
 }
 
 /// Returns the weights computed by a commonly published formula. With positions relative to the first corner, it solves
-/// P = a·v02 + b·v01: first for b by determinants, then for a from the x coordinates alone, which divides by v02.x. The
-/// result is NaN or infinite if corners 0 and 2 have equal x.
+/// P = a·v02 + b·v01. First, b is computed by determinants. Then, a is computed from the x coordinates alone, by a
+/// division by v02.x. The result is therefore NaN or infinite if corners 0 and 2 have equal x.
 fn published_weights(triangle: &ScreenTriangle, sample: &RasterSample) -> [f32; 3] {
     let [v0, v1, v2] = triangle.corners_px();
     let [v01, v02] = [[v1[0] - v0[0], v1[1] - v0[1]], [v2[0] - v0[0], v2[1] - v0[1]]];
@@ -193,14 +194,15 @@ pub(crate) fn edge_slopes(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> 
     let [[x0, y0], [x1, y1], [x2, y2]] = triangle.corners_in(arithmetic);
     let side = |x: f32, y: f32| [f64::from(x) - f64::from(x0), f64::from(y) - f64::from(y0)];
     let (to_1, to_2) = (side(x1, y1), side(x2, y2));
-    // Factor from px² to edge values, signed so that they are positive inside; exactly 2¹⁶ or −2¹⁶ in fixed point.
+    // Factor that converts px² to edge values. Its sign makes edge values positive inside the triangle. In fixed point
+    // it is exactly 2¹⁶ or −2¹⁶.
     let unit = (triangle.doubled_area / (to_1[0] * to_2[1] - to_2[0] * to_1[1])) as f32;
     [[(y1 - y2) * unit, (y2 - y0) * unit, (y0 - y1) * unit], [(x2 - x1) * unit, (x0 - x2) * unit, (x1 - x0) * unit]]
 }
 
-/// Returns the gradients of the second and the third corner's perspective-correct weights: the changes per pixel in x
-/// and in y. The weights are pᵢ = qᵢ / Σ qⱼ, where qᵢ = eᵢ·rᵢ is affine in screen space, so pᵢ' = (qᵢ' − pᵢ·Σ qⱼ') / Σ
-/// qⱼ.
+/// Returns the gradients, per pixel in x and in y, of two perspective-correct weights: those of the second and the
+/// third corner. The weights are pᵢ = qᵢ / Σ qⱼ, where qᵢ = eᵢ·rᵢ is affine in screen space. The gradients are
+/// therefore pᵢ' = (qᵢ' − pᵢ·Σ qⱼ') / Σ qⱼ.
 pub(crate) fn weight_gradient(
     triangle: &ScreenTriangle,
     sample: &RasterSample,

@@ -80,12 +80,13 @@ use crate::scene::{Camera, Instance, Scene, Transparency, TriangleId};
 /// Output of the geometry stages, and input of the rasterizer.
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
-    /// Triangles to rasterize, in drawing order. This is submission order, except that blended triangles come last,
-    /// sorted by distance if [`Geometry::blending`] selects it.
+    /// Triangles to rasterize, in drawing order: first the opaque and the alpha-tested triangles, in submission order,
+    /// then the blended triangles. If [`Geometry::blending`] selects it, the blended triangles are sorted by distance;
+    /// otherwise, they are in submission order as well.
     pub triangles: TriangleList,
     /// Blending settings, which determine the order of the blended triangles.
     pub blending: Blending,
-    /// Samples to draw of the last triangle; `None` to draw all of them.
+    /// Samples of the last triangle that are to be drawn; `None` to draw all of them.
     pub(crate) partial: Option<Vec<Span>>,
     /// Mapping between distances and the depths of the triangles.
     pub(crate) depth_scale: DepthScale,
@@ -123,8 +124,8 @@ impl Geometry {
     /// Returns the index of `triangle` in [`Geometry::triangles`], which must contain it.
     pub(crate) fn index_of(&self, triangle: &ScreenTriangle) -> usize {
         let (others, blended) = self.triangles.split_at(self.blended_from());
-        // Index of the first candidate. The pieces of one triangle are adjacent, and so are blended triangles at equal
-        // distance.
+        // The search starts at the first triangle with the same identifier or, if blended triangles are sorted by
+        // distance, at the same distance. Triangles that agree in this sort key are adjacent.
         let first = match (self.is_blended(triangle), self.blending.order) {
             (true, BlendingOrder::Triangles) => {
                 let distance = self.mean_distance(triangle);
@@ -159,7 +160,8 @@ impl Geometry {
     }
 }
 
-/// Returns the mean distance of a triangle's corners from the eye, which is the sort key of blended triangles.
+/// Returns the mean distance of a triangle's corners from the eye, by which [`BlendingOrder::Triangles`] sorts blended
+/// triangles.
 fn mean_distance(depth_scale: &DepthScale, triangle: &ScreenTriangle) -> f64 {
     let [a, b, c] = triangle.vertices.each_ref().map(|corner| depth_scale.distance(corner));
     (a + b + c) / 3.0

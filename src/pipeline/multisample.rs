@@ -43,8 +43,8 @@ pub(crate) enum ShadingRate {
     Pixel,
 }
 
-/// Draws the triangles of `extent` into one framebuffer per sample of a pixel; all framebuffers hold the same
-/// rectangle.
+/// Draws the triangles of `extent`. `frames` holds one framebuffer for each sample within a pixel: the first holds the
+/// first sample of every pixel, and so on. All framebuffers hold the same rectangle.
 pub(crate) fn draw(
     scene: &Scene,
     geometry: &Geometry,
@@ -70,7 +70,8 @@ struct DrawContext<'a> {
     shaders: Vec<Shader<'a>>,
 }
 
-/// Covered sample: packed row, packed column, sample index within the pixel, and index of its candidate position.
+/// Covered sample: row and column in the packed picture, index of the sample within its pixel, and index of its
+/// candidate position.
 type CandidateSample = (u32, u32, usize, usize);
 
 /// Triangle displaced for one candidate position, with its edges; `None` if the triangle has no area.
@@ -123,8 +124,8 @@ impl<'a> DrawContext<'a> {
         out.extend(self.places.candidates.iter().map(|places| self.displaced_to(triangle, places)));
     }
 
-    /// Finds the samples with index `sample` that a displaced triangle covers, in the pixels that choose candidate
-    /// position `place`.
+    /// Finds the pixels in which a displaced triangle covers the sample with index `sample`. Pixels for which this
+    /// sample has another candidate position than `place` are left out.
     fn cover<N: Numbers>(
         &self,
         (triangle, edges): (&ScreenTriangle, &RasterTriangle<N>),
@@ -166,7 +167,8 @@ impl<'a> DrawContext<'a> {
         }
     }
 
-    /// Draws blended triangles with sorted fragments and shades every sample. Processes one sample index at a time.
+    /// Draws blended triangles whose fragments are sorted by depth, and shades every sample. Processes one sample index
+    /// at a time.
     fn sort_per_sample<N: Numbers>(&self, triangles: &Range<usize>, frames: &mut [Framebuffer]) {
         let (mut list, mut spans) = (FragmentList::default(), Vec::new());
         for ((sample, frame), candidates) in frames.iter_mut().enumerate().zip(self.places.candidates) {
@@ -214,8 +216,9 @@ impl<'a> DrawContext<'a> {
         self.sorting().blend(&mut list, frames, &mut ());
     }
 
-    /// Returns the fragment at which a triangle is shaded in a pixel, and the triangle that contains it: the original
-    /// one if it covers the pixel's centre, otherwise the one displaced for the first covered sample.
+    /// Returns the fragment that is shaded for all covered samples of a pixel, and the triangle that contains it. This
+    /// is the original triangle if it covers the pixel's centre, otherwise the triangle displaced for the first covered
+    /// sample.
     fn fragment<'t, N: Numbers>(
         &self,
         (triangle, centre): (&'t ScreenTriangle, Option<&RasterTriangle<N>>),
@@ -304,8 +307,8 @@ fn sample_of<N: Numbers>(
     Some((seen, edges.sample((column, row), pixel)))
 }
 
-/// Returns the triangle moved by the negated `offset`, in pixels, or `None` if it has no area in the settings'
-/// arithmetic.
+/// Moves a triangle by −`offset`, in pixels. Returns `None` if the moved triangle has no area in the arithmetic that
+/// the settings select.
 fn displaced(
     triangle: &ScreenTriangle,
     offset @ [right, down]: [f32; 2],

@@ -24,7 +24,7 @@ pub enum Fate {
     NotFinite,
     /// Clipping left nothing of the triangle.
     ClippedAway,
-    /// The snapped corners are collinear.
+    /// The corners are collinear, in fixed point after snapping.
     ZeroArea,
     /// The triangle is back-facing, and back faces are culled.
     BackFacing,
@@ -100,7 +100,7 @@ pub struct Counters {
     pub clipped: u64,
     /// Number of samples that the rasterizer visited.
     pub(crate) visited: u64,
-    /// Number of samples inside a triangle, over all triangles.
+    /// Number of covered samples, summed over all triangles.
     pub covered: u64,
     /// Number of covered samples that passed the depth test.
     pub passed: u64,

@@ -1,5 +1,5 @@
-//! Partial drawing of a list's last triangle: only its first fragments are drawn, in the order in which the rasterizer
-//! finds them.
+//! Partial drawing of the last triangle in a list: only its first fragments are drawn, in the order in which the
+//! rasterizer finds them.
 
 use super::grid::SampleGrid;
 use super::raster::{Scissor, Span, cover_within};
@@ -23,13 +23,14 @@ pub(crate) fn count(samples: &[Span]) -> usize {
     samples.iter().map(|span| (span.right - span.left) as usize).sum()
 }
 
-/// Returns the index of a packed sample (column, row) in drawing order, or `None` if the spans do not contain it.
+/// Returns the position, in drawing order, of the sample at (column, row) of the packed picture, or `None` if the spans
+/// do not contain it.
 pub(crate) fn index_of(samples: &[Span], (column, row): (u32, u32)) -> Option<usize> {
     let found = samples.iter().position(|span| span.row == row && (span.left..span.right).contains(&column))?;
     Some(count(&samples[..found]) + (column - samples[found].left) as usize)
 }
 
-/// Returns the first `most` samples of the spans, or all of them if there are at most `most`.
+/// Returns the first `most` samples of the spans, or all samples if the spans contain fewer.
 pub(crate) fn first(samples: &[Span], most: usize) -> Vec<Span> {
     let mut left = most;
     let mut first = Vec::new();
@@ -44,7 +45,7 @@ pub(crate) fn first(samples: &[Span], most: usize) -> Vec<Span> {
     first
 }
 
-/// Appends the samples that lie within a scissor to `out`, and returns their number.
+/// Appends to `out` those samples that lie within a scissor. Returns the number of samples appended.
 pub(super) fn within(samples: &[Span], (grid, scissor): (SampleGrid, Scissor), out: &mut Vec<Span>) -> u64 {
     let rows = grid.rows(scissor.top, scissor.bottom);
     let before = out.len();

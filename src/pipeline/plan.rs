@@ -15,7 +15,7 @@ use crate::scene::{Camera, Instance, Library, Material, Projection, TextureId, T
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum PipelinePart {
-    /// Transforming vertices, and all later stages.
+    /// Transforming vertices, and running all later stages.
     Vertices,
     /// Processing every cluster of a large mesh. A cluster is skipped if it lies wholly outside the view, or if all its
     /// triangles have the culled facing. Facing is decided by *snapped* corners, and snapping may flip triangles that
@@ -73,7 +73,7 @@ impl PipelinePart {
         Self::Blending,
     ];
 
-    /// Returns the setting that disables skipping the part, or `None` if there is none.
+    /// Returns the setting that forces the part to run, or `None` if there is none.
     pub(crate) fn disabled_optimisation(self) -> Option<DisabledOptimisation> {
         match self {
             Self::Vertices => Some(DisabledOptimisation::Vertices),
@@ -135,7 +135,7 @@ impl PipelinePart {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum PlanStep {
-    /// The draw needs the part.
+    /// The part runs: the draw needs it, or the settings force it to run.
     Run,
     /// The part is skipped for this reason.
     Skipped(&'static str),
@@ -275,7 +275,7 @@ impl DrawPlan {
         self.uv_transform
     }
 
-    /// Returns the plan with `clusters` recorded, if any clusters were culled.
+    /// Records the cluster counts in the plan, provided that a cluster was culled, and returns the plan.
     pub(super) fn with_cull_stats(mut self, clusters: CullStats) -> Self {
         if clusters.culled() > 0 {
             self.steps[PipelinePart::EveryCluster as usize] =
@@ -288,7 +288,7 @@ impl DrawPlan {
     /// Returns whether the settings and the location of the mesh allow clusters to be culled.
     pub(super) fn may_cull_clusters(settings: &Settings, containment: Containment) -> bool {
         let some = match containment {
-            // The whole draw is skipped, or forced to run.
+            // The whole draw is skipped. If the settings force it to run, no cluster is culled either.
             Containment::Outside => false,
             Containment::Inside => settings.culling != Culling::None,
             Containment::Crossing => true,
@@ -296,13 +296,13 @@ impl DrawPlan {
         some && !matches!(settings.force, DisabledOptimisation::Everything | DisabledOptimisation::Clusters)
     }
 
-    /// Returns the numbers of culled clusters. All numbers are zero if no cluster is culled.
+    /// Returns the cluster counts. All of them, even the total, are zero if no cluster was culled.
     pub(crate) fn clusters(&self) -> CullStats {
         self.clusters
     }
 
-    /// Returns whether both plans run and skip the same parts for the same reasons, regardless of the numbers of culled
-    /// clusters.
+    /// Returns whether both plans run the same parts, skip the others for the same reasons, and have the same
+    /// transparency. Cluster counts are not compared.
     pub(crate) fn agrees_with(&self, other: &Self) -> bool {
         (self.steps, self.transparency) == (other.steps, other.transparency)
     }

@@ -45,8 +45,8 @@ impl Sampler {
     /// Returns a sampler that mixes texels in `color_space`.
     pub(crate) fn new(filter: TexelFilter, address: AddressMode, color_space: ColorSpace) -> Self {
         let tables = Tables::get();
-        // With codes mixed directly, only the weights are rounded; dividing each code by 255 first would round every
-        // code.
+        // Codes are mixed first and divided by 255 afterwards. Dividing every code before mixing would round each of
+        // them.
         let (number_of_code, scale) = match color_space {
             ColorSpace::Linear => (&tables.linear_of_code, 1.0),
             ColorSpace::Bytes => (&tables.code, 1.0 / 255.0),
@@ -58,7 +58,7 @@ impl Sampler {
     /// colour space.
     #[inline]
     pub(crate) fn sample(self, texture: &Image<Rgba8>, uv: Vec2) -> Vec3 {
-        // A vector of four lanes, the last one unused, is mixed in a single register.
+        // The fourth component is unused: vectors of four components are mixed in a single register.
         self.mixed(texture, uv, |texel| self.number_of(texel).extend(0.0)).truncate() * self.scale
     }
 
@@ -105,8 +105,8 @@ impl Sampler {
         }
     }
 
-    /// Returns the texels that [`Sampler::sample`] reads at `uv` in a texture of this size, and the number of valid
-    /// entries.
+    /// Returns the texels that [`Sampler::sample`] reads at `uv` in a texture of this size. Also returns how many
+    /// entries of the array are used.
     #[inline(always)] // One of several callers is the loop over opaque samples, where the cost of a call is measurable.
     pub(crate) fn taps(self, (width, height): (u32, u32), uv: Vec2) -> ([TexelTap; 4], usize) {
         let [u, v] = self.unit(uv);
@@ -143,8 +143,9 @@ impl Sampler {
 
     /// Returns the two mip levels that trilinear filtering reads for a pixel, with their weights. `uv_gradient` holds
     /// the gradients of the texture coordinates: ∂(u, v)/∂x and ∂(u, v)/∂y, per pixel. Level 0 is the texture itself,
-    /// level `copies` the smallest. The ideal level lies between the two. Its texels are as long as the longer side of
-    /// the pixel's footprint, so no texel is missed.
+    /// level `copies` the smallest. The ideal level is a fractional number. At this level, a texel is as long as the
+    /// longer side of the pixel's footprint, so no texel is missed. The result is the next finer and the next coarser
+    /// level, as far as they exist.
     pub(crate) fn levels((width, height): (u32, u32), copies: usize, uv_gradient: [Vec2; 2]) -> [(usize, f32); 2] {
         let squared_texels = |change: Vec2| (change * Vec2::new(width as f32, height as f32)).length_squared();
         let [right, down] = uv_gradient.map(squared_texels);
@@ -262,8 +263,8 @@ mod tests {
 
     #[test]
     fn a_coordinate_just_before_a_border_reads_the_texel_before_it() {
-        // −0.2 as f32 is slightly less than −1/5, so of five texels it lies in the fourth. 1 − 0.2 is closer to 4/5
-        // than f32 can resolve.
+        // The f32 −0.2 is slightly less than −1/5, so it lies in the fourth of five repeated texels. If 1 − 0.2 were
+        // computed in f32, it would round to 0.8, which lies in the fifth texel.
         let texture = Image::from_fn(5, 1, |x, _| [x as u8; 4]);
         let read = |u: f32| {
             let ([tap, ..], _) = Sampler::new(TexelFilter::Point, AddressMode::Repeat, ColorSpace::Bytes)

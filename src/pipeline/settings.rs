@@ -95,8 +95,8 @@ choice! {
 }
 
 choice! {
-    /// Algorithm that finds the samples inside a triangle. All except the two "as published" find the same samples,
-    /// with different amounts of work.
+    /// Algorithm that finds the samples inside a triangle. All except the two "as published" find the same samples, up
+    /// to the rounding errors of floats, but with different amounts of work.
     pub Rasterizer {
         BoundingBox = "bounding-box", "Bounding box",
             "Tests every pixel in the bounding box of a triangle against the three edges: the simplest algorithm.";

@@ -62,8 +62,8 @@ pub(crate) struct Readable<'a> {
 impl<'a> Readable<'a> {
     fn new(texture: &'a Texture, settings: &Settings) -> Self {
         Self {
-            // Not needed for a single texel, which keeps its colour whatever its alpha, or for an opaque texture, whose
-            // texels all have equal weight.
+            // Weighting by alpha is not needed if the filter reads a single texel, which keeps its colour whatever its
+            // alpha. Nor is it needed for opaque textures, whose texels all have the same alpha.
             premultiplied: settings.alpha == AlphaMode::Premultiplied
                 && settings.filter != TexelFilter::Point
                 && texture.alpha() != Alpha::Opaque,
@@ -101,8 +101,8 @@ impl<'a> Readable<'a> {
         level.checked_sub(1).and_then(|level| self.mip_levels.get(level)).unwrap_or(self.image)
     }
 
-    /// Returns the mip levels that are read for a fragment, with their weights, and the number of valid entries, which
-    /// is 1 without mip-mapping.
+    /// Returns the mip levels that are read for a fragment, with their weights. Also returns how many entries of the
+    /// array are used: 2 with mip-mapping, otherwise 1.
     pub(crate) fn levels(&self, fragment: &Fragment) -> ([(usize, f32); 2], usize) {
         if self.mips {
             (Sampler::levels(self.image.size(), self.mip_levels.len(), fragment.uv_gradient), 2)
@@ -379,8 +379,8 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Returns the colour of a triangle in shading modes that give all of its samples the same colour, or `None` in
-    /// others.
+    /// Returns the colour of a triangle in shading modes that give all of its samples the same colour, or `None` in all
+    /// other modes.
     pub(crate) fn flat_color(&self, id: TriangleId, instance: u32) -> Option<Rgba8> {
         match self.settings.shading {
             Shading::TriangleId => Some(id_color(id)),

@@ -12,7 +12,7 @@ use super::viewport::ScreenTriangle;
 #[derive(Clone, Debug, Default)]
 pub struct TriangleList {
     all: Arc<Vec<ScreenTriangle>>,
-    /// Number of triangles in this list, at most those in `all`.
+    /// Number of triangles in this list, which are the first ones of `all`.
     len: usize,
     /// Bounding box of each triangle; `None` until [`TriangleList::find_boxes`] computes them.
     boxes: Option<Arc<[PixelBox]>>,

@@ -92,9 +92,9 @@ impl DrawMatrices {
     }
 }
 
-/// Bound on the rounding error of a transformed vertex, relative to the sum of the magnitudes of its terms. It covers
-/// four products and three sums, doubled because a plane distance combines two components, and doubled again for
-/// safety.
+/// Bound on the rounding error of a transformed vertex, relative to the sum of the magnitudes of its terms. A component
+/// of the vertex is the sum of four products, so its error relative to that sum is less than 4 times [`f32::EPSILON`].
+/// This is doubled because a plane distance combines two components, and doubled again for safety.
 pub(super) const ROUNDING: f64 = 16.0 * f32::EPSILON as f64;
 
 /// Absolute bound on the rounding error of subnormal products. Each product is off by at most half the smallest
@@ -114,7 +114,7 @@ pub(crate) fn containment(bounds: Aabb, clip_from_model: Mat4) -> Containment {
     let farthest = bounds.min.abs().max(bounds.max.abs()).as_dvec3();
     let magnitudes = magnitudes * farthest.extend(1.0);
     let corners = bounds.corners().map(|c| clip_from_model * c.extend(1.0));
-    // Above this magnitude a vertex may overflow although no corner does.
+    // Above this magnitude, a vertex inside the box may overflow even if no corner of the box does.
     let mut inside_all = magnitudes.max_element() < f64::from(f32::MAX);
     for plane in ClipPlane::ALL {
         let slack = ROUNDING * plane.magnitude(magnitudes) + UNDERFLOW;

@@ -50,13 +50,13 @@ pub struct ScreenTriangle {
     pub doubled_area: f64,
     /// Function that gives the depth at each sample of the triangle.
     pub depth: DepthFunction,
-    /// 1/w of the corners relative to the largest; all 1 if the perspective division is skipped.
+    /// 1/w of each corner, divided by the largest 1/w of the three; all 1 if the perspective division is skipped.
     pub relative_inv_w: [f32; 3],
 }
 
 impl ScreenTriangle {
-    /// Returns a triangle with depth and weights set up. `doubled_area` is positive and in the unit of edge values. If
-    /// `divides_by_w` is false, attributes are affine on the screen.
+    /// Creates a triangle and sets up the interpolation of its depth and attributes. `doubled_area` is positive and in
+    /// the unit of edge values. If `divides_by_w` is false, attributes are affine on the screen.
     pub(crate) fn new(
         (id, instance): (TriangleId, u32),
         vertices: [ScreenVertex; 3],
@@ -74,8 +74,8 @@ impl ScreenTriangle {
         self.vertices.each_ref().map(|v| v.position_px)
     }
 
-    /// Returns the corners, in pixels, from which edges are computed in an arithmetic: snapped corners in fixed point,
-    /// unsnapped ones in all others.
+    /// Returns the corners, in pixels, from which `arithmetic` computes the edges: snapped corners in fixed point,
+    /// unsnapped corners in any other arithmetic.
     pub(crate) fn corners_in(&self, arithmetic: Arithmetic) -> [[f32; 2]; 3] {
         if arithmetic == Arithmetic::Fixed { self.snapped_px() } else { self.corners_px() }
     }
@@ -121,13 +121,14 @@ impl Viewport {
         self.width as f32 / self.height as f32
     }
 
-    /// Returns the part of a view of `full` px that a picture of this size shows. The centre of pixel (i, j) of the
-    /// picture lies at (i + ½, j + ½) · `step_px` + `origin_px` in that view, in pixels. The last pixels may reach past
-    /// the edge of the view, or end before it.
+    /// Returns the part of a view that a picture of this size shows. The whole view has the size `full`, in pixels. The
+    /// centre of pixel (i, j) of the picture lies at (i + ½, j + ½) · `step_px` + `origin_px`, in pixels of the view.
+    /// The right and lower borders of the picture may lie outside or inside the view.
     pub(crate) fn window(self, full: Self, step_px: f64, origin_px: [f64; 2]) -> SubView {
         let axis = |full: u32, own: u32, origin: f64| {
             let (full, own) = (f64::from(full), step_px * f64::from(own));
-            // x in the view: (ndc + 1) / 2 · full; here: (ndc' + 1) / 2 · own + origin.
+            // Solves (ndc + 1) / 2 · full = (ndc' + 1) / 2 · own + origin for ndc'. Both sides are x in pixels of the
+            // view; ndc belongs to the view, ndc' to the picture.
             ((full / own) as f32, ((full - 2.0 * origin) / own - 1.0) as f32)
         };
         let (scale_x, shift_x) = axis(full.width, self.width, origin_px[0]);

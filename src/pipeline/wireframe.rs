@@ -29,8 +29,8 @@ pub(crate) fn overlay(triangles: &[ScreenTriangle], image: &mut Image<Rgba8>) {
     }
 }
 
-/// Returns the identifier of the first of `triangles` that has an edge drawn over pixel (x, y) of a picture of `size`
-/// px.
+/// Returns the identifier of the first triangle that has an edge drawn over `pixel`, or `None` if there is none. `size`
+/// is the size of the picture in pixels.
 pub(crate) fn crosses(triangles: &[ScreenTriangle], size: (u32, u32), pixel: (u32, u32)) -> Option<TriangleId> {
     triangles.iter().find(|t| edge_pixels(t, size).any(|p| p == pixel)).map(|t| t.id)
 }

@@ -1,7 +1,8 @@
-//! Comparison of the engine's coverage with an exact answer, pixel by pixel, for one part of a case file.
+//! Pixel-by-pixel comparison of the engine's coverage with an exact reference, for one part of a case file. In
+//! [`TriCoverage`] and [`ClipTri`] cases, each triangle is a part; all other cases have one part.
 //!
-//! The exact answer comes from [`super::stability::oracle`], which shares no code with the engine. It supports
-//! triangles; for other kinds of cases, only the engine's pixels are available.
+//! The reference comes from [`super::stability::oracle`], which shares no code with the engine. It supports only
+//! [`TriCoverage`] and [`ClipTri`] cases; for all others, only the engine's pixels are available.
 
 use std::io::{self, Write};
 
@@ -12,29 +13,29 @@ use crate::pipeline::raster::Span;
 use crate::pipeline::settings::{Arithmetic, FillRule};
 use crate::pipeline::viewport::{MAX_PIXELS, Viewport};
 
-/// Pixels that one part of a case file covers, according to the engine and to the exact answer.
+/// Pixels that one part of a case file covers, according to the engine and according to the exact reference.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PixelComparison {
     /// Top-left pixel of the images, in the coordinates of the case; (0, 0) if the case specifies an image size.
     pub(crate) origin: (i64, i64),
     /// Fraction of each pixel covered by the engine, in [0, 1].
     pub(crate) ours: Image<f32>,
-    /// Pixels that the exact answer covers; `None` for kinds of cases without an exact answer.
+    /// Pixels that the exact reference covers; `None` for cases without a reference.
     pub(crate) exact: Option<Image<bool>>,
     /// Vertices of the outlines of the shapes in this part, in pixels.
     pub(crate) outlines: Vec<Vec<[f64; 2]>>,
 }
 
-/// Agreement of the engine and the exact answer on the coverage of one pixel.
+/// Agreement between the engine and the exact reference on the coverage of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Agreement {
-    /// Pixel covered by neither the engine nor the exact answer.
+    /// Pixel covered by neither the engine nor the exact reference.
     Outside,
-    /// Pixel covered by both or, if there is no exact answer, by the engine.
+    /// Pixel covered by both the engine and the exact reference or, if there is no reference, by the engine.
     Covered,
-    /// Pixel covered by the engine but not by the exact answer.
+    /// Pixel covered by the engine but not by the exact reference.
     Extra,
-    /// Pixel covered by the exact answer but not by the engine.
+    /// Pixel covered by the exact reference but not by the engine.
     Missing,
 }
 
@@ -50,7 +51,7 @@ pub(crate) enum DisplayedResult {
 /// Maximum length of a numeric answer, in bytes.
 const MAX_TEXT_BYTES: usize = 1 << 20;
 
-/// Maximum length of a line of a numeric answer, in bytes; only a single longer number may exceed it.
+/// Maximum length of a line of a numeric answer, in bytes; a longer line consists of a single number.
 const MAX_LINE_BYTES: usize = 160;
 
 /// Maximum number of outline vertices; larger outlines are omitted.
@@ -123,7 +124,7 @@ impl PixelComparison {
         Ok(Self { origin: (0, 0), ours, exact: Some(covered(viewport, &exact)), outlines: Vec::new() })
     }
 
-    /// Converts an answer without an exact counterpart to pixels or text.
+    /// Converts the engine's answer to a case without a reference: to pixels or, if it is not an image, to text.
     fn of_answer(case: &Case, answer: Answer) -> DisplayedResult {
         let pixels = match (&case.task, answer) {
             (Task::PolyFill(task), Answer::PolyFill(answer)) => {
@@ -160,8 +161,8 @@ impl PixelComparison {
         pixels.map_or_else(|reason| DisplayedResult::Text(vec![reason]), DisplayedResult::Pixels)
     }
 
-    /// Creates a result without an exact answer from the covered pixels. Its image encloses them with a margin of one
-    /// pixel.
+    /// Creates a result without a reference from the pixels that the engine covers. Its image encloses these pixels
+    /// with a margin of one pixel.
     fn of_pixels(pixels: impl Iterator<Item = (i64, i64)> + Clone) -> Result<Self, String> {
         let range = |coordinate: fn((i64, i64)) -> i64| {
             let all = pixels.clone().map(coordinate);
@@ -177,7 +178,7 @@ impl PixelComparison {
         Ok(Self { origin: (left, top), ours, exact: None, outlines: Vec::new() })
     }
 
-    /// Returns how the engine and the exact answer agree on pixel (x, y) of the images.
+    /// Returns how the engine and the exact reference agree on the coverage of pixel (x, y) of the images.
     pub(crate) fn agreement(&self, x: u32, y: u32) -> Agreement {
         let ours = self.ours.at(x, y) > 0.0;
         match (ours, self.exact.as_ref().map_or(ours, |exact| exact.at(x, y))) {
@@ -210,14 +211,14 @@ impl PixelComparison {
 /// Maximum number of differing pixels whose positions are listed.
 const MAX_DIFFERING: usize = 1 << 16;
 
-/// Pixel counts of a comparison between the engine and the exact answer.
+/// Pixel counts of a comparison between the engine and the exact reference.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct PixelCounts {
     /// Number of pixels covered by the engine, at least partly.
     pub(crate) covered: u64,
-    /// Number of pixels that the engine covers, that the exact answer covers, or both.
+    /// Number of pixels covered by the engine, by the exact reference, or by both.
     pub(crate) concerned: u64,
-    /// Number of pixels covered by only one of the engine and the exact answer.
+    /// Number of pixels covered by the engine or by the exact reference, but not by both.
     pub(crate) differing: u64,
     /// Columns and rows of the first differing pixels in row-major order, at most 65 536.
     pub(crate) first: Vec<(u32, u32)>,

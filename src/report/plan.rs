@@ -31,13 +31,14 @@ pub(crate) struct DrawGroup {
     pub(crate) names: Vec<String>,
     /// Transparency mode, which determines how the draws combine with what was drawn before.
     pub(crate) transparency: Transparency,
-    /// Number of clusters culled for each reason, and the total number, summed over the draws with cluster culling.
+    /// Numbers of culled clusters by reason, and the number of all clusters, each summed over the draws with cluster
+    /// culling.
     pub(crate) clusters: CullStats,
     /// State of all pipeline parts in these draws, in pipeline order.
     pub(crate) parts: Vec<PlanEntry>,
 }
 
-/// Pipeline parts of a frame that do not belong to any draw, and the pixels that are rasterized.
+/// Pipeline parts of a frame that do not belong to any draw, and its numbers of rasterized pixels and of all pixels.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct WholeFrame {
     /// Number of pixels that are rasterized.

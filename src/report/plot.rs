@@ -40,7 +40,7 @@ impl PlotAxis {
     pub(super) fn log(values: impl Iterator<Item = f64>) -> Option<Self> {
         /// Margin on each side, as a fraction of the range.
         const ROOM: f64 = 0.07;
-        /// Minimum range from which the margin is computed, in powers of ten.
+        /// Range, in powers of ten, from which the margin is computed if the values span a smaller range.
         const LEAST: f64 = 0.3;
         let powers = values.filter(|v| *v > 0.0 && v.is_finite()).map(f64::log10);
         let (low, high) = powers.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));

@@ -48,8 +48,8 @@ fn speed_up(series: &Series, point: &ScalingPoint) -> Option<f64> {
     Some(series.points.first()?.ms.median / point.ms.median)
 }
 
-/// Describes the line through the first and the last point of a series, or the speed-up by threads, in one or two
-/// sentences. Returns `None` for a series over threads with only one thread.
+/// Describes a series in one or two sentences: the line through its first and last points or, for a series over
+/// threads, the speed-up. Returns `None` for a series over threads with only one thread.
 pub(crate) fn finding(series: &Series) -> Option<String> {
     let QuantityDescription { one, .. } = view(series.quantity);
     if series.quantity == ScalingQuantity::Threads {
@@ -97,8 +97,8 @@ fn guide_words(quantity: ScalingQuantity) -> &'static str {
     }
 }
 
-/// Returns the additional frame time per additional unit from the previous point to the point at index `place`, in
-/// nanoseconds. Returns `None` for the first point.
+/// Returns by how many nanoseconds the frame time grows per additional unit of the varied quantity, between the
+/// previous point and the point at index `place`. Returns `None` for the first point.
 fn ns_each_more(series: &Series, place: usize) -> Option<f64> {
     let (point, before) = (series.points.get(place)?, series.points.get(place.checked_sub(1)?)?);
     Some((point.ms.median - before.ms.median) * 1e6 / (point.value - before.value))

@@ -95,7 +95,7 @@ fn cell(savings: &Savings, part: PipelinePart) -> String {
     }
 }
 
-/// Formats the time saved by all parts together, or by the only part if there is just one.
+/// Formats the time saved by all skipped parts together, or by the only skipped part; "nothing" if no part is skipped.
 fn all(savings: &Savings) -> String {
     savings.savings.last().map_or_else(|| "nothing".to_owned(), signed)
 }

@@ -50,7 +50,7 @@ pub struct Camera {
     pub sub_view: Option<SubView>,
 }
 
-/// Transform to a drawn picture that covers a different rectangle than the view. Examples are a low-resolution picture
+/// Transform from a view to a drawn picture that covers a different rectangle. Examples are a low-resolution picture
 /// whose last pixels extend past the edge, and a picture shifted by a fraction of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SubView {
@@ -158,8 +158,9 @@ impl Camera {
         self.view_from_world_f64().as_mat4()
     }
 
-    /// Returns the matrix from world space to view space in f64. Far from the origin, subtracting the eye from a
-    /// position cancels large numbers, which is exact only if neither was rounded to f32 before.
+    /// Returns the matrix from world space to view space in f64. Far from the origin, the vector from the eye to a
+    /// position is a small difference of large numbers. It is accurate only if neither number was rounded to f32
+    /// before.
     pub(crate) fn view_from_world_f64(&self) -> DMat4 {
         let (forward, right) = (self.forward(), self.right());
         let up = right.cross(forward);
@@ -181,9 +182,9 @@ impl Camera {
     /// Returns the matrix from view space to clip space, where z/w is the depth of `mapping`. `aspect` is width over
     /// height.
     ///
-    /// In perspective, the depth of [`DepthMapping::Linear`] is not a quotient of z and w, so the matrix provides a z
-    /// only for clipping. That z is the reversed one, which f32 represents well at both planes. The standard z would
-    /// round to w if far/near exceeded 2²⁴, and the far plane would be lost.
+    /// In perspective, no matrix gives the depth of [`DepthMapping::Linear`] as z/w. For this mapping, z is used only
+    /// for clipping. It equals the z of the reversed mapping, which f32 represents well at both planes. The standard z
+    /// would round to w if far/near exceeded 2²⁴, and the far plane would be lost.
     ///
     /// Entries are computed in f64 and rounded once (Upchurch and Desbrun, "Tightening the Precision of Perspective
     /// Rendering", 2012).
@@ -235,8 +236,8 @@ impl Camera {
         self.clip_from_view(aspect, mapping) * self.view_from_world()
     }
 
-    /// Returns this view with eye, target and up vector mirrored in z. It shows the mirrored scene as this view shows
-    /// the original scene, but with left and right swapped.
+    /// Returns this view with eye, target and up vector mirrored in z. Its picture of the mirrored scene is this view's
+    /// picture of the original scene with left and right swapped.
     pub(crate) fn mirrored_z(self) -> Self {
         let mirror = Vec3::new(1.0, 1.0, -1.0);
         Self { eye: self.eye * mirror, target: self.target * mirror, up: self.up * mirror, ..self }
@@ -254,8 +255,8 @@ impl Camera {
         self.eye = self.target + glam::Quat::from_axis_angle(up, -yaw) * lifted;
     }
 
-    /// Pans eye and target in the picture plane, so that the target follows the pointer. `offset` is in units of the
-    /// picture's height, with y pointing down.
+    /// Pans eye and target in the picture plane, so that objects at the target's distance follow the pointer. `offset`
+    /// is in units of the picture's height, with y pointing down.
     pub(crate) fn pan(&mut self, offset: Vec2) {
         let right = self.right();
         let up = right.cross(self.forward());
@@ -283,7 +284,8 @@ impl Camera {
         (self.eye.abs().max(self.target.abs()).max_element() * 1e-5).max(1e-30)
     }
 
-    /// Moves eye and target along right, up and forward by `steps`, in units of the distance to the target.
+    /// Moves eye and target: `steps.x` to the right, `steps.y` upwards and `steps.z` forwards, in units of the distance
+    /// between eye and target.
     pub(crate) fn fly(&mut self, steps: Vec3) {
         let (right, forward) = (self.right(), self.forward());
         let up = right.cross(forward);
@@ -300,7 +302,8 @@ impl Camera {
         }
     }
 
-    /// Returns this view as an orthographic or a perspective view. The target keeps its size in the picture.
+    /// Returns this view as an orthographic or a perspective view. Objects at the target's distance keep their size in
+    /// the picture.
     ///
     /// A view converted to perspective has the default field of view and a matching distance.
     pub(crate) fn with_orthographic(self, orthographic: bool) -> Self {
@@ -313,8 +316,8 @@ impl Camera {
         }
     }
 
-    /// Returns the perspective view that shows `height` world units at the target. The near and far planes keep their
-    /// world positions unless they would be behind or too close to the eye.
+    /// Returns the perspective view whose visible volume is `height` world units high at the target's distance. The
+    /// near and far planes keep their world positions unless they would be behind or too close to the eye.
     fn perspective_of(self, height: f32) -> Self {
         let distance = (height * 0.5 / (DEFAULT_FOV_Y * 0.5).tan()).max(self.min_distance());
         let shift = distance - self.distance();

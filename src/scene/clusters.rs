@@ -49,7 +49,7 @@ pub(crate) struct ClusterPlanes {
 pub(crate) struct Clusters {
     count: usize,
     triangles: usize,
-    /// Boxes of eight clusters per entry; the last cluster's box pads the last entry.
+    /// Boxes of eight clusters per entry. Unused lanes of the last entry repeat the box of the last cluster.
     boxes: Vec<Boxes>,
     /// Plane bounds of eight clusters per entry, in the order of `boxes`.
     planes: Vec<ClusterPlanes>,
@@ -123,7 +123,7 @@ impl Clusters {
         cluster * CLUSTER..((cluster + 1) * CLUSTER).min(self.triangles)
     }
 
-    /// Returns ranges of blocks of [`BLOCK`] vertices that include all vertices of a cluster.
+    /// Returns the ranges of vertex blocks that contain all vertices of a cluster. A block has [`BLOCK`] vertices.
     pub(crate) fn blocks(&self, cluster: usize) -> impl Iterator<Item = Range<usize>> {
         let own = self.starts[cluster] as usize..self.starts[cluster + 1] as usize;
         self.blocks[own].iter().map(|[first, end]| *first as usize..*end as usize)
@@ -163,19 +163,20 @@ fn push_ranges(own: &[u32], ranges: &mut Vec<[u32; 2]>) {
     }
 }
 
-/// Plane bounds of one cluster: minimum and maximum of normals and offsets, and the minimum altitude.
+/// Plane bounds of one cluster: the minimum of the normal's x, y, z and of the offset, the maximum of the same four,
+/// and the minimum altitude.
 type PlaneBounds = ([[f32; 4]; 2], f32);
 
-/// Upper bound of two rounding errors: of a component of a unit normal, and of a plane offset d. The error of d is
-/// relative to the sum of the absolute coordinates of the vertex from which d is computed.
+/// Upper bound of the rounding error of each component of a unit normal. The rounding error of a plane offset d is at
+/// most this constant times the sum of the absolute coordinates of the vertex from which d is computed.
 ///
 /// In f64, the error of an edge cross product is at most 2⁻⁵⁰ of the product of the edge lengths. For a triangle that
 /// is thicker than [`MIN_ALTITUDE_RATIO`], this error is at most `PLANE_ERROR` times the cross product. Rounding to f32
 /// adds less.
 const PLANE_ERROR: f64 = 1e-6;
 
-/// Minimum coordinate sum in the error bound of a plane offset. Near the origin, it keeps the bound above the rounding
-/// error of f32.
+/// Minimum of the coordinate sum by which [`PLANE_ERROR`] is multiplied for a plane offset. It keeps the product above
+/// the rounding error of f32 near the origin.
 const MIN_SIZE: f64 = 1e-30;
 
 /// Ratio of altitude to longest edge at or below which a triangle is too thin for a reliable normal.
@@ -215,7 +216,7 @@ fn plane_bounds(positions: &[Vec3], numbers: &[u32]) -> PlaneBounds {
     (ends, if is_told { altitude } else { 0.0 })
 }
 
-/// Converts the plane bounds of up to eight clusters to SIMD layout. The last cluster pads missing lanes.
+/// Converts the plane bounds of up to eight clusters to SIMD layout. Unused lanes repeat the last cluster.
 fn planes(facing: &[PlaneBounds]) -> ClusterPlanes {
     let of = |lane: usize| facing[lane.min(facing.len() - 1)];
     let end = |end: usize, i: usize| std::array::from_fn(|lane| of(lane).0[end][i]);
@@ -226,7 +227,7 @@ fn planes(facing: &[PlaneBounds]) -> ClusterPlanes {
     }
 }
 
-/// Converts up to eight boxes to SIMD layout. The last box pads missing lanes.
+/// Converts up to eight boxes to SIMD layout. Unused lanes repeat the last box.
 fn boxes(bounds: &[Aabb]) -> Boxes {
     let of = |lane: usize| bounds[lane.min(bounds.len() - 1)];
     let ends: [fn(Aabb) -> Vec3; 2] = [|bounds| bounds.min, |bounds| bounds.max];

@@ -2,8 +2,9 @@
 
 /// Mapping from the distance along the line of sight, between the near and the far plane, to a depth in [0, 1].
 ///
-/// The formulas hold for perspective, where w is the distance, n that of the near plane and f that of the far plane. In
-/// an orthographic view every mapping is linear, from 0 to 1, or from 1 to 0 if reversed.
+/// The formulas hold for perspective: w is the distance of a point, n the distance of the near plane, and f the
+/// distance of the far plane. In an orthographic view, every mapping is linear, from 0 to 1, or from 1 to 0 if
+/// reversed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DepthMapping {
     /// Standard depth f·(w − n) / (w·(f − n)), which is z/w of the usual matrix: 0 at the near plane, 1 at the far

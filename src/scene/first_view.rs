@@ -55,14 +55,14 @@ impl UpAxis {
     }
 }
 
-/// Maximum distance of the lowest point from 0, relative to the size along that axis, for a model to count as standing
-/// on 0.
+/// A model stands on 0 along an axis if its lowest point is at most this far from 0, as a fraction of its size along
+/// the axis.
 const ON_ZERO: f32 = 0.01;
 
 /// Models whose height is less than this fraction of their longest side are treated as flat.
 const MIN_HEIGHT: f32 = 0.05;
 
-/// Maximum distance of the centre from 0 along an axis, relative to the size, for a model to count as centred.
+/// A model is centred along an axis if its centre is at most this far from 0, as a fraction of its size along the axis.
 const CENTRED: f32 = 0.05;
 
 /// Candidate directions towards the eye in a y-up world, the preferred one first.
@@ -77,7 +77,8 @@ const DIRECTIONS: [Vec3; 8] = [
     Vec3::new(-0.55, -0.4, -1.0),
 ];
 
-/// Minimum ratio of projected front-facing areas at which a later candidate direction replaces the best one so far.
+/// A candidate direction replaces the best earlier one if its projected front-facing area is more than this many times
+/// as large.
 const CLEARLY_MORE: f64 = 1.6;
 
 /// Returns a view of the whole scene with the up axis `up`, from the preferred direction unless another one shows

@@ -13,7 +13,7 @@ pub enum Transparency {
     /// The surface hides everything behind it.
     #[default]
     Opaque,
-    /// The surface is alpha-tested: opaque where the texture's alpha passes, and not drawn elsewhere.
+    /// The surface is alpha-tested: opaque where the texture's alpha passes the test, and not drawn elsewhere.
     AlphaTested,
     /// The surface is blended with the surfaces behind it.
     Blended,
@@ -33,7 +33,7 @@ pub(crate) struct Material {
     pub(crate) opacity: f32,
     /// Colour texture (`map_Kd`).
     pub(crate) texture: Option<TextureId>,
-    /// File name of a colour texture that could not be read. The plain colour replaces it.
+    /// File name of a colour texture that could not be read. The diffuse colour is used instead of the texture.
     pub(crate) missing_texture: Option<String>,
     /// Texture of the unlit side, used only by cel shading.
     pub(crate) dark_texture: Option<TextureId>,
@@ -87,9 +87,9 @@ impl Material {
         Self { texture: Some(texture), ..Self::plain(name, Vec3::ONE) }
     }
 
-    /// Returns the transparency of this material if shading reads only the textures in `read`. The opacity and the
-    /// alpha channel of each of these textures imply a transparency. The strongest one wins: blended before
-    /// alpha-tested before opaque.
+    /// Returns the transparency of this material for a shading that samples only the textures in `read`. The material's
+    /// opacity and the alpha channel of each of these textures imply a transparency. The strongest one wins: blended
+    /// before alpha-tested before opaque.
     pub(crate) fn transparency(&self, library: &Library, read: impl IntoIterator<Item = TextureId>) -> Transparency {
         if self.opacity < 1.0 {
             return Transparency::Blended;

@@ -1,11 +1,12 @@
 //! Mip levels: each has half the side lengths of the previous one (rounded down, at least 1), until one texel remains
 //! (Williams, "Pyramidal Parametrics", 1983).
 //!
-//! Every texel of a level is the mean of the area that it covers in the previous level. If a side is odd, texels at the
-//! border of that area are weighted by the fraction of their area inside it. Each level is computed from the unrounded
-//! values of the previous one. Colours are weighted by alpha, so invisible texels do not tint visible ones. Below full
-//! size, texels with alpha 0 take the colour of the next smaller level, so that filtering does not blend in the colours
-//! of invisible texels (the push phase of Gortler et al., "The Lumigraph", 1996).
+//! Every texel of a level is the mean of the area that it covers in the previous level. If a side is odd, the border of
+//! that area cuts through texels of the previous level. Such a texel is weighted by the fraction of it that lies
+//! inside. Each level is computed from the unrounded values of the previous one. Colours are weighted by alpha, so
+//! invisible texels do not tint visible ones. Below full size, texels with alpha 0 take the colour of the next smaller
+//! level, so that filtering does not blend in the colours of invisible texels (the push phase of Gortler et al., "The
+//! Lumigraph", 1996).
 
 use crate::image::color::{Tables, quantize};
 use crate::image::{Image, Rgba8};
@@ -153,8 +154,8 @@ fn half(length: u32) -> u32 {
     (length / 2).max(1)
 }
 
-/// Returns the source texels that texel `at` covers along one axis if `from` texels are reduced to `to`, with their
-/// weights.
+/// Returns the index and the weight of each source texel that the reduced texel `at` covers along one axis. Along this
+/// axis, `from` source texels are reduced to `to` texels.
 fn covered(at: u32, to: u32, from: u32) -> impl Iterator<Item = (u32, f32)> {
     let edge = |at: u32| f64::from(at) * f64::from(from) / f64::from(to);
     let (start, end) = (edge(at), edge(at + 1));
@@ -298,7 +299,8 @@ mod tests {
                         let (mut level, mut at) = (number + 1, (x, y));
                         let place = format!("{width} × {height}, linear {linear}, level {level}, {at:?}");
                         check(copy.at(x, y)[3], &levels[level].at(x, y)[3], &quantize, &place);
-                        // A texel with alpha 0 has the colour of the first smaller level in which its area is visible.
+                        // A texel with alpha 0 takes its colour from the first smaller level whose texel at this
+                        // position has alpha > 0.
                         while level + 1 < levels.len() && !levels[level].at(at.0, at.1)[3].is_positive() {
                             let (own, next) = (&levels[level], &levels[level + 1]);
                             at = (below(at.0, own.width, next.width), below(at.1, own.height, next.height));

@@ -171,9 +171,9 @@ impl Scene {
 /// Memory used by a scene, in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SceneMemory {
-    /// Memory used by meshes and textures, in bytes, each counted once.
+    /// Memory used by meshes and textures, in bytes. Each mesh and each texture is counted once.
     pub(crate) shared_bytes: usize,
-    /// Memory used by the meshes, in bytes, as part of `shared_bytes`.
+    /// Memory used by the meshes, in bytes. `shared_bytes` includes it.
     pub(crate) mesh_bytes: usize,
     /// Memory used by the instance records and their names, in bytes.
     pub(crate) instance_bytes: usize,

@@ -67,10 +67,10 @@ const BAR_HEIGHT: f32 = theme::ROW_HEIGHT + 12.0;
 /// Default height of the tabs along the bottom, in points.
 const TABS_HEIGHT: f32 = 226.0;
 
-/// Maximum default height of the tabs along the bottom, as a fraction of the window's height.
+/// Upper limit of the tabs' default height in low windows, as a fraction of the height that tabs and canvas share.
 const TABS_SHARE: f32 = 0.34;
 
-/// Maximum default width of each panel beside the canvas, as a fraction of the window's width.
+/// Upper limit of each side panel's default width in narrow windows, as a fraction of the window's width.
 const SIDE_SHARE: f32 = 0.29;
 
 /// Application behind the window: session, render worker and widget state.
@@ -321,7 +321,8 @@ impl Workbench {
         if ui.egui_wants_keyboard_input() || self.dialog.is_open() || egui::Popup::is_any_open(ui.ctx()) {
             return;
         }
-        // Keys that fly the camera are not shortcuts in camera mode or while the pointer is over the mesh view.
+        // In camera mode, or while the pointer is over the mesh view, the flying keys (W A S D Q E) are reserved for
+        // moving a camera and run no commands.
         let flies = self.session.pointer_mode == PointerMode::Camera || self.mesh.hovered;
         for binding in BINDINGS {
             let is_taken = flies && binding.modifiers == egui::Modifiers::NONE && FLYING_KEYS.contains(&binding.key);
@@ -477,8 +478,8 @@ impl eframe::App for Workbench {
 
     /// Saves the layout. The toolkit calls this every 30 seconds and when the window closes.
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        // Earlier versions stored geometry and layout under these keys. The toolkit would prefer those values to the
-        // preferences.
+        // Earlier versions stored geometry and layout under these keys. If they still existed, the toolkit would
+        // restore their values instead of those in the preferences.
         ["window", "egui"].into_iter().for_each(|key| storage.remove_string(key));
         if let Some(context) = &self.context {
             self.window.layout = layout::text(context);
@@ -486,7 +487,8 @@ impl eframe::App for Workbench {
         self.save_preferences();
     }
 
-    /// Returns `false`: the layout is stored in the preferences file instead, which is replaced atomically.
+    /// Returns `false`, so that the toolkit does not store the layout itself. The layout is part of the preferences
+    /// file, which is replaced atomically.
     fn persist_egui_memory(&self) -> bool {
         false
     }

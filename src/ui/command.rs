@@ -55,8 +55,8 @@ pub(crate) enum Command {
     CloseCase,
     /// Shows the part with this index of the open case.
     ShowPart(usize),
-    /// Opens the worst case of a column of the stability report, with the settings of that column. The case is given as
-    /// JSON.
+    /// Opens the worst case of a cell of the stability report, and applies the settings of the cell's column. The
+    /// string is the case as JSON.
     OpenWorst(ReportColumn, String),
     /// Saves the triangle visible at the picked pixel as a minimal case.
     SaveCase,
@@ -66,13 +66,13 @@ pub(crate) enum Command {
     CancelStability,
     /// Changes the view of the stability report.
     ShowStability(StabilityView),
-    /// Measures how much frame time the draw plans of the current view save by skipping work.
+    /// Measures how much frame time the current view saves because its draws skip unneeded parts of the pipeline.
     MeasurePlan,
-    /// Cancels the measurement of the frame time that the draw plans save.
+    /// Cancels the measurement started by [`Self::MeasurePlan`].
     CancelPlan,
     /// Changes or runs the stability probe.
     Probe(probe::ProbeChange),
-    /// Changes the scope or the selection of the vertex panel.
+    /// Changes which vertices the vertex table lists, or which vertex is marked in the picture.
     Vertices(vertices::VerticesChange),
     /// Changes the mesh view, which shows the scene from a second camera.
     MeshView(mesh_view::MeshViewChange),
@@ -195,11 +195,12 @@ pub(crate) enum Command {
     OpenStages(bool),
     /// Opens the command palette.
     OpenPalette,
-    /// Changes the comparison with the settings before the last change.
+    /// Changes the what-if comparison, which shows the effect of the last change of settings.
     WhatIf(what_if::WhatIfChange),
     /// Changes the list of watched pixels.
     Watch(watch::WatchChange),
-    /// Adds or edits a bookmark, or navigates to a bookmark, history entry or search target.
+    /// Adds or edits a bookmark, goes to a bookmark, history entry or search target, or copies the command line of the
+    /// current inspection state.
     Place(place::PlaceChange),
 }
 

@@ -75,7 +75,7 @@ pub(crate) struct Request {
     pub(crate) shown: Shown,
     /// Number of rasterized triangles to draw; `None` to draw all.
     pub(crate) triangle_limit: Option<usize>,
-    /// Number of fragments to draw of the last triangle within `triangle_limit`; `None` to draw all.
+    /// If `triangle_limit` is set, number of fragments to draw of the last drawn triangle; `None` to draw all of them.
     pub(crate) fragment_limit: Option<usize>,
     /// Column and row of the picked pixel; `None` if no pixel is picked.
     pub(crate) pick: Option<(u32, u32)>,
@@ -104,7 +104,7 @@ impl Request {
         self.triangle_limit.map(|triangles| Moment { triangles, fragments: self.fragment_limit })
     }
 
-    /// Whether the response depends on the open seams of the scene.
+    /// Whether the response depends on the open seams of the scene, where adjacent surfaces share no vertices.
     fn reads_seams(&self) -> bool {
         let has_layer = self.look.layers.iter().any(|layer| layer.overlay.reads_seams());
         self.shown == Shown::Buffer(Buffer::Hits) || self.pick.is_some() || has_layer
@@ -134,21 +134,22 @@ pub(crate) struct RenderedView {
     pub(crate) buffers: Option<Arc<Buffers>>,
     /// Intermediate value of every sample; `None` if the shown quantity is not an intermediate value.
     pub(crate) captured: Option<Arc<Captured>>,
-    /// Value range of the colour map; `None` if no colour map is used.
+    /// Value range covered by the colour map or by each colour channel; `None` if the shown quantity has no
+    /// range, such as triangle ids.
     pub(crate) range: Option<Range>,
     /// Intermediate images from which the picture was composed, and statistics of the shown quantity.
     pub(crate) look_result: LookResult,
     /// Report on all fragments at the picked pixel; `None` if no pixel is picked.
     pub(crate) report: Option<Arc<PixelReport>>,
-    /// Positions of draws and fragments that playback of the frame can step to; `None` if the frame is complete and no
-    /// pixel is picked.
+    /// Draws of the frame and fragments at the picked pixel, for stepping through the frame's drawing; `None` if the
+    /// frame is complete and no pixel is picked.
     pub(crate) timeline: Option<Arc<Timeline>>,
     /// Whether the frame was rendered for this response rather than reused from the last one.
     pub(crate) fresh: bool,
 }
 
 impl RenderedView {
-    /// Whether this view contains the complete version of the frame that `request` shows partially drawn.
+    /// Whether `request` shows a partially drawn frame, and this view contains the same frame drawn completely.
     fn is_whole_for(&self, request: &Request) -> bool {
         request.triangle_limit.is_some()
             && self.request.triangle_limit.is_none()
@@ -161,8 +162,9 @@ impl RenderedView {
     }
 }
 
-/// Maximum time for which a request waits for the search for open seams; it is then handled without seams. Only
-/// repeated requests wait, because their frame is already on screen. The limit bounds the delay of a newer request.
+/// Maximum time for which a repeated request waits until the open seams of the scene are found. If they are not found
+/// by then, the request is handled without them. First requests do not wait, so that their frame is on screen soon. The
+/// limit bounds the delay of a newer request.
 const SEAMS_WAIT: Duration = Duration::from_millis(50);
 
 /// Engine that handles requests and reuses results of the last one.
@@ -198,7 +200,7 @@ impl Engine {
                 (Arc::new(frame), rasterized, None, None, None)
             }
         };
-        // A repeated request means that the fast part of its response is already on screen.
+        // If the request is repeated, everything that is fast to compute is already on screen.
         let is_asked_again = kept.as_ref().is_some_and(|(before, _)| before.same_view(&request));
         let patience = if is_asked_again { SEAMS_WAIT } else { Duration::ZERO };
         let reads_seams = request.reads_seams();
@@ -206,8 +208,8 @@ impl Engine {
         let captured = needed_capture(&request, &frame, kept_captured);
         let had_seams = kept_buffers.as_deref().is_none_or(|buffers| !buffers.misses_seams());
         let buffers = needed_buffers(&request, &frame, kept_buffers, seams.as_deref());
-        // Hit counts from before the seams were known lack the faults at seams: their picture is redrawn once the seams
-        // are known.
+        // Hit counts that were captured before the seams were found lack the faults along seams. When these faults are
+        // added, the old picture is not reused.
         let kept = kept.filter(|_| had_seams || buffers.as_deref().is_some_and(Buffers::misses_seams));
         let mut looked = {
             let (buffers, captured) = (buffers.as_deref(), captured.as_deref());
@@ -239,8 +241,8 @@ impl Engine {
         view
     }
 
-    /// Returns the positions that playback of the frame can step to; `None` for a complete frame without a picked
-    /// pixel.
+    /// Returns the timeline for stepping through the drawing of the frame; `None` if the frame is complete and no pixel
+    /// is picked.
     fn timeline(&mut self, request: &Request, frame: &Frame, report: Option<&PixelReport>) -> Option<Timeline> {
         let pixel = report.map(|report| report.drawn_at.into());
         match (request.moment(), &mut self.reel) {
@@ -267,8 +269,8 @@ impl SurveyCache {
     }
 }
 
-/// Returns the buffers needed for the shown quantity, adding what is missing to the last response's buffers. Returns
-/// `None` if no buffers are needed.
+/// Returns the buffers needed for the shown quantity; `None` if no buffers are needed. Reuses `kept`, the buffers of
+/// the last response, and adds what is missing.
 fn needed_buffers(
     request: &Request,
     frame: &Frame,

@@ -53,8 +53,8 @@ fn seams_text(hits: &Hits) -> Option<String> {
     }
 }
 
-/// Draws the numbers of cracks and double hits: as a green “passed” label if both are zero, otherwise each beside the
-/// colour that marks its pixels.
+/// Draws the number of cracks and the number of double hits, each beside the colour that marks such pixels. If both
+/// numbers are zero, draws a green “passed” label instead.
 fn draw_counts(ui: &mut Ui, hits: &Hits) {
     let (cracks, doubles) = (hits.count(FaultKind::Crack), hits.count(FaultKind::DoubleHit));
     if cracks + doubles == 0 {

@@ -30,7 +30,7 @@ pub(crate) struct Stability {
     pub(crate) view: StabilityView,
 }
 
-/// State of the measurement of the frame time that the draw plans save.
+/// State of the measurement of how much frame time the draws of a view save by skipping unneeded parts of the pipeline.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PlanSavings {
     /// Last result, and the request that was measured.
@@ -44,14 +44,16 @@ pub(crate) struct PlanSavings {
 pub(crate) struct ScalingState {
     /// Last result, and the recipe with which it was measured.
     pub(crate) found: Option<(Arc<Scaling>, Recipe)>,
-    /// Quantity being measured, and the completed fraction of its measurement, from 0 to 1; `None` if none is running.
+    /// Quantity that is being measured, and the completed fraction of this measurement, from 0 to 1; `None` if no
+    /// measurement is running.
     pub(crate) progress: Option<(ScalingQuantity, f32)>,
 }
 
 /// A running stability report.
 pub(crate) type StabilityTask = BackgroundTask<StabilityProgress, StabilityReport>;
 
-/// A running measurement of the frame time that the draw plans save. The result includes the request that was measured.
+/// A running measurement of how much frame time draws save by skipping unneeded parts of the pipeline. The result
+/// includes the request that was measured.
 pub(crate) type SavingsTask = BackgroundTask<f32, (Savings, Request)>;
 
 /// A running scaling measurement. The result includes the recipe with which it was measured.

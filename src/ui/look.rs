@@ -60,7 +60,8 @@ pub(crate) struct LookResult {
     pub(crate) range: Option<Range>,
     /// Visible overlays, in the order of the layers.
     pub(crate) sheets: Vec<Arc<Sheet>>,
-    /// Whether the picture still contains placeholders for overlays that are slow to compute.
+    /// Whether something that is slow to compute is still missing from the picture: an overlay, or the faults along
+    /// open seams.
     pub(crate) is_unfinished: bool,
     /// All overlays computed for the frame, visible or not.
     computed: Vec<Arc<Sheet>>,
@@ -110,7 +111,7 @@ impl ValueSource<'_> {
 /// Treatment of overlays that are slow to compute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SlowOverlays {
-    /// Slow overlays are computed before the frame appears.
+    /// Slow overlays are computed now, which delays the response.
     Computed,
     /// Placeholders stand in for slow overlays, so that the frame appears soon.
     Postponed,
@@ -197,7 +198,7 @@ fn composed(base: &Arc<Image<Rgba8>>, sheets: &[Arc<Sheet>], look: &Look) -> Arc
     if layers.is_empty() { base.clone() } else { Arc::new(compose(base, layers)) }
 }
 
-/// Returns the kind of the values of a shown quantity.
+/// Returns what the values of a shown quantity are: colours, barycentric weights, numbers or triangle ids.
 pub(crate) fn kind(shown: Shown) -> ValueKind {
     match shown {
         Shown::Buffer(buffer) => ValueKind::of(buffer),

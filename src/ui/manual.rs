@@ -145,14 +145,14 @@ impl ManualWindow {
     }
 }
 
-/// Draws a section of a chapter. Returns the one of `links` that was clicked, if any.
+/// Draws a section of a chapter. If one of `links` was clicked, returns that link.
 fn content(ui: &mut Ui, cache: &mut CommonMarkCache, section: &Section, links: &BTreeSet<String>) -> Option<String> {
     let mut clicked = None;
     for (index, part) in section.parts().into_iter().enumerate() {
         ui.push_id(index, |ui| match part {
             SectionPart::Text(text) => {
                 CommonMarkViewer::new().show(ui, cache, &text);
-                // The next text that is drawn resets all hooks.
+                // The hooks must be read now, because drawing the next text resets all of them.
                 let link = links.iter().find(|link| cache.get_link_hook(link) == Some(true)).cloned();
                 clicked = clicked.take().or(link);
             }

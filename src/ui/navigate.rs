@@ -13,15 +13,16 @@ pub(super) const WHEEL_RATE: f32 = 0.004;
 /// Orbit rate of dragging, in radians per point.
 pub(super) const ORBIT_RATE: f32 = 0.008;
 
-/// Flying speed, in multiples of the camera's distance to its target per second.
+/// Flying speed: distance flown per second, as a multiple of the distance between camera and target.
 pub(super) const FLY_RATE: f32 = 0.8;
 
 /// Keys that fly the camera, in this order: right, left, up, down, forwards, backwards.
 pub(crate) const FLYING_KEYS: [egui::Key; 6] =
     [egui::Key::D, egui::Key::A, egui::Key::E, egui::Key::Q, egui::Key::W, egui::Key::S];
 
-/// Turns pointer input over a picture of `height_px` rows into a new zoom or a new camera. Dragging with the primary
-/// button has no effect unless `drag_is_free`.
+/// Turns pointer input over a picture of `height_px` rows into a new zoom or a new camera. If `drag_is_free` is
+/// `false`, the caller itself handles drags with the primary button, for example to select a region, and this function
+/// ignores them.
 pub(crate) fn navigate(
     ui: &Ui,
     (response, placement, height_px): (&Response, Placement, u32),

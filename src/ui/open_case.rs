@@ -36,7 +36,7 @@ impl Session {
         self.case = Some(OpenCase::new(case));
     }
 
-    /// Shows the worst case of a column of the stability report with the settings of that column.
+    /// Shows `json`, the worst case of a cell of the stability report, and applies the settings of the cell's column.
     pub(super) fn open_worst(&mut self, column: ReportColumn, json: &str) {
         let case = match Case::parse(json.as_bytes(), Path::new("worst case")) {
             Ok(case) => case,

@@ -106,7 +106,7 @@ pub(crate) struct Session {
     pub(crate) stability: Stability,
     /// Completed fraction of the running export of a vector drawing, in [0, 1]; `None` if none is running.
     pub(crate) export_progress: Option<f32>,
-    /// Measurement of the frame time that the draw plans save by skipping work.
+    /// Measurement of how much frame time the draws of the view save by skipping unneeded parts of the pipeline.
     pub(crate) savings: PlanSavings,
     /// Measurement of how frame times scale with triangles, pixels, overdraw and threads.
     pub(crate) scaling: ScalingState,
@@ -478,8 +478,9 @@ impl Session {
         self.show(Shown::Stage(Stage::ALL[(now + step).clamp(0, last) as usize]));
     }
 
-    /// Shows a buffer, a stage or an intermediate value. Anything but the final colour ends the comparison,
-    /// which shows only finished pictures. Otherwise, the inspector would describe values that are not on the canvas.
+    /// Shows a buffer, a stage or an intermediate value. Ends the comparison unless the final colour is shown, because
+    /// the comparison shows only finished pictures. If it continued, the inspector would describe values that are not
+    /// on the canvas.
     fn show(&mut self, shown: Shown) {
         self.shown = shown;
         if shown != Shown::Buffer(Buffer::Color) {

@@ -62,7 +62,7 @@ pub(crate) fn read(folder: &Path) -> Option<LoadedPreferences> {
 /// Description of a preferences file that is partly unreadable.
 struct Damage {
     warning: String,
-    /// Whether no earlier backup has the same contents, so that the user must be warned.
+    /// Whether the user must be warned, because no earlier backup has the same contents.
     is_new: bool,
 }
 

@@ -29,8 +29,8 @@ pub(crate) fn number(mark: GridMark, _shown: &RangeInclusive<f64>) -> String {
 /// Returns the marks of a base-10 logarithmic axis: 1 to 9 times each power of ten. Powers of ten have priority for
 /// labels, then 2 and 5 times a power.
 pub(crate) fn log_marks(input: &GridInput) -> Vec<GridMark> {
-    /// Nominal spacing of the marks at 1 to 9 times a power of ten, in powers of ten. Marks with a larger spacing are
-    /// labelled first.
+    /// Spacing, in powers of ten, that is reported to the plot for the marks at 1, 2, …, 9 times a power of ten. The
+    /// plot labels marks with a larger reported spacing first.
     const APART: [f64; 9] = [1.0, 0.45, 0.1, 0.1, 0.45, 0.1, 0.1, 0.1, 0.1];
     let (low, high) = input.bounds;
     /// Maximum number of powers of ten on an axis; an axis with more would be unreadable.

@@ -198,7 +198,8 @@ impl Timings {
         self.measurement_request.as_ref()
     }
 
-    /// Whether the measurement used the scene, camera, size and recipe of `request`, apart from the upscaler.
+    /// Whether the measurement used the scene, camera and size of `request`, and the same recipe except for the
+    /// upscaler.
     pub(crate) fn measurement_fits(&self, request: &Request) -> bool {
         let upscaler = Upscaling::NATIVE;
         let plain = |r: &Request| Request {

@@ -55,7 +55,7 @@ impl WindowTimes {
 /// Number of unmeasured passes at the start, in which sizes converge, pictures are drawn and fonts are rasterized.
 const WARM_UP_PASSES: usize = 12;
 
-/// Number of frame times per upscaler with which the plots are filled, as many as a measurement records.
+/// Number of frame times that are plotted for each upscaler. A measurement of all upscalers records as many.
 const PLOTTED_FRAMES: usize = 25;
 
 /// Times `passes` passes of a window of `size` pixels, with each of its parts open in turn, and then with as many parts
@@ -141,7 +141,8 @@ fn cost(start: &WindowStart, size: Viewport, passes: usize, what: String, first:
     })
 }
 
-/// Fills the plots of frame times like a measurement of all upscalers. The values do not affect the cost of the window.
+/// Fills the plots with as many frame times as a measurement of all upscalers would. The values are made up, which does
+/// not affect the cost of the window.
 fn plot_something(app: &mut Workbench) {
     let request = app.session().request();
     let timings = &mut app.session_mut().timings;

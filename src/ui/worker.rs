@@ -191,9 +191,9 @@ impl RenderWorker {
         }
     }
 
-    /// Waits for a request. Blocks if no work is pending, and returns immediately if the user waits for pending work or
-    /// that work has begun. Otherwise, waits at most [`SETTLED`], because a newer frame may make the pending work
-    /// obsolete.
+    /// Waits for a request. Blocks if no work is pending. Returns immediately if the user is waiting for pending work,
+    /// or if pending work has begun. Otherwise, waits at most [`SETTLED`], because a newer frame may make the pending
+    /// work obsolete.
     fn wait(&self, inbox: &Receiver<WorkerRequest>) -> Result<Option<WorkerRequest>, RecvError> {
         let is_asked = self.to_show.is_some() || self.to_improve.is_some() || self.to_compare.is_some();
         if is_asked || self.to_evaluate.is_some() || self.watcher.has_work() || self.measurement.is_some() {

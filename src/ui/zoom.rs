@@ -11,7 +11,7 @@ const SCALE_RANGE: (f32, f32) = (1.0 / 32.0, 256.0);
 /// Minimum scale of a fitted picture, which prevents division by zero on a canvas without height.
 const MIN_FIT: f32 = 1.0 / 65_536.0;
 
-/// Minimum scale that zooming rounds to an integer, in screen pixels per picture pixel.
+/// Scale at and above which zooming rounds to an integer, in screen pixels per picture pixel.
 const WHOLE_FROM: f32 = 8.0;
 
 /// Minimum scale for bringing a pixel into view, in screen pixels per picture pixel. It is large enough to tell the
@@ -23,7 +23,7 @@ const SEEN_FROM: f32 = 16.0;
 pub(crate) struct Zoom {
     /// Screen pixels per picture pixel; `None` fits the picture into the rectangle.
     scale: Option<f32>,
-    /// Scale before it is rounded to an integer, in which small wheel steps accumulate.
+    /// Scale after the last zoom, before it was rounded to an integer. Small wheel steps accumulate in it.
     wheeled: f32,
     /// Position of the rectangle's top-left corner in the picture, in picture pixels.
     origin: Vec2,
@@ -114,10 +114,10 @@ impl Zoom {
                 let available = canvas.size() * screen;
                 // A canvas without height still needs a non-zero scale: positions are divided by it.
                 let exact = (available.x / size.x).min(available.y / size.y).max(MIN_FIT);
-                // Integer scales from 1:1 upwards make all squares equal.
+                // At 1:1 and above, an integer scale gives all picture pixels the same size.
                 let scale = if exact >= 1.0 { exact.floor() } else { exact };
-                // Snapped to screen pixels: on a canvas less than two screen pixels larger, the picture starts in the
-                // corner.
+                // The margin is rounded down to whole screen pixels. It is zero if the canvas is less than two screen
+                // pixels larger than the picture.
                 let beside = ((available - size * scale) / 2.0).floor();
                 (scale, -beside / scale)
             }
@@ -150,7 +150,8 @@ impl Zoom {
         self.origin = placement.to_picture(placement.canvas.min);
     }
 
-    /// Returns the unrounded scale from which `shown` was rounded, so that small wheel steps accumulate.
+    /// Returns the unrounded scale if rounding it yields `shown`, so that small wheel steps accumulate. Otherwise,
+    /// returns `shown`.
     fn wheeled_of(&self, shown: f32) -> f32 {
         if (self.wheeled - shown).abs() <= 0.5 && shown >= WHOLE_FROM { self.wheeled } else { shown }
     }

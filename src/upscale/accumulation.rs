@@ -6,8 +6,8 @@
 //! unchanged. In motion, the history is reprojected to where the previous frame showed the same surface. It is clamped
 //! to the minimum and maximum of the surrounding 3 × 3 samples, which rejects stale colours and sometimes valid ones.
 //!
-//! When upscaling, a sample inside the output pixel has full weight. Otherwise the four surrounding samples are
-//! interpolated, and the result has a low weight.
+//! When upscaling, a sample that lies inside an output pixel has full weight. If this frame has no sample inside the
+//! pixel, the four surrounding samples are interpolated, and the result has a low weight.
 
 use std::ops::Range;
 
@@ -133,8 +133,9 @@ fn place(frames: u32) -> [f64; 2] {
     places[(frames % JITTER_POSITIONS) as usize]
 }
 
-/// Returns the position of an output pixel among this frame's samples along one axis: the index of the last sample at
-/// or before the pixel, which may be outside the image, and the distance from that sample, in samples, in [0, 1).
+/// Returns the position of an output pixel among this frame's samples along one axis. The integer is the index of the
+/// last sample at or before the pixel; this index may lie outside the image. The fraction, in [0, 1), is the distance
+/// from that sample to the pixel, relative to the distance between samples.
 fn sample_coordinate(lattice: Lattice, place: f64, at: u32) -> (i64, f32) {
     let (scale, origin) = (lattice.scale.value(), lattice.position_px(0));
     let index = (f64::from(at) + 0.5 - origin) / scale - (place - 0.5);
@@ -219,7 +220,7 @@ impl<'a> FrameContext<'a> {
             return [now[0], now[1], now[2], counts_for];
         };
         if !before.is_still {
-            // Decoding is monotonic, so the bounds of the encoded values are the bounds of the decoded ones.
+            // Decoding is monotonic, so it is enough to decode the bounds of the encoded values.
             let [mut least, mut greatest] = [[u8::MAX; 4], [u8::MIN; 4]];
             let (columns, rows) = self.neighbourhood(at);
             for y in rows {
@@ -269,8 +270,8 @@ impl<'a> FrameContext<'a> {
         (taps, INTERPOLATED)
     }
 
-    /// Returns the index of the sample within half an output pixel of the pixel's centre along one axis, if any. `cell`
-    /// and `on` are the results of [`sample_coordinate`].
+    /// Returns the index of the sample that lies inside an output pixel along one axis, or `None` if there is no such
+    /// sample. `cell` and `on` are the pixel's [`sample_coordinate`].
     fn own(&self, cell: i64, on: f32, samples: u32) -> Option<u32> {
         let half = (0.5 / self.lattice.scale.value()) as f32;
         let index = if on <= half { cell } else { cell + 1 };

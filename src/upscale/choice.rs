@@ -160,7 +160,8 @@ impl Upscaling {
         self.anchor
     }
 
-    /// Returns the position of a sample within its block, or `None` at ×1, where all anchors agree.
+    /// Returns the position of a sample within its block. Returns `None` at ×1, where a block is a single pixel and all
+    /// anchors are equivalent.
     pub(crate) fn block_anchor(self) -> Option<Anchor> {
         (self.scale != Scale::ONE).then_some(self.anchor)
     }
@@ -175,7 +176,7 @@ impl Upscaling {
         self.deringing
     }
 
-    /// Returns the sharpening strength, in percent of the maximum, which keeps every channel in range.
+    /// Returns the sharpening strength, in percent of the maximum. Even at the maximum, every channel stays in range.
     pub(crate) fn sharpening(self) -> u32 {
         self.sharpening
     }

@@ -75,8 +75,8 @@ impl FrameInputs<'_> {
         self.history.map_or(0, |past| past.frames + 1)
     }
 
-    /// Reprojects pixel `at` into the previous frame. Returns `None` if it was not visible there. For many pixels, call
-    /// [`Self::motion`] once.
+    /// Reprojects pixel `at` into the previous frame. Returns `None` if that frame does not show the pixel's surface,
+    /// or if there is no previous frame. For many pixels, call [`Self::motion`] once.
     pub(crate) fn reproject(&self, size: (u32, u32), at: (u32, u32)) -> Option<Reprojected> {
         self.motion(size)?.reproject(at)
     }
@@ -103,7 +103,7 @@ pub(crate) struct Motion<'a> {
 }
 
 impl Motion<'_> {
-    /// Reprojects pixel `at` into the previous frame. Returns `None` if it was not visible there.
+    /// Reprojects pixel `at` into the previous frame. Returns `None` if that frame does not show the pixel's surface.
     pub(crate) fn reproject(&self, at: (u32, u32)) -> Option<Reprojected> {
         let center = [f64::from(at.0) + 0.5, f64::from(at.1) + 0.5];
         let Some(path) = &self.path else {
@@ -240,8 +240,9 @@ pub(super) mod tests {
         }
     }
 
-    /// Returns test frames of a few slanted objects at different distances and an empty background: without history,
-    /// with the same camera, and with another camera in perspective and orthographic projection.
+    /// Returns test frames of a few slanted objects at different distances and an empty background. The first has no
+    /// history, and the second an unchanged camera. In the others, the camera moves in perspective or orthographic
+    /// projection, or the projection changes.
     pub(in crate::upscale) fn frames((width, height): (u32, u32), number: u32) -> Vec<Frames> {
         let mut random = fastrand::Rng::with_seed(u64::from(number));
         let surfaces = GBuffer {

@@ -170,7 +170,8 @@ pub enum Sampling {
 }
 
 impl Sampling {
-    /// Returns the samples of a lattice: pixels of the full image if all samples lie on pixel centres.
+    /// Returns the samples of a lattice. They are pixels of the full image if the anchor is the corner and the scale is
+    /// an integer. Otherwise they are a lower-resolution image.
     pub fn of_lattice(lattice: Lattice) -> Self {
         match (lattice.anchor, lattice.scale.whole()) {
             (Anchor::Corner, Some(step)) => Self::Grid(SampleGrid::Block { step }),

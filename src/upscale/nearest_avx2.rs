@@ -2,9 +2,9 @@
 //! single permutation suffices.
 //!
 //! Identical rows can be produced in two ways: store each computed block to all of them, or compute one row and copy
-//! it. Two rows are copied and more are stored together. At ×4, storing together takes two thirds of the time of
-//! copying on an AMD processor (Zen 3), and a tenth more on an Intel processor (Emerald Rapids). At ×2, copying takes
-//! three quarters of the time of storing together on the Intel processor, and a tenth more on the AMD processor.
+//! it. Two rows are copied and more are stored together. At ×4, storing together takes two thirds as long as copying on
+//! an AMD processor (Zen 3), but 1.1 times as long on an Intel processor (Emerald Rapids). At ×2, copying takes three
+//! quarters as long as storing together on the Intel processor, but 1.1 times as long on the AMD processor.
 
 use std::arch::x86_64::_mm256_permutevar8x32_epi32;
 

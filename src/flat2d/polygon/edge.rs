@@ -89,8 +89,9 @@ pub(super) struct Slant {
 /// Error bound of a crossing computed in floats, relative to |x₀| + |x₁|, where x₀ and x₁ are the endpoints' x
 /// coordinates.
 ///
-/// Computing the slope and the distance below the top takes four roundings of at most ε/2 each. Their product, which is
-/// at most the edge's width, adds a rounding, and so do the sum and the shift to the sample. The rest is margin.
+/// Computing the slope and the distance below the top takes four roundings of at most ε/2 each. The product of slope
+/// and distance, which is at most the edge's width, adds one rounding. Adding x at the top and subtracting the sample's
+/// offset add one rounding each. The rest is margin.
 const ERROR_OF_CROSSING: f64 = 16.0 * f64::EPSILON;
 
 impl Slant {

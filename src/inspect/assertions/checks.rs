@@ -8,15 +8,16 @@ use crate::pipeline::raster::RasterSample;
 use crate::pipeline::settings::{Arithmetic, Choice as _, DepthTest, Settings};
 use crate::pipeline::viewport::ScreenTriangle;
 
-/// Maximum deviation of the sum of the attribute weights from 1: twice the machine epsilon of f32.
+/// Maximum difference between 1 and the sum of the attribute weights: twice the machine epsilon of f32.
 const SUM_SLACK: f32 = 2.0 * f32::EPSILON;
 
-/// Tolerance for the sum of the edge function values in floating point, relative to the doubled area: four times the
-/// machine epsilon of f64.
+/// Maximum difference between the sum of the edge values and the doubled area in floating point, as a fraction of the
+/// doubled area: four times the machine epsilon of f64.
 const EDGE_ROUNDINGS: f64 = 4.0 * f64::EPSILON;
 
-/// Tolerance for checking a depth test result, in steps of the depth buffer. It covers the rounding error of w: the
-/// depth is computed from w, which is a sum of four products.
+/// Tolerance for fragments that passed the depth test: they may lie on the wrong side of the stored depth by this many
+/// units of [`PassedFragment::step`]. The tolerance covers the rounding error of w: the depth is computed from w, which
+/// is a sum of four products.
 const PASS_STEPS: f64 = 8.0;
 
 /// A covered sample, as passed to the checks of coverage, weights and depth.
@@ -35,8 +36,8 @@ pub(super) struct PassedFragment<'a> {
     pub(super) settings: &'a Settings,
     /// Depths of the fragment and of the stored fragment, in that order, before quantisation.
     pub(super) depths: [f64; 2],
-    /// Allowed difference of the compared depths: the larger of the buffer's steps at the two, plus the uncertainty of
-    /// the fragment's depth.
+    /// Unit of [`PASS_STEPS`]: the depth buffer's step at the fragment's depth or at the stored depth, whichever is
+    /// larger, plus the uncertainty of the fragment's depth.
     pub(super) step: f64,
 }
 

@@ -6,7 +6,7 @@ use crate::pipeline::raster::{AnyTriangle, RasterSample, Scissor, Span, cover_wi
 use crate::pipeline::settings::{Arithmetic, FillRule, Rasterizer, Settings};
 use crate::pipeline::viewport::ScreenTriangle;
 
-/// Exact ownership test, set up once for all samples of a triangle.
+/// Exact test of whether a triangle owns a sample, set up once for all samples of the triangle.
 pub(super) struct Owner {
     corners_px: [[f32; 2]; 3],
     rule: FillRule,

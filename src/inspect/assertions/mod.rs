@@ -67,8 +67,8 @@ pub struct Finding {
     pub(crate) checked: u64,
     /// Number of the checked fragments or vertices that violate the assertion.
     pub(crate) violated: u64,
-    /// First violation in drawing order. For T-junctions, the first pixel in reading order with a crack or double hit,
-    /// or else the first junction.
+    /// First violation in drawing order; `None` if there is none. For T-junctions, this is the first crack or double
+    /// hit at a junction, in reading order. If there is no such fault, it is the first junction in the picture.
     pub(crate) first: Option<Violation>,
 }
 
@@ -188,7 +188,7 @@ fn drawn_at_once(triangles: &[ScreenTriangle], viewport: Viewport) -> usize {
     last.map_or(most, |last| last + 1)
 }
 
-/// Returns the approximate number of pixels in the part of a triangle's bounding box inside the picture, at least 1.
+/// Returns the approximate number of pixels of the picture that a triangle's bounding box contains, at least 1.
 fn box_pixels(triangle: &ScreenTriangle, viewport: Viewport) -> u64 {
     let [left, right, top, bottom] = box_around(triangle.corners_px());
     let side = |least: f32, greatest: f32, size: u32| (greatest.min(size as f32) - least.max(0.0)).max(0.0) as u64 + 1;

@@ -23,7 +23,7 @@ pub(super) struct AssertionObserver<'a> {
     /// Stored depth of each sample before quantisation; NaN until a depth is stored.
     stored: Image<f64>,
     blended: BlendedDepths<'a>,
-    /// Address of the triangle of the previous sample, and its ownership test, cached for the next sample.
+    /// Address and ownership test of the triangle that covered the previous sample, cached for the next sample.
     triangle: Option<(*const ScreenTriangle, Owner)>,
 }
 

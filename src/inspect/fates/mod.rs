@@ -38,8 +38,8 @@ use places::{ScreenShape, shapes};
 use tally::FateTally;
 
 choice! {
-    /// Fate of a triangle. The fate of a rasterized triangle is the best fate of its fragments, that is, the last in
-    /// this order.
+    /// Fate of a triangle. A rasterized triangle has the best fate of any of its fragments; better fates are listed
+    /// later.
     pub TriangleFate {
         Unaccounted = "unaccounted", "Unaccounted for", "The triangle was neither rejected nor rasterized. Always 0; any other number is a bug in this program.";
         Outside = "outside", "Outside the view", "All corners of the triangle lie beyond the same frustum plane: left, right, top, bottom, near or far.";
@@ -118,7 +118,7 @@ impl TriangleCounts {
     }
 }
 
-/// Serialises the counts as a map keyed by the ids of the bins.
+/// Serialises the counts as a map from the id of each fate to its count.
 fn by_id<C: Choice, S: Serializer>(count: impl Fn(C) -> u64, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_map(C::ALL.iter().map(|fate| (fate.id(), count(*fate))))
 }
@@ -179,8 +179,8 @@ pub struct Fates {
 }
 
 impl Fates {
-    /// Computes the fates of all triangles of `scene` and of their fragments when drawn by `recipe`. If `frame` is
-    /// limited to its first few triangles, the remaining triangles are included too.
+    /// Computes the fates of all triangles of `scene`, and of their fragments, when the scene is drawn with `recipe`.
+    /// All triangles are drawn, even if `frame` stops after the first few.
     ///
     /// # Examples
     /// ```

@@ -52,7 +52,7 @@ impl<'a> FateTally<'a> {
         }
     }
 
-    /// Counts the fragments that remain visible after the last triangle, including those visible through blended
+    /// Counts the fragments that are visible once all triangles are drawn, including those visible through blended
     /// fragments.
     pub(super) fn finish(&mut self) {
         for place in 0..self.top_triangle.pixels().len() {

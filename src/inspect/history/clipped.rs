@@ -2,9 +2,9 @@
 //! planes.
 //!
 //! Projecting such a triangle would invert the part behind the eye. Homogeneous coordinates avoid the division (Olano
-//! and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", Graphics Hardware 1997). The line of sight
-//! is a vector, each edge forms a plane with the eye, and three signs decide whether the line passes between the
-//! planes.
+//! and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", Graphics Hardware 1997). Each edge of the
+//! triangle and the eye span a plane. Three signs give the side of each plane on which the line of sight lies. The line
+//! meets the triangle if no two of these signs are opposite.
 
 use glam::{DVec2, DVec4, Vec4};
 
@@ -58,7 +58,7 @@ mod tests {
     #[test]
     fn only_the_part_of_a_triangle_ahead_of_the_eye_is_intersected() {
         assert_eq!(meeting(facing(-0.25), DVec2::ZERO), None);
-        // The ground plane 1 below the eye, straight ahead and below the horizon.
+        // A triangle of the ground, 1 below the eye, which begins 1 behind the eye and ends 9 ahead of it.
         let ground =
             [Vec4::new(-9.0, -1.0, -2.0, -1.0), Vec4::new(9.0, -1.0, -2.0, -1.0), Vec4::new(0.0, -1.0, 8.0, 9.0)];
         let met = meeting(ground, DVec2::new(0.0, -1.0)).unwrap();

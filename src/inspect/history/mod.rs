@@ -39,19 +39,19 @@ choice! {
 }
 
 impl Kind {
-    /// Returns the group that a fragment belongs to in the history of its pixel.
+    /// Returns [`Kind::Passed`] for a fragment that was written, otherwise [`Kind::Failed`].
     pub(crate) fn of(fragment: &FragmentRecord) -> Self {
         if fragment.outcome.is_written() { Self::Passed } else { Self::Failed }
     }
 
-    /// Returns the number of entries of a report that belong to the group.
+    /// Returns the number of fragments and absent triangles with this outcome in a report.
     pub(crate) fn count(self, report: &PixelReport) -> usize {
         let fragments = report.fragments.iter().filter(|fragment| Self::of(fragment) == self);
         fragments.count() + report.absent.iter().filter(|absent| absent.cause.kind() == self).count()
     }
 }
 
-/// Colour and depth of a sample after one step of its history.
+/// Colour and depth of a sample before or after a fragment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct SampleState {
     /// Colour of the sample (sRGB codes).
@@ -104,7 +104,7 @@ impl Cause {
         }
     }
 
-    /// Returns the group that the cause belongs to in the history of a pixel.
+    /// Returns the outcome of a triangle that is absent from a pixel for this reason.
     pub(crate) fn kind(self) -> Kind {
         match self {
             Self::BackFacing | Self::FrontFacing | Self::ZeroArea | Self::NotDrawnYet => Kind::Culled,

@@ -15,7 +15,7 @@ use crate::pipeline::settings::{Arithmetic, Choice as _, Settings};
 use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::{Scene, TriangleId};
 
-/// Maximum distance from a pixel's centre to the bounding box of a triangle that counts as near, in px.
+/// Maximum distance in px between a pixel's centre and a triangle's bounding box at which the triangle counts as near.
 const NEAR_PX: f64 = 1.0;
 
 /// Maximum number of reported near misses; a corner of a fine mesh may have thousands.

@@ -1,4 +1,4 @@
-//! Faults along open seams: samples between the two sides that no triangle covers, or that both sides cover.
+//! Faults along open seams: samples that neither of the two surfaces along a seam covers, or that both cover.
 //!
 //! Both edges of each seam are projected by the same stages that draw the frame. A sample outside both edges is a
 //! crack; one inside both is a double hit. If the two surfaces lie on the same side, the seam is an outline without
@@ -67,7 +67,7 @@ pub(in crate::inspect) fn junction_pixels(
     seams.junctions().iter().map(pixel).collect()
 }
 
-/// Counts the vertices of open edges of rasterized triangles within the picture.
+/// Counts the vertices within the picture that lie on open edges of rasterized triangles.
 pub(in crate::inspect) fn border_in_picture(scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seams) -> usize {
     let wanted = || seams.border().iter().map(|corner| corner.triangle);
     let placing = Placing::new(scene, recipe, frame, (frame.camera, frame.viewport), wanted());
@@ -228,7 +228,7 @@ struct GapSide {
 impl GapSide {
     fn new(ends_px: [[f32; 2]; 2], facing: Facing, rule: FillRule) -> Option<Self> {
         let [[ax, ay], [bx, by]] = ends_px;
-        // Vector perpendicular to the edge, which points into a triangle that appears clockwise.
+        // Vector perpendicular to the edge. It points into the triangle if the triangle appears clockwise.
         let (dx, dy) = (ay - by, bx - ax);
         let inner = if facing == Facing::Back { [ax + dx, ay + dy] } else { [ax - dx, ay - dy] };
         let triangle = AnyTriangle::new(Arithmetic::Exact, [ends_px[0], ends_px[1], inner], rule)?;
@@ -242,8 +242,8 @@ impl GapSide {
         value > 0.0 || value == 0.0 && self.triangle.owned()[2]
     }
 
-    /// Returns the other coordinate, in px, of the point on the edge's line at which the coordinate on `axis` is
-    /// `along`.
+    /// Finds the point on the edge's line whose coordinate on `axis` is `along`. Returns the other coordinate of this
+    /// point, in px.
     fn across(&self, axis: usize, along: f64) -> f64 {
         let [from, to] = self.ends_px;
         let t = (along - from[axis]) / (to[axis] - from[axis]);
@@ -264,8 +264,8 @@ impl Gap {
             |edge: &ScreenEdge| [0, 1].map(|axis| f64::from(edge.ends_px[1][axis]) - f64::from(edge.ends_px[0][axis]));
         let (a, b) = (run(&host), run(&guest));
         let same_way = a[0] * b[0] + a[1] * b[1] > 0.0;
-        // Facing for which the other triangle lies on the opposite side. If both facings are equal, the edges run in
-        // opposite directions.
+        // Returns the facing that the other triangle must have to lie on the opposite side. This is the same facing if
+        // the edges run in opposite directions, otherwise the reverse.
         let opposite = |facing| match (facing, same_way) {
             (Facing::Front, false) | (Facing::Back, true) => Facing::Front,
             (Facing::Front, true) | (Facing::Back, false) => Facing::Back,

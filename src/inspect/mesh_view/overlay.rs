@@ -12,8 +12,7 @@ use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, DepthMapping, Projection, Scene, TriangleId};
 
-/// Maximum number of clipped or culled triangles that are all marked. If there are more, only the selected triangle is
-/// marked.
+/// Number of clipped triangles, or of culled triangles, above which only the selected one is marked.
 const MAX_MARKED: usize = 200;
 
 /// Distance between neighbouring hatching lines along each axis, in px.
@@ -188,8 +187,8 @@ impl<'a> CameraFrustum<'a> {
         Self { inner, far: end.min(f64::from(camera.far)) }
     }
 
-    /// Returns the world-space point at a picture position, in [−1, 1] with y up, and a distance from the eye along the
-    /// view axis, in world units.
+    /// Returns a point in world space, given its position in the render camera's picture and its distance from the eye.
+    /// The position is in [−1, 1] with y up. The distance is in world units, along the view axis.
     fn at(&self, [x, y]: [f64; 2], distance: f64) -> DVec3 {
         let camera = &self.inner.camera;
         let (right, forward) = (camera.right().as_dvec3(), camera.forward().as_dvec3());
@@ -298,8 +297,8 @@ fn clipped(scene: &Scene, inner: &Inner, id: TriangleId) -> Option<(Vec<ClipVert
     Some((left, corners))
 }
 
-/// Returns how far along an edge a vertex created by clipping lies, in [0, 1] from the corner with the lower index.
-/// Returns `None` if the vertex lies inside the triangle.
+/// Returns the position along an edge of a vertex that clipping created: 0 at the end with the lower corner index, 1 at
+/// the other end. Returns `None` if the vertex lies inside the triangle.
 fn along_edge(weights: Vec3) -> Option<f32> {
     match weights.to_array() {
         [0.0, _, t] | [_, 0.0, t] | [_, t, 0.0] => Some(t),

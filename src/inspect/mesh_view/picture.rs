@@ -157,7 +157,8 @@ fn colors(scene: &Scene, inner: &Inner, style: MeshStyle) -> Vec<Rgba8> {
     match style {
         MeshStyle::Flat => Vec::new(),
         MeshStyle::Fate => inner.rejections(scene, inner.settings.culling).outcomes().map(met_color).collect(),
-        // Culling back faces distinguishes the sides regardless of the render camera's culling mode.
+        // Culls back faces, whatever the render camera's culling mode, so that the outcome of each triangle shows its
+        // facing.
         MeshStyle::Facing | MeshStyle::Wire => {
             let whole = |met| if met == GeometryOutcome::Cut { GeometryOutcome::Drawn } else { met };
             inner.rejections(scene, Culling::Back).outcomes().map(|met| met_color(whole(met))).collect()

@@ -38,7 +38,8 @@ pub(super) struct ParallelStep<'a> {
 }
 
 impl<'a> ParallelStep<'a> {
-    /// Begins a step of `parts` parts that covers the range `percent` of the drawing's progress.
+    /// Begins a step of `parts` parts. During the step, the progress of the whole drawing rises from the start to the
+    /// end of `percent`.
     pub(super) fn new(control: OutlineControl<'a>, percent: Range<usize>, parts: usize) -> Self {
         Self { control, percent, parts, completed: AtomicUsize::new(0) }
     }

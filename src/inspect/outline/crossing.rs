@@ -26,7 +26,7 @@ pub(super) struct Surfaces<'a> {
 
 impl Surfaces<'_> {
     /// Adds the point between two samples at which the stack of visible surfaces changes. Adds two points if one
-    /// surface ends and the other begins elsewhere. All positions are in samples.
+    /// surface ends before the other begins. All positions are in samples.
     pub(super) fn find_crossings(&self, path: [DVec2; 2], stacks: [StackId; 2], found: &mut Vec<BoundaryPoint>) {
         let [first, second] = self.changing(stacks).map(|index| index.map(|index| self.side(index, path)));
         let events = match (first, second) {
@@ -44,10 +44,11 @@ impl Surfaces<'_> {
         found.extend(events.map(|Event { along, normal }| crossing(along.clamp(0.0, 1.0), normal.try_normalize())));
     }
 
-    /// Returns the two surfaces, one for each sample, between which the boundary lies. If the opaque surfaces differ,
-    /// returns the opaque surfaces. Otherwise returns each sample's topmost surface that the other sample does not
-    /// show, or the common opaque surface if there is none. If only the order differs, returns the topmost surfaces
-    /// that differ.
+    /// Returns one surface of each sample; the boundary lies between these two surfaces.
+    ///
+    /// If the samples show different opaque surfaces, returns these. Otherwise returns, for each sample, the topmost
+    /// surface that the other sample does not show. If a sample has no such surface, its opaque surface is returned
+    /// instead. If the samples show the same surfaces in different orders, returns the topmost surfaces that differ.
     fn changing(&self, [first, second]: [StackId; 2]) -> [Option<u32>; 2] {
         let [first, second] = [first, second].map(|stack| self.visibility.surfaces(stack).collect::<Vec<_>>());
         let opaque = |stack: &[u32]| stack.last().copied().filter(|index| !self.is_blended(*index));
@@ -131,7 +132,7 @@ fn change(first: &PathTriangle, second: &PathTriangle) -> [Option<Event>; 2] {
     if let (Some(enter), Some(exit)) = (second.enter, first.exit)
         && enter.along >= exit.along
     {
-        // Adjacent triangles of one surface, or a gap between them that no sample shows.
+        // The second surface begins exactly where the first one ends, or after a gap that no sample shows.
         return [Some(exit), Some(enter)];
     }
     let (at_begin, at_end) = (lead(begin), lead(end));

@@ -1,11 +1,12 @@
 //! Polygons with shared boundaries, computed from the surfaces that samples show. The method is dual contouring with
 //! one material per region (Ju, Losasso, Schaefer, Warren, "Dual Contouring of Hermite Data", 2002).
 //!
-//! Between two neighbouring samples of different regions lies one *crossing*, computed exactly with the line that the
-//! boundary follows there. Four samples form a *cell*. A cell with crossings has one *vertex*, at the point of the cell
-//! nearest to all of its lines. With one line, the vertex lies on it; with several, it lies at the corner where they
-//! meet. Vertices of neighbouring cells are connected across the crossing between them. By construction, regions meet
-//! without gaps or overlaps, and boundaries are as straight as the triangles' edges at any zoom.
+//! Between two neighbouring samples of different regions lies a *crossing*, a point of the boundary. Its position and
+//! the line that the boundary follows there are computed from the triangles. Four samples form a *cell*. A cell with
+//! crossings has one *vertex*, at the point of the cell nearest to the lines of all its crossings. With one line, the
+//! vertex lies on it; with several, it lies at the corner where they meet. Vertices of neighbouring cells are connected
+//! across the crossing between them. By construction, regions meet without gaps or overlaps, and boundaries are as
+//! straight as the triangles' edges at any zoom.
 
 use std::ops::Range;
 
@@ -20,19 +21,19 @@ use crate::drawing::PartitionRegion;
 /// Maximum distance by which simplification may move a boundary, in px.
 const STRAIGHT_PX: f64 = 0.01;
 
-/// Limit for a quarter of the squared sine of the angle between two lines. At or below it, they count as one line.
+/// Maximum of sin²(α) / 4 at which two lines that meet at the angle α count as one line.
 const PARALLEL: f64 = 1e-5;
 
-/// Part of the drawing's progress bar that computing the vertices takes, in percent.
+/// Progress of the drawing before and after the vertices are computed, in percent.
 const VERTICES_PERCENT: Range<usize> = 50..80;
 
-/// Part of the drawing's progress bar that tracing the boundaries takes, in percent.
+/// Progress of the drawing before and after the boundaries are traced, in percent.
 const BOUNDARIES_PERCENT: Range<usize> = 80..100;
 
 /// A vertex on the boundary of regions, in the cell between four samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct BoundaryVertex {
-    /// Column index of the cell, equal to that of the sample column to its right.
+    /// Column of the cell, which is also the column of the samples on its right side.
     column: u32,
     /// Position of the vertex on the screen, in samples.
     place: DVec2,
@@ -295,8 +296,8 @@ impl Outlines<'_> {
     }
 }
 
-/// Simplification of nearly straight boundaries (Douglas and Peucker, 1973). Each vertex is kept or removed once, for
-/// the regions on both sides.
+/// Simplification of nearly straight boundaries (Douglas and Peucker, 1973). The decision to keep or remove a vertex is
+/// made once and applies to the regions on both sides.
 struct Simplification<'a> {
     vertices: &'a [BoundaryVertex],
     /// Maximum distance of a removed vertex from the simplified boundary, in samples.

@@ -22,7 +22,7 @@ use crate::scene::{Scene, TriangleId};
 /// small enough that every thread gets several bands.
 const ROWS: u32 = 64;
 
-/// Part of the drawing's progress bar that finding the visible surfaces takes, in percent.
+/// Progress of the drawing before and after the visible surfaces are determined, in percent.
 const VISIBILITY_PERCENT: Range<usize> = 0..50;
 
 /// Index of a stack of surfaces in [`Stacks`].
@@ -31,7 +31,7 @@ pub(super) type StackId = u32;
 /// Index of a region, which consists of all samples that show the same triangles.
 pub(super) type RegionId = u32;
 
-/// Index of the stack, and of the region, of samples that no triangle covers.
+/// Index that stands for both the stack and the region of samples that no triangle covers.
 pub(super) const BACKGROUND: u32 = 0;
 
 /// A surface and the stack below it.

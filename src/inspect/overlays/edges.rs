@@ -60,7 +60,7 @@ pub(crate) struct EdgeMarks {
 }
 
 /// Returns the edges of rasterized triangles whose bounding boxes overlap a rectangle (left, top, right, bottom in px
-/// of the picture). Stops after the triangle with which the number of edges reaches `most`. Returns no edges for
+/// of the picture). Stops after the triangle that brings the number of edges to `most` or more. Returns no edges for
 /// lattice sampling, which does not rasterize at the full resolution.
 pub(crate) fn edge_marks(
     frame: &Frame,
@@ -98,7 +98,8 @@ pub(crate) fn edge_marks(
     marks
 }
 
-/// Returns the unit normal of a line, on the side of the point `inside`; zero for a line of zero length.
+/// Returns the unit normal of a line, directed to the side on which the point `inside` lies; zero for a line of zero
+/// length.
 fn inward(from: [f32; 2], to: [f32; 2], inside: [f32; 2]) -> [f32; 2] {
     let (along, down) = (to[0] - from[0], to[1] - from[1]);
     let length = along.hypot(down);

@@ -45,8 +45,8 @@ impl ColorScale {
         if self.reversed { 1.0 - position } else { position }
     }
 
-    /// Returns the number at a position along the scale, from 0 at its lower end to 1 at its upper end, even if the
-    /// colour map is reversed.
+    /// Returns the number at a position along the scale. Position 0 is the low end of the range and 1 is the high end,
+    /// even if the colour map is reversed.
     pub(crate) fn number_at(&self, share: f32) -> f32 {
         let Range { low, high } = self.range;
         if self.logarithmic { (low.ln() + (high.ln() - low.ln()) * share).exp() } else { low + (high - low) * share }

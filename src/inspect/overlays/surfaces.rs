@@ -84,8 +84,8 @@ fn log_scale(range: Range, map: ColorMap, reversed: bool, unit: &'static str) ->
     ColorScale { range, logarithmic: true, map, reversed, unit }
 }
 
-/// Returns the number, minimum, median and maximum of the areas (`which` = 0) or minimum heights (`which` = 1) of all
-/// rasterized triangles, visible or not.
+/// Returns totals of all rasterized triangles, visible or not. They are the number of triangles, the number of small or
+/// thin ones, and the minimum, median and maximum of their areas (`which` = 0) or minimum heights (`which` = 1).
 fn triangles(context: &OverlayContext<'_>, which: usize, small: &'static str, unit: &'static str) -> Vec<Total> {
     let arithmetic = context.recipe.pipeline.arithmetic;
     let triangles = &context.frame.geometry.triangles;

@@ -17,8 +17,8 @@ use crate::scene::{Scene, TriangleId};
 pub(crate) struct FragmentStats {
     /// Number of fragments that the rasterizer generated at each sample.
     pub(crate) rasterized: Image<u32>,
-    /// Number of fragments at each sample that passed the depth test when drawn. Without a depth test, all fragments
-    /// count.
+    /// Number of fragments that passed the depth test at each sample when they were drawn. Without a depth test, all
+    /// fragments count.
     pub(crate) passed: Image<u32>,
     /// Number of fragments at each sample that passed the depth test but were discarded by the alpha test.
     pub(crate) alpha_rejected: Image<u32>,
@@ -79,7 +79,8 @@ struct FragmentStatsRecorder<'a> {
     scene: &'a Scene,
     recipe: &'a Recipe,
     frame: &'a Frame,
-    /// Address of the triangle of the previous fragment, and its constant properties, cached for the next fragment.
+    /// Address and constant properties of the triangle that produced the previous fragment, cached for the next
+    /// fragment.
     current: Option<(*const ScreenTriangle, TriangleProperties)>,
     has_depth: bool,
     /// Shaders, one for each instance.

@@ -53,8 +53,9 @@ impl<'a> FragmentRecorder<'a> {
         }
     }
 
-    /// Returns the recorded fragments with their final outcomes. The last written fragment is visible. Each earlier one
-    /// is overwritten if any later one is opaque, and otherwise blended over.
+    /// Returns the recorded fragments with their final outcomes. The last written fragment is visible. An earlier
+    /// written fragment is overwritten if a fragment written after it hides it completely; otherwise it is blended
+    /// over.
     pub(super) fn finish(mut self) -> Vec<FragmentRecord> {
         let written: Vec<usize> = (0..self.records.len()).filter(|i| self.records[*i].outcome.is_written()).collect();
         let mut is_covered = false;

@@ -100,8 +100,8 @@ pub(crate) struct ProbeResult {
     pub(crate) probe: Probe,
     /// View that was probed.
     pub(crate) subject: ProbedView,
-    /// Number of runs in which the owner of each pixel differed from the owner without jitter. A pixel that gains or
-    /// loses its only owner counts as different.
+    /// Number of runs in which the owner of each pixel differed from the owner without jitter. A pixel that has an
+    /// owner in only one of the two pictures counts as different.
     pub(crate) owner_changes: Image<u16>,
     /// Number of runs in which the stored depth of each pixel differed from the depth without jitter, even by one step;
     /// `None` without a depth test.

@@ -15,8 +15,8 @@ const TRIANGLE_COST_PX: f64 = 60.0;
 /// Checkpoints of one frame: their positions, and the framebuffer copies made so far.
 #[derive(Debug)]
 pub(super) struct Checkpoints {
-    /// Number of triangles drawn before each checkpoint, ascending from 0, and its framebuffer copy; `None` until it is
-    /// made.
+    /// For each checkpoint, the number of triangles drawn before it, ascending from 0, and its copy of the framebuffer.
+    /// The copy is `None` until it is made.
     copies: Vec<(usize, Option<Framebuffer>)>,
 }
 
@@ -39,8 +39,8 @@ impl Checkpoints {
     }
 
     /// Restores `frame` from the last stored copy that contains at most `triangles` triangles, and returns the number
-    /// of triangles in that copy. Leaves `frame` unchanged and returns `None` if `frame`, with `at` triangles, is at
-    /// least as close.
+    /// of triangles in that copy. `frame` contains `at` triangles. If these are at most `triangles`, but at least as
+    /// many as in the copy, leaves `frame` unchanged and returns `None`.
     pub(super) fn restore_before(&self, triangles: usize, at: usize, frame: &mut Framebuffer) -> Option<usize> {
         let before = &self.copies[..self.copies.partition_point(|(place, _)| *place <= triangles)];
         let (place, copy) = before.iter().rev().find_map(|(place, copy)| Some((*place, copy.as_ref()?)))?;
@@ -61,8 +61,8 @@ impl Checkpoints {
         self.copies.get(next).map_or(usize::MAX, |(place, _)| *place)
     }
 
-    /// Stores a copy of `frame`, which contains `at` triangles, if there is a checkpoint at this position without a
-    /// copy.
+    /// Stores a copy of `frame`, which contains `at` triangles, if the checkpoint after that many triangles exists but
+    /// has no copy yet.
     pub(super) fn store_checkpoint(&mut self, at: usize, frame: &Framebuffer) {
         if let Ok(found) = self.copies.binary_search_by_key(&at, |(place, _)| *place) {
             self.copies[found].1.get_or_insert_with(|| frame.clone());

@@ -112,7 +112,7 @@ impl Scrubber {
         drawn
     }
 
-    /// Draws the frame at a playback position if fragments are sorted by depth. `first` is the first triangle whose
+    /// Draws a frame with depth-sorted fragments as it was at a playback position. `first` is the first triangle whose
     /// fragments are sorted. Fragments after the playback position are neither sorted nor drawn.
     fn draw_sorted(&mut self, moment: Moment, first: usize) -> Framebuffer {
         self.seek(first);

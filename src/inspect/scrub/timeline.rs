@@ -14,13 +14,13 @@ choice! {
     }
 }
 
-/// Positions of a frame's draws and of the fragments at the picked pixel, with the triangle and fragment counts needed
-/// for stepping.
+/// Data for stepping through the drawing of a frame: its draws, the fragments at the picked pixel, and the numbers of
+/// triangles and fragments.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Timeline {
     /// Number of rasterized triangles in the frame.
     pub(crate) triangles: usize,
-    /// Index of the first triangle of each draw and the instance that it draws, in ascending order of that index.
+    /// First triangle and instance of each draw, both as indices, in drawing order.
     pub(crate) draws: Vec<(usize, u32)>,
     /// Fragment counts of the last drawn triangle, partial or complete, and of the next triangle.
     pub(crate) fragments: [usize; 2],
@@ -65,8 +65,8 @@ impl Timeline {
         }
     }
 
-    /// Returns the playback position `steps` steps after `now`, or before it if negative. Stops early at either end of
-    /// the frame, or where the number of fragments is unknown.
+    /// Returns the playback position `steps` steps after `now`; a negative number steps backwards. Stops early at
+    /// either end of the frame, or where the number of fragments is unknown.
     pub(crate) fn steps(&self, now: Moment, unit: Unit, steps: i64, touching: bool) -> Moment {
         let forwards = steps > 0;
         if unit == Unit::Triangle && !touching && now.fragments.is_none() {

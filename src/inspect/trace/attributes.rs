@@ -101,8 +101,8 @@ fn edge_change(subject: &TracedFragment<'_>, arithmetic: Arithmetic, direction: 
     side * (given("doubled area", subject.triangle.doubled_area) / area)
 }
 
-/// Returns the formula for the change of a weight per pixel: (qᵢ′ − pᵢ·Σ qⱼ′) / Σ qⱼ with qᵢ = edgeᵢ·rᵢ and pᵢ = qᵢ / Σ
-/// qⱼ, where ′ denotes the change per pixel.
+/// Returns the formula for the change of a weight pᵢ per pixel: (qᵢ′ − pᵢ·Σ qⱼ′) / Σ qⱼ, where ′ denotes the change per
+/// pixel. The weight is pᵢ = qᵢ / Σ qⱼ with qᵢ = edgeᵢ·rᵢ, where rᵢ is the relative 1/w of corner i.
 fn weight_change(subject: &TracedFragment<'_>, slopes: [f32; 3], corner: usize) -> Formula {
     const EDGES: [&str; 3] = ["edge 0", "edge 1", "edge 2"];
     const CHANGES: [&str; 3] = ["change of edge 0", "change of edge 1", "change of edge 2"];

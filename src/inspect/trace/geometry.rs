@@ -303,8 +303,8 @@ fn write_cut(
     }
 }
 
-/// Returns the formula for a component of a new vertex that clipping sets exactly to its value on the plane. Returns
-/// `None` for a component that clipping interpolates.
+/// If clipping sets a component of a new vertex exactly to its value on the clip plane, returns the formula for that
+/// value. Returns `None` if clipping interpolates the component.
 fn pinned(cut: &EdgeCut, axis: usize, widening: f32) -> Option<Formula> {
     let w = || given("w", cut.vertex.position.w);
     let side = || w() * given("guard band", widening);

@@ -290,7 +290,7 @@ fn is_zero(bits: &u32) -> bool {
 /// Number of significant decimal digits of exact results, more than the 17 that identify an f64.
 const EXACT_DIGITS: u32 = 20;
 
-/// Divisor of the type's precision in bits: a loss of at least precision / 3 leading bits is flagged as cancellation.
+/// Cancellation is flagged if the number of lost leading bits is at least the type's precision in bits divided by this.
 const CANCELLATION_DIVISOR: u32 = 3;
 
 /// Whether a number results from at most one operation on inputs of its own type, or from one conversion.

@@ -66,7 +66,7 @@ impl BiasRule {
         })
     }
 
-    /// Computes the bias of a triangle from the positions, in pixels, and the depths of its corners.
+    /// Computes the bias of a triangle from the positions of its corners, in pixels, and from their depths.
     pub(super) fn of(&self, positions_px: [[f64; 2]; 3], depths: [f64; 3], encoding: DepthEncoding) -> TriangleBias {
         let gradient = gradient(positions_px, depths);
         let slope = gradient[0].abs().max(gradient[1].abs());

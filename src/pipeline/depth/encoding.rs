@@ -62,7 +62,8 @@ impl DepthEncoding {
         }
     }
 
-    /// Returns the number of steps between two stored values: codes, or representable floats.
+    /// Returns the number of steps between two stored values. One step leads to the next integer code or, if depths are
+    /// floats, to the next representable float.
     pub(crate) fn steps_between(self, a: f32, b: f32) -> u32 {
         match self.code(a).zip(self.code(b)) {
             None => a.to_bits().abs_diff(b.to_bits()),

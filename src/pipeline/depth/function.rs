@@ -2,10 +2,11 @@
 //!
 //! z/w is an affine function of the screen position, so it is interpolated with the edge values themselves, never with
 //! perspective-correct weights. A depth that is linear in world space is interpolated with perspective-correct weights.
-//! Both are computed as the smallest corner depth plus the weighted differences of the corner depths from it. Neither
-//! weights nor differences are negative, so there is no cancellation. A constant depth is reproduced exactly, and no
-//! sample inside the triangle leaves the range of the corner depths. A depth bias is added to the smallest depth. Depth
-//! is computed in f64 and rounded once.
+//! Both kinds of depth are computed in the same way: the smallest corner depth is subtracted from each corner depth,
+//! the differences are multiplied by the weights of their corners, and the products are added to the smallest corner
+//! depth. Neither weights nor differences are negative, so there is no cancellation. A constant depth is reproduced
+//! exactly, and no sample inside the triangle leaves the range of the corner depths. A depth bias is added to the
+//! smallest depth. Depth is computed in f64 and rounded once.
 
 use super::DepthEncoding;
 use crate::pipeline::raster::RasterSample;
@@ -86,8 +87,9 @@ pub(crate) fn unquantised_depth_at(triangle: &ScreenTriangle, sample: &RasterSam
         Interpolant::Screen => weighted(sample.edges),
         Interpolant::Space => {
             let [a, b, c] = triangle.vertices.each_ref().map(|v| f64::from(v.inv_w));
-            // Inexact arithmetic may also cover samples beyond an edge, where the interpolated distance could pass
-            // through infinity if edge values were not clamped.
+            // Inexact arithmetic may also cover samples slightly outside an edge, whose edge value is negative. Such
+            // values are clamped to 0. Otherwise, the sum of the weights could be close to 0 and the depth far out of
+            // range.
             let [e0, e1, e2] = sample.edges.map(|edge| edge.max(0.0));
             let weights = [e0 * a, e1 * b, e2 * c];
             let sum = weights[0] + weights[1] + weights[2];

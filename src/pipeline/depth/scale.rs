@@ -6,9 +6,10 @@
 //!
 //! Depth preserves order: of two vertices in perspective, the one with the larger w is never stored as nearer. The
 //! formulas consist of a difference, a quotient and a product with a constant, each correctly rounded. If the
-//! difference is exact, depth is therefore monotonic in w. The difference of w and a plane's distance is rounded only
-//! if one is more than 2²⁹ times the other. In this case, with reversed depth, the depths of neighbouring values of w
-//! differ by far more than the rounding error. With standard depth, all such w get the stored depth of the far plane.
+//! difference is exact, depth is therefore monotonic in w. The difference between w and the distance of a plane is
+//! rounded only if one of the two is more than 2²⁹ times the other. With reversed depth, w is then so small that
+//! neighbouring f32 values of w differ in depth by far more than the rounding error. With standard depth, w is then so
+//! large that its stored depth is the same as for the far plane.
 //!
 //! This guarantee has limits:
 //! - w is a rounded sum, so points closer together than its rounding error may already be in the wrong order.

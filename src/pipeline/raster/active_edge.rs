@@ -1,6 +1,6 @@
 //! Active edge list (Wylie, Romney, Evans and Erdahl, "Half-tone perspective drawings by computer", 1967). Edges are
-//! stored in a table by their first row. Edges that the current row crosses are active: each steps to the next row by
-//! its slope, and the row is filled between pairs of them.
+//! stored in a table by their first row. Edges that the current row crosses are active. The row is filled between pairs
+//! of active edges; then each active edge steps to the next row by its slope.
 //!
 //! The algorithm is designed for polygons with any number of edges; a triangle has two active ones at a time. In
 //! integers, the step from row to row is Bresenham's and exact. In floats, adding the slope accumulates rounding

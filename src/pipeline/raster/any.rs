@@ -19,7 +19,7 @@ pub(crate) enum AnyTriangle {
     Exact(RasterTriangle<Exact>),
 }
 
-/// Evaluates `$body` with `$triangle` bound to the triangle in its arithmetic.
+/// Evaluates `$body`, in which `$triangle` is the `RasterTriangle` that the variant holds.
 macro_rules! each {
     ($any:expr, $triangle:ident => $body:expr) => {
         match $any {
@@ -54,8 +54,8 @@ impl AnyTriangle {
         each!(self, triangle => triangle.edges().each_ref().map(|edge| edge.steps(column.into(), row.into())))
     }
 
-    /// Returns for each edge, opposite to the vertex of the same index, whether samples exactly on it belong to the
-    /// triangle.
+    /// Returns, for each edge, whether samples exactly on the edge belong to the triangle. The edges are in the order
+    /// of the vertices opposite them.
     pub(crate) fn owned(&self) -> [bool; 3] {
         each!(self, triangle => triangle.edges().each_ref().map(RasterEdge::owned))
     }

@@ -1,10 +1,10 @@
 //! Edge walking: follows the long edge from the top to the bottom vertex, and scans every row from this edge towards
 //! the other two edges.
 //!
-//! The simple form walks the *pixels* of the long edge as a line. A nearly horizontal edge has several pixels in a row,
-//! so rows are filled repeatedly, and a rounded start may lie outside the triangle. This version walks rows, and starts
-//! each row at the first pixel inside the long edge. The end of a row is found by testing, which visits one sample
-//! beyond the triangle per row.
+//! The simple form walks the *pixels* of the long edge as a line. If the edge is nearly horizontal, the line has
+//! several pixels in the same row, so this row is filled several times. The pixels of the line are rounded positions,
+//! so some of them may lie outside the triangle. This version walks rows, and starts each row at the first pixel inside
+//! the long edge. The end of a row is found by testing, which visits one sample beyond the triangle per row.
 
 use super::numbers::{Numbers, RasterEdge};
 use super::{RasterTarget, RasterTriangle};

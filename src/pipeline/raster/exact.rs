@@ -2,10 +2,10 @@
 //! Robust Geometric Predicates" (1997), from the crate `robust`.
 //!
 //! Vertices are f32, so expansions neither overflow nor underflow, and every sign is correct. Most signs are certain
-//! without expansions: for each edge, the f64 rounding error is bounded at every pixel of a picture (a static filter,
-//! as in Shewchuk's chapter 4). Only edge values within this bound are decided by the adaptive predicates. The
-//! intersection of an edge with a row is estimated in f64 and then corrected by exact signs, in doubling steps and by
-//! bisection.
+//! without expansions: each edge stores a bound on the f64 rounding error that holds at every pixel of a picture (a
+//! static filter, as in Shewchuk's chapter 4). The adaptive predicates decide only if an edge value lies within this
+//! bound. The column at which an edge crosses a row is estimated in f64. Exact signs then correct the estimate, first
+//! in doubling steps and then by bisection.
 
 use robust::{Coord, orient2d};
 
@@ -74,8 +74,9 @@ fn oriented(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
 }
 
 /// Returns a bound on the error of along × (p − from), computed in f64, for every pixel centre p in a picture. Both
-/// factors of each product are rounded once. Together with the rounding of the products and of their difference, the
-/// error is at most 4 half ulps of the sum of the products' magnitudes. The bound is twice that, for safety.
+/// factors of a product, the product itself and the difference of the products are rounded once each. The error is
+/// therefore at most 4 · ε/2 times the sum of the products' magnitudes, where ε is [`f64::EPSILON`]. The bound is twice
+/// that, for safety.
 fn rounding_bound(from: [f64; 2], along: [f64; 2]) -> f64 {
     let farthest = from.map(|c| c.abs() + f64::from(MAX_SIDE_PX));
     4.0 * f64::EPSILON * (along[0].abs() * farthest[1] + along[1].abs() * farthest[0])
@@ -159,8 +160,8 @@ impl RasterEdge for ExactEdge {
     fn boundary(&self, row: i64) -> i64 {
         let last = i64::from(MAX_SIDE_PX);
         let estimate = (self.estimate(row).clamp(0.0, last as f64) as i64).clamp(0, last);
-        // Columns up to `before` are not beyond the edge; columns from `beyond` on are. Steps double until the two
-        // enclose the boundary.
+        // Doubles the step until the boundary is enclosed: column `before` is not beyond the edge, and column `beyond`
+        // is.
         let (mut before, mut beyond) = (estimate, estimate);
         let mut step = 1;
         if self.is_beyond(estimate, row) {

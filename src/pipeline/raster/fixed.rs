@@ -69,9 +69,9 @@ impl FixedEdge {
         self.a * centre(column) + self.b * centre(row) + self.c
     }
 
-    /// Returns the fractional column at which the centre line of a row crosses the edge. Its ceiling is
-    /// [`RasterEdge::boundary`]. For this, the fraction is increased by its smallest step if a pixel centre exactly on
-    /// the edge does not count as right of the edge.
+    /// Returns the fractional column at which the centre line of a row crosses the edge. If a pixel centre exactly on
+    /// the edge does not count as right of the edge, the numerator is increased by 1. The ceiling of the fraction is
+    /// therefore always [`RasterEdge::boundary`].
     fn crossing(&self, row: i64) -> Ratio {
         let tie = i64::from(!self.inward().tie_is_beyond(self.owned));
         let numerator = -(self.b * centre(row) + self.c) * self.a.signum() + tie - HALF_PIXEL * self.a.abs();

@@ -1,10 +1,10 @@
 //! Floating point, f32 or f64, on unsnapped vertices: the arithmetic of most tutorials, made as robust as possible.
 //!
 //! Both triangles that share an edge evaluate it from its upper endpoint. They therefore get exactly opposite values,
-//! and agree on which side a pixel centre lies, even where rounding makes the result wrong. The crossing of a row is a
-//! weighted mean of the edge's endpoints, so it stays within their range even for an edge of vanishing height. Rounding
-//! errors remain: a pixel centre closer to an edge than the floats resolve may fall on the wrong side. A walk that adds
-//! the slope row by row accumulates error (drift).
+//! and agree on which side a pixel centre lies, even where rounding makes the result wrong. The position at which an
+//! edge crosses a row is a weighted mean of the edge's endpoints, so it stays between them even if the edge is almost
+//! horizontal. Rounding errors remain: a pixel centre closer to an edge than the floats resolve may fall on the wrong
+//! side. A walk that adds the slope row by row accumulates error (drift).
 
 use num_traits::Float;
 

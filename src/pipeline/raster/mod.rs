@@ -96,9 +96,8 @@ impl Scissor {
         Self { left: x, top: y, right: x + 1, bottom: y + 1 }
     }
 
-    /// Returns whether any rasterizer may find covered samples of a triangle inside the scissor, judged by the
-    /// triangle's bounding box. The test avoids setting up triangles far from the scissor: nearly all triangles if a
-    /// single pixel is drawn.
+    /// Returns whether a triangle may cover samples inside the scissor in any of the rasterizers, judged by its
+    /// bounding box. Triangles that fail this test need not be set up: nearly all triangles if a single pixel is drawn.
     pub(crate) fn may_overlap(&self, corners_px: [[f32; 2]; 3]) -> bool {
         self.may_overlap_box(box_around(corners_px))
     }
@@ -208,7 +207,7 @@ pub(super) fn cover_samples<N: Numbers>(
     canvas.visited
 }
 
-/// Evaluates `$body` with the type alias `$numbers` for the arithmetic that the setting `$chosen` selects.
+/// Evaluates `$body`, in which the type `$numbers` is the arithmetic that the setting `$chosen` selects.
 macro_rules! with_arithmetic {
     ($chosen:expr, $numbers:ident => $body:expr) => {
         match $chosen {
@@ -234,8 +233,8 @@ macro_rules! with_arithmetic {
 
 pub(crate) use with_arithmetic;
 
-/// Returns the doubled signed area of a triangle, computed in `arithmetic`, and the scale of its edge values. The area
-/// is positive if the triangle is clockwise for the viewer (y down), and 0 if a vertex is not finite.
+/// Returns the doubled signed area of a triangle, computed in `arithmetic`, and the factor by which its edge values are
+/// scaled. The area is positive if the triangle is clockwise for the viewer (y down), and 0 if a vertex is not finite.
 pub(crate) fn doubled_area(arithmetic: settings::Arithmetic, corners_px: [[f32; 2]; 3]) -> (f64, f64) {
     with_arithmetic!(arithmetic, N => triangle::doubled_area::<N>(corners_px)).unwrap_or((0.0, 1.0))
 }
@@ -271,7 +270,8 @@ pub(crate) fn cover_in_bands<E>(
 ) -> Result<(), E> {
     let Viewport { width, height } = viewport;
     let [.., top, bottom] = box_around(corners_px);
-    // Casts saturate. One more band on each side allows for the margin of `may_overlap`.
+    // The rows extend one band beyond the triangle on each side, because of the margin of `may_overlap`. Casts to
+    // integers saturate.
     let row = |px: f32| (px.max(0.0) as u32).min(height);
     let (first, end) = (row(top - BAND_ROWS as f32) / BAND_ROWS * BAND_ROWS, row(bottom + BAND_ROWS as f32));
     let mut spans = Vec::new();
@@ -302,9 +302,8 @@ pub(crate) fn cover_within(
     });
 }
 
-/// Returns vertices and an arithmetic that give the same coverage without integer overflow. Fixed point is replaced by
-/// exact predicates on the snapped vertices if a coordinate exceeds [`fixed::LIMIT_PX`]; all other input is returned
-/// unchanged.
+/// Replaces fixed point where its integers could overflow: if a coordinate exceeds [`fixed::LIMIT_PX`], returns the
+/// snapped vertices and exact arithmetic, which give the same coverage. Otherwise, returns the arguments unchanged.
 fn within_fixed_point(
     corners_px: [[f32; 2]; 3],
     arithmetic: settings::Arithmetic,

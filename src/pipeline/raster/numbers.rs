@@ -17,13 +17,13 @@ pub(crate) trait Numbers: Copy {
     /// Converts a finite screen coordinate in pixels to this arithmetic.
     fn coordinate(px: f32) -> Self::Coordinate;
 
-    /// Returns the doubled signed area of a triangle, positive if clockwise for the viewer (y down), and the scale of
-    /// edge values. The scale is a power of two that brings the magnitude of the area near 1, or 1 in fixed point. The
-    /// area is NaN if an overflow leaves it undefined.
+    /// Returns the doubled signed area of a triangle, and the factor by which its edge values are scaled. The area is
+    /// positive if the triangle is clockwise for the viewer (y down), and NaN if an overflow leaves it undefined. The
+    /// factor is a power of two that brings the magnitude of the area near 1; in fixed point it is 1.
     fn doubled_area(corners: [[Self::Coordinate; 2]; 3]) -> (f64, f64);
 
-    /// Returns the edge between two consecutive vertices of a triangle. `sign` is the sign of the triangle's area, and
-    /// `scale` the factor of its edge values.
+    /// Returns the edge between two consecutive vertices of a triangle. `sign` is the sign of the triangle's area.
+    /// `scale` is the factor by which edge values are scaled.
     fn edge(ends: [[Self::Coordinate; 2]; 2], sign: f64, scale: f64, rule: FillRule) -> Self::Edge;
 
     /// Returns the index of the first pixel along one axis whose centre lies at or after a coordinate.
@@ -54,9 +54,9 @@ pub(crate) trait RasterEdge: Copy {
     /// Returns the intermediate values of the edge function at the centre of a pixel.
     fn steps(&self, column: i64, row: i64) -> EdgeSteps;
 
-    /// Returns the first column of a row whose pixel centre lies to the right of the edge: the first column inside for
-    /// a left edge, the first one outside for a right edge. Not defined for horizontal edges. Exact arithmetic clamps
-    /// the result to the columns that a picture can have.
+    /// Returns, for a row, the first column whose pixel centre lies to the right of the edge. For a left edge, this is
+    /// the first column inside the edge; for a right edge, the first column outside. Not defined for horizontal edges.
+    /// Exact arithmetic clamps the result to the columns that a picture can have.
     fn boundary(&self, row: i64) -> i64;
 
     /// Starts a row-by-row walk down the edge, at `row`.
@@ -89,7 +89,7 @@ impl Inward {
         Self { right: sign(by_x), down: sign(by_y) }
     }
 
-    /// Returns whether the fill rule assigns pixel centres exactly on an edge with this direction to the triangle.
+    /// Returns whether, under a fill rule, pixel centres exactly on an edge with this direction belong to the triangle.
     pub(crate) fn owned(self, rule: FillRule) -> bool {
         let Self { right, down } = self;
         match rule {
@@ -102,8 +102,8 @@ impl Inward {
         }
     }
 
-    /// Returns whether a pixel centre exactly on the edge counts as right of it: on a left edge if the triangle owns
-    /// the edge, on a right edge if it does not.
+    /// Returns whether a pixel centre exactly on the edge counts as lying to the right of the edge. For a left edge,
+    /// this is so if the triangle owns the edge; for a right edge, if the triangle does not own it.
     pub(crate) fn tie_is_beyond(self, owned: bool) -> bool {
         (self.right > 0) == owned
     }

@@ -47,8 +47,8 @@ pub(super) fn scanline(corners_px: [[f32; 2]; 3], canvas: &mut RasterTarget<'_>)
     half(canvas, [middle, bottom], [fourth, bottom]);
 }
 
-/// Fills one half of the split triangle: the rows between two sides whose upper endpoints have the same y, as do their
-/// lower endpoints.
+/// Fills one half of the split triangle, row by row between two sides. The upper endpoints of both sides have the same
+/// y, and so do the lower endpoints.
 fn half(canvas: &mut RasterTarget<'_>, one: [[f64; 2]; 2], other: [[f64; 2]; 2]) {
     let height = one[1][1] - one[0][1];
     if height <= FLAT_PX {

@@ -3,7 +3,8 @@
 //! The textbook version constructs a fourth vertex on the long edge and steps both sides from vertex to vertex. The
 //! constructed vertex is rounded, so the long edge bends and cracks appear between adjacent triangles. Stepping from
 //! the vertex instead of from the first row's centre shifts every row. In this version the long edge stays whole and
-//! both crossings are computed for every row. The height of a horizontal edge is never a divisor.
+//! both crossings are computed for every row. There is no division by the height of a horizontal edge, because such an
+//! edge bounds no row.
 
 use super::numbers::{Numbers, RasterEdge};
 use super::{RasterTarget, RasterTriangle};

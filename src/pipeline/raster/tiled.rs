@@ -3,8 +3,8 @@
 //! 1996).
 //!
 //! An edge function grows in one direction. A square is therefore outside an edge if its innermost pixel is outside,
-//! and inside if its outermost pixel is inside. Squares lie on a fixed lattice and are never cut at the scissor, so a
-//! pixel's coverage does not depend on what else is drawn.
+//! and inside if its outermost pixel is inside. Squares lie on a fixed lattice and are never cut at the scissor, so the
+//! coverage of a pixel does not depend on the scissor.
 
 use super::numbers::{Numbers, RasterEdge};
 use super::{PixelRange, RasterTarget, RasterTriangle};

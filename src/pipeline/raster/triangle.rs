@@ -61,7 +61,8 @@ impl<N: Numbers> RasterTriangle<N> {
         })
     }
 
-    /// Returns the two sides between which rows are filled: the long edge, and the two short edges.
+    /// Returns the two sides between which rows are filled: one is the long edge, the other consists of the two short
+    /// edges.
     pub(super) fn sides(&self) -> Sides<N::Edge> {
         let mut order = [0, 1, 2];
         let y = |corner: usize| self.corners[corner][1];
@@ -78,8 +79,8 @@ impl<N: Numbers> RasterTriangle<N> {
         let (upper, lower) = (self.edges[bottom], self.edges[top]);
         let (above, below) = (N::last_centre, N::first_centre);
         let long = self.edges[middle];
-        // Rows whose centres lie exactly on a horizontal edge belong to the triangle that owns the edge. Rows at a tip
-        // are empty.
+        // A row whose centres lie exactly on a horizontal edge belongs to the triangle that owns the edge. A row that
+        // touches only a tip is kept; it can have a covered sample only under the inclusive fill rule.
         let first = if y(top) == y(middle) && !upper.owned() { above(y(top)) + 1 } else { below(y(top)) };
         let last = if y(middle) == y(bottom) && !lower.owned() { below(y(bottom)) - 1 } else { above(y(bottom)) };
         let last_upper = if y(middle) == y(bottom) { last } else { below(y(middle)) - 1 };
@@ -87,8 +88,8 @@ impl<N: Numbers> RasterTriangle<N> {
     }
 }
 
-/// Returns the doubled signed area of a triangle, positive if clockwise for the viewer (y down), and the scale of its
-/// edge values. Returns `None` if the triangle has no area.
+/// Returns the doubled signed area of a triangle, and the factor by which its edge values are scaled. The area is
+/// positive if the triangle is clockwise for the viewer (y down). Returns `None` if the triangle has no area.
 pub(super) fn doubled_area<N: Numbers>(corners_px: [[f32; 2]; 3]) -> Option<(f64, f64)> {
     if !corners_px.as_flattened().iter().all(|c| c.is_finite()) {
         return None;

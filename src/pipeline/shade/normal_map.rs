@@ -19,7 +19,7 @@ use crate::pipeline::sample::Sampler;
 pub(crate) struct NormalMap<'a> {
     pub(super) texture: Readable<'a>,
     pub(super) sampler: Sampler,
-    /// Factor of the x and y components of the map's vectors.
+    /// Factor by which the x and y components of the map's vectors are multiplied.
     pub(super) scale: f32,
     pub(super) uv_scale: Vec2,
     pub(super) mesh: PlacedMesh<'a>,

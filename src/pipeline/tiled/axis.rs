@@ -11,7 +11,7 @@ pub(super) struct TexelNeighbours<S: Simd> {
     pub(super) weight: F32<S>,
 }
 
-/// Size along one axis of the images that eight samples read, one image per lane.
+/// Number of texels along one axis, per lane: each of eight samples may read an image of a different size.
 #[derive(Clone, Copy)]
 pub(super) struct TexelAxis<S: Simd> {
     /// Number of texels along the axis.
@@ -85,8 +85,7 @@ pub(super) fn neighbours<S: Simd>(
 /// texel and the weight of the upper one; `None` if a position is outside the range of this fast path.
 ///
 /// Positions are in texels, along axes whose lengths are powers of two. Texel indices may be off by multiples of the
-/// length. At the exact centre of a texel, the index may be that of the texel before it; the upper texel then has all
-/// the weight.
+/// length. If a position is the exact centre of a texel, this texel may be the upper one, with weight 1.
 #[inline(always)]
 pub(super) fn below_repeated<S: Simd>([x, y]: [f32x16<S>; 2]) -> Option<[(i32x16<S>, f32x16<S>); 2]> {
     let are_exact = (are_small(x) & are_small(y)) || (are_moderate(x) & are_moderate(y));
@@ -97,12 +96,12 @@ pub(super) fn below_repeated<S: Simd>([x, y]: [f32x16<S>; 2]) -> Option<[(i32x16
 #[inline(always)]
 fn are_small<S: Simd>(position: f32x16<S>) -> bool {
     // As unsigned integers, the bits of non-negative floats are ordered like their values. The bits of negative floats
-    // are greater than those.
+    // are greater than the bits of all non-negative floats.
     position.bitcast::<u32x16<S>>().simd_lt(ALL_INTEGERS.to_bits()).all_true()
 }
 
-/// Returns `true` if the magnitudes of all positions, in texels, are less than [`ALL_INTEGERS`], and no position is so
-/// close below zero that [`neighbours`] would round it.
+/// Returns `true` if the magnitudes of all positions, in texels, are less than [`ALL_INTEGERS`], and no position is
+/// −0.0 or lies between −[`LEAST_BELOW_ZERO`] and zero.
 #[inline(always)]
 fn are_moderate<S: Simd>(position: f32x16<S>) -> bool {
     let least_below_zero = (-LEAST_BELOW_ZERO).to_bits() as i32;
@@ -126,8 +125,8 @@ fn below<S: Simd>(position: f32x16<S>) -> (i32x16<S>, f32x16<S>) {
     (nearest.to_int::<i32x16<S>>() - 1, (position - nearest) + 0.5)
 }
 
-/// Least magnitude, in texels, of a negative position whose texture coordinate plus 1 is exact in f64, along axes of up
-/// to 2¹⁶ texels.
+/// Least magnitude, in texels, of a negative position for which [`below_repeated`] is exact. As axes have at most 2¹⁶
+/// texels, the texture coordinate has at least the magnitude 2⁻³⁰, and adding 1 to it in f64 is exact.
 pub(super) const LEAST_BELOW_ZERO: f32 = 1.0 / 16384.0;
 
 /// Magnitude at and above which every f32 is an integer: 2²³.

@@ -58,7 +58,8 @@ impl TriangleBatch {
     /// Sets up eight triangles like [`Setup::new`], with edge functions in f64 and in i32, and fills their records.
     ///
     /// Returns two bit masks. The first selects the triangles that may cover a sample of the tile. The second selects
-    /// those among them whose edge values may exceed 32 bits in a pixel that they cover at least in part.
+    /// those among them whose edge values may exceed 32 bits, either at a sample that they cover or at another sample
+    /// of the same pixel.
     #[inline(never)]
     #[expect(
         clippy::too_many_arguments,
@@ -167,7 +168,8 @@ impl TriangleBatch {
         }
     }
 
-    /// Counts the triangles selected by `alive` that span more than `least` columns or rows of samples.
+    /// Counts the large triangles among those selected by `alive`. A triangle is large if it spans more than `least`
+    /// columns or rows of samples.
     pub(super) fn count_large(&self, alive: u64, least: i32) -> u32 {
         let reaches = |range: &[[i32; LANES]; 2], lane: usize| range[1][lane] - range[0][lane] >= least;
         let is_large = |lane: &usize| reaches(&self.columns, *lane) || reaches(&self.rows, *lane);
@@ -225,8 +227,8 @@ impl Triangles for TriangleBatch {
 }
 
 impl EdgeArrays<f64> {
-    /// Returns two bit masks: the triangles that may cover a sample of the tile, and those that cover all samples of
-    /// all its pixels.
+    /// Returns two bit masks: the triangles that may cover a sample of the tile, and the triangles that cover all
+    /// samples of all pixels of the tile.
     #[inline(always)]
     fn in_tile<S: Simd>(&self, simd: S, lattice: &TileLattice) -> [u64; 2] {
         let [width, height] = lattice.tile_extent();
@@ -302,8 +304,8 @@ fn of_lane<T: Copy>(values: &[[T; LANES]; 3], lane: usize) -> [T; 3] {
     each!(i in [0, 1, 2] => values[i][lane])
 }
 
-/// Rotates three values in each lane. In lanes selected by the first mask, the first value becomes the last; in other
-/// lanes selected by the second mask, the second value does. All other lanes are unchanged.
+/// Rotates the three values of a lane so that one of them becomes the last: the first value in lanes that the first
+/// mask selects, and the second value in lanes that only the second mask selects. All other lanes are unchanged.
 #[inline(always)]
 fn rotated<S: Simd, V: SimdBase<S>>([first, second]: [V::Mask; 2], [a, b, c]: [V; 3]) -> [V; 3] {
     each!((of_first, of_second, of_third) in [(b, c, a), (c, a, b), (a, b, c)] => {
@@ -317,8 +319,8 @@ fn range_of(ranges: &[[i32; LANES]; 2], lane: usize) -> [usize; 2] {
     [ranges[0][lane] as usize, ranges[1][lane] as usize]
 }
 
-/// Computes the ranges of columns and rows, within a tile, of the samples that eight triangles may cover. `boxes` are
-/// their bounding boxes in steps of 1/256 px. Returns the bit mask of the triangles with nonempty ranges.
+/// Computes the columns and rows of a tile in which each of eight triangles may cover samples. `boxes` are the bounding
+/// boxes of the triangles in steps of 1/256 px. Returns the bit mask of the triangles with nonempty ranges.
 #[inline(always)]
 fn ranges_lanes<S: Simd>(
     simd: S,

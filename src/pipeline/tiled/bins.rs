@@ -56,7 +56,7 @@ pub(super) struct Chunk {
     /// Ranges of triangle identifiers: index of the draw, first identifier, one past the last.
     parts: Vec<(usize, u32, u32)>,
     survivors: Survivors,
-    /// Index in `keys` of each tile's first entry, followed by the end of the last tile's entries.
+    /// For each tile, the index of its first entry in `keys`. One more value at the end is the number of all entries.
     starts: Vec<u32>,
     keys: Vec<TriangleKey>,
     /// Pieces of clipped triangles.
@@ -263,7 +263,8 @@ impl Binning<'_> {
                     continue;
                 }
             }
-            // Excludes the padding lanes: if a vertex has a screen position of NaN, even their area may be nonzero.
+            // Excludes the padding lanes. All three vertices of a padding lane are vertex 0 of the draw, so its area is
+            // zero, or NaN if the screen position of that vertex is NaN.
             whole &= u64::from(u32::MAX) >> (u32::BITS as usize - group.len());
             let (shown, alive, tiles) = self.cull_lanes(simd, vertices, corners, whole);
             chunk.rasterized += shown.count_ones() as usize;
@@ -285,8 +286,9 @@ impl Binning<'_> {
         }
     }
 
-    /// Culls the triangles selected by `whole` among eight. Returns the bit mask of the triangles that pass face
-    /// culling, the bit mask of those among them that may cover a sample, and the tile range of each triangle.
+    /// Culls eight triangles. Those that `whole` does not select are always culled. Returns the bit mask of the
+    /// triangles that pass face culling, the bit mask of the triangles that also may cover a sample, and the tile range
+    /// of each triangle.
     #[inline(always)]
     fn cull_lanes<S: Simd>(
         &self,

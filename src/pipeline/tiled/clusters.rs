@@ -12,10 +12,10 @@
 //! M = Σ |mᵢ| |vᵢ| is that sum with every term positive. If products underflow, it is off by 3 · 2⁻¹⁵⁰ more. The
 //! distance from a plane is a single component or the difference of two. The difference is computed in doubles, so it
 //! has the sign of the exact difference of these components. Therefore, if the exact distance is less than −8u · max M
-//! − 2⁻¹⁴⁷ for every point of a box, the pipeline computes every vertex in the box as outside. [`ROUNDING`] and
-//! [`UNDERFLOW`] exceed these terms by at least a factor of four. This covers the rounding of the culling test itself,
-//! which is computed in doubles. Over a box, an affine function has its maximum at the corner that the signs of its
-//! coefficients select. M has its maximum where the magnitude of each coordinate is largest.
+//! − 2⁻¹⁴⁷ for every point of a box, every vertex in the box is outside according to the pipeline's computation.
+//! [`ROUNDING`] and [`UNDERFLOW`] exceed these terms by at least a factor of four. This covers the rounding of the
+//! culling test itself, which is computed in doubles. Over a box, an affine function has its maximum at the corner that
+//! the signs of its coefficients select. M has its maximum where the magnitude of each coordinate is largest.
 //!
 //! **Back-facing**: the doubled area of the snapped vertices has the sign of the culled side, or is zero. In a picture
 //! of W × H px, the exact doubled area on the screen, before snapping, is S = −(W·H/4) · D / (w₀ w₁ w₂). D is the
@@ -30,9 +30,9 @@
 //! (W·H/4) · h · |n·e + d·f| / w_max³  >  3 √2 δ κ / w_min + 8δ² / h
 //! ```
 //!
-//! The condition can only hold for altitudes of at least about a hundredth of a pixel on the screen. The triangles must
-//! not be clipped, because the pieces are snapped again: the box must lie between the depth planes and within the guard
-//! band.
+//! The condition can only hold for triangles whose altitude on the screen is at least about a hundredth of a pixel. The
+//! triangles must not be clipped, because the pieces are snapped again: the box must lie between the depth planes and
+//! within the guard band.
 
 use std::ops::Range;
 
@@ -124,7 +124,8 @@ enum ClusterFate {
 /// Merges ranges of vertex blocks, which may overlap, into disjoint ranges of vertices. The mesh has `len` vertices.
 /// The running time is proportional to the number of ranges plus the number of blocks in the mesh.
 fn union(ranges: impl Iterator<Item = Range<usize>>, len: usize) -> Vec<Range<usize>> {
-    // For each block, the number of ranges that begin at it minus the number of ranges that end before it.
+    // For each block, the number of ranges that begin with it minus the number of ranges whose last block is the one
+    // before it.
     let mut changes = vec![0_i32; len.div_ceil(BLOCK) + 1];
     for range in ranges {
         changes[range.start] += 1;
@@ -254,9 +255,9 @@ struct BackFacingTest {
     x: Affine,
     y: Affine,
     w: Affine,
-    /// Coefficients of D / 2A as a linear function of n and d, with the sign chosen so that the function is positive
-    /// for culled triangles; then, for each coefficient, the sum of the magnitudes of its terms. The module
-    /// documentation explains the symbols.
+    /// Coefficients of D / 2A as a linear function of n and d, which the module documentation defines. The function is
+    /// positive for culled triangles. The second array has, for each coefficient, the sum of the magnitudes of its
+    /// terms.
     seen_from: ([f64; 4], [f64; 4]),
     /// Factor κ: an edge of model-space length ℓ is at most κℓ/w px long on the screen.
     stretch: f64,
@@ -287,7 +288,8 @@ impl BackFacingTest {
             (products.iter().sum::<f64>(), products.iter().map(|product| product.abs()).sum::<f64>())
         };
         let [x, y, z, one] = [0, 1, 2, 3].map(minor);
-        // Largest stretch of an edge along one screen axis, including the effect of a change of w.
+        // `along` bounds the length, along one screen axis, of an edge with ℓ = 1 at w = 1. The term with row 3
+        // accounts for the change of w along the edge.
         let length = |row: usize| clip_from_model.row(row).xyz().as_dvec3().length();
         let along = |row: usize, size: f64| 0.5 * size * (length(row) + f64::from(BAND) * length(3));
         Self {
@@ -382,8 +384,8 @@ fn fates(clusters: &Clusters, view: &ClusterCulling, lanes: Lanes) -> Vec<Cluste
     out
 }
 
-/// Returns two bit masks over eight clusters: those whose vertices all lie beyond one clip plane, as the pipeline
-/// computes them, and those that are back-facing.
+/// Returns two bit masks over eight clusters. The first selects clusters whose vertices all lie beyond one clip plane
+/// when the pipeline transforms them. The second selects clusters that are back-facing.
 #[inline(always)]
 fn eight_fates<S: Simd>(simd: S, boxes: &Boxes, planes: &ClusterPlanes, view: &ClusterCulling) -> [u64; 2] {
     let bounds = each!(end in [0, 1] => {
@@ -438,7 +440,7 @@ mod tests {
         outside
     }
 
-    /// Returns `true` if the pipeline computes all `vertices` as beyond the same plane.
+    /// Returns `true` if all `vertices`, transformed as in the pipeline, lie beyond the same plane.
     fn is_outside(vertices: &[Vec3], matrix: Mat4) -> bool {
         let clip = || vertices.iter().map(|vertex| matrix * vertex.extend(1.0));
         ClipPlane::ALL.iter().any(|plane| clip().all(|position| plane.distance(position, 1.0) < 0.0))
@@ -460,7 +462,7 @@ mod tests {
                 let edge = Vec3::from_array(std::array::from_fn(|_| number())) * 1e-6;
                 [a, a + edge]
             });
-            // Moves the plane through a corner of the first box, or very close to it.
+            // Translates the plane so that it passes through a corner of the first box, or very close to that corner.
             let at = matrix * corners[0][0].extend(1.0);
             let off = plane.distance(at, 1.0) as f32 * [1.0, 1.000_001, 0.999_999][round / 36 % 3];
             match plane {
@@ -491,8 +493,8 @@ mod tests {
         assert!(left_out > 3 * kept_though_outside && kept_though_outside > 0, "{left_out} {kept_though_outside}");
     }
 
-    /// Tests mesh sheets of many sizes, bent, creased and squeezed to far less than a pixel, in views that mirror and
-    /// shear them.
+    /// Tests sheets of triangles that are bent, creased and squeezed, down to far less than a pixel. The views mirror
+    /// and shear them.
     #[test]
     fn clusters_culled_as_back_facing_have_only_culled_triangles() {
         let mut random = fastrand::Rng::with_seed(22);
@@ -548,8 +550,8 @@ mod tests {
         assert!(smallest < 0.25, "{smallest}");
     }
 
-    /// Returns the doubled area in px² of a triangle that the classic (scalar) path culls; `None` if it is not culled,
-    /// or is clipped.
+    /// If the classic (scalar) path culls a triangle without clipping it, returns the doubled area of the triangle in
+    /// px². Otherwise returns `None`.
     fn fate_of(corners: [Vec3; 3], matrix: Mat4, culling: Culling) -> Option<f64> {
         let widening = guard_band_widening(VIEWPORT.width, VIEWPORT.height);
         let corners = corners.map(|corner| ClipVertex::at(matrix * corner.extend(1.0)));

@@ -37,8 +37,8 @@ impl DepthRules {
         }
     }
 
-    /// Returns the rules. If `COMMON` is `true`, the rules that code branches on are compile-time constants, which
-    /// removes the branches; [`DepthRules::are_common`] must then return `true`.
+    /// Returns the rules. If `COMMON` is `true`, those that the code branches on are compile-time constants, so the
+    /// compiler removes the branches. `COMMON` may be `true` only if [`DepthRules::are_common`] returns `true`.
     #[inline(always)]
     pub(super) fn known<const COMMON: bool>(self) -> Self {
         if COMMON {
@@ -93,7 +93,7 @@ pub(super) fn depth<S: Simd, E: EdgeNumber>(
         sum.simd_gt(0.0).select(weighted / sum, zero)
     } else {
         let [first, second] = each!(i in [0, 1] => E::doubles(simd, e[i]) * rises[i]);
-        // The third term is zero, so the sum of the other two is the same in any order.
+        // The third term is zero. The sum of the other two does not depend on their order.
         if E::LAST_HAS_MIN_DEPTH { first + second } else { first + second + E::doubles(simd, e[2]) * rises[2] }
     };
     let depth = (rise + *least).min(1.0);
@@ -113,8 +113,8 @@ fn quantize<S: Simd>(simd: S, depth: F64<S>, encoding: DepthEncoding) -> F32<S> 
     }
 }
 
-/// Bound on the rounding error of a depth and of its bounds, relative to the sum of the magnitudes of its terms: about
-/// 23 operations, each with a relative error of 2⁻⁵³.
+/// Bound on the rounding error of a computed depth or depth bound, relative to the sum of the magnitudes of the added
+/// terms. The error accumulates over about 23 operations, each with a relative error of at most 2⁻⁵³.
 const ROUNDING: f64 = 1.0 / (1_u64 << 48) as f64;
 
 /// Depth of a triangle as a linear function of the sample position in a tile, before quantisation.
@@ -159,7 +159,7 @@ impl DepthPlane {
     /// the positions of the first sample of each rectangle. Width and height are the distances from the first to the
     /// last sample. All are in steps of 1/256 px.
     ///
-    /// For rectangles that the triangle does not cover anywhere, the bounds may lie outside its range of depths.
+    /// If the triangle covers no sample of a rectangle, the bounds may lie outside the triangle's range of depths.
     #[inline(always)]
     pub(super) fn bounds<S: Simd>(
         &self,
@@ -174,16 +174,16 @@ impl DepthPlane {
         let at = x * across + (down * y + at_first);
         let mut ends = [(at + nearest).max(least), (at + farthest).min(greatest)];
         if rules.biased {
-            // All depths of a rectangle may be clamped to 0 or 1, so each bound is clamped to the range from `least` to
-            // `greatest`.
+            // A bias may move all depths of a rectangle below 0 or above 1, where they are clamped. Each bound is
+            // therefore clamped to the range from `least` to `greatest`.
             ends = [ends[0].min(greatest), ends[1].max(least)];
         }
         each!(i in [0, 1] => quantize(simd, ends[i], rules.encoding))
     }
 }
 
-/// Compares depth bounds of eight rectangles with bounds of the stored depths. Returns two bit masks: the rectangles in
-/// which every depth fails the depth test, and those in which every depth passes.
+/// Compares the bounds of new depths in eight rectangles with the bounds of the depths stored there. Returns two bit
+/// masks: the rectangles in which every new depth fails the depth test, and those in which every new depth passes.
 #[inline(always)]
 pub(super) fn compare_bounds<S: Simd>(
     [low, high]: [F32<S>; 2],

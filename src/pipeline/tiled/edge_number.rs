@@ -18,8 +18,8 @@ pub(super) trait EdgeNumber: Copy + Add<Output = Self> + Mul<Output = Self> {
         + Mul<Output = Self::Eight<S>>
         + Mul<Self, Output = Self::Eight<S>>;
 
-    /// Whether edges are ordered so that the last one is opposite the vertex of least depth, and its depth term is
-    /// therefore zero. Edges are not reordered if depth is linear in view space.
+    /// Whether edges are reordered to make the last one opposite the vertex of least depth. The depth term of this edge
+    /// is zero. If depth is linear in view space, edges are never reordered.
     const LAST_HAS_MIN_DEPTH: bool;
 
     /// Converts an integer to this type.

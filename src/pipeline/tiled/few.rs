@@ -31,8 +31,8 @@ impl<'a> Few<'a> {
         Some(Self { records, bin: entrants, slots, which })
     }
 
-    /// Distributes one quad of numbers per distinct triangle to the sixteen samples. Returns four vectors, one for each
-    /// number of the quad, with the values of each sample's triangle.
+    /// Looks up the quad of each sample's triangle in `rows`, which holds one quad per distinct triangle. Returns four
+    /// vectors, one for each number of a quad.
     #[inline(always)]
     fn deal<S: Simd>(self, rows: [f32x4<S>; FEW]) -> [f32x16<S>; 4] {
         let simd = rows[0].simd;
@@ -128,8 +128,8 @@ mod x86 {
     }
 
     kernel! {
-        /// Selects one of eight rows of four numbers for each of sixteen lanes, and returns the result as four columns.
-        /// Each register of `rows` holds four rows.
+        /// Selects, for each of sixteen lanes, the row of four numbers with the index in `which`. Returns the four
+        /// numbers in four registers. `rows` holds eight rows, four in each register.
         #[inline]
         pub(super) fn deal(avx512: Avx512, rows: [__m512; 2], which: __m512i) -> [__m512; 4] {
             let first = _mm512_slli_epi32::<2>(which);
@@ -154,7 +154,7 @@ mod tests {
         std::array::from_fn(|quad| std::array::from_fn(|i| (first + 4 * quad + i) as f32))
     }
 
-    /// Returns a bin with records of `count` triangles in which no number occurs twice.
+    /// Returns a bin with the records of `count` triangles. All numbers in these records are different.
     fn entrants(count: usize) -> TileBin {
         let mut entrants = TileBin::default();
         for first in (0..count).step_by(LANES) {

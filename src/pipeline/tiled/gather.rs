@@ -15,8 +15,8 @@ pub(super) struct Taps {
     pub(super) down: [f32; WIDE],
 }
 
-/// Returns the texels at as many indices as a register holds. Uses AVX-512 gathers if `by_gathers` is `true` and they
-/// are available, otherwise scalar loads.
+/// Loads one texel for each lane of a register, at the indices in `places`. Uses AVX-512 gathers if `by_gathers` is
+/// `true` and they are available, otherwise scalar loads.
 ///
 /// # Panics
 ///
@@ -33,9 +33,9 @@ pub(super) fn gather<S: Simd>(simd: S, by_gathers: bool, texels: &[u32], places:
     S::u32s::from_fn(simd, |lane| texels[places[lane] as usize])
 }
 
-/// Returns the upper left, upper right, lower left and lower right texels of as many quads as a register holds.
-/// `places` are the indices of the upper left texels in `upper`; `lower` holds the texels one row below at the same
-/// indices.
+/// Loads one quad of texels for each lane of a register. Returns the upper left, upper right, lower left and lower
+/// right texels. `places` has the index of each upper left texel in `upper`. `lower` holds the texels one row below at
+/// the same indices.
 ///
 /// Uses AVX-512 gathers if `by_gathers` is `true` and they are available, otherwise scalar loads. The gather of AVX2 is
 /// not used: on many processors it is as slow as scalar loads, and several times slower on those with the mitigation
@@ -146,7 +146,7 @@ mod tests {
         (0..1000_u32).map(|i| i.wrapping_mul(2_654_435_761)).collect()
     }
 
-    /// Returns the quads at as many indices as a register holds.
+    /// Loads one quad for each lane of a register with [`quads`], and converts the four registers to lists.
     #[inline(always)]
     fn quads_at<S: Simd>(simd: S, by_gathers: bool, texels: &[u32], places: &[u32]) -> [Vec<u32>; 4] {
         quads(simd, by_gathers, [texels, &texels[STRIDE..]], places).map(|texels| texels.as_slice().to_vec())

@@ -30,7 +30,8 @@ pub(super) struct PackedVertex {
 }
 
 impl PackedVertex {
-    /// Index of the snapped x coordinate: an integer below 2²⁴, in steps of 1/256 px, increasing to the right.
+    /// Index of the snapped x coordinate. The coordinate is an integer below 2²⁴, in steps of 1/256 px, and increases
+    /// to the right.
     pub(super) const X: usize = 0;
     /// Index of the snapped y coordinate, in steps of 1/256 px, increasing downward.
     pub(super) const Y: usize = 1;
@@ -496,8 +497,8 @@ pub(super) fn lambert_lanes<S: Simd, V: SimdFloat<S> + SimdBase<S, Element = f32
 /// Splits eight vectors into their x, y and z components.
 #[inline(always)]
 fn split<S: Simd>(simd: S, vectors: &[Vec3; LANES]) -> [F32<S>; 3] {
-    // One instruction loads each array except the last, because its four floats are adjacent in memory. The fourth
-    // float belongs to the next vector and is ignored.
+    // The fourth float is ignored. In all arrays except the last, it is the one after z in memory, so that one
+    // instruction loads all four.
     let rows = each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => {
         let Vec3 { x, y, z } = vectors[i];
         f32x4::load_array(simd, [x, y, z, vectors[(i + 1) % LANES].x])

@@ -33,7 +33,8 @@ pub(super) struct Patch {
     pub(super) first: usize,
     /// Index one past the last row, within the tile.
     pub(super) end: usize,
-    /// Bit mask of the samples to shade in each row of each block.
+    /// Bit mask of the samples to shade, one bit per column of a block. The same mask applies to every row of every
+    /// block.
     pub(super) mine: u32,
 }
 
@@ -132,8 +133,8 @@ fn shade_blocks<S: Simd>(
     }
 }
 
-/// Interpolates all attributes in the rows of a block. The colours of the first row will be written at index `start` of
-/// the picture, and those of each following row `stride` further on.
+/// Interpolates all attributes in the rows of a block. The colours of the first row will be written to the picture from
+/// index `start` on. Each following row starts `stride` pixels after the previous one.
 ///
 /// The weights of all rows are computed first. Each computation is a dependency chain with a division, and the chains
 /// of several rows overlap.
@@ -168,7 +169,8 @@ struct IntegerRows<'a, S: Simd> {
     lattice: &'a TileLattice,
     /// Change of the first two edge values per 1/256 px to the right.
     a: [i32; 2],
-    /// Edge values of the eight samples in a row of the block, relative to the start of the row; repeated for two rows.
+    /// Differences between the edge values of the eight samples in a row of the block and the edge values at the start
+    /// of the row. They are repeated for the second row.
     along: [i32x16<S>; 2],
     /// Edge values at the start of each row.
     down: [[i32; LANES]; 2],
@@ -211,7 +213,8 @@ struct ExactRows<'a, S: Simd> {
     lattice: &'a TileLattice,
     /// Change of the edge values per 1/256 px to the right.
     a: [f64; 3],
-    /// Edge values of the eight samples in a row of the block, relative to the start of the row.
+    /// Differences between the edge values of the eight samples in a row of the block and the edge values at the start
+    /// of the row.
     along: [F64<S>; 3],
     /// Edge values at the start of each row.
     down: [[f64; LANES]; 3],
@@ -286,7 +289,7 @@ pub(super) fn exact_at<S: Simd>(simd: S, edges: &EdgeFunctions, places: [i32x16<
 pub(super) struct AttributeWeights<S: Simd> {
     /// Weights of the second and third vertex.
     pub(super) of_corners: [f32x16<S>; 2],
-    /// Reciprocal of the sum of edge value × relative 1/w over the three vertices.
+    /// Reciprocal of Σ edge value × relative 1/w, with one term per vertex.
     inverse_sum: f32x16<S>,
 }
 
@@ -295,8 +298,7 @@ pub(super) struct AttributeWeights<S: Simd> {
 #[repr(align(64))]
 pub(super) struct StoredWeights {
     of_corners: [[f32; WIDE]; 2],
-    /// Reciprocal of the sum of edge value × relative 1/w over the three vertices. Only valid if the texture is
-    /// mip-mapped.
+    /// Reciprocal of Σ edge value × relative 1/w, with one term per vertex. Only valid if the texture is mip-mapped.
     inverse_sum: [f32; WIDE],
 }
 
@@ -322,8 +324,8 @@ impl StoredWeights {
 }
 
 impl<S: Simd> AttributeWeights<S> {
-    /// Replaces the weights of samples that `mine` does not select with the weights at the first vertex. The replaced
-    /// weights may be infinite or NaN.
+    /// Replaces the weights of the samples that `mine` does not select, which may be infinite or NaN, by the weights at
+    /// the first vertex.
     #[inline(always)]
     pub(super) fn of_some(self, simd: S, mine: u32) -> Self {
         let (wanted, nothing) = (mask32x16::from_bitmask(simd, mine.into()), f32x16::splat(simd, 0.0));

@@ -144,8 +144,8 @@ impl TileLattice {
         Self { offset, reach: offset.map(|along| [along as f32; 2]), ..self }
     }
 
-    /// Returns the lattice, extended to pixels with several samples at these offsets from the centre, in steps of 1/256
-    /// px. Its points stay at the pixel centres; [`TileLattice::range`] includes all samples.
+    /// Returns the lattice for pixels with several samples, given their offsets from the pixel centre in steps of 1/256
+    /// px. The lattice points stay at the pixel centres, but [`TileLattice::range`] includes all samples.
     pub(super) fn with_samples(self, offsets: &[[i32; 2]]) -> Self {
         let reach = [0, 1].map(|axis| {
             let along = || offsets.iter().map(|offset| offset[axis]);
@@ -154,8 +154,8 @@ impl TileLattice {
         Self { reach, ..self }
     }
 
-    /// Returns the lattice, extended to samples that are jittered between a minimum and a maximum offset from the pixel
-    /// centre, in steps of 1/256 px. The lattice points are at the minimum offset; the blocks extend to the maximum.
+    /// Returns the lattice for jittered samples, given their minimum and maximum offset from the pixel centre in steps
+    /// of 1/256 px. The lattice points are at the minimum offset. The size of a block includes all offsets.
     pub(super) fn spread(mut self, [least, greatest]: [[i32; 2]; 2]) -> Self {
         for axis in 0..2 {
             let spread = greatest[axis] - least[axis];
@@ -170,7 +170,8 @@ impl TileLattice {
         self.offset
     }
 
-    /// Returns the greatest distance along an axis between sample positions of one pixel, in steps of 1/256 px.
+    /// Returns the greatest distance between two sample positions of the same pixel along either axis, in steps of
+    /// 1/256 px.
     pub(super) fn extent(&self) -> f64 {
         let [across, down] = self.reach.map(|[least, greatest]| greatest - least);
         across.max(down).into()
@@ -195,7 +196,8 @@ impl TileLattice {
     /// 1/256 px.
     ///
     /// The bound includes samples beyond the tile that are computed only because samples are processed eight at a time
-    /// or two rows at a time. The lattice must include all samples of its pixels.
+    /// or two rows at a time. The bound is valid only if the lattice includes all samples of a pixel: see
+    /// [`TileLattice::with_samples`].
     #[inline(always)]
     pub(super) fn farthest(&self) -> f64 {
         let (columns, rows) = (self.doubles.column(TILE + LANES), self.doubles.row(TILE + LANES));

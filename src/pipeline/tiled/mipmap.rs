@@ -89,7 +89,8 @@ impl TextureReader<'_> {
         });
         let longest = down.simd_gt(right).select(down, right);
         let one = f32x16::splat(simd, 1.0);
-        // The logarithm of one is exactly zero.
+        // A gradient of at most one texel per pixel gives an LOD of exactly 0, because the logarithm of one is exactly
+        // zero.
         let longest = longest.simd_gt(one).select(longest, one);
         (log2_lanes(longest) * 0.5).min((self.levels.len() - 1) as f32)
     }

@@ -24,8 +24,8 @@ use crate::pipeline::settings::FillRule;
 pub(super) struct MixedPixels {
     /// Column and row of each pixel within the tile.
     places: Vec<(usize, usize)>,
-    /// For sixteen pixels at a time, the index into `colors` of each sample's colour. There is one entry per sample of
-    /// a pixel.
+    /// Index in `colors` of each sample's colour, for sixteen mixed pixels at a time: one entry for their first
+    /// samples, then one for their second samples, and so on.
     picks: Vec<Picks>,
     fragments: Fragments,
     /// Colours that samples refer to: the background, and from index [`FIRST`] on the fragments.
@@ -211,8 +211,8 @@ impl Fragments {
         self.len = 0;
     }
 
-    /// Returns the index, in the list of colours, of a triangle's fragment in a pixel. Adds the fragment if it is new.
-    /// `first` is the index of the pixel's first fragment.
+    /// Returns the index in the list of colours for the fragment of a triangle in a pixel. Adds the fragment if it is
+    /// new. `first` is the index of the pixel's first fragment.
     fn pick(&mut self, first: usize, slot: u32, (column, row): (usize, usize), [x, y]: [i32; 2]) -> u32 {
         let known = (first..self.len).find(|place| self.list[place / WIDE].slots[place % WIDE] == slot);
         let place = known.unwrap_or_else(|| {

@@ -200,7 +200,7 @@ struct TiledFrame<'a> {
     reads_colors: bool,
     /// Shading state of each draw, in the order of `draws`.
     shaders: Vec<DrawShader<'a>>,
-    /// For each draw, index of the first draw whose samples can be shaded together with its own.
+    /// For each draw, the index of the first draw with equivalent shading. Samples of both can be shaded together.
     shader_of_draw: Vec<usize>,
     samples: PreparedSamples<'a>,
 }

@@ -30,7 +30,8 @@ pub(super) struct TransparencyMemory {
     pub(super) blended: Vec<Slot>,
     /// Colours of all samples of the tile: all pixels of the first sample, then those of the second, and so on.
     colors: Vec<Rgba8>,
-    /// For sixteen pixels, the index into `colors` of each sample's colour. There is one entry per sample of a pixel.
+    /// Index in `colors` of each sample's colour, for sixteen pixels: one entry for their first samples, then one for
+    /// their second samples, and so on.
     picks: Vec<Picks>,
 }
 

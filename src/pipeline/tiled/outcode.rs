@@ -19,9 +19,9 @@ impl Outcode {
     pub(super) const ALL: Self = Self(u16::MAX);
     const PLANES: u16 = (1 << ClipPlane::ALL.len()) - 1;
 
-    /// Returns the outcodes of eight vertices in clip space, and whether any of them is nonzero. The side planes, moved
-    /// outward by the factor `widening`, bound the guard band; at the side planes, only triangles that leave the guard
-    /// band are clipped.
+    /// Returns the outcodes of eight vertices in clip space, and whether any of them is nonzero. The guard band is
+    /// bounded by the side planes, moved outward by the factor `widening`. A triangle that crosses a side plane is
+    /// clipped only if it also leaves the guard band.
     #[inline(always)]
     pub(super) fn of_lanes<S: Simd>(simd: S, [x, y, z, w]: [F32<S>; 4], widening: f32) -> ([Self; LANES], bool) {
         let between_sides = w.simd_ge(x.abs()) & w.simd_ge(y.abs());
@@ -29,7 +29,7 @@ impl Outcode {
         if (between_sides & in_depth).all_true() {
             return ([Self::default(); LANES], false);
         }
-        // Distances are differences of floats, so comparisons give their signs.
+        // Each distance is the difference of two floats, so comparing the two floats gives its sign.
         let depth = each!(beyond in [z.simd_lt(0.0), w.simd_lt(MIN_W), w.simd_lt(z)] => beyond.to_bitmask());
         let offsets = [-x, x, -y, y];
         let sides = each!(i in [0, 1, 2, 3] => w.simd_lt(offsets[i]).to_bitmask());

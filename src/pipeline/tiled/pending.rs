@@ -82,8 +82,8 @@ pub(super) struct Pending {
     len: usize,
     /// Index of the samples' shader in the frame's list of shaders.
     shader: usize,
-    /// Triangles whose edge values exceed 32 bits: index of the group, bit mask of the triangle's samples in the group,
-    /// and edge functions.
+    /// Edge functions of the triangles whose edge values exceed 32 bits. Each comes with the index of a group and the
+    /// bit mask of the triangle's samples in that group.
     large: Vec<(usize, u32, EdgeFunctions)>,
 }
 

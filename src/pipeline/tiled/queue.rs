@@ -136,8 +136,7 @@ pub(super) fn flush<S: Simd>(simd: S, frame: &TiledFrame<'_>, queue: &mut Queue,
             let shader = &frame.shaders[queue.shader];
             let Queue { pairs: all, taps, coarse, coarse_texels, .. } = queue;
             let (pairs, taps) = (&all[..pairs], &taps[..pairs]);
-            // Uses a loop, because the compiler may fail to compile a closure passed to `for_each` for the selected
-            // instruction set.
+            // Uses loops: a closure passed to `for_each` might be compiled without the selected instruction set.
             match shader.plan {
                 ShadingPlan::COMMON => {
                     let Some(texture) = shader.texture else { return };
@@ -163,9 +162,9 @@ pub(super) fn flush<S: Simd>(simd: S, frame: &TiledFrame<'_>, queue: &mut Queue,
     );
 }
 
-/// Finishes pairs of rows of the most common plan with [`finish_pair`]. The shader and the texture are copies that
-/// stores cannot alias, so they are loaded once for all pairs. The caller decides outside the loop whether to use
-/// hardware gathers.
+/// Finishes pairs of rows of the most common plan with [`finish_pair`]. The shader and the texture are local copies.
+/// Stores to `pixels` cannot alias them, so they are loaded only once for all pairs. The caller decides before the loop
+/// whether `texture` uses hardware gathers.
 #[inline(always)]
 fn finish_common<S: Simd>(
     simd: S,
@@ -240,8 +239,8 @@ fn finish_pair<S: Simd>(
     }
     match plan.space {
         ColorSpace::Bytes => {
-            // Computes one register of samples at a time, because narrower registers cannot hold the data of all
-            // sixteen samples.
+            // Processes as many samples at a time as a register holds. If registers are narrow, the data of all sixteen
+            // samples does not fit into them.
             for start in (0..WIDE).step_by(LANES.max(S::f32s::LEN)) {
                 let rows = start..start + LANES.max(S::f32s::LEN);
                 for first in rows.clone().step_by(S::f32s::LEN) {
@@ -289,8 +288,8 @@ fn finish_pair<S: Simd>(
     }
 }
 
-/// Returns the surface colour and the opacity, before they are multiplied by the texture, of the samples starting at
-/// `first`.
+/// Returns the surface colours and opacities of the samples starting at `first`. They are not yet multiplied by the
+/// texture.
 #[inline(always)]
 fn surface_color<S: Simd, F: SimdFloat<S, Element = f32>>(
     simd: S,

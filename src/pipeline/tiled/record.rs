@@ -25,7 +25,8 @@ impl Record {
     const SECOND_EDGE: usize = 1;
     /// Index of the quad with the relative 1/w of the second and third vertex, and u and v at the first vertex.
     const INV_W_AND_UV: usize = 2;
-    /// Index of the quad with the differences of u, then those of v, from the first vertex to the second and third.
+    /// Index of the quad with four differences: u at the second and third vertex minus u at the first, then the same
+    /// for v.
     const UV_DELTAS: usize = 3;
     /// Index of the quad with the light at the first vertex and its differences to the second and third. The last
     /// number is unused.
@@ -99,11 +100,11 @@ pub(super) struct SurfaceRecord {
 }
 
 impl SurfaceRecord {
-    /// Index of the first of three quads, one per component of the normal: its value at the first vertex, and its
-    /// differences to the second and third.
+    /// Index of the first of three quads, one per component of the normal. A quad holds the value at the first vertex,
+    /// and the differences from it to the values at the second and third.
     const NORMAL: usize = 0;
-    /// Index of the first of three quads, one per colour channel: its value at the first vertex, and its differences to
-    /// the second and third.
+    /// Index of the first of three quads, one per colour channel. A quad holds the value at the first vertex, and the
+    /// differences from it to the values at the second and third.
     const COLOR: usize = 3;
     const QUADS: usize = 6;
 
@@ -150,7 +151,8 @@ pub(super) struct ShadedTriangle<'a> {
     pub(super) edges: Option<&'a EdgeFunctions>,
 }
 
-/// Interpolated attribute: its value at the first vertex, and its differences to the second and third.
+/// Interpolated attribute: the value at the first vertex, and the differences from it to the values at the second and
+/// third.
 #[derive(Clone, Copy)]
 pub(super) struct Attribute<S: Simd>(f32x16<S>, f32x16<S>, f32x16<S>);
 

@@ -9,8 +9,8 @@ use std::ops::Range;
 
 use super::bins::Chunk;
 
-/// Number of rows of tiles per thread at or above which whole rows balance the load. Shorter runs would then gain less
-/// than copying their tiles costs.
+/// Minimum number of rows of tiles per thread for which threads take whole rows. So many rows balance the load well
+/// enough: shorter runs would save less time than copying their tiles takes.
 const ROWS_PER_THREAD: usize = 8;
 
 /// Number of runs per thread, if there are fewer than [`ROWS_PER_THREAD`] rows per thread.

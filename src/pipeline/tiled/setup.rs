@@ -119,15 +119,15 @@ pub(super) struct Setup<E = f64> {
     /// Minimum vertex depth, including the depth bias. The depth at a sample is `min_depth` plus the sum of `rises`
     /// times edge values, or times weights if depth is linear in view space.
     pub(super) min_depth: f64,
-    /// Depth term of each edge: the factor of its edge value or weight in the sum that gives a sample's depth.
+    /// Depth term of each edge: a factor by which its edge value or weight is multiplied to compute a sample's depth.
     pub(super) rises: [f64; 3],
     /// Maximum vertex depth, including the depth bias.
     pub(super) max_depth: f64,
     /// 1/w of the vertices, for depth that is linear in view space.
     pub(super) inv_w: [f64; 3],
-    /// First and last column of the tile with samples that the triangle may cover.
+    /// First and last column of the tile in which the triangle may cover samples.
     pub(super) columns: [usize; 2],
-    /// First and last row of the tile with samples that the triangle may cover.
+    /// First and last row of the tile in which the triangle may cover samples.
     pub(super) rows: [usize; 2],
     /// Whether the triangle is known to cover all samples of the tile.
     pub(super) covers_tile: bool,

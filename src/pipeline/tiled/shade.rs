@@ -108,8 +108,8 @@ pub(super) struct ShadingJob<'a, L> {
     pub(super) alike: bool,
     /// Cache of edge functions in f64, for triangles whose edge values exceed 32 bits or that no SIMD kernel can shade.
     exact: Vec<(Slot, EdgeFunctions)>,
-    /// Triangles whose edge values exceed 32 bits, among the samples that are shaded together: bit mask of the samples,
-    /// and edge functions.
+    /// Edge functions of the triangles whose edge values exceed 32 bits. Each comes with the bit mask of its samples
+    /// among those that are shaded together.
     pub(super) large: Vec<(u32, EdgeFunctions)>,
     pub(super) picture: ColorRows<'a>,
     pub(super) shaded: ShadingWork,

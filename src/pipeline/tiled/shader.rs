@@ -102,8 +102,8 @@ impl<'a> DrawShader<'a> {
         Self { shader, divides_by_w, texture, plan, on_lanes, texels_per_sample }
     }
 
-    /// Returns, for each shader, the index of the first shader whose samples can be shaded together with its own.
-    /// Perspective division makes no difference, because it is done per triangle.
+    /// Returns, for each shader, the index of the first equivalent shader, which may be itself. Samples of equivalent
+    /// shaders can be shaded together. Perspective division makes no difference, because it is done per triangle.
     pub(super) fn first_alike(shaders: &[Self]) -> Vec<usize> {
         let mut firsts = HashMap::new();
         let first = |(number, shader): (usize, &Self)| {

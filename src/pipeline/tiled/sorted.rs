@@ -44,7 +44,7 @@ impl SortedFragments {
     ) {
         let own = TestedRows { passed: shading.passed, ..*tested };
         for (TestedSample { place: (column, row), edges, .. }, shaded) in own.samples().zip(shading.samples()) {
-            // The position may be zero, because depth depends only on the edge values.
+            // Column, row and position can all be zero, because depth depends only on the edge values.
             let sample = RasterSample { column: 0, row: 0, x: 0, y: 0, edges };
             self.fragments.push(SortedFragment {
                 at: first + row * TILE + column,

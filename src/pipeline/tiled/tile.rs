@@ -567,9 +567,9 @@ impl Tile {
     }
 }
 
-/// Returns `true` if a masked store of the selected lanes is worthwhile: if any lane is selected, and always with
-/// AVX-512. There, an empty masked store costs less than the branch that would skip it, because a misprediction takes
-/// twice as long.
+/// Returns `true` if the selected lanes should be stored: if any lane is selected, or always with AVX-512. With
+/// AVX-512, it is faster to store even if no lane is selected: an empty masked store costs less than a mispredicted
+/// branch.
 #[inline(always)]
 fn is_worth_storing<S: Simd>(some: mask32x8<S>) -> bool {
     S::f32s::LEN >= WIDE || some.any_true()

@@ -39,9 +39,9 @@ pub(crate) enum Body {
     CoplanarPair(CoplanarPairCase),
     /// Coverage, weights and depth of one or more clip-space triangles, each drawn separately.
     ClipTri(ClipSpace),
-    /// Depths stored for a list of ascending distances.
+    /// Depths that a depth buffer stores for distances in ascending order.
     Depth(DepthCase),
-    /// Stored depths of random pairs of nearly equal distances, whose order a depth buffer may lose.
+    /// Random pairs of points at nearly equal distances. A depth buffer may lose the order of the two.
     DepthPairs(DepthPairs),
 }
 
@@ -124,8 +124,8 @@ pub(crate) struct DepthCase {
     pub(crate) z: Vec<f32>,
 }
 
-/// Random pairs of distances z and z · (1 + `gap`), seen through random views. z is log-uniform between the near and
-/// the far plane.
+/// Random pairs of points at distances z and z · (1 + `gap`) from the eye, each pair in its own random view. z is
+/// log-uniformly distributed between the near and the far plane.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct DepthPairs {
     /// Mapping from a distance to a depth in [0, 1].

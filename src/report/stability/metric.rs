@@ -74,13 +74,14 @@ impl Metric {
         self.join() == Join::Sum
     }
 
-    /// Returns whether the metric indicates a fault, as opposed to a quantity or a time.
+    /// Returns whether the metric measures a fault. Totals, ties that the storage format makes unavoidable, and run
+    /// times are not faults.
     pub(crate) fn is_fault(self) -> bool {
         !matches!(self, Self::Pixels | Self::Samples | Self::Pairs | Self::IdealTies | Self::Stiffness)
     }
 
-    /// Returns the metric for the total of which this metric counts a part, such as all pixels for wrong pixels.
-    /// Returns `None` for metrics that do not count a part of a total.
+    /// If this metric counts a part of a total, returns the metric that counts the total: for wrong pixels, this is the
+    /// number of all pixels. Otherwise, returns `None`.
     fn whole(self) -> Option<Self> {
         match self {
             Self::Wrong | Self::WrongUnsnapped | Self::WrongStrict | Self::Seams | Self::Cracks | Self::Doubles => {
@@ -92,8 +93,8 @@ impl Metric {
         }
     }
 
-    /// Returns the thresholds between severity levels, in ascending order. For a metric that counts a part of a total,
-    /// they apply to the fraction of the total, otherwise to the value of the metric.
+    /// Returns the thresholds between severity levels, in ascending order. If the metric counts a part of a total, they
+    /// apply to the part divided by the total. Otherwise, they apply to the value itself.
     pub(crate) fn thresholds(self) -> [f64; LEVELS] {
         match self {
             Self::AffineError | Self::WeightError | Self::SumError | Self::DepthError => {

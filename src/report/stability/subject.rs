@@ -28,7 +28,7 @@ pub(crate) struct Configuration {
 }
 
 impl Configuration {
-    /// Returns all configurations, grouped by arithmetic. Published rasterizers have their own arithmetic and come
+    /// Returns all configurations, grouped by arithmetic. The published rasterizers, which always compute in f64, come
     /// last.
     pub(crate) fn all() -> Vec<Self> {
         let of = |arithmetic: Arithmetic| Rasterizer::correct().map(move |rasterizer| Self { rasterizer, arithmetic });
@@ -37,7 +37,7 @@ impl Configuration {
         sound.chain(published.map(|rasterizer| Self { rasterizer: *rasterizer, arithmetic: Arithmetic::F64 })).collect()
     }
 
-    /// Returns the vertex snapping that the configuration declares.
+    /// Returns the vertex snapping of the configuration: to the 1/256 px grid in fixed point, otherwise none.
     pub(crate) fn declared_snap(self) -> Snap {
         if self.arithmetic == Arithmetic::Fixed { Snap::Grid256 } else { Snap::Unsnapped }
     }

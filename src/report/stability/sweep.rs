@@ -1,4 +1,4 @@
-//! Runs classes of cases against all configurations.
+//! Runs the engine in all configurations on classes of test cases.
 //!
 //! First, all cases are evaluated in parallel. Then the classes are timed one after the other, with nothing else
 //! running. The engine's results, and therefore the errors, do not depend on timing or on the number of threads.
@@ -318,8 +318,8 @@ fn shown(case: &StabilityCase, culprits: &[usize], column: ReportColumn) -> Stab
     }
 }
 
-/// Times all configurations of a class. Returns the A/A pairs of the first configuration, which is timed twice per
-/// round, or `None` if cancelled.
+/// Times all configurations of a class. The first configuration is timed twice per round; returns these pairs of times
+/// (A/A pairs), or `None` if cancelled.
 fn time(report: &mut ClassReport, cases: &[StabilityCase], units: &[u64], cancel: &AtomicBool) -> Option<Pairs> {
     let columns: Vec<ReportColumn> = report.cells.iter().map(|cell| cell.column).collect();
     let (times, pairs) = time_class(report.class, cases, units, &columns, cancel)?;

@@ -36,7 +36,7 @@ const MAX_ROUNDS: usize = 31;
 /// Number of distances that are timed instead of the random pairs of a case.
 const DISTANCES: usize = 2000;
 
-/// Median and spread of a quantity over the rounds.
+/// Median and percentiles of a time, over all rounds of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct Spread {
     /// Median over the rounds.
@@ -50,7 +50,8 @@ pub(crate) struct Spread {
 /// Cost of one configuration on the cases of a class.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct Time {
-    /// Nanoseconds per pixel of the exact coverage, per sample, or per stored depth; `None` if there are none.
+    /// Time in nanoseconds per pixel, sample or stored depth, depending on the class. Pixels are those of the exact
+    /// coverage. `None` if the cases have none.
     pub(crate) ns_per_pixel: Option<Spread>,
     /// Median nanoseconds per triangle.
     pub(crate) ns_per_triangle: Option<f64>,
@@ -67,8 +68,8 @@ type ClassWork<'a> = Box<dyn Fn(&AtomicBool) + 'a>;
 type CaseWork<'a> = Box<dyn Fn() + 'a>;
 
 /// Times every column of a class. `columns` must not be empty; `units` holds the number of pixels, samples or depths of
-/// each case. Also returns the A/A pairs of the first column, which is timed twice per round. Returns `None` if
-/// cancelled.
+/// each case. The first column is timed twice per round; these pairs of times (A/A pairs) are also returned. Returns
+/// `None` if cancelled.
 pub(super) fn time_class(
     class: &Class,
     cases: &[StabilityCase],
@@ -219,13 +220,13 @@ fn storing<'a>(buffer: DepthBuffer, distances: Vec<f32>) -> CaseWork<'a> {
     })
 }
 
-/// Returns the number of pixels, samples or depths that one call of [`work`] computes for a case. For random pairs, it
-/// is [`DISTANCES`] instead of the number in the case.
+/// Returns the number of pixels, samples or depths that the engine computes when a case is timed once. `units` is their
+/// number in the case. Only for cases of random pairs, [`DISTANCES`] is returned instead.
 fn timed_units(case: &StabilityCase, units: u64) -> u64 {
     if matches!(case.body, Body::DepthPairs(_)) { DISTANCES as u64 } else { units }
 }
 
-/// Timing baseline for a case: identical compact triangles that cover about as many pixels.
+/// Timing baseline for a case: identical compact triangles that together cover about as many pixels as the case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Twin {
     corners_px: [[f32; 2]; 3],

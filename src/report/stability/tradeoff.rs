@@ -1,8 +1,8 @@
 //! Trade-off of error against time.
 //!
 //! There is one point per configuration. Its time is the geometric mean of the time per pixel over all classes, so that
-//! classes with a high cost per pixel do not dominate. Its error is the mean fraction of wrong pixels, or the largest
-//! error of a weight.
+//! classes with a high cost per pixel do not dominate. Its error is the mean fraction of wrong pixels for rasterizers,
+//! and the largest error of a weight for interpolation formulas.
 
 use super::catalogue::Family;
 use super::column::ReportColumn;

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::case::Float;
 
-/// Conversion between numbers or lists of numbers and JSON.
+/// Conversion of numbers and lists of numbers to and from JSON.
 pub(super) trait Wire: Sized {
     /// Converts the value to JSON.
     fn write(&self) -> Value;

@@ -77,8 +77,8 @@ fn section(report: &UpscalingReport, scene: &SceneReport) -> io::Result<String> 
     ))
 }
 
-/// Returns a sentence that lists the upscaling methods by anchor, the position of a sample in its block; empty if all
-/// anchors are equal.
+/// Returns a sentence that lists the upscaling methods by anchor, which is the position of the sample in its block.
+/// Returns an empty string if all methods have the same anchor.
 fn anchors(rows: &[UpscalingRow]) -> String {
     let names = |anchor: Anchor| {
         let mut names: Vec<_> = Vec::new();
@@ -109,8 +109,8 @@ fn shares(shares: &[PixelShareTimes]) -> String {
     )
 }
 
-/// Returns an HTML section that compares recipes that draw at most 1/16 of the pixels with native rendering; empty if
-/// there are none.
+/// Returns an HTML section that compares native rendering with the recipes that draw at most 1/16 of the pixels.
+/// Returns an empty string if there are no such recipes.
 fn sixteenth(rows: &[UpscalingRow], native: &UpscalingRow) -> String {
     /// Largest fraction of drawn pixels that counts as 1/16. The tolerance covers block sizes that do not divide the
     /// image and therefore draw slightly more.

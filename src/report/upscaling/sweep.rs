@@ -127,12 +127,12 @@ pub struct UpscalingRow {
     /// Error over the frames of the moving view, used to rank the methods. Without motion, it equals the error in the
     /// still view.
     pub(crate) motion: MotionError,
-    /// Label of a recipe that dominates this one in time and in FLIP in motion, or `None`. A shorter time counts only
-    /// if the difference exceeds the noise.
+    /// Label of a recipe that dominates this one in frame time and in the FLIP error of the moving view; `None` if
+    /// there is no such recipe. A shorter time counts as better only if the difference exceeds the noise.
     pub(crate) dominated_by: Option<String>,
-    /// Label of a recipe that is better within noise: its time differs only within noise, and its error is smaller, or
-    /// its error is equal and its time shorter. `None` if there is no such recipe, or if another recipe dominates this
-    /// one.
+    /// Label of a recipe that is better than this one, although the two times differ by no more than the noise: its
+    /// error is smaller, or the errors are equal and its time is shorter. `None` if there is no such recipe, or if some
+    /// recipe dominates this one.
     pub(crate) within_noise_of: Option<String>,
     /// Whether the frame time is within noise of the native frame time; `false` for native rendering itself.
     pub(crate) native_within_noise: bool,
@@ -142,7 +142,7 @@ pub struct UpscalingRow {
 }
 
 impl UpscalingRow {
-    /// Whether the row is on the Pareto front of time and FLIP in motion.
+    /// Whether the row is on the Pareto front of frame time and FLIP error in the moving view.
     pub(crate) fn is_on_front(&self) -> bool {
         self.dominated_by.is_none() && self.within_noise_of.is_none()
     }

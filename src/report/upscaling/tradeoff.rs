@@ -5,19 +5,19 @@ use crate::measure::noise::Noise;
 /// Position of a method relative to the Pareto front of time and error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Standing<M> {
-    /// On the Pareto front: each method with a smaller error takes longer by more than the noise, and no method with an
-    /// equal error is faster.
+    /// On the Pareto front. Every method with a smaller error takes longer by more than the noise, and no method with
+    /// an equal error is faster.
     Front,
-    /// Within noise of the Pareto front: the times of this and the given method differ only within noise, and the given
-    /// method has a smaller error, or an equal error and a shorter time.
+    /// Within noise of the Pareto front. The given method has a smaller error, or an equal error and a shorter time,
+    /// but the two times differ by no more than the noise.
     WithinNoise(M),
-    /// Dominated: the given method is at least as good in both time and error, and better in one. A shorter time counts
-    /// only if the difference exceeds the noise.
+    /// Dominated by the given method, which is at least as good in both time and error, and better in one of them. A
+    /// shorter time counts as better only if the difference exceeds the noise.
     Beaten(M),
 }
 
 impl<M> Standing<M> {
-    /// Replaces the identifier of the other method, if there is one, with the result of `name`.
+    /// Replaces the identifier of the other method, if there is one, with the result of calling `name` on it.
     pub(crate) fn map<N>(self, name: impl FnOnce(M) -> N) -> Standing<N> {
         match self {
             Self::Front => Standing::Front,
@@ -27,8 +27,9 @@ impl<M> Standing<M> {
     }
 }
 
-/// Returns the standing of each method. `points` holds the time, in milliseconds, and the error of each; other methods
-/// are identified by index. If several methods dominate one, the one with the smallest error is reported.
+/// Returns the standing of each method. `points` holds the time in milliseconds and the error of each method; in the
+/// result, other methods are identified by their index in `points`. If several methods dominate a method, its standing
+/// names the one with the smallest error.
 pub(crate) fn standings(points: &[(f64, f64)], noise: &Noise) -> Vec<Standing<usize>> {
     let beats = |(time, error): (f64, f64), (other_time, other_error): (f64, f64)| {
         let is_faster = time < other_time && !noise.covers(time, other_time);

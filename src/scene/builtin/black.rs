@@ -53,10 +53,10 @@ pub(super) const MISSING_TEXTURE: Builtin = Builtin {
     draft: draft_missing_texture,
 };
 
-/// Background colour of the scenes whose black spot is a hole, as sRGB codes.
+/// Black background, as sRGB codes, of the scenes in which it shows through a hole and looks like a black spot.
 const NIGHT: [u8; 3] = [0, 0, 0];
 
-/// Background colour of the scenes whose black spot is a surface, as sRGB codes.
+/// Grey background, as sRGB codes, of the scenes in which a surface looks black.
 const DUSK: [u8; 3] = [30, 32, 36];
 
 fn draft_back_facing() -> SceneDraft {
@@ -105,7 +105,7 @@ fn draft_z_fought() -> SceneDraft {
         let place = Vec3::Z * -DISTANCE + plane * Vec3::Y * before;
         Mat4::from_scale_rotation_translation(Vec3::splat(edge), plane * Quat::from_rotation_y(turn), place)
     };
-    // The wall is drawn first, so it wins where both have the same depth.
+    // The wall is drawn first, so it is visible where the poster has the same depth.
     draft.place("wall", sheet, black, at(7.5, 0.0, 0.0));
     draft.place("poster", sheet, paper, at(4.5, 0.6, GAP));
     draft

@@ -47,7 +47,7 @@ fn add_body(draft: &mut SceneDraft, snow: MaterialId, coal: MaterialId) {
     for (name, y, radius) in [("bottom", 0.85, 1.0), ("middle", 2.05, 0.74), ("head", 3.0, 0.54)] {
         draft.place(name, ball, snow, at(Vec3::Y * y, Vec3::splat(radius)));
     }
-    // Angles on the supporting ball, in degrees to the right and upwards.
+    // Name, position on the head in degrees to the right and upwards, and radius.
     let head = [("left eye", -20.0, 12.0, 0.065), ("right eye", 20.0, 12.0, 0.065)];
     for (name, right, up, radius) in head {
         draft.place(name, small_ball, coal, at(Vec3::Y * 3.0 + on_ball(0.54, right, up), Vec3::splat(radius)));

@@ -1,7 +1,7 @@
 //! The default scene: solids and pawns on a chess floor that extends to the horizon.
 //!
-//! The floor is a grid of 4 × 4 large quads with a repeated texture. It makes errors in texture wrapping, in filtering
-//! and especially in perspective-correct interpolation obvious. The solids have textures, plain colours and vertex
+//! The floor is a grid of 4 × 4 large quads with a repeated texture. On it, errors in texture wrapping, filtering and
+//! especially perspective-correct interpolation are obvious. The solids have textures, plain colours and vertex
 //! colours, and occlude each other. The front edge of the floor lies below the picture and beyond the near plane, so no
 //! triangle is clipped against the near plane.
 

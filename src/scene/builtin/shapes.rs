@@ -1,9 +1,9 @@
 //! Procedural meshes: solids around the origin, a floor and a knot.
 //!
 //! All functions return indexed [`MeshData`] with unit normals, texture coordinates (v pointing down) and
-//! counter-clockwise front faces. Solids are closed: seams repeat positions bit for bit, and with equal positions
-//! merged, every edge belongs to exactly two triangles. Round solids are profiles revolved around the y axis (see
-//! `revolve`).
+//! counter-clockwise front faces. Solids are closed. Vertices along a seam are duplicated with bitwise equal positions.
+//! If vertices with equal positions are merged, every edge belongs to exactly two triangles. Round solids are profiles
+//! revolved around the y axis (see `revolve`).
 
 use std::f32::consts::TAU;
 
@@ -91,7 +91,7 @@ pub(super) fn grid(cells: u32) -> MeshData {
 /// u runs along the tube, v around it. The mesh has `segments` along the tube and `sides` around it.
 pub(super) fn trefoil(tube: f32, segments: u32, sides: u32) -> MeshData {
     const RING: f32 = 0.45;
-    // Outward direction from the core of the ring, and the curve around that core.
+    // Point on the core circle of the ring, and unit vector from that point to the curve of the knot.
     let outward = |segment: u32| {
         let angle = (segment % segments) as f32 / segments as f32 * TAU;
         let (sin, cos) = (2.0 * angle).sin_cos();

@@ -9,8 +9,8 @@ use crate::scene::{Camera, Scene};
 /// Side length of the texture, in texels.
 const TEXTURE_PX: u32 = 256;
 
-/// Returns the camera of the workload scenes. A square of edge length 2 around the origin fits into any picture at
-/// least as wide as high.
+/// Returns the camera of the workload scenes. A square of edge length 2 around the origin fits into any picture that is
+/// at least as wide as it is high.
 fn camera() -> Camera {
     Camera { near: 0.5, far: 20.0, ..Camera::look_at(Vec3::new(0.0, 0.0, 3.2), Vec3::ZERO) }
 }
@@ -34,7 +34,7 @@ pub(crate) fn sheet(triangles: usize) -> Scene {
 /// Returns a scene of `count` textured squares, one behind the other. Each square fills the picture, and the farthest
 /// is drawn first.
 pub(crate) fn layers(count: usize) -> Scene {
-    /// Edge length of a square, in world units, enough for a picture three times as wide as high.
+    /// Edge length of a square, in world units. It fills a picture that is up to three times as wide as it is high.
     const EDGE: f32 = 24.0;
     /// Distance from the farthest to the nearest square, in world units.
     const DEPTH: f32 = 2.0;

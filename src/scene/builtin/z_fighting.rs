@@ -1,9 +1,10 @@
 //! Pairs of parallel panels with a gap that shrinks from left to right, in rows of increasing distance.
 //!
 //! With the near plane at 0.1, one step of a standard f32 depth is about 2⁻²⁴·z²/near = 6e−7·z² world units: 6e−5 at
-//! distance 10, 6e−3 at 100 and 0.6 at 1000. A smaller gap causes z-fighting, so the rows show a staircase. Reversed
-//! depth has steps of about 2⁻²⁴·z, as fine as the positions themselves, and nearly all panels are drawn correctly
-//! (Reed, "Depth Precision Visualized", 2015). In the last column both panels are exactly coplanar.
+//! distance 10, 6e−3 at 100 and 0.6 at 1000. A pair with a smaller gap z-fights. In a more distant row, z-fighting
+//! therefore begins at a wider gap, and the affected pairs form a staircase. Reversed depth has steps of about 2⁻²⁴·z,
+//! as fine as the positions themselves, and nearly all panels are drawn correctly (Reed, "Depth Precision Visualized",
+//! 2015). In the last column both panels are exactly coplanar.
 
 use glam::{Mat4, Quat, Vec3};
 
@@ -58,8 +59,8 @@ fn add_pair(draft: &mut SceneDraft, mesh: MeshId, [back, front]: [MaterialId; 2]
         Mat4::from_scale_rotation_translation(Vec3::splat(edge * size), rotation, center + lean * Vec3::Y * lift)
     };
     draft.place(format!("back panel at {distance}"), mesh, back, panel(0.85, 0.0, 0.0));
-    // The rotation gives the front panel other vertex positions, so that its depth is interpolated from other values
-    // than the depth of the back panel.
+    // The rotation gives the two panels different vertex positions, so that their depths are interpolated from
+    // different values.
     draft.place(format!("front panel at {distance}, gap {gap}"), mesh, front, panel(0.5, 0.6, gap));
 }
 

@@ -58,8 +58,8 @@ fn is_binary(byte: u8) -> bool {
     byte < 0x20 && !matches!(byte, b'\t' | b'\n' | b'\r' | 0x0B | 0x0C)
 }
 
-/// Returns a message that names the format of a file that is neither OBJ nor MTL, recognised by its first bytes; `None`
-/// if the file may be OBJ or MTL text.
+/// Recognises a file of another format by its first bytes. Returns a message that names the format; `None` if the file
+/// may be OBJ or MTL text.
 fn foreign_format(bytes: &[u8]) -> Option<&'static str> {
     const KNOWN: [(&[u8], &str); 14] = [
         (b"\x89PNG", "this is a PNG image"),
@@ -109,8 +109,8 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
-/// Iterator like [`Lines`] that joins a line ending with a backslash with the next line. Joined lines have the number
-/// of the first one. Comments are not joined, because they may end with a path.
+/// Iterator like [`Lines`], except that a line that ends with a backslash is joined with the next line. Joined lines
+/// have the number of the first one. Comments are not joined, because they may end with a path.
 pub(super) struct JoinedLines<'a>(Lines<'a>);
 
 /// Returns the lines of `text`, with continued lines joined.

@@ -29,7 +29,7 @@ const MAX_TRIANGLES: usize = u32::MAX as usize / 3;
 /// Estimated memory used by a [`MeshPart`] in bytes, excluding its triangles. Each part becomes a mesh and an instance.
 const PART_BYTES: u64 = 1024;
 
-/// Number of copies of a part's names that are kept in memory, for memory accounting.
+/// Number of copies of the object name and the material name of a part that the memory accounting assumes.
 const NAME_COPIES: u64 = 4;
 
 /// Cost of triangulating a self-intersecting face, relative to a simple face with the same number of corners.
@@ -195,7 +195,7 @@ impl<'a, 'l> FaceReader<'a, 'l> {
     fn other_statement(&mut self, line: usize, keyword: &str, rest: &str) -> StatementOutcome {
         match statements::find(Format::Obj, keyword) {
             Some(known) if known.treatment == Treatment::Warned => Ok(Some(known.not_rendered())),
-            // Comments without a space after `#` can also match keywords.
+            // Except for the keyword `#MRGB`, a word that starts with `#` begins a comment.
             _ if keyword.starts_with('#') => Ok(None),
             Some(known) => self.statement(line, &format!("{} {rest}", known.keyword)),
             None => Ok(Some(format!("unknown statement {}; ignored", quoted(keyword)))),

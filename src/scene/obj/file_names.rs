@@ -39,8 +39,8 @@ pub(super) fn existing(path: &Path) -> Option<(PathBuf, NameDifference)> {
         }
     };
     let names = std::fs::read_dir(&folder).ok()?.flatten().filter_map(|entry| entry.file_name().into_string().ok());
-    // The smallest difference wins, then the first name in order, so that the result does not depend on the file
-    // system.
+    // Of several matching names, the one with the smallest difference is used. Ties are broken by the order of the
+    // names, so that the result does not depend on the file system.
     let (own, found) = names.filter_map(|found| Some((alike(&found)?, found))).min()?;
     Some((folder.join(found), own.max(outer)))
 }

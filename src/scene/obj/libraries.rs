@@ -59,8 +59,8 @@ pub(super) fn read(model: &Path, named: &[(String, usize)], warnings: &mut Warni
 }
 
 impl Libraries {
-    /// Whether `Tr` means opacity in a model that consists of these parts. If a part has no material, the opacities of
-    /// the materials in use are not taken as evidence.
+    /// Whether `Tr` means opacity in a model that consists of these parts. A part without a material is visible with
+    /// either meaning. If there is one, opacity is not inferred from materials that would otherwise all be invisible.
     pub(super) fn tr_is_opacity(&self, meaning: TrMeaning, parts: &[MeshPart], warnings: &mut Warnings) -> bool {
         let names = parts.iter().filter_map(|part| part.material.as_ref());
         let used: Vec<&Description> = names.filter_map(|name| self.descriptions.get(name)).collect();

@@ -134,7 +134,8 @@ pub(crate) fn load_with(path: &Path, tr: TrMeaning, control: LoadControl<'_>) ->
 
 fn read_text(path: &Path, warnings: &mut Warnings, load: &mut Load<'_>) -> Result<String, SceneError> {
     let unusable = |reason| SceneError::Unusable { path: path.to_owned(), reason };
-    // Length of the file's bytes, and up to twice that for Latin-1 text converted to UTF-8.
+    // The bytes of the file, and up to twice as many bytes for its text: a Latin-1 character can take two bytes in
+    // UTF-8.
     let transient = 3 * disk::length(path);
     load.charge(transient).map_err(unusable)?;
     let bytes = disk::read(path, load.memory().bytes())
@@ -316,8 +317,8 @@ impl<'a> Materials<'a> {
 }
 
 impl Description {
-    /// Returns the scale, offset and clamping of the texture coordinates, taken from the material's first texture.
-    /// Warns if other textures differ.
+    /// Returns the scale, offset and clamping that the material's first texture specifies. They are used for all
+    /// textures of the material. Warns about each texture that specifies other values.
     fn placement(&self, warnings: &mut Warnings) -> TextureOptions {
         let all =
             [&self.picture, &self.alpha_picture, &self.emission_picture, &self.normal_picture, &self.bump_picture];

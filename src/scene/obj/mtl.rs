@@ -83,7 +83,7 @@ impl Default for TextureOptions {
 }
 
 impl TextureOptions {
-    /// Whether two sets of options place the texture identically.
+    /// Whether two sets of options have the same scale, offset and clamping.
     pub(super) fn same_placement(&self, other: &Self) -> bool {
         (self.scale, self.offset, self.clamp) == (other.scale, other.offset, other.clamp)
     }
@@ -307,7 +307,8 @@ fn channel(name: &str) -> Option<PictureChannel> {
     })
 }
 
-/// Returns the usual spelling of a texture option and the maximum number of its values.
+/// Returns the usual spelling of a texture option and the maximum number of values that follow it; `None` if the word
+/// is not a known option.
 fn max_values(word: &str) -> Option<(&'static str, usize)> {
     let option = statements::find(Format::Option, word)?.keyword;
     let most = match option {

@@ -1,11 +1,12 @@
 //! Computation of normals for face corners without one.
 //!
 //! Input: positions and triangles with a non-zero area. Output: unit normals, whose indices are stored in the corners.
-//! A corner's normal is the mean of the normals of the faces around its vertex, weighted by their angles there (Thürmer
-//! and Wüthrich, "Computing Vertex Normals from Polygonal Facets", 1998). Only faces of the same smoothing group (`s`)
-//! contribute. In a file without smoothing groups, only faces within [`CREASE_DEGREES`] of the corner's own face
-//! contribute, so that a box keeps its hard edges and a curved surface is smooth. Faces are neighbours if they share a
-//! vertex in the file, even across objects and materials, so that no seam is visible where the material changes.
+//! A corner's normal is the mean of the normals of the faces around its vertex. Each face is weighted by its angle at
+//! the vertex (Thürmer and Wüthrich, "Computing Vertex Normals from Polygonal Facets", 1998). Only faces of the same
+//! smoothing group (`s`) contribute. In a file without smoothing groups, only faces within [`CREASE_DEGREES`] of the
+//! corner's own face contribute, so that a box keeps its hard edges and a curved surface is smooth. Faces are
+//! neighbours if they share a vertex in the file, even across objects and materials, so that no seam is visible where
+//! the material changes.
 //!
 //! Comparing every face around a vertex with every other is quadratic. If many faces share a vertex, such as the tip of
 //! a fan of thousands of triangles, faces with nearly equal directions are merged first, which bounds the work.
@@ -149,7 +150,8 @@ struct MergedNormal {
     weighted: DVec3,
 }
 
-/// Maximum difference between a cosine and 1 that is attributed to rounding.
+/// Two directions count as equal if the cosine of the angle between them is at least 1 minus this tolerance for
+/// rounding.
 const FLAT: f64 = 1e-6;
 
 /// Whether two faces without a smoothing group differ in direction, so that the crease angle determines whether their
@@ -160,8 +162,8 @@ fn has_crease(directions: &[MergedNormal]) -> bool {
 }
 
 impl MergedNormal {
-    /// Returns the normalised sum of the weighted normals in `all` that have the same smoothing as this one and lie
-    /// within the crease angle of it.
+    /// Returns the normalised sum of the weighted normals in `all` that have the same smoothing as this normal and
+    /// whose direction differs from it by at most the crease angle.
     fn smooth(&self, all: &[Self]) -> Vec3 {
         let limit = CREASE_DEGREES.to_radians().cos();
         let alike = |d: &&Self| d.smoothing == self.smoothing && d.unit.dot(self.unit) >= limit;
@@ -171,7 +173,7 @@ impl MergedNormal {
 }
 
 /// Merges the `count` faces adjacent to a vertex if they share a smoothing group or, for more than [`CROWD`] faces, if
-/// their directions are nearly equal. Also returns, for each face, the index of its merged normal.
+/// their directions are nearly equal. Returns the merged normals and, for each face, the index of its merged normal.
 fn merge_directions(faces: impl Iterator<Item = Face>, count: usize) -> (Vec<MergedNormal>, Vec<usize>) {
     let limit = if count > CROWD { CROWD_DEGREES.to_radians().cos() } else { f64::INFINITY };
     let mut directions: Vec<MergedNormal> = Vec::new();

@@ -22,24 +22,26 @@ use glam::{DVec2, DVec3, Vec3};
 
 pub(super) use self::winding::OutlineCrossing;
 
-/// Number of corners tried as the apex of a fan. An apex may lie on a straight edge, where its fan would have a
-/// triangle without area.
+/// Number of corners tried as the apex of a fan. More than one is tried, because a fan has a triangle without area if
+/// its apex lies in the middle of a straight edge.
 const FAN_APEXES: usize = 4;
 
 /// Maximum number of corners of a face for ear clipping, which takes 0.1 ms at worst.
 const MAX_EAR_CORNERS: usize = 64;
 
-/// Maximum relative difference in area between a face and its triangles that is attributed to rounding.
+/// If the area of a face and the total area of its triangles differ by at most this fraction, the difference is
+/// attributed to rounding.
 const AREA_TOLERANCE: f64 = 1e-6;
 
 /// Minimum area of a triangle relative to its face; smaller areas are attributed to rounding.
 const SLIVER: f64 = 1e-14;
 
-/// Minimum ratio of a face's area to its area without cancellation at which Newell's normal is used. For a bow tie, the
-/// terms of Newell's normal cancel.
+/// Newell's normal is used if its length is at least this fraction of the length that it would have without
+/// cancellation. In a bow tie, its clockwise and counter-clockwise terms cancel.
 const CANCELLATION: f64 = 1e-4;
 
-/// Maximum height of a corner above the plane of a flat face, relative to the square root of its doubled area.
+/// A face is flat if the distance of every corner from its plane is at most this fraction of the square root of twice
+/// the face's area.
 const FLATNESS: f64 = 1e-4;
 
 /// Result of triangulating a face.
@@ -57,12 +59,12 @@ pub(super) enum TriangulationOutcome {
     TooManyCrossings,
 }
 
-/// Area and height of a face relative to its plane.
+/// Area of a face, and distance of its corners from its plane.
 struct Flat {
     /// Twice the signed area of the face, with clockwise regions subtracted; 0 if it has no normal.
     doubled_area: f64,
-    /// Doubled area to which slivers and heights are compared: `doubled_area`, or the doubled area without subtraction
-    /// if the regions cancel.
+    /// Twice the area of the face, to which slivers and heights are compared. Equals `doubled_area` unless clockwise
+    /// and counter-clockwise regions cancel; then, all regions are counted as positive.
     scale: f64,
     /// Maximum distance of a corner from the plane through the first corner, in model units.
     height: f64,

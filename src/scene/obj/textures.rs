@@ -38,7 +38,7 @@ pub(super) enum Use {
 
 /// Textures of one model, each read at its first use.
 pub(super) struct Textures<'a> {
-    /// Result for each file and use; `None` if the picture was unusable.
+    /// Texture for each file and use; `None` if the picture was unusable.
     known: HashMap<(PathBuf, Use), Option<TextureId>>,
     load: Load<'a>,
 }
@@ -191,11 +191,12 @@ fn may_lack_alpha(path: &Path) -> bool {
     is_named("tga") || disk::starts_with(path, b"BM")
 }
 
-/// Minimum fraction of a normal map's texels that are unit vectors pointing out of the surface.
+/// A picture counts as a normal map if at least this fraction of its texels are unit vectors that point out of the
+/// surface.
 const MIN_NORMAL_SHARE: f64 = 0.9;
 
-/// Whether nearly all texels decode to vectors of about unit length with z > 0. Grey texels, as in height maps, do not
-/// count.
+/// Whether nearly all texels decode to vectors of about unit length with z > 0. A grey texel, as in a height map, never
+/// counts as such a vector.
 fn looks_like_normals(image: &Image<Rgba8>) -> bool {
     let is_normal = |[r, g, b, _]: &Rgba8| {
         let [x, y, z] = [r, g, b].map(|code| f32::from(*code) / 127.5 - 1.0);
@@ -206,7 +207,8 @@ fn looks_like_normals(image: &Image<Rgba8>) -> bool {
     normals as f64 >= MIN_NORMAL_SHARE * image.pixels().len() as f64
 }
 
-/// Whether `map_d` names the alpha channel of the `map_Kd` file, which the colour texture already applies.
+/// Whether `map_d` selects the alpha channel of the same file as `map_Kd`. The colour texture already applies this
+/// alpha.
 pub(super) fn repeats_alpha(
     color: TextureId,
     opacity: &PictureReference,
@@ -218,8 +220,8 @@ pub(super) fn repeats_alpha(
     same_file && has_alpha && opacity.options.channel.is_none_or(|channel| channel == PictureChannel::Matte)
 }
 
-/// Returns the existing candidate path whose name differs least from the written one, or the first candidate if none
-/// exists.
+/// Returns the path of a picture, and how its name differs from the name in the library. Tries several paths. Of the
+/// existing files, the one whose name differs least is chosen; if none exists, the first path.
 fn locate(picture: &PictureReference, model: &Path) -> (PathBuf, NameDifference) {
     let folder = |file: &Path| file.parent().map_or_else(PathBuf::new, Path::to_owned);
     let (beside_library, beside_model) = (folder(&picture.library), folder(model));

@@ -86,7 +86,8 @@ pub struct Junction {
     pub(crate) vertex: TriangleCorner,
     /// Open edge on which the vertex lies.
     pub(crate) edge: TriangleEdge,
-    /// Distance of the vertex from the edge, or from its endpoint for an unwelded vertex, in world units.
+    /// Distance of a T-junction's vertex from the edge, or of an unwelded vertex from the endpoint of the edge, in
+    /// world units.
     pub(crate) distance: f64,
 }
 
@@ -190,7 +191,7 @@ pub(crate) fn tolerance(edge: f64, diagonal: f64, largest: f64) -> f64 {
     (TOLERANCE_OF_EDGE * edge).min((TOLERANCE_OF_SCENE * diagonal).max(ROUNDING * largest))
 }
 
-/// Vertex found on an open edge, together with an open edge of its own that runs along the first edge.
+/// Vertex that lies on an open edge, and another open edge that ends at this vertex and runs along the first.
 #[derive(Clone, Copy, Debug)]
 struct Hit {
     kind: JunctionKind,
@@ -298,8 +299,8 @@ impl<'a> OpenEdgeSearch<'a> {
         Junction { kind, vertex: corner, edge: self.mesh.open[edges[0] as usize].of_triangle(), distance }
     }
 
-    /// Returns one seam for each pair of edges. T-junctions take precedence over unwelded vertices, then the smallest
-    /// distance decides.
+    /// Returns one seam for each pair of edges. Of several hits of a pair, T-junctions take precedence over unwelded
+    /// vertices, then the smallest distance decides.
     fn seams(&self, hits: &[Hit]) -> Vec<Seam> {
         let pair = |hit: &Hit| (hit.edges[0].min(hit.edges[1]), hit.edges[0].max(hit.edges[1]));
         let mut best: Vec<&Hit> = hits.iter().collect();

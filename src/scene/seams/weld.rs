@@ -117,8 +117,8 @@ fn placed(scene: &Scene) -> Vec<DVec3> {
     all
 }
 
-/// Welds equal positions. Returns the index of the welded vertex for each position, or [`NOT_FINITE`], and the position
-/// of each welded vertex.
+/// Welds equal positions. Returns the index of the welded vertex for each position ([`NOT_FINITE`] if the position is
+/// not finite), and the position of each welded vertex.
 fn welded(all: &[DVec3]) -> (Vec<u32>, Vec<DVec3>) {
     let bits = |at: &DVec3| at.to_array().map(f64::to_bits);
     let mut order: Vec<u32> = (0..all.len() as u32).collect();

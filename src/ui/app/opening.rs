@@ -77,7 +77,7 @@ impl Workbench {
         ui.request_repaint_after(SLOW_LOAD);
     }
 
-    /// Handles the progress and the result of the model being loaded.
+    /// Updates the progress of loading a model. Shows the model once it is loaded, or reports the error.
     pub(super) fn poll_loading(&mut self) {
         let Some(loading) = &mut self.loading else { return };
         match loading.task.poll(&mut loading.completed) {
@@ -126,7 +126,7 @@ impl Workbench {
         }
     }
 
-    /// Handles the progress and the result of the case being opened.
+    /// Updates the progress of opening a case. Shows the case once it is evaluated, or reports the error.
     pub(super) fn poll_case(&mut self) {
         let Some(opening) = &mut self.opening_case else { return };
         match opening.task.poll(&mut opening.progress) {
@@ -181,8 +181,7 @@ impl Workbench {
         }
     }
 
-    /// Returns the path of a file that has been opening for at least [`SLOW_LOAD`], and the completed fraction, from 0
-    /// to 1.
+    /// If a file has been opening for at least [`SLOW_LOAD`], returns its path and the completed fraction, from 0 to 1.
     pub(super) fn slow_open(&self) -> Option<(&Path, f32)> {
         if let Some(OpeningCase { path, progress, since, .. }) = &self.opening_case {
             return (since.elapsed() >= SLOW_LOAD).then_some((path, progress.unwrap_or(0.0)));

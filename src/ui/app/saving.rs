@@ -128,8 +128,8 @@ impl Workbench {
         }
     }
 
-    /// Writes a new file to the current folder, in a background thread unless the window is synchronous, because
-    /// encoding a large picture takes a while. The file appears under its name only once it is complete. `name`
+    /// Writes a new file to the current folder. Encoding a large picture takes a while, so this happens in a background
+    /// thread unless the window is synchronous. The file appears under its name only once it is complete. `name`
     /// consists of the file stem and the extension.
     pub(super) fn save(
         &mut self,
@@ -140,8 +140,8 @@ impl Workbench {
         self.save_cancellable(ui, name, |_, _| Some(encode()));
     }
 
-    /// Writes a new file like [`Self::save`], but can be cancelled: `encode` reports its completed fraction, from 0 to
-    /// 1, and returns `None` if cancelled.
+    /// Writes a new file like [`Self::save`], but shows progress and can be cancelled. `encode` may report its
+    /// completed fraction, from 0 to 1, and returns `None` if cancelled.
     fn save_cancellable(
         &mut self,
         ui: &Ui,

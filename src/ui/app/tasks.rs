@@ -25,7 +25,8 @@ impl Workbench {
         }));
     }
 
-    /// Starts measuring how much frame time the draw plans of the current view save by skipping work.
+    /// Starts measuring how much frame time the current view saves because its draws skip unneeded parts of the
+    /// pipeline.
     pub(super) fn measure_plan(&mut self, ui: &Ui) {
         /// Number of measured rounds.
         const ROUNDS: usize = 21;
@@ -41,8 +42,8 @@ impl Workbench {
     /// Starts measuring how the frame time scales with triangles, pixels, overlapping layers and threads under the
     /// current recipe.
     pub(super) fn measure_scaling(&mut self, ui: &Ui) {
-        /// Maximum triangle count and number of measured rounds, chosen so that the measurement takes seconds, not
-        /// minutes.
+        /// Maximum number of triangles, and number of measured rounds. Both are small enough that the measurement takes
+        /// seconds, not minutes.
         const MAX_SCALING: (usize, usize) = (1_000_000, 7);
         let recipe = self.session.state.recipe;
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
@@ -91,8 +92,8 @@ impl Workbench {
     }
 }
 
-/// Handles the progress and the result of a task. Returns `true` if the task's thread ended without reporting a result,
-/// for example because it panicked.
+/// Updates the progress of a task and handles its result. Returns `true` if the task's thread ended without reporting a
+/// result, for example because it panicked.
 fn poll_task<P: Send + 'static, T: Send + 'static>(
     task: &mut Option<BackgroundTask<P, T>>,
     progress: &mut Option<P>,

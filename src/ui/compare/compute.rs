@@ -137,8 +137,8 @@ impl Comparer {
         self.results.insert(Compared { request, tiles, difference, complete: false })
     }
 
-    /// Computes the next part of the results: one sample per pixel of a reference, or the error metrics of one tile, or
-    /// those of the region. Returns `None` if no result has changed.
+    /// Computes the next part of the results: one more sample per pixel of a reference, the error metrics of one tile,
+    /// or the error metrics of the region in all tiles. Returns `None` if no result has changed.
     pub(crate) fn step(&mut self) -> Option<&Compared> {
         self.begun = true;
         let known = self.results.as_ref().filter(|known| !known.complete)?;

@@ -76,7 +76,7 @@ impl TileSet {
         if tile == self.active { of_active } else { self.recipes.get(tile).copied().unwrap_or(of_active) }
     }
 
-    /// Stores the session's recipe as the recipe of the active tile. No-op while the list is empty.
+    /// Stores the session's recipe as the recipe of the active tile. No-op if no recipes are stored yet.
     pub(crate) fn store(&mut self, of_active: Recipe) {
         if let Some(recipe) = self.recipes.get_mut(self.active) {
             *recipe = of_active;
@@ -169,7 +169,8 @@ impl CompareSettings {
         self.mode != Mode::Off
     }
 
-    /// Returns the number of pictures to draw: all tiles, or A and B.
+    /// Returns the number of pictures to draw: one per tile in the mode `Tiles`, two (A and B) in the other modes, and
+    /// none if the comparison is off.
     pub(crate) fn shown(&self, tiles: &TileSet) -> usize {
         match self.mode {
             Mode::Off => 0,

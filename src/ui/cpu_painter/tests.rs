@@ -76,7 +76,8 @@ fn nearest_filtering_shows_whole_texels() {
 fn linear_filtering_interpolates_between_texel_centres() {
     let painter = painter_with([2, 1], &[Color32::from_gray(40), Color32::from_gray(200)], TextureOptions::LINEAR);
     let picture = paint(&painter, quad(rect(0.0, 0.0, 4.0, 1.0), Color32::WHITE), Rect::EVERYTHING, (4, 1), 1.0);
-    // u is 0.25, 0.75, 1.25, 1.75 texels, whose centres are at 0.5 and 1.5: weights 0, 1/4, 3/4, 1.
+    // The texel centres are at u = 0.5 and 1.5. The four pixels sample u = 0.25, 0.75, 1.25 and 1.75, so the weights of
+    // the second texel are 0, 1/4, 3/4 and 1.
     assert_eq!(reds(&picture, 0), [40, 80, 160, 200]);
 }
 
@@ -92,7 +93,7 @@ fn translucent_over_opaque_blends_gamma_encoded_values() {
     let painter = solid_painter();
     let mut mesh = quad(rect(0.0, 0.0, 1.0, 1.0), Color32::from_gray(100));
     mesh.append(quad(rect(0.0, 0.0, 1.0, 1.0), Color32::from_rgba_premultiplied(51, 0, 0, 51)));
-    // 51 + 100 · (1 − 51/255) = 131, and 100 · 0.8 = 80.
+    // The factor of the lower layer is 1 − 51/255 = 0.8. Red: 51 + 100 · 0.8 = 131. Green and blue: 100 · 0.8 = 80.
     assert_eq!(paint(&painter, mesh, Rect::EVERYTHING, (1, 1), 1.0).at(0, 0), [131, 80, 80, 255]);
 }
 

@@ -20,14 +20,14 @@ const SETTLED: Duration = Duration::from_millis(150);
 pub(crate) struct Finder {
     task: Option<BackgroundTask<(), Fates>>,
     last_request: Option<Request>,
-    /// Request of the frame on screen, and the time since which the frame has been unchanged.
+    /// Request of the frame on screen, and the time at which this frame was first seen.
     unchanged_since: Option<(Request, Instant)>,
 }
 
 impl Finder {
-    /// Handles the result of the task. Starts a new task if the frame has changed and its fates are needed: for the
-    /// open tab (`wanted`), for the filter or for a selection. If `waits` is `true`, the fates are counted
-    /// synchronously.
+    /// Handles the result of the task. Starts a new task if the frame has changed and its fates are needed: because
+    /// the “Fates” tab is open (`wanted`), a filter is active or triangles are selected. If `waits` is `true`, the
+    /// fates are counted synchronously.
     pub(crate) fn update(&mut self, ui: &Ui, session: &mut Session, wanted: bool, waits: bool) {
         self.listen(session);
         let wanted = wanted || session.fates.is_filtering() || !session.selection.is_empty();

@@ -20,9 +20,10 @@ const COUNT: f32 = 52.0;
 /// Width of the column of percentages, in points.
 const SHARE: f32 = 58.0;
 
-/// Fate of a triangle or fragment that the funnel can show as a bar.
+/// Fate of a triangle or of a fragment. The funnel shows one bar for each fate.
 pub(crate) trait BinnedFate: Choice {
-    /// Returns the bin of triangles that have this fate, or that have a fragment with this fate.
+    /// Returns the bin that a click on the bar selects: triangles with this fate or, if it is the fate of a fragment,
+    /// triangles with at least one such fragment.
     fn bin(self) -> Bin;
 
     /// Returns the colour of this fate's bar.

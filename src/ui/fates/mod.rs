@@ -24,7 +24,7 @@ use crate::scene::TriangleId;
 pub(crate) struct FatesView {
     /// Fates of the frame; `None` until computed. The fates of the previous frame remain until the new ones are ready.
     pub(crate) fates: Option<Arc<Fates>>,
-    /// Bin that the filter selects; `None` for all fates.
+    /// Fate (of the triangle or of one of its fragments) by which the filter selects triangles; `None` for all fates.
     pub(crate) bin: Option<Bin>,
     /// Index of the instance that the filter selects; `None` for all instances.
     pub(crate) object: Option<usize>,
@@ -37,9 +37,10 @@ pub(crate) struct FatesView {
 /// Change to the filter, requested by the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum FatesChange {
-    /// Filters triangles by this bin, or removes that filter if the bin is already selected.
+    /// Filters triangles by a fate: their own, or that of one of their fragments. Removes the filter if this fate is
+    /// already selected.
     Bin(Bin),
-    /// Filters triangles by the instance with this index, or removes that filter if the instance is already selected.
+    /// Filters triangles by the instance with this index. Removes the filter if that instance is already selected.
     Object(usize),
     /// Filters triangles by this text.
     Text(String),

@@ -86,7 +86,8 @@ fn seen(triangles: &TriangleCounts) -> u64 {
     triangles.of(TriangleFate::Visible) + triangles.of(TriangleFate::BlendedOver)
 }
 
-/// Formats the number of triangles of each fate, most frequent first, except for visible and blended-over triangles.
+/// Formats the fates of an object's triangles with their counts, most frequent fate first. Omits visible and
+/// blended-over triangles.
 fn fate_shares(triangles: &TriangleCounts) -> String {
     let is_seen = |fate: TriangleFate| matches!(fate, TriangleFate::Visible | TriangleFate::BlendedOver);
     let mut bins: Vec<_> = TriangleFate::ALL.iter().copied().filter(|f| !is_seen(*f) && triangles.of(*f) > 0).collect();

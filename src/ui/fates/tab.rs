@@ -15,7 +15,7 @@ use crate::ui::widgets::{Status, chip, empty_state};
 /// Widths of the two funnels and of the table of objects, as fractions of the tab's width; the list takes the rest.
 const SHARES: [f32; 3] = [0.18, 0.16, 0.31];
 
-/// Draws chips beside the tab names that show whether the fate counts add up to the totals.
+/// Draws, beside the tab names, chips that show whether the fate counts add up to the totals.
 pub(crate) fn controls(ui: &mut Ui, session: &Session) {
     let Some(fates) = &session.fates.fates else { return };
     let complaints = fates.account.complaints();

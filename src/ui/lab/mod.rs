@@ -55,7 +55,7 @@ pub(crate) struct Lab {
     pub(crate) playing: i64,
     /// Playback speed, in steps per second.
     pub(crate) speed: f32,
-    /// Fraction of the time to the next step that has elapsed during playback, from 0 to 1.
+    /// Elapsed fraction of the time between two steps during playback, from 0 to 1.
     due: f32,
     /// Duration of one run of the algorithm without recording.
     pub(crate) run_time: Duration,
@@ -136,9 +136,9 @@ impl Lab {
         Page::ALL.iter().position(|page| *page == self.page).unwrap_or(0)
     }
 
-    /// While the lab is open, converts a command that applies to the lab, such as stepping, into a command of the lab.
-    /// Returns `None` if the command has no meaning in the lab, otherwise the command unchanged. Opening a model or a
-    /// built-in scene also closes the lab.
+    /// Converts a command for the lab if the lab is open. A command with a counterpart in the lab, such as stepping,
+    /// becomes that lab command. A command without meaning in the lab becomes `None`. Any other command is returned
+    /// unchanged. Opening a model or a built-in scene also closes the lab.
     pub(crate) fn claim(&mut self, command: Command) -> Option<Command> {
         if !self.open {
             return Some(command);

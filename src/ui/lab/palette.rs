@@ -12,7 +12,7 @@ pub(super) fn paper(tokens: &Tokens) -> Color32 {
 
 /// Returns the display colour of a grid pixel filled with `ink`.
 pub(super) fn ink(ink: Ink, tokens: &Tokens) -> Color32 {
-    /// Opacity, in [0, 1], of the tint over the background that shows on which side of a curve a pixel lies.
+    /// Opacity, in [0, 1], of the tint drawn over the background. The tint shows on which side of a curve a pixel lies.
     const SIDE_SHARE: f32 = 0.28;
     let full = tokens.text;
     match ink {
@@ -27,8 +27,8 @@ pub(super) fn ink(ink: Ink, tokens: &Tokens) -> Color32 {
 
 /// Returns the display colour of a mark with this tone.
 pub(super) fn tone(tone: Tone, tokens: &Tokens) -> Color32 {
-    /// Index of the series colour of focused marks. It differs from the colour of the ideal shape and, with one
-    /// exception, from the colours of the pixels.
+    /// Index of the series colour of focused marks. It differs from the colour of the ideal shape and from all colours
+    /// of pixels, except that of one pixel group.
     const FOCUS_SERIES: usize = 3;
     match tone {
         Tone::Ideal => tokens.accent,

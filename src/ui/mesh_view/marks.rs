@@ -7,8 +7,8 @@ use crate::inspect::mesh_view::{MarkKind, MeshMark};
 use crate::ui::format;
 use crate::ui::theme::{MARK_EDGE, ON_PIXEL, font_size, tokens};
 
-/// Maximum number of vertices created by clipping that are labelled with their parameter t. With more vertices, the
-/// labels would overlap and are omitted.
+/// Maximum number of vertices created by clipping for which labels are drawn. A label shows the position t of a vertex
+/// along the edge of the triangle. With more vertices, labels would overlap, so none are drawn.
 const MAX_NUMBERS: usize = 16;
 
 /// Dash length and gap length of dashed lines, in points.

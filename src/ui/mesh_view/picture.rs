@@ -1,4 +1,5 @@
-//! Background rendering of the mesh view. The newest request starts once the previous picture is finished.
+//! Background rendering of the mesh view. Once a picture is finished, the newest request is drawn; older ones are
+//! dropped.
 
 use std::sync::Arc;
 
@@ -72,8 +73,8 @@ pub(super) struct Painter {
 }
 
 impl Painter {
-    /// Returns the last finished picture; `None` if there is none. If it does not match `wish`, starts drawing `wish`
-    /// once no other picture is being drawn. If `waits` is `true`, drawing is synchronous.
+    /// Returns the last finished picture; `None` if there is none. If it does not match `wish`, starts drawing `wish`,
+    /// unless another picture is still being drawn. If `waits` is `true`, drawing is synchronous.
     pub(super) fn picture(&mut self, context: &Context, wish: PictureRequest, waits: bool) -> Option<&PaintedMesh> {
         if let Some(task) = &self.task {
             match task.poll(&mut None) {

@@ -33,7 +33,7 @@ pub(crate) fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &RenderedVi
     let corner = canvas.right_top() + vec2(-space::S - width, TOP);
     let place = Rect::from_min_size(corner, vec2(width, height));
     let mut changes = Vec::new();
-    // The background is painted before its content is laid out, so it has the height of the last pass.
+    // The background is painted before the content is laid out, so it has the height of the content in the last pass.
     let id = ui.scope_id().with(("overlays card", overlays.open));
     let known: f32 = ui.data(|data| data.get_temp(id)).unwrap_or(0.0);
     let card = Rect::from_min_size(corner, vec2(width, known));

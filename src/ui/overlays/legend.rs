@@ -28,7 +28,7 @@ pub(crate) fn ui(ui: &mut Ui, sheet: &Sheet, most_totals: usize) {
                     ui.spacing_mut().item_spacing.x = space::XS;
                     square(ui, kind.color);
                     ui.label(RichText::new(kind.name).small().color(tokens(ui).text));
-                    // A total with the same name as a kind is shown in the row of that kind.
+                    // If a total has the same name as this legend entry, it is shown in the row of the entry.
                     if kind.name == total.name {
                         let number = RichText::new(amount(total)).small().color(tokens(ui).text_weak);
                         ui.with_layout(Layout::right_to_left(Align::Center), |ui| ui.label(number));

@@ -118,7 +118,7 @@ fn owner(painter: &Painter, edge: &EdgeMarks, at: impl Fn([f32; 2]) -> Pos2) {
     }
 }
 
-/// Draws a point at the sample position of each drawn pixel.
+/// Draws a point at the centre of each pixel that was rendered, not reconstructed by the upscaler.
 fn samples(painter: &Painter, placement: Placement, view: &RenderedView) {
     let Sampling::Grid(grid) = view.frame.sampling else { return };
     let (columns, rows) = placement.visible(view.picture.size());

@@ -23,7 +23,8 @@ pub(crate) struct Overlays {
     pub(crate) layers: Vec<OverlayLayer>,
     /// Whether the list of all overlays is open.
     pub(crate) open: bool,
-    /// Whether sample points and triangle edges, coloured by sample ownership, are drawn over enlarged pixels.
+    /// Whether sample points and triangle edges are drawn over enlarged pixels. The colour of an edge shows whether
+    /// samples exactly on it belong to the triangle.
     pub(crate) marks: bool,
     /// Whether pixels are large enough to draw lines as vectors instead of pixels.
     pub(crate) vectors: bool,
@@ -46,7 +47,7 @@ pub(crate) enum OverlayChange {
     Raise(Overlay),
     /// Removes all overlays.
     Clear,
-    /// Sets whether sample points and triangle edges, coloured by sample ownership, are drawn.
+    /// Sets whether sample points and triangle edges are drawn over enlarged pixels.
     Marks(bool),
     /// Sets whether lines are drawn as vectors instead of pixels.
     Vectors(bool),
@@ -112,8 +113,8 @@ impl Overlays {
         self.layers.iter().rev().map(|layer| layer.overlay).find(|overlay| faults.contains(overlay))
     }
 
-    /// Returns the next pixel after `from` that the overlay of [`Overlays::stepped`] marks, or the previous one if not
-    /// `forwards`. Wraps around at the first and the last marked pixel.
+    /// Returns the first pixel after `from` that the overlay returned by [`Overlays::stepped`] marks. If `forwards` is
+    /// `false`, returns the last marked pixel before `from`. Wraps around at the first and the last marked pixel.
     pub(crate) fn beside(&self, view: &RenderedView, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
         let overlay = self.stepped()?;
         view.look_result.sheets.iter().find(|sheet| sheet.overlay == overlay)?.next_pixel(from, forwards)

@@ -137,7 +137,7 @@ fn commands() -> Vec<PaletteEntry> {
     let mut entries: Vec<PaletteEntry> = Vec::new();
     for binding in BINDINGS {
         let command = (binding.command)();
-        // Upscalers have entries of their own, and opening the palette from itself is a no-op.
+        // Skips commands that other entries cover (upscalers and bookmarks), and the command that opens the palette.
         let is_elsewhere = matches!(
             command,
             Command::ChooseUpscaler(_) | Command::OpenPalette | Command::Place(place::PlaceChange::Jump(_))

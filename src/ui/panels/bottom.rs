@@ -107,8 +107,8 @@ pub(crate) fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut V
     }
     ui.add_space(4.0);
     panel::notify_open(*tab == Tab::Histogram, session, commands);
-    // The content is clipped to the available space: a taller tab would resize the canvas, and with it a picture of
-    // canvas size.
+    // The content is clipped to the available space. A taller tab would shrink the canvas, and also the picture if it
+    // has the size of the canvas.
     let room = ui.available_rect_before_wrap();
     let mut within = ui.new_child(UiBuilder::new().id_salt("tab").max_rect(room).layout(*ui.layout()));
     within.shrink_clip_rect(room.expand2(ui.spacing().item_spacing));

@@ -13,8 +13,8 @@ use crate::ui::place::{bookmarks, go_to as go_to_wanted};
 use crate::ui::session::Session;
 use crate::ui::theme::tokens;
 
-/// Time within which an empty result is taken to mean that the system could not show its file dialog. No user closes a
-/// dialog this fast.
+/// If the system's file dialog ends without a file within this time, the program assumes that the system could not show
+/// it. No user closes a dialog this fast.
 const FASTEST_PERSON: Duration = Duration::from_millis(400);
 
 /// The open dialog, with the text typed into it.

@@ -61,7 +61,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, 
     });
 }
 
-/// Draws an icon in `color`, the text, and a close button that runs the command `close` if there is one.
+/// Draws an icon in `color` and the text. If `close` is a command, also draws a close button that runs it.
 fn line(ui: &mut Ui, icon: Icon, color: Color32, text: &str, close: Option<Command>, commands: &mut Vec<Command>) {
     let (place, _): (Rect, _) = ui.allocate_exact_size(Vec2::splat(theme::ICON_SIZE), Sense::hover());
     theme::paint_icon(ui.painter(), place.center(), icon, theme::ICON_SIZE, color);

@@ -115,7 +115,8 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let points = session.timings.tradeoff();
     let in_motion = session.timings.measurement_request().is_some_and(|measured| !measured.turn.is_still());
     if points.is_empty() {
-        // Takes all of the available height, so that the canvas, and a picture of canvas size, keep their sizes.
+        // Takes all of the available height, so that the canvas keeps its size, and so does a picture that has the size
+        // of the canvas.
         ui.set_min_height(ui.available_height());
         empty_state(
             ui,

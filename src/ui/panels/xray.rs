@@ -25,7 +25,7 @@ use crate::ui::theme::{Icon, ON_PIXEL, tokens};
 use crate::ui::widgets::{empty_state, figure};
 use crate::upscale::{FilterSpace, Upscaling};
 
-/// Minimum and maximum side length of a grid cell, in points.
+/// Minimum and maximum side length of a cell in the grid of samples, in points.
 const CELL: (f32, f32) = (16.0, 44.0);
 
 /// Minimum side length of a grid cell in which its weight is shown, in points.

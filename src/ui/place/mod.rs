@@ -45,7 +45,7 @@ pub(crate) struct Places {
 /// Change to the bookmarks or to the current inspection state.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum PlaceChange {
-    /// Copies a command line that restores the current inspection state to the clipboard.
+    /// Copies a command line to the clipboard. Running it restores the current inspection state.
     Copy,
     /// Bookmarks the current inspection state.
     Bookmark,
@@ -119,8 +119,8 @@ impl Session {
         InspectionState { picture: Some((viewport.width, viewport.height)), ..self.place() }.command_line()
     }
 
-    /// Applies a change. Returns the command that the window must run to complete it, such as opening a file, if there
-    /// is one.
+    /// Applies a change. If the window must do something to complete it, such as open a file, returns the command for
+    /// that.
     pub(crate) fn change_places(&mut self, change: PlaceChange) -> Option<Command> {
         let bookmarks = &mut self.places.bookmarks;
         match change {
@@ -143,7 +143,8 @@ impl Session {
             PlaceChange::Go(place) => return self.go(*place),
             PlaceChange::Back | PlaceChange::Forward => {
                 if let Some(visit) = self.places.visits.travel(change == PlaceChange::Back) {
-                    // Going back restores only what was inspected: settings have their own undo.
+                    // Back and forward keep recipe, picture size, display settings and overlays. Undo covers the recipe
+                    // and the picture size.
                     let here = self.place();
                     let display = self.range.setting(shown_at(&visit)).display;
                     let InspectionState { recipe, picture, overlays, .. } = here;

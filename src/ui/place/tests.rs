@@ -38,7 +38,8 @@ fn a_bookmark_restores_an_intermediate_value_with_its_colours_and_overlays() {
     assert_eq!(session.apply(Command::Place(PlaceChange::Jump(0))), None);
     assert_eq!(session.place(), there);
     assert_eq!((session.shown, session.request().look), (Shown::Intermediate(Intermediate::Cosine), look));
-    // The place survives a round trip through the preferences, and a file without these fields is accepted.
+    // A bookmark survives a round trip through the preferences. A file from an earlier version, in which the three
+    // fields below are missing, is accepted.
     let kept = serde_json::to_value(session.preferences(&WindowState::default())).unwrap();
     let again: crate::ui::session::Preferences = serde_json::from_value(kept.clone()).unwrap();
     assert_eq!(again.bookmarks[0].place, there);

@@ -66,7 +66,7 @@ impl Visits {
         let (from, to) = if back { (&mut self.past, &mut self.future) } else { (&mut self.future, &mut self.past) };
         let place = from.pop()?;
         to.extend(self.here.replace(place.clone()));
-        // The next change is a visit of its own.
+        // The next change is not combined with this entry, even if it follows soon.
         self.changed_at = f64::NEG_INFINITY;
         Some(place)
     }

@@ -51,7 +51,7 @@ pub(crate) enum ProbeChange {
     Show(Option<Heat>),
     /// Restores the camera, settings and picture size with which the last result was measured.
     GoBack,
-    /// Of the pixels of an unstable triangle, picks the one that changed in the most runs.
+    /// Picks one pixel of an unstable triangle: the pixel that changed in the most runs.
     GoTo(Fragile),
     /// Saves an unstable triangle as a case.
     SaveCase(Fragile),

@@ -18,7 +18,8 @@ const SETTINGS_POINTS: f32 = 270.0;
 /// Width of a numeric column, in points.
 const FIGURE_POINTS: f32 = 104.0;
 
-/// Maximum displacement that can be selected, in units in the last place, and maximum number of runs.
+/// Maximum values of two settings: displacement of the camera or of the vertices, in units in the last place, and
+/// number of runs.
 const MAX_SETTINGS: (u32, u16) = (65_536, 4096);
 
 /// Draws the controls of the “Probe” tab, beside the tab names.

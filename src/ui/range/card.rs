@@ -119,7 +119,7 @@ fn ends(ui: &mut Ui, session: &Session, view: &RenderedView, changes: &mut Vec<R
 /// Draws a number field that can be dragged or edited as text. Returns the new value if the user changed it to a finite
 /// number.
 fn field(ui: &mut Ui, name: &str, value: f32, range: Range) -> Option<f32> {
-    /// Drag distance that changes the value by the width of `range`, in points.
+    /// Drag distance, in points, that changes the value by the width of `range`.
     const POINTS: f64 = 300.0;
     let mut number = f64::from(value);
     let speed = ((f64::from(range.high) - f64::from(range.low)) / POINTS).max(f64::from(f32::MIN_POSITIVE));

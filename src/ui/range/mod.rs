@@ -111,7 +111,7 @@ impl RangeControl {
             RangeChange::DrawRegion(draws) => self.draws_region = draws,
             RangeChange::Region(region) => {
                 (self.region, self.draws_region) = (region, false);
-                // The region's statistics are shown on the card.
+                // Opens the card, because it shows the statistics of the region.
                 self.open |= region.is_some();
             }
             RangeChange::Rule(Rule::Fixed(range)) => display.rule = ordered(range).map_or(display.rule, Rule::Fixed),

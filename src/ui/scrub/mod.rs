@@ -63,8 +63,8 @@ pub(crate) enum ScrubChange {
 }
 
 impl Scrub {
-    /// Returns how many fragments of the last triangle to draw if only `triangle_limit` triangles are drawn. `None`
-    /// means all.
+    /// Returns the number of fragments to draw of the last triangle, if drawing stops after `triangle_limit` triangles.
+    /// Returns `None` if the last triangle is drawn completely.
     pub(crate) fn fragment_limit(&self, triangle_limit: Option<usize>) -> Option<usize> {
         self.partial.filter(|moment| Some(moment.triangles) == triangle_limit)?.fragments
     }
@@ -137,7 +137,7 @@ impl Session {
         }
     }
 
-    /// Advances playback by the elapsed time, unless the requested moment is not on screen yet.
+    /// Advances playback by `seconds`. Playback waits while the requested moment is not on screen yet.
     fn tick(&mut self, seconds: f32) -> Option<Command> {
         let is_shown = self.view.as_ref().is_some_and(|view| view.request.moment() == self.request().moment());
         if self.scrub.playing == 0 || !is_shown {

@@ -20,8 +20,8 @@ pub(crate) struct Reel {
 }
 
 impl Reel {
-    /// Returns the reel of a request, which is stored in `slot`, and creates it if `slot` is empty or holds another
-    /// frame. `whole` is the complete frame if it was just drawn.
+    /// Returns the cached state of the requested frame. Creates it and stores it in `slot` if `slot` is empty or holds
+    /// the state of another frame. `whole` is the complete frame, if the caller already has it.
     pub(crate) fn load<'a>(slot: &'a mut Option<Self>, request: &Request, whole: Option<Arc<Frame>>) -> &'a mut Self {
         slot.take_if(|reel| !reel.is_of(request));
         slot.get_or_insert_with(|| Self::new(request, whole))

@@ -125,7 +125,7 @@ fn touching(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 
 /// Draws the number of drawn triangles and the name of the object that the last one belongs to, right-aligned.
 fn figures(ui: &mut Ui, session: &Session, known: Option<&Timeline>) {
-    /// Minimum free width for showing the number of triangles, and for also showing the name of the object, in points.
+    /// Minimum free widths, in points: for the number of triangles alone, and for this number with the object's name.
     const ROOM: [f32; 2] = [150.0, 300.0];
     let (moment, all) = (session.moment(), session.triangle_count());
     let room = ui.available_width();

@@ -133,7 +133,8 @@ impl Preferences {
         };
         let (readable, others): (Map<_, _>, Map<_, _>) = fields.into_iter().partition(can_be_read);
         let read: Self = serde_json::from_value(readable.clone().into()).unwrap_or_default();
-        // Unknown fields and skipped list items are missing when the result is written again.
+        // Everything was read if writing the result yields the same fields, and lists of the same lengths. Unknown
+        // fields and skipped list items are missing from the result.
         let again = serde_json::to_value(&read).unwrap_or_default();
         let is_kept = |(key, value): (&String, &Value)| {
             let length = |value: &Value| value.as_array().map(Vec::len);

@@ -18,8 +18,8 @@ use crate::inspect::{PixelReport, trace};
 pub(crate) struct TraceView {
     /// Last trace, with the inputs from which it was computed.
     cached: Option<CachedTrace>,
-    /// For each line, whether its value differs from the previous trace, which belongs to another pixel, recipe or
-    /// view.
+    /// For each line, whether its value differs from the value in the previous trace. The previous trace belongs to
+    /// another pixel, fragment, recipe or view.
     changed: Vec<bool>,
     /// Index of the selected fragment; `None` means the visible one.
     fragment: Option<usize>,
@@ -57,9 +57,9 @@ pub(crate) enum TraceChange {
     Line(usize),
     /// Moves by this many lines, backwards if negative.
     Step(i64),
-    /// Goes to the nearest line in a direction that has this flag; `None` stands for any flag.
+    /// Searches in this direction for the nearest line with this flag, and goes there; `None` stands for any flag.
     Run(Option<Notable>, StepDirection),
-    /// Goes to the nearest line of another stage in a direction.
+    /// Searches in this direction for the nearest line that belongs to another stage, and goes there.
     Stage(StepDirection),
     /// Traces the fragment with this index.
     Fragment(usize),

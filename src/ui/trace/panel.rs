@@ -123,7 +123,7 @@ fn listed(trace: &Trace, filter: &str) -> Vec<usize> {
     (0..trace.lines.len()).filter(|place| is_listed(&trace.lines[*place])).collect()
 }
 
-/// Returns the row of the current line if a step has moved to it since the last pass, so that it can be centred.
+/// If a step was made since the last pass, returns the row of the current line, so that the caller can centre it.
 fn row_after_step(ui: &Ui, table: &TraceView, listed: &[usize]) -> Option<usize> {
     let id = egui::Id::unique("steps of the trace");
     let seen: u64 = ui.data(|data| data.get_temp(id)).unwrap_or(0);

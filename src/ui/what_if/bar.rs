@@ -60,8 +60,8 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     commands.extend(chosen.into_iter().map(Command::WhatIf));
 }
 
-/// Keeps the bar at least as high as it was at this width. The bar grows when results arrive. If it shrank again, the
-/// canvas would grow, and all results would be recomputed for the new size, in an endless loop.
+/// Prevents the bar from shrinking while its width stays the same. The bar grows when results arrive. If it shrank
+/// again, the canvas would grow, and all results would be recomputed for the new size, in an endless loop.
 fn keep_height(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
     let (id, width) = (egui::Id::unique("height of the bar of changes"), ui.available_width());
     let before: Option<(f32, f32)> = ui.data(|data| data.get_temp(id));

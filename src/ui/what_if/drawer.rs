@@ -145,8 +145,8 @@ fn changes(before: &RenderedView, after: &RenderedView) -> Option<Changes> {
     }
 }
 
-/// Returns picture A, coloured with the range of B so that equal values have equal colours. Returns `None` if A must
-/// keep its own picture and range: if the ranges are equal, with an overlay, or for a stage.
+/// Returns picture A, coloured with the range of B so that equal values have equal colours. Returns `None` if A keeps
+/// its own picture, because the ranges are equal, an overlay is active, or a stage is shown.
 fn with_range_of(before: &RenderedView, after: &RenderedView) -> Option<Arc<Image<Rgba8>>> {
     let look = &after.request.look;
     if before.range == after.range || !look.layers.is_empty() {

@@ -114,7 +114,8 @@ impl WhatIf {
         self.found.as_ref().filter(|_| self.open).filter(same)
     }
 
-    /// Returns the view that the canvas shows: A, B, or B with unchanged pixels dimmed. If `held` is `true`, it is A.
+    /// Returns the view that the canvas shows: A, B, or B with unchanged pixels dimmed. If `held` is `true` (Shift
+    /// is held down), it shows A.
     pub(crate) fn visible_view<'a>(&'a self, view: &'a RenderedView, held: bool) -> &'a RenderedView {
         let Some(found) = self.current(view) else { return view };
         match self.show {
@@ -126,8 +127,8 @@ impl WhatIf {
     }
 }
 
-/// Returns the view that the canvas shows: A, B, or B with unchanged pixels dimmed. While Shift is held, it is A.
-/// Returns `None` before the first view.
+/// Returns the view that the canvas shows: A, B, or B with unchanged pixels dimmed. While Shift is held down, it
+/// shows A. Returns `None` before the first view.
 pub(crate) fn visible_view<'a>(ui: &Ui, session: &'a Session) -> Option<&'a RenderedView> {
     let view = session.view.as_ref()?;
     if session.comparison.is_on() {

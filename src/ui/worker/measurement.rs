@@ -44,7 +44,7 @@ pub(super) struct Measurement {
     at_rest: ErrorMeasurement,
     /// Error measurement of the frames in motion; `None` for a still camera.
     in_motion: Option<ErrorMeasurement>,
-    /// Number of rounds whose noise floor has been reported.
+    /// Number of completed rounds when the noise floor was last reported.
     reported: usize,
 }
 
@@ -83,7 +83,8 @@ impl Measurement {
         (self.at_rest.measured_frames() + moving.0, self.at_rest.total(Turn::STILL) + moving.1)
     }
 
-    /// Returns the completed fraction of all frames to time or to compare with the reference, in [0, 1].
+    /// Returns the completed fraction of the measurement, in [0, 1]. Counts both the frames to time and the frames to
+    /// compare with the reference.
     fn progress(&self) -> f32 {
         let (timed, judged) = (self.timer.progress(), self.measured_frames());
         (timed.0 + judged.0) as f32 / (timed.1 + judged.1).max(1) as f32

@@ -20,13 +20,14 @@ const NO_HISTORY: ColorQuad = [0.0, 0.0, 0.0, -1.0];
 /// Position of an output column or row among the samples of this frame.
 #[derive(Clone, Copy)]
 struct AxisPosition {
-    /// Indices of the samples before and after the column, clamped to the image.
+    /// Indices of the samples before and after the column or row, clamped to the image.
     between: [u32; 2],
     /// Interpolation weight of the second sample, in [0, 1).
     on: f32,
-    /// Index of the sample that lies inside the column, if any.
+    /// Index of the sample that lies inside the column or row, if any.
     own: Option<u32>,
-    /// Index of the nearest sample plus one, or 0 if the nearest position lies before the first sample.
+    /// One plus the index of the lattice position nearest to the column or row. It is 0 if that position lies before
+    /// the first sample.
     nearest: usize,
 }
 

@@ -1,9 +1,10 @@
 //! Checkerboard rendering with missing pixels interpolated along edges instead of across them.
 //!
 //! A missing pixel lies between two drawn ones in its row and two in its column; one pixel of each pair is at distance
-//! 1, the other at distance 2. Each pair is interpolated linearly. The pair that differs less in luma gets more weight:
-//! with the squared differences dh² and dv², the weight of the row is (1 + dv²) / (2 + dh² + dv²). At borders, where a
-//! pair is incomplete, the plain mean of `checkerboard` is used.
+//! 1, the other at distance 2. Each pair is interpolated linearly. The pair whose two pixels differ less in luma gets
+//! more weight. If this difference is dh for the pair in the row and dv for the pair in the column, the weight of the
+//! row is (1 + dv²) / (2 + dh² + dv²). At borders, where a pair is incomplete, the plain mean of `checkerboard` is
+//! used.
 
 use super::mean::{CHECKERBOARD, mean_of_sources};
 use super::squares::{DrawnNeighbours, Fill, MissingRun, channel, fill, pixels};

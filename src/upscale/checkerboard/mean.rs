@@ -108,8 +108,8 @@ fn fill_row(drawn: &Image<Rgba8>, y: u32, width: u32, height: u32, row: &mut [Rg
     }
 }
 
-/// Fills the blocks of four pixels whose sources all lie inside the image. `own` is the packed row of the same pixels,
-/// `across` the packed row that their missing pixels touch. Returns the columns filled.
+/// Fills the blocks of four pixels whose sources all lie inside the image. `own` has the drawn pixels of the same row.
+/// `across` has the drawn pixels of the row above or below that the missing pixels touch. Returns the columns filled.
 fn fill_blocks(own: &[Rgba8], across: &[Rgba8], drawn_first: bool, row: &mut [Rgba8]) -> Range<u32> {
     let width = row.len();
     let blocks = if drawn_first { 0..(width - 1) / 4 } else { 1.min(width / 4)..width / 4 };
@@ -124,8 +124,8 @@ fn fill_blocks(own: &[Rgba8], across: &[Rgba8], drawn_first: bool, row: &mut [Rg
     4 * blocks.start as u32..4 * blocks.end as u32
 }
 
-/// Computes the mean of all four channels, rounding halves up: a + b = 2 (a | b) − (a ^ b). The mask keeps bits from
-/// shifting into the adjacent channel.
+/// Computes the mean of two colours in each channel, rounding halves up. It follows from a + b = 2 (a | b) − (a ^ b).
+/// The mask keeps bits from shifting into the adjacent channel.
 fn mean(a: Rgba8, b: Rgba8) -> Rgba8 {
     let (a, b) = (u32::from_ne_bytes(a), u32::from_ne_bytes(b));
     ((a | b) - (((a ^ b) >> 1) & 0x7f7f_7f7f)).to_ne_bytes()

@@ -23,7 +23,7 @@ pub(crate) use temporal::CHECKERBOARD_TEMPORAL;
 
 use super::{Anchor, FilterSpace, Offers, Scale};
 
-/// Options of the checkerboard upscalers: a single value for each.
+/// Options of the checkerboard upscalers. Each option has only one value, so there is no choice.
 const OFFERS: Offers = Offers {
     scales: &[Scale::ONE],
     anchors: &[Anchor::Corner],
@@ -48,13 +48,13 @@ fn step(at: u32, by: i32, length: u32) -> Option<u32> {
     at.checked_add_signed(by).filter(|place| *place < length)
 }
 
-/// Returns the drawn pixels in the row and the column of a missing pixel that are `by` pixels away, with the direction
-/// defined by [`step`]. Pixels outside the image are `None`.
+/// Returns the drawn pixel `by` pixels away from a missing pixel in its row, and the one in its column. [`step`]
+/// defines the direction. Pixels outside the image are `None`.
 fn neighbours(by: i32, (width, height): (u32, u32), (x, y): PixelPosition) -> [Option<PixelPosition>; 2] {
     [step(x, by, width).map(|x| (x, y)), step(y, by, height).map(|y| (x, y))]
 }
 
-/// Returns the drawn pixels in the row and the column of a missing pixel that lie inside the image, at most four.
+/// Returns the drawn pixels around a missing pixel in its row and column: four, or fewer near the borders of the image.
 fn around(size: (u32, u32), at: PixelPosition) -> impl Iterator<Item = PixelPosition> {
     [TOUCHING, BEHIND].into_iter().flat_map(move |by| neighbours(by, size, at)).flatten()
 }

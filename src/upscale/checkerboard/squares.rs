@@ -1,8 +1,8 @@
 //! Vectorised checkerboard fill: 16 missing pixels at a time.
 //!
-//! Missing pixels are packed like the drawn ones: the two missing pixels of every four in a row. Their neighbours in
-//! the row are drawn. The drawn pixels around 16 missing ones are therefore contiguous in the packed image: in the same
-//! row, and, because rows come in pairs, in one row above and one below.
+//! Of every four pixels in a row, two are drawn and two are missing. The missing pixels of a row are numbered
+//! consecutively, like the drawn ones in the packed image. The drawn neighbours of 16 consecutive missing pixels are
+//! then contiguous in the packed image: in the same row, in one row above and in one row below.
 
 use super::{BEHIND, PixelPosition, TOUCHING, step};
 use crate::image::{Image, Rgba8};
@@ -22,8 +22,8 @@ pub(super) trait Fill: Sync {
 
 /// Position of 16 consecutive missing pixels of a row.
 pub(super) struct MissingRun {
-    /// Row of the missing pixels. `across` is the row of the drawn pixels that they touch, and `far_across` the row of
-    /// the drawn pixels behind them.
+    /// Row of the missing pixels. Row `across` has the drawn pixels that touch them from above or below, and row
+    /// `far_across` has the drawn pixels behind them.
     pub(crate) y: u32,
     pub(crate) across: u32,
     pub(crate) far_across: u32,
@@ -34,8 +34,8 @@ pub(super) struct MissingRun {
 }
 
 impl MissingRun {
-    /// Returns four masks of the missing pixels, one for each drawn neighbour: beside, across, far beside, far across.
-    /// A bit is set if both pixels show the same surface.
+    /// Compares 16 missing pixels with their drawn neighbours. Returns one mask for each neighbour, in the order of the
+    /// fields of [`DrawnNeighbours`]. A bit is set if the missing pixel and that neighbour show the same surface.
     #[inline(always)]
     pub(super) fn same_surface_masks<S: Simd>(&self, simd: S, surfaces: &GBuffer) -> [mask32x16<S>; 4] {
         let GBuffer { object, distance } = surfaces;

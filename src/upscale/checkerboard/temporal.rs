@@ -3,8 +3,8 @@
 //! The pixels missing in this frame were drawn in the previous one. In a still view they are copied, so that the image
 //! is bit-identical to native rendering from the second frame on. In motion, a missing pixel is reprojected into the
 //! previous frame using its distance. If the previous frame shows the same surface there, its colour is used, clamped
-//! to the minimum and maximum of the surrounding drawn pixels. Otherwise the pixel is filled from the same surface of
-//! this frame.
+//! to the minimum and maximum of the surrounding drawn pixels. Otherwise the pixel is interpolated from neighbours that
+//! show the same surface in this frame.
 
 use super::squares::{self, DrawnNeighbours, Fill, MissingRun, channel, pixels};
 use super::surfaces::SurfaceFill;
@@ -114,7 +114,7 @@ fn filled(drawn: &UpscaleInputs<'_>, motion: Option<&Motion<'_>>, size: (u32, u3
 }
 
 /// Kernel that reprojects missing pixels from the previous frame. Pixels without valid history are interpolated from
-/// the same surface of this frame.
+/// neighbours that show the same surface in this frame.
 pub(super) struct TemporalFill<'a> {
     fallback: SurfaceFill<'a>,
     motion: Option<Motion<'a>>,
@@ -153,8 +153,8 @@ impl<'a> TemporalFill<'a> {
         Self { fallback: SurfaceFill { grid: grid_of(drawn), drawn, size }, motion, across: [missing(0), missing(2)] }
     }
 
-    /// Reprojects 16 missing pixels; see [`reproject_pixel`] for one. Returns a mask of the pixels with valid history,
-    /// and the colours of all.
+    /// Reprojects 16 missing pixels, each like [`reproject_pixel`]. Returns a mask of the pixels with valid history,
+    /// and 16 colours. Only the colours of these pixels are meaningful.
     #[inline(always)]
     fn reproject_pixels<S: Simd>(
         &self,

@@ -162,7 +162,8 @@ fn fill_band(
     let mut made = 0;
     for (strip, rows) in pixels.chunks_mut(STRIP * width).enumerate() {
         let (first, count) = (band + strip * STRIP, rows.len() / width);
-        // Sharpening also reads the rows above and below; two of them are left over from the previous strip.
+        // Sharpening also reads the row above and the row below each row. The previous strip has already computed two
+        // of the rows needed here.
         let (above, below) = (usize::from(first > 0), usize::from(first + count < height));
         let known = if strip == 0 { 0 } else { above + 1 };
         enlarged.copy_within((made - known) * width..made * width, 0);

@@ -6,9 +6,9 @@
 //! down to −min(mn, e) / (4 mx) and (1 − max(mx, e)) / (4 mn − 4). Of the limits of the three channels, the one nearest
 //! to zero applies, but the lobe is at least −3/16, because −¼ would divide by zero. Alpha is unchanged.
 //!
-//! With the lobe l and the sum s of the four neighbours, (l s + e) / (4 l + 1) equals e + q (4 e − s), where q = −l
-//! / (4 l + 1). Quotients are compared and sums computed in integers. q is a fraction of 2¹⁵, and its product is
-//! rounded to 1/32 of an 8-bit step. Rounding changes a colour by less than 1/20 of a step.
+//! With the lobe l and the sum s of the four neighbours, (l s + e) / (4 l + 1) equals e + q (4 e − s), where q = −l /
+//! (4 l + 1). Quotients are compared and sums computed in integers. q is a multiple of 2⁻¹⁵. Its product with 4 e − s
+//! is rounded to 1/32 of an 8-bit step. Rounding changes a colour by less than 1/20 of a step.
 
 use super::words::{self, times};
 use crate::image::Rgba8;
@@ -37,9 +37,9 @@ impl Quotient<u16> {
         if self.numerator * other.denominator <= other.numerator * self.denominator { self } else { other }
     }
 
-    /// Returns the limit of −4 l for one channel: the smaller of the limits that keep the result at least 0 and
-    /// at most 1. If a denominator is zero, so is its numerator; replacing the denominator by 1 makes the quotient
-    /// zero.
+    /// Returns the upper limit of −4 l for one channel. It is the smaller of two limits: the first keeps the result
+    /// from falling below 0, the second from exceeding 1. If a denominator is zero, so is its numerator; replacing the
+    /// denominator by 1 makes the quotient zero.
     fn of_channel(above: u8, left: u8, own: u8, right: u8, below: u8) -> Self {
         let least = above.min(left).min(right.min(below));
         let greatest = above.max(left).max(right.max(below));

@@ -1,7 +1,7 @@
 //! Linear interpolation of 8-bit values, exact in integers and rounded once.
 //!
-//! With D ≤ 8 phase steps between samples, the value at steps (i, j) between four samples is a multiple of 1 / D². The
-//! sum is at most 255 · 64, which fits in 16 bits. Halves are rounded up.
+//! With D ≤ 8 phase steps between samples, the value at steps (i, j) between four samples is a multiple of 1 / D². As
+//! an integer in this unit, it is at most 255 · 64, which fits in 16 bits. Halves are rounded up.
 
 use super::cells::Pass;
 use crate::image::Rgba8;

@@ -123,7 +123,7 @@ impl Pass for ExactAvx2 {
         padded.clear();
         padded.resize(self.before, samples[0]);
         padded.extend_from_slice(samples);
-        // In the block at the right border, a run of four samples may start past the last one.
+        // In the block at the right border, a run of four samples may start after the last sample of the image.
         let length = padded.len().max((periods + 1) * self.samples_per_period) + 8;
         padded.resize(length, samples[samples.len() - 1]);
         row.wide.resize(periods * self.period.len(), ExactBlock::default());

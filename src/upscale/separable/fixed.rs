@@ -25,7 +25,8 @@ const MIDDLE: i16 = 128;
 /// Bias added to a value before its fractional bits are dropped: restores the offset and rounds halves up.
 pub(super) const BIAS: i16 = (MIDDLE << POINT) + (1 << (POINT - 1));
 
-/// Fixed-point representation of 1 as a sum of `even` weights: half of 2¹⁵, because each applies to two samples.
+/// Sum of the `even` weights, which represents 1. It is half of 2¹⁵, because each of these weights applies to two
+/// samples.
 const ONE: i16 = 1 << 14;
 
 /// Converts an 8-bit value to fixed point.
@@ -51,8 +52,8 @@ pub(super) fn times(weight: i16, value: i16) -> i16 {
 pub(in crate::upscale) struct PhaseWeights<const H: usize> {
     /// Mean weight of each pair of symmetric samples, in units of 2⁻¹⁵; these means sum to exactly ½.
     pub(super) even: [i16; H],
-    /// Half the difference of each pair's weights, in units of 2⁻¹⁵. Products are subtracted if the position is
-    /// `mirrored`: negating a product rounds differently, and 1 − t must use the same products as t.
+    /// Half the difference between the two weights of each pair, in units of 2⁻¹⁵. The sign does not depend on
+    /// `mirrored`, so that t and 1 − t use the same products. If the position is mirrored, the products are subtracted.
     pub(super) odd: [i16; H],
     /// Whether the position lies past the middle between two samples.
     pub(super) mirrored: bool,
@@ -82,7 +83,7 @@ impl<const H: usize> PhaseWeights<H> {
         self.odd == [0; H]
     }
 
-    /// Whether `other` lies at 1 − t if `self` lies at t.
+    /// Whether `self` and `other` are mirror images: one lies at t and the other at 1 − t.
     pub(super) fn mirrors(&self, other: &Self) -> bool {
         self.even == other.even && self.odd == other.odd && self.mirrored != other.mirrored
     }

@@ -71,7 +71,7 @@ impl<'a, const H: usize> FixedAvx2<'a, H> {
         let (pixels, samples) = lattice.scale.ratio();
         let mut first_cell = lattice.place(0).cell;
         let mut skipped = (1_i64..).take_while(|back| lattice.place_beyond(-back).cell == first_cell).count();
-        // Starts farther left by a whole number of cells, if such a number aligns the other blocks.
+        // Moves the start to the left by a whole number of cells, if this aligns all blocks after the first.
         let wanted = (BLOCK - pixels_to_alignment % BLOCK) % BLOCK;
         let cells = wanted.checked_sub(skipped).filter(|px| samples == 1 && px.is_multiple_of(pixels as usize));
         if let Some(px) = cells {
@@ -242,8 +242,8 @@ impl<const H: usize> TapPairs<H> {
     }
 }
 
-/// Returns the interpolated values at all output positions of a cell, plus `bias`. Written without loops, because the
-/// compiler would store the values of loops in memory.
+/// Returns the interpolated values at all output positions of a cell, plus `bias`. The code has no loops, because the
+/// compiler would keep the values of a loop in memory instead of in registers.
 #[target_feature(enable = "avx2")]
 #[inline]
 fn places<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE: bool>(
@@ -358,7 +358,8 @@ fn widen_cells<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE
     for (group, blocks) in wide.chunks_exact_mut(count / 2).enumerate() {
         let around: &[i16; WINDOW] = window(padded, 4 * GROUP * group);
         let of = places::<H, FIRST, PAIRS, MIDDLE>(&TapPairs::group(avx2, around, 0), weights, zero);
-        // In each half: the first two positions of one sample, and of the next one.
+        // `one` has the first two output positions of samples 0 and 2 of the group, one sample in each 128-bit half.
+        // `next` has those of samples 1 and 3.
         let (one, next) = (_mm256_unpacklo_epi64(of[0], of[1]), _mm256_unpackhi_epi64(of[0], of[1]));
         if let [block] = blocks {
             store(avx2, one, &mut block[0]);

@@ -95,8 +95,9 @@ impl<const N: usize> Linear<N> {
         }
     }
 
-    /// Widens a channel, with the `PIXELS` phases of a period in turn. The pixels of one phase in adjacent cells read
-    /// adjacent samples. Returns the number of pixels written.
+    /// Widens a channel, 16 periods of the lattice at a time. A period has `PIXELS` pixels and one sample. Pixels at
+    /// the same position in adjacent periods read adjacent samples, so 16 of them are computed together. Returns the
+    /// number of pixels written.
     #[inline(always)]
     fn widen_runs<S: Simd, const PIXELS: usize>(&self, simd: S, samples: &[f32], wide: &mut [f32]) -> usize {
         let Some(columns) = self.columns.first_chunk::<PIXELS>() else { return 0 };

@@ -1,8 +1,7 @@
 //! Separable interpolation, along rows and then along columns: every upscaler that is defined by weights alone.
 //!
-//! Weights are a function of the position t between two samples; border samples are repeated. sRGB-encoded values are
-//! filtered exactly by linear interpolation and in 16-bit fixed point by longer kernels; linear light is filtered in
-//! floats.
+//! Weights are a function of the position t between two samples; border samples are repeated. For sRGB-encoded values,
+//! linear interpolation is exact, and longer kernels use 16-bit fixed point. Linear light is filtered in floats.
 
 mod cells;
 mod exact;
@@ -48,7 +47,8 @@ pub(crate) struct Separable {
 pub(super) enum KernelWeights {
     /// Linear interpolation: weights 1 − t and t of one sample on each side. It is computed exactly in sRGB codes.
     Linear,
-    /// Weights of two samples on each side. Any other kernel of one sample on each side has outer weights of 0.
+    /// Weights of two samples on each side. A kernel with one sample on each side that is not linear interpolation sets
+    /// the outer weights to 0.
     Four(fn(f64) -> [f64; 4]),
     /// Weights of three samples on each side.
     Six(fn(f64) -> [f64; 6]),

@@ -65,7 +65,8 @@ fn choices() -> impl Iterator<Item = (&'static Separable, Curve, Upscaling)> {
     })
 }
 
-/// Returns the position of an output pixel along one axis, in samples, by the two common resizing formulas.
+/// Returns the position of an output pixel along one axis, in samples, computed with the common resizing formula for
+/// each anchor.
 fn place(how: Upscaling, at: u32) -> f64 {
     match how.anchor() {
         Anchor::Corner => f64::from(at) / how.scale().value(),

@@ -222,7 +222,8 @@ fn coplanar(dice: &mut Rng) -> Vec<CaseDraft> {
     let mut drafts = Vec::new();
     while drafts.len() < 8 {
         // A parallelogram is always planar, and f32 represents all its vertices exactly: positions are multiples of
-        // 1/256 px, depths multiples of 2⁻²⁴ in [½, 1). Its halves along both diagonals overlap.
+        // 1/256 px, depths multiples of 2⁻²⁴ in [½, 1). The first triangle is one half of the parallelogram, cut along
+        // one diagonal. The second triangle is one half of it, cut along the other diagonal, so the two overlap.
         let mut at = |_: usize| {
             let depth = 0.5 + f64::from(dice.integer(0..1 << 23)) / 16_777_216.0;
             [dice.on_grid(0, SIDE as i32).into(), dice.on_grid(0, SIDE as i32).into(), depth]

@@ -99,7 +99,8 @@ fn near_crossing(dice: &mut Rng) -> Vec<CaseDraft> {
 
 fn zero_w(dice: &mut Rng) -> Vec<CaseDraft> {
     let mut with_w = |w: f32| {
-        // The z that projection would give for such a w, approximately: the vertex lies in front of the near plane.
+        // z is approximately the value that `project` returns for this w. It is negative, so the near plane cuts off
+        // the vertex.
         let odd = [dice.uniform(-2.0, 2.0) as f32, dice.uniform(-2.0, 2.0) as f32, w - NEAR as f32, w];
         let other =
             |dice: &mut Rng| project([dice.uniform(-2.0, 2.0), dice.uniform(-2.0, 2.0), dice.uniform(0.5, 4.0)]);

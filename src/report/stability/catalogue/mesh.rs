@@ -80,8 +80,8 @@ fn fan(dice: &mut Rng, size: Size, hub: [f32; 2], spokes: usize, reach: f64) -> 
     let rim: Vec<[f32; 2]> = (0..spokes)
         .map(|i| {
             let angle = start + (i as f64 + dice.uniform(-0.05, 0.05)) / spokes as f64 * TAU;
-            // With three spokes, the chords come as close to the hub as 0.4 of this radius. They must lie outside the
-            // image.
+            // With three spokes, the outer edges of the triangles come as near to the hub as 0.4 times this radius.
+            // They must lie outside the image.
             let radius = reach * (4.0 * f64::from(size[0].max(size[1]))) * dice.uniform(1.0, 1.1);
             to_f32([f64::from(hub[0]) + radius * angle.cos(), f64::from(hub[1]) + radius * angle.sin()])
         })

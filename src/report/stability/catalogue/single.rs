@@ -12,7 +12,8 @@ const SIDE: u32 = 32;
 /// Side length of the image in most classes, in pixels, as a floating-point number.
 const SIDE_PX: f64 = SIDE as f64;
 
-/// Bound: every pixel is correct for the vertices as snapped by the configuration.
+/// Bound: no pixel is wrong. The exact pixels are computed from vertices that are snapped as in the tested
+/// configuration.
 pub(super) const EXACT: &[Bound] = &[Bound::none(Metric::Wrong)];
 
 pub(super) const CLASSES: &[Class] = &[
@@ -203,8 +204,9 @@ fn needles(dice: &mut Rng) -> Vec<CaseDraft> {
 }
 
 fn near_ties(dice: &mut Rng) -> Vec<CaseDraft> {
-    // An edge from the origin to `parts` · (dx, dy), with all three numbers odd, passes through a pixel centre in the
-    // middle of each step. The start is then displaced by less than f64 resolves at the coordinates of the end.
+    // An edge from the origin to `parts` · (dx, dy) consists of `parts` steps. dx and dy are odd, so the middle of each
+    // step is a pixel centre. The start of the edge is then moved by less than f64 resolves at the coordinates of the
+    // end.
     const STEPS: [[f32; 2]; 6] = [[1.0, 1.0], [3.0, 1.0], [1.0, 3.0], [3.0, 5.0], [5.0, 3.0], [7.0, 5.0]];
     let one = |dice: &mut Rng, [dx, dy]: [f32; 2]| {
         let parts = ((SIDE as f32 / dx.max(dy)) as i32 - 1) | 1;

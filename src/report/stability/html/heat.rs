@@ -82,7 +82,8 @@ fn starts_group(columns: &[ReportColumn], index: usize) -> bool {
     index > 0 && group_key(columns, index) != group_key(columns, index - 1)
 }
 
-/// Returns the grouping key of a column: the formula for interpolation weights, otherwise the arithmetic.
+/// Returns the heading under which adjacent columns are grouped: the formula for interpolation weights, otherwise the
+/// result of [`group`].
 fn group_key(columns: &[ReportColumn], index: usize) -> &'static str {
     match columns[index] {
         column @ ReportColumn::Weights(_) => column.method_name(),
@@ -156,7 +157,8 @@ fn cell(class: &ClassReport, cell: &ReportCell) -> String {
     format!("<td class=\"{style}\" title=\"{}\">{linked}</td>", escaped(&tooltip(class, cell)))
 }
 
-/// Returns the small second line of a cell: the next most informative metric, or the time per pixel.
+/// Returns the small second line of a cell: the most informative metric after the headline or, if there is none, the
+/// time per pixel.
 fn second_line(class: &ClassReport, cell: &ReportCell) -> String {
     let value = |metric: Metric| cell.measures.get(metric).filter(|value| *value > 0.0);
     let time = || cell.time.and_then(|time| time.ns_per_pixel).map(|spread| format!("{} ns", short(spread.median)));

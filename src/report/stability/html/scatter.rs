@@ -19,7 +19,7 @@ const RIGHT: f64 = 14.0;
 const TOP: f64 = 12.0;
 const BOTTOM: f64 = 46.0;
 
-/// Height of the lane below the logarithmic axis in which errors of 0 are drawn, in SVG units.
+/// Height of the lane for errors of 0, in SVG units. The lane lies below the logarithmic axis, which cannot show 0.
 const ZERO_LANE: f64 = 34.0;
 
 /// Average width of a label character, in SVG units.
@@ -114,7 +114,7 @@ impl LogAxis {
 
     /// Returns the tick values: powers of ten and, on a short axis, 2 and 5 times these powers.
     fn ticks(self) -> Vec<f64> {
-        /// Longest range, in powers of ten, with ticks at 2 and 5.
+        /// Longest range of an axis, in powers of ten, at which 2 and 5 times each power also get ticks.
         const FEW: f64 = 2.0;
         let factors: &[f64] = if self.high - self.low > FEW { &[1.0] } else { &[1.0, 2.0, 5.0] };
         let step = ((self.high - self.low) / 10.0) as usize + 1;
@@ -306,8 +306,8 @@ fn marker((x, y): (f64, f64), shape: usize, color: usize, r: f64, style: &str) -
 /// Rectangle in SVG units: left, top, right, bottom.
 type Rectangle = [f64; 4];
 
-/// Returns the labels of the points, beside their markers. A label is omitted if every position would overlap a marker,
-/// a bar or another label, or leave the plot.
+/// Returns the labels of the points, beside their markers. A label is omitted if, at every candidate position, it would
+/// overlap a marker, a bar or another label, or leave the plot.
 fn labels(plot: &ScatterPlot, points: &[TradeoffPoint]) -> String {
     let around = |x: f64, y: f64, r: f64| [x - r, y - r, x + r, y + r];
     let mut taken: Vec<Rectangle> = points.iter().map(|p| around(plot.x(p.ns.median), plot.y(p.error), 6.0)).collect();

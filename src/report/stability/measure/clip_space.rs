@@ -12,8 +12,8 @@ use crate::report::stability::oracle::{ClipTriangle, ExactRegion, error};
 use crate::report::stability::spans::{difference, pixel_count};
 use crate::report::stability::subject::ClipFragment;
 
-/// Maximum number of fragments per triangle whose weights and depth are compared, because exact rational arithmetic is
-/// slow.
+/// Maximum number of fragments per triangle whose weights and depth are compared. More would take too long, because
+/// exact rational arithmetic is slow.
 const COMPARED: usize = 48;
 
 /// Expected result of one triangle.

@@ -40,8 +40,8 @@ impl ExpectedCoverage {
     }
 }
 
-/// Compares the spans of each triangle with the expected ones. `snap` is the vertex snapping that the configuration
-/// declares.
+/// Compares the spans of each triangle with the expected ones. `snap` is the vertex snapping of the tested
+/// configuration.
 pub(super) fn evaluate(
     case: &Coverage,
     expected: &ExpectedCoverage,

@@ -12,8 +12,9 @@ use crate::report::stability::subject::{DepthBuffer, distance, meaning};
 /// Tangent of half the field of view of the random views, which is about 53°.
 const TANGENT: f64 = 0.5;
 
-/// Counts a pair of stored depths, and whether it is tied or inverted. Returns the order of the depths by distance.
-/// `first` must belong to the smaller distance.
+/// Counts a pair of stored depths, also as a tie or an inversion if it is one. `first` must belong to the smaller
+/// distance. Returns [`Ordering::Less`] if the depths are in the correct order, `Equal` for a tie and `Greater` for an
+/// inversion.
 fn note_order(first: f64, second: f64, reversed: bool, measures: &mut Measures) -> Ordering {
     let order = if reversed { second.total_cmp(&first) } else { first.total_cmp(&second) };
     measures.note(Metric::Pairs, 1.0);
@@ -84,7 +85,8 @@ pub(crate) fn only_pair(case: &DepthPairs, index: usize) -> Option<DepthCase> {
     Some(DepthCase { mapping, format, near, far: Some(far), z: pair.to_vec() })
 }
 
-/// Returns the distances of all pairs of points, each pair as computed with its own view matrix.
+/// Returns the distances of all pairs of points. The distances of each pair are computed with its own random view
+/// matrix.
 fn pair_distances(case: &DepthPairs) -> impl Iterator<Item = [f32; 2]> {
     let mut random = fastrand::Rng::with_seed(case.seed);
     (0..case.pairs).map(move |_| {

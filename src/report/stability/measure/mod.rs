@@ -1,8 +1,8 @@
 //! Comparison of the engine's results for one test case with the exact results.
 //!
 //! [`Expected`] holds the exact results, computed once per case. [`answer`] runs the engine in one of its
-//! configurations and compares the results. For each kind of case, a function computes [`Measures`] from expected and
-//! actual results, wherever these come from.
+//! configurations and compares the results. For each kind of case, a function computes [`Measures`] from the expected
+//! and the actual results.
 
 mod clip_space;
 

@@ -5,7 +5,7 @@ use crate::report::stability::metric::{Measures, Metric};
 use crate::report::stability::oracle::{ExactSample, ScreenCorner, error, exact_sample, ulps};
 use crate::report::stability::subject::Sampled;
 
-/// Texture width that converts errors of texture coordinates to texels.
+/// Texture width by which errors of texture coordinates are multiplied to convert them to texels.
 const TEXTURE_WIDTH: f64 = 1024.0;
 
 /// Expected values at each evaluated pixel; `None` where the triangle has no area.
@@ -46,8 +46,8 @@ pub(super) fn evaluate(expected: &[ExpectedSamples], answers: &[Vec<Sampled>]) -
 fn badness(measures: &Measures) -> f64 {
     /// Weight of each non-finite value in the sort key. Exceeds any finite error.
     const NO_NUMBER: f64 = 1e300;
-    /// Weight of differing depths in the sort key. Exceeds any relevant error of a weight or, in texels, of a texture
-    /// coordinate.
+    /// Weight of differing depths in the sort key. Exceeds any relevant error of a weight, and any relevant error of a
+    /// texture coordinate in texels.
     const FLIP: f64 = 1e9;
     let value = |metric| measures.get(metric).unwrap_or(0.0);
     value(Metric::NotFinite) * NO_NUMBER

@@ -62,8 +62,8 @@ impl ClipTriangle {
         ExactRegion::new(edges.chain([near, far]).collect())
     }
 
-    /// Returns the perspective-correct weights of the three vertices, and z/w, at a pixel centre. Returns `None` where
-    /// the plane of the triangle is not in front of the eye.
+    /// Returns the perspective-correct weights of the three vertices, and z/w, at a pixel centre. Returns `None` if the
+    /// line of sight through the pixel centre does not meet the plane of the triangle in front of the eye.
     pub(crate) fn at(&self, column: u32, row: u32) -> Option<([BigRational; 3], BigRational)> {
         let [a, b, c] = [0, 1, 2].map(|i| self.weights[i].at(column, row));
         let sum = &a + &b + &c;

@@ -76,8 +76,9 @@ pub(crate) fn exact_depth(mapping: DepthMapping, near: f32, far: Option<f32>, di
     })
 }
 
-/// Rounds an exact depth once to its storage format, as an integer code or a float; both preserve the order of depths.
-/// Distances with the same result are indistinguishable, however precisely the depth is computed.
+/// Rounds an exact depth once to its storage format: to an integer code or to a float. Larger depths never give smaller
+/// results. If two distances give the same result, the format cannot distinguish them, however precisely the depth is
+/// computed.
 pub(crate) fn ideal_code(storage: DepthStorage, value: &BigRational) -> BigRational {
     match storage.largest_code() {
         Some(largest) => {

@@ -30,14 +30,14 @@ pub(crate) fn error(answer: f64, right: &BigRational) -> f64 {
     exact_f64(answer).map_or(f64::INFINITY, |answer| approximate(&(answer - right).abs()))
 }
 
-/// Returns the error of a computed value in units in the last place of an f32 of the exact value's magnitude. An error
-/// of at most 0.5 means correctly rounded; the error is infinite if the computed value is not finite.
+/// Returns the error of a computed value in ulps: units in the last place of an f32 as large as the exact value. A
+/// correctly rounded value has an error of at most 0.5. The error is infinite if the computed value is not finite.
 pub(crate) fn ulps(answer: f64, right: &BigRational) -> f64 {
     exact_f64(answer).map_or(f64::INFINITY, |answer| approximate(&((answer - right).abs() / last_place(right))))
 }
 
-/// Returns the unit in the last place of an f32 of the magnitude of `value`, but at least the smallest positive f32.
-/// The unit is 2^(e − 23) where 2^e ≤ |value| < 2^(e + 1).
+/// Returns the unit in the last place of an f32 as large as `value`, but at least the smallest positive f32. The unit
+/// is 2^(e − 23) where 2^e ≤ |value| < 2^(e + 1).
 fn last_place(value: &BigRational) -> BigRational {
     let bits = |n: &BigInt| n.magnitude().bits() as i32;
     if value.is_zero() {

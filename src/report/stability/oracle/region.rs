@@ -24,8 +24,8 @@ const GRID_PLACES: u32 = 8;
 /// either side of the edge if vertices are snapped or rounded during projection.
 const BORDERLINE: i32 = 128;
 
-/// Half-plane of the pixels for which `by_column` · column + `by_row` · row + `origin` is positive, or zero if the
-/// half-plane is `closed`.
+/// Half-plane of the pixels for which `by_column` · column + `by_row` · row + `origin` is positive. If `closed`, pixels
+/// for which this value is 0 belong to the half-plane as well.
 #[derive(Clone, Debug)]
 pub(super) struct ExactHalfPlane {
     pub(super) by_column: BigInt,
@@ -145,8 +145,8 @@ impl ExactRegion {
         !self.is_empty() && self.bounds.iter().all(inside)
     }
 
-    /// Returns whether a pixel centre is within 1/128 px of a line that bounds the region, and not clearly outside
-    /// another line.
+    /// Returns whether a pixel centre is within 1/128 px of a line that bounds the region, and not more than 1/128 px
+    /// outside any of these lines.
     pub(crate) fn is_borderline(&self, column: u32, row: u32) -> bool {
         let lines = || self.bounds.iter().filter(|b| !b.by_column.is_zero() || !b.by_row.is_zero());
         let clearly_outside =

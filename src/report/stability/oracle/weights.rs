@@ -89,7 +89,8 @@ mod tests {
 
     #[test]
     fn weights_reproduce_the_place_and_the_plane_through_the_corners() {
-        // z = x / 16 + y / 32, and texture coordinates of a point seen in perspective.
+        // z is an affine function of the screen position: x / 16 + y / 32. Texture coordinates are the screen position
+        // times w.
         let at = |p: [f32; 2], w: f32| corner(p, p[0] / 16.0 + p[1] / 32.0, w, [p[0] * w, p[1] * w]);
         let corners = [at([1.0, 0.5], 1.0), at([9.0, 2.25], 4.0), at([3.5, 8.0], 0.5)];
         let sample = exact_sample(&corners, 4, 3).unwrap();

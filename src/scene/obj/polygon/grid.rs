@@ -6,8 +6,8 @@ use i_triangle::i_overlay::i_float::int::point::IntPoint;
 /// Point of the grid. Coordinates are at most [`HALF_EXTENT`] in magnitude.
 pub(super) type GridPoint = IntPoint<i32>;
 
-/// Number of grid steps from the centre of a polygon's bounding box to its farthest sides. The grid is finer than the
-/// corners' f32 precision.
+/// Half of the longer side of a polygon's bounding box, in grid steps. The grid is finer than the corners' f32
+/// precision.
 const HALF_EXTENT: f64 = (1 << 29) as f64;
 
 /// Returns the points rounded to a grid that spans their bounding box.

@@ -4,7 +4,8 @@
 //! and a chain of corners. The chain holds the corners on the left that are not yet cut off, from the lower to the
 //! upper edge. A new corner cuts off the visible part of the chain (Hertel and Mehlhorn, "Fast Triangulation of Simple
 //! Polygons", 1983). Neighbouring edges are tested for contact during the sweep (Shamos and Hoey, "Geometric
-//! Intersection Problems", 1976), which rejects all other outlines. All decisions are exact, on an integer grid.
+//! Intersection Problems", 1976), and an outline that touches itself is rejected. All decisions are exact, on an
+//! integer grid.
 
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, VecDeque};
@@ -103,8 +104,8 @@ pub(super) fn triangulate(corners: &[GridPoint], is_cancelled: &dyn Fn() -> bool
 
 struct Sweep<'a> {
     corners: &'a [GridPoint],
-    /// Edges that cross the sweep line, from bottom to top. An edge with the inside of the polygon above it holds the
-    /// chain of that section of the line.
+    /// Edges that cross the sweep line, from bottom to top. If the inside of the polygon is above an edge, the value is
+    /// the chain of the section of the line above the edge; otherwise, it is `None`.
     line: BTreeMap<SweepEdge, Option<Chain>>,
     triangles: Vec<[u32; 3]>,
 }
@@ -118,13 +119,13 @@ impl Sweep<'_> {
         let (arriving, leaving) = (self.edge(previous), self.edge(corner));
         let is_convex = orientation(a, b, c) > 0;
         match (a < b, c < b) {
-            // The lower edge of a part continues.
+            // The corner ends one lower edge of a section and begins the next.
             (true, false) => {
                 let mut chain = self.remove(&arriving)??;
                 self.add_below(&mut chain, corner);
                 self.insert(leaving, Some(chain))
             }
-            // The upper edge of a part continues.
+            // The corner ends one upper edge of a section and begins the next.
             (false, true) => {
                 self.remove(&leaving)?;
                 let mut chain = self.take_below(&leaving)?;
@@ -136,7 +137,7 @@ impl Sweep<'_> {
                 self.insert(leaving, Some(Chain { corners: [corner].into(), rightmost: 0 }))?;
                 self.insert(arriving, None)
             }
-            // The corner splits a part in two.
+            // The corner splits a section of the sweep line in two.
             (false, false) => {
                 let mut lower = self.take_below(&arriving)?;
                 let mut upper = lower.split();
@@ -154,7 +155,7 @@ impl Sweep<'_> {
                 }
                 Some(())
             }
-            // The corner merges two parts.
+            // The corner merges two sections of the sweep line.
             (true, true) => {
                 let mut upper = self.remove(&arriving)??;
                 self.remove(&leaving)?;

@@ -146,8 +146,8 @@ impl<'a> Outline<'a> {
         [self.corners[number], self.corners[(number + 1) % self.corners.len()]]
     }
 
-    /// Returns the crossing at `point`. Its edge is the nearest one that crosses another edge nearby, or else the
-    /// nearest of all edges.
+    /// Returns the crossing at `point`. Its edge is the nearest edge with a crossing in the cells around `point`, or,
+    /// if there is none, the nearest edge of the outline.
     fn crossing_at(&self, point: GridPoint) -> OutlineCrossing {
         let [x, y] = [point.x >> CELL_BITS, point.y >> CELL_BITS];
         let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| [x + dx, y + dy]));

@@ -56,8 +56,9 @@ fn header(ui: &mut Ui, tile: usize, rect: Rect, session: &Session, commands: &mu
     }
 }
 
-/// Draws the list of upscalers and returns the newly selected one. `anchor` is `Some` if the sample positions of the
-/// compared pictures differ; the list's caption then includes the anchor.
+/// Draws the list of upscalers and returns the newly selected one. `anchor` is the position of a sample within its
+/// block of pixels, which the caption of the list then names. It is `None` at ×1 and if all compared pictures have the
+/// same anchor.
 fn upscalers(ui: &mut Ui, width: f32, recipe: Recipe, anchor: Option<Anchor>) -> Option<Upscaling> {
     let mut chosen = recipe.upscaler;
     let caption = if anchor.is_some() { chosen.label_with_anchor() } else { chosen.label() };

@@ -12,9 +12,9 @@
 //!
 //! Let s be the squared distance from the pixel, scaled along and across the edge. For a lobe λ, AMD's publication
 //! gives the weight as (25/16 (2/5 s − 1)² − 9/16) (λ s − 1)², cut off at s = 1/λ. That equals ¼ · (s − 1) (s − 4)
-//! (λ s − 1)². With w = 1 − λ s, clamped to 0, it is w² (w² − (2 − 5 λ) w + (1 − λ) (1 − 4 λ)) times a factor common to
-//! all weights of a pixel. The factor cancels when the weights are normalised, so it is omitted. λ s is a quadratic
-//! form in x and y.
+//! (λ s − 1)². With w = 1 − λ s, clamped to at least 0, it is w² (w² − (2 − 5 λ) w + (1 − λ) (1 − 4 λ)) times a factor
+//! common to all weights of a pixel. The factor cancels when the weights are normalised, so it is omitted. λ s is a
+//! quadratic form in x and y.
 //!
 //! Channels are 8-bit sRGB-encoded values. Slopes depend only on the samples, so they are computed once per sample.
 //! Alpha is filtered like a colour channel.
@@ -78,26 +78,27 @@ impl Spot {
         Self { x, y }
     }
 
-    /// Interpolates a quantity bilinearly from its values at the four nearest samples.
+    /// Interpolates bilinearly between the values at the four nearest samples.
     fn mix(self, [f, g, j, k]: [f32; 4]) -> f32 {
         let (left, right) = (f * (1.0 - self.y) + j * self.y, g * (1.0 - self.y) + k * self.y);
         left * (1.0 - self.x) + right * self.x
     }
 }
 
-/// Fixed-point representation of 1 for w before it is clamped. 16 bits can then represent values down to w = −2, which
-/// no sample reaches.
+/// Number that represents w = 1 in fixed point, before w is clamped. With this scale, 16 bits can represent values down
+/// to w = −2, which no sample reaches.
 const ONE: i16 = 15 << 10;
 
-/// Fixed-point representation of 1 for w after it is clamped to [0, 1] and doubled, and for the coefficient of w.
+/// Number that represents w = 1 in fixed point, after w is clamped to [0, 1] and the number is doubled. The coefficient
+/// of w has the same format.
 const ONE_DOUBLED: f32 = 2.0 * ONE as f32;
 
-/// Fixed-point representation of 1 for w².
+/// Number that represents w² = 1 in fixed point.
 const ONE_SQUARED: f32 = ONE_DOUBLED * ONE_DOUBLED / 32768.0;
 
-/// Fixed-point representation of 1 for the coefficients of x², xy and y², which are at most ½. It is large enough that
-/// the squared offsets of samples, which are at most 4, fit in the 16 bits of [`Distances`]: 4 · [`ONE`] / `FACTOR` is
-/// less than 1.
+/// Number that represents 1 in the fixed-point format of the coefficients of x², xy and y², which are at most ½. It is
+/// large enough that the squared offsets of samples, which are at most 4, fit in the 16 bits of [`Distances`]: even for
+/// the largest one, 4 · [`ONE`] / `FACTOR` is less than 1.
 const FACTOR: f32 = 61_500.0;
 
 /// Kernel of an output pixel, oriented along the edge and scaled along both axes. The coefficients are floats that are
@@ -122,7 +123,7 @@ impl EasuKernel {
         let (across, down) = if flat { (1.0, 0.0) } else { (across, down) };
         let (xx, yy) = (across * across, down * down);
         let (squared, most) = (xx + yy, xx.max(yy));
-        // One division replaces two: one by the squared length, and one by the larger squared component.
+        // Both quotients by `squared` and by `most` are derived from this one division.
         let inverse = 1.0 / (squared * most);
         let stretch = ((squared * squared) * inverse).sqrt();
         // Squares and product of the components of the unit direction.
@@ -194,8 +195,8 @@ fn code(weights: &[i16; 12], share: f32, samples: &[u8; 12]) -> u8 {
     (value + WHOLE).to_bits() as u8
 }
 
-/// Returns the horizontal and vertical position of an output pixel between the samples, its weights, and the factor
-/// that normalises the weights.
+/// Returns four values for an output pixel: its horizontal and its vertical position between the samples, the weights
+/// of the twelve samples, and the factor that normalises these weights.
 fn weights_at(
     drawn: &Image<Rgba8>,
     lattice: Lattice,

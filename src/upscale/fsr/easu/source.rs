@@ -6,8 +6,8 @@ use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 use crate::upscale::lattice::{Lattice, LatticePosition};
 
-/// Number of output pixels whose kernels are computed together: pixels of one phase, one from each of as many adjacent
-/// cells. The pixels are then filtered [`WIDE`] at a time.
+/// Number of output pixels whose kernels are computed together. They have the same phase and lie in adjacent cells, one
+/// pixel per cell. The pixels are then filtered [`WIDE`] at a time.
 pub(super) const AHEAD: usize = 4 * WIDE;
 
 /// Number of cells in a tile, small enough that the data of its samples stays in the L1 cache from row to row.
@@ -219,8 +219,8 @@ fn slopes<S: Simd>(simd: S, before: f32x16<S>, at: f32x16<S>, after: f32x16<S>) 
     (slope, straight * straight)
 }
 
-/// Data shared by the pixels of one output row within a tile. All horizontal phases share the bounds of a cell, and
-/// adjacent cells also share interpolated slopes.
+/// Data shared by the pixels of one output row within a tile. All pixels of a cell share its bounds. The cells to the
+/// left and right of a sample column share its interpolated slopes.
 #[derive(Default)]
 pub(super) struct CellRow {
     stride: usize,
