@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::{Refusal, Unanswered};
 
-/// Memory limit for the lists of an answer, in bytes. The limit keeps the memory used by an evaluation, including the
+/// Memory limit for the lists in an answer, in bytes. The limit keeps the memory used by an evaluation, including the
 /// case and working memory, well below 512 MB.
 pub(crate) const MAX_ANSWER_BYTES: u64 = 192 << 20;
 

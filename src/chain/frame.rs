@@ -75,7 +75,7 @@ pub struct Frame {
     /// Triangles for the wireframe, with corners in pixels of the full picture; `None` unless the wireframe is drawn
     /// and `geometry` belongs to a smaller picture.
     pub(super) outlines: Option<TriangleList>,
-    /// Execution, classic or tiled, that drew the frame.
+    /// Execution mode, classic or tiled, in which the frame was drawn.
     pub execution: Execution,
     /// Wall-clock time of each part of the frame.
     pub times: FrameTimes,

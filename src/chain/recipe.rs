@@ -13,7 +13,7 @@ use crate::upscale::{self, Offers, Scale, Upscaler, Upscaling};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Recipe {
-    /// Execution of the pipeline, classic or tiled. It does not affect the picture.
+    /// Execution mode of the pipeline, classic or tiled. Both give the same picture.
     pub execution: Execution,
     /// Settings of the pipeline stages, from transform to shading.
     #[serde(flatten)]

@@ -160,7 +160,7 @@ pub(crate) enum CompareArg {
     Wipe,
     /// One picture at a time on the whole canvas
     Flip,
-    /// Difference of two pictures, shown by a colour map
+    /// Difference between two pictures, shown as a colour map
     Difference,
 }
 

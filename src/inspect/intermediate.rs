@@ -23,9 +23,9 @@ choice! {
         Edge0 = "edge-0", "Edge value 0", "Edge function opposite to corner 0: positive inside, 0 on the edge; in 1/65536 px² (fixed point) or px² times a power of two.";
         Edge1 = "edge-1", "Edge value 1", "Edge function opposite to corner 1: positive inside, 0 on the edge; in 1/65536 px² (fixed point) or px² times a power of two.";
         Edge2 = "edge-2", "Edge value 2", "Edge function opposite to corner 2: positive inside, 0 on the edge; in 1/65536 px² (fixed point) or px² times a power of two.";
-        Lambda0 = "lambda-0", "λ0 on screen", "Screen-space weight of corner 0: its edge value divided by the doubled area.";
-        Lambda1 = "lambda-1", "λ1 on screen", "Screen-space weight of corner 1: its edge value divided by the doubled area.";
-        Lambda2 = "lambda-2", "λ2 on screen", "Screen-space weight of corner 2: its edge value divided by the doubled area.";
+        Lambda0 = "lambda-0", "λ0 on screen", "Screen-space weight of corner 0: its edge value divided by twice the triangle’s area.";
+        Lambda1 = "lambda-1", "λ1 on screen", "Screen-space weight of corner 1: its edge value divided by twice the triangle’s area.";
+        Lambda2 = "lambda-2", "λ2 on screen", "Screen-space weight of corner 2: its edge value divided by twice the triangle’s area.";
         Weight0 = "weight-0", "Weight 0", "Weight of corner 0 in the interpolation of attributes.";
         Weight1 = "weight-1", "Weight 1", "Weight of corner 1 in the interpolation of attributes.";
         Weight2 = "weight-2", "Weight 2", "Weight of corner 2 in the interpolation of attributes.";

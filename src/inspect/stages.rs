@@ -25,7 +25,7 @@ choice! {
         Clip = "clip", "Clip", "Triangles outside the view are removed; pieces of triangles clipped at the near plane, the far plane or the guard band are orange.";
         Project = "project", "Project", "Edges and corners after the division by w, scaled to pixels and snapped to 1/256 px.";
         Cull = "cull", "Cull", "Triangles to rasterize are white, culled ones red. Zero-area triangles are not shown.";
-        Rasterize = "rasterize", "Rasterize", "Every covered pixel in the colour of the last triangle drawn there, before depth test and alpha test. Pixels that the upscaler fills in are dark.";
+        Rasterize = "rasterize", "Rasterize", "Every covered pixel in the colour of the last triangle drawn there, before the depth and alpha tests. Pixels that the upscaler fills in are dark.";
         Depth = "depth", "Depth", "The triangle that wins each pixel, after the depth and alpha tests.";
         Interpolate = "interpolate", "Interpolate", "The weights of the winning triangle's corners as red, green and blue.";
         Shade = "shade", "Shade", "The drawn pixels after shading; those that the upscaler fills in are dark.";

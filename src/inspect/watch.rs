@@ -38,7 +38,7 @@ pub(crate) struct PixelValues {
     pub(crate) perspective_lambda: Option<[f32; 3]>,
     /// Number of fragments at the pixel's centre.
     pub(crate) overdraw: usize,
-    /// Number of fragments at the pixel's centre that were shaded.
+    /// Number of shaded fragments at the pixel's centre.
     pub(crate) shaded: usize,
 }
 

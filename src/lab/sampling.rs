@@ -20,7 +20,7 @@ use crate::pipeline::settings::{Choice, choice};
 choice! {
     /// Scene that the page samples.
     pub(crate) SamplingScene {
-        Edge = "edge", "An edge", "A straight edge at any angle, whose exact area in each pixel is known.";
+        Edge = "edge", "An edge", "A straight edge at any angle. The exact area on one side is known for each pixel.";
         ZonePlate = "zone-plate", "Zone plate",
             "Rings that get finer outwards: their period falls below two pixels at a third of the width from the \
             centre.";

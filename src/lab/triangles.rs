@@ -20,7 +20,7 @@ choice! {
         EdgeB = "edge-b", "Edge opposite B", "The half-plane where the second edge function is positive.";
         EdgeC = "edge-c", "Edge opposite C", "The half-plane where the third edge function is positive.";
         Weights = "weights", "Weights α β γ",
-            "Barycentric weights as ratios of areas, each shown as one of three colours.";
+            "Barycentric weights as ratios of areas, each in a colour of its own.";
         Rows = "rows", "Along edges, then row",
             "A value interpolated along two edges and then along the row, compared with interpolation by areas.";
     }
@@ -163,7 +163,7 @@ impl TriangleLesson {
             RecordedStep {
                 cells: vec![cell((pixel.0.into(), pixel.1.into()), Ink::Full)],
                 description: format!(
-                    "Pixel ({}, {}): the function of this edge is {}, and no edge function excludes the pixel: inside.",
+                    "Pixel ({}, {}): the value of this edge function is {}. No edge function excludes the pixel, so it is inside.",
                     pixel.0,
                     pixel.1,
                     if edges[edge] == 0.0 { "zero" } else { "positive" }

@@ -1,4 +1,4 @@
-//! Machine, build and system load during a measurement, without which times are meaningless.
+//! Conditions of a measurement: the machine, the build, and the system load. Times are meaningless without them.
 
 use serde::Serialize;
 

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::timing::summarize;
 
-/// Label of a difference that is not larger than the noise floor.
+/// Label for a difference that is not larger than the noise floor.
 pub(crate) const WITHIN: &str = "within noise";
 
 /// Label of a difference that is larger than the noise floor.

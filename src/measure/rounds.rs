@@ -31,7 +31,7 @@ struct RoundEntry {
 /// Times of one measured frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Timed {
-    /// Index of the recipe among those to time.
+    /// Index of the timed recipe in the list of recipes.
     pub(crate) recipe: usize,
     /// Times of the frame and its stages.
     pub(crate) times: FrameTimes,

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use super::timing::Summary;
 
-/// CPU cost of interface passes while the window shows one view. Excludes the work of the graphics card and the
-/// rendering of the image.
+/// CPU cost of drawing the user interface while the window shows one view. Excludes GPU work and the rendering of the
+/// picture.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct WindowCost {
     /// Description of the view that the window shows.

@@ -109,7 +109,7 @@ impl Square {
         PixelRange { first: self.row, last: self.row + self.side - 1 }
     }
 
-    /// Returns the column and row of the square's pixel that is farthest in a direction.
+    /// Returns the column and row of the pixel of the square that lies farthest in the given direction.
     fn extreme(self, right: i8, down: i8) -> (i64, i64) {
         let pick = |range: PixelRange, direction: i8| if direction > 0 { range.last } else { range.first };
         (pick(self.columns(), right), pick(self.rows(), down))

@@ -24,8 +24,8 @@ use crate::pipeline::settings::FillRule;
 pub(super) struct MixedPixels {
     /// Column and row of each pixel within the tile.
     places: Vec<(usize, usize)>,
-    /// Index in `colors` of each sample's colour, for sixteen mixed pixels at a time: one entry for their first
-    /// samples, then one for their second samples, and so on.
+    /// For every sixteen mixed pixels, one entry per sample: first the indices in `colors` of the colours of their first
+    /// samples, then those of their second samples, and so on.
     picks: Vec<Picks>,
     fragments: Fragments,
     /// Colours that samples refer to: the background, and from index [`FIRST`] on the fragments.

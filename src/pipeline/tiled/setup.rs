@@ -119,7 +119,7 @@ pub(super) struct Setup<E = f64> {
     /// Minimum vertex depth, including the depth bias. The depth at a sample is `min_depth` plus the sum of `rises`
     /// times edge values, or times weights if depth is linear in view space.
     pub(super) min_depth: f64,
-    /// Depth term of each edge: a factor by which its edge value or weight is multiplied to compute a sample's depth.
+    /// Factor by which the value (or weight) of each edge is multiplied in that sum.
     pub(super) rises: [f64; 3],
     /// Maximum vertex depth, including the depth bias.
     pub(super) max_depth: f64,

@@ -27,9 +27,9 @@ choice! {
         SumError = "sum-error", "sum error", "Largest distance of the sum of three weights from 1.";
         NegativeWeights = "negative-weights", "negative weights", "Samples inside the triangle with a weight below 0.";
         UvTexels = "uv-texels", "texels off", "Largest error of a texture coordinate, in texels of a texture 1024 wide.";
-        DepthError = "depth-error", "depth error", "Largest error of a depth.";
+        DepthError = "depth-error", "depth error", "Largest depth error.";
         DepthUlp = "depth-ulp", "depth ulp",
-            "Largest error of a depth in units in the last place of the stored format; up to 0.5 is the best possible.";
+            "Largest depth error, in units in the last place of the stored format; up to 0.5 is the best possible.";
         Flips = "flips", "flips", "Samples where two triangles in one plane have different depths.";
         Pairs = "pairs", "pairs", "Neighbouring distances compared.";
         Ties = "ties", "ties", "Pairs with the same stored depth.";

@@ -1,6 +1,6 @@
 //! Value noise: smoothly interpolated random numbers on a lattice, and sums of noise at increasing frequencies.
 //!
-//! The noise is periodic, so textures made of it tile. The numbers come from an integer hash instead of a stateful
+//! The noise is periodic, so textures made from it can be tiled. The numbers come from an integer hash instead of a stateful
 //! generator, so each texel can be computed independently and reproducibly. The interpolation uses Perlin's fade curve
 //! ("Improving Noise", 2002).
 

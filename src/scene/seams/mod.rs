@@ -41,7 +41,7 @@ const TOLERANCE_OF_EDGE: f64 = 1e-2;
 /// Rounding error of coordinates far from the origin, relative to the largest coordinate: two ulps of f32.
 const ROUNDING: f64 = 2.0 * f32::EPSILON as f64;
 
-/// Sine of the maximum angle between two edges that count as running along one another.
+/// Sine of the maximum angle between two edges that are treated as running alongside each other.
 const LARGEST_SINE: f64 = 0.1;
 
 /// Number of open edges searched between cancellation checks.

@@ -29,7 +29,7 @@ pub(crate) struct ComparisonPage {
     figures: Vec<Figure>,
 }
 
-/// Picture of the page.
+/// One of the pictures on the page.
 #[derive(Clone, Debug)]
 struct Figure {
     label: String,

@@ -1,7 +1,7 @@
 //! Fuzzy matching: the letters of each word must occur in the title in order. Adjacent letters and letters at the
 //! beginnings of words score higher.
 
-/// Match of a query with the title of a palette entry.
+/// Match of a query against the title of a palette entry.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct FuzzyMatch {
     /// Score of the match; higher is better. Scores are comparable only for the same query.

@@ -1,6 +1,6 @@
 //! The view of an open test case. It shows two enlarged pictures side by side: the pixels covered by the tested
-//! rasterizer, and the exact result. Pixels that differ are coloured. Rasterizer and arithmetic are those of the
-//! recipe. A background thread evaluates the case; until it is done, the last result stays visible.
+//! rasterizer, and the exact result. Pixels that differ are coloured. The recipe selects the rasterizer and its
+//! arithmetic. A background thread evaluates the case; until it is done, the last result stays visible.
 
 mod evaluation;
 

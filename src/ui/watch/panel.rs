@@ -23,7 +23,7 @@ const COLUMNS: [(&str, &str); 9] = [
         "Weights of attributes in the visible triangle. If interpolation is affine, they equal the linear ones",
     ),
     ("Overdraw", "Number of triangles that cover the pixel's centre"),
-    ("Shaded", "Number of fragments at the pixel's centre that were shaded"),
+    ("Shaded", "Number of shaded fragments at the pixel's centre"),
 ];
 
 /// Draws the controls of the “Watch” tab, beside the tab names.

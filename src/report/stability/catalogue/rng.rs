@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-/// Random number generator seeded by a number and the name of a class.
+/// Random number generator, seeded with a number and the name of a class.
 #[derive(Clone, Debug)]
 pub(super) struct Rng(fastrand::Rng);
 

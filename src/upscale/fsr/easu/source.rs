@@ -194,7 +194,8 @@ impl SourceRows {
     }
 }
 
-/// Packs a channel value of a sample and of the next one as 16-bit halves, in the layout of the pairwise dot product.
+/// Packs the values of one channel in two neighbouring samples as 16-bit halves, in the layout that the pairwise dot
+/// product expects.
 fn pair(own: u8, next: u8) -> u32 {
     u32::from(own) | u32::from(next) << 16
 }
