@@ -1,5 +1,6 @@
 //! Tests of comparing pictures in the window: tiles, wipe, flip, difference, and errors against the reference.
 
+use base64::prelude::{BASE64_STANDARD, Engine as _};
 use eframe::egui::{Key, PointerButton, Pos2, Rect, Role, Vec2};
 use egui_kittest::kittest::Queryable as _;
 use rasterscope::chain::run;
@@ -143,23 +144,6 @@ fn a_dragged_rectangle_has_figures_of_its_own() {
     assert!(compared(&bench).tiles.iter().all(|tile| tile.region_figures.is_none()));
 }
 
-/// Decodes padded base64 (RFC 4648).
-fn decoded(text: &str) -> Vec<u8> {
-    let value = |letter: u8| match letter {
-        b'A'..=b'Z' => letter - b'A',
-        b'a'..=b'z' => letter - b'a' + 26,
-        b'0'..=b'9' => letter - b'0' + 52,
-        b'+' => 62,
-        _ => 63,
-    };
-    let bits = text.bytes().filter(|letter| *letter != b'=').flat_map(|letter| {
-        let value = value(letter);
-        (0..6).rev().map(move |bit| value >> bit & 1)
-    });
-    let bits: Vec<u8> = bits.collect();
-    bits.chunks_exact(8).map(|byte| byte.iter().fold(0, |all, bit| all << 1 | bit)).collect()
-}
-
 #[test]
 fn a_saved_comparison_holds_the_pictures_the_errors_and_the_commands() {
     let mut bench = Bench::small("triangle");
@@ -171,7 +155,10 @@ fn a_saved_comparison_holds_the_pictures_the_errors_and_the_commands() {
     let page = std::fs::read_to_string(folder.path().join("comparison.html")).expect("a page");
     let pictures = page.split("base64,").skip(1).map(|rest| {
         let text = rest.split('"').next().expect("the end of the attribute");
-        image::load_from_memory(&decoded(text)).expect("a picture").into_rgba8().into_raw()
+        image::load_from_memory(&BASE64_STANDARD.decode(text).expect("base64"))
+            .expect("a picture")
+            .into_rgba8()
+            .into_raw()
     });
     let Compared { tiles, difference, .. } = compared(&bench);
     let shown = tiles.iter().map(|tile| &tile.picture).chain(difference.as_ref().map(|image| &image.picture));
