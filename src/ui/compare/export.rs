@@ -5,10 +5,9 @@ use std::sync::Arc;
 
 use super::compute::Compared;
 use super::letter;
-use super::tiles::figures::named;
+use super::tiles::figures::words_of_all;
 use crate::image::{Image, Rgba8};
 use crate::inspect::place::InspectionState;
-use crate::measure::against::ErrorMetrics;
 use crate::measure::region::PixelRegion;
 use crate::pipeline::settings::Choice as _;
 use crate::report::html::{document, escaped, image_source};
@@ -90,11 +89,9 @@ impl ComparisonPage {
 impl Figure {
     fn of(session: &Session, compared: &Compared, tile: usize) -> Self {
         let (request, result) = (&compared.request, &compared.tiles[tile]);
-        let metrics_of = |part: &str, metrics: Option<ErrorMetrics>| {
-            let words: Vec<_> = named(&metrics?).map(|(name, value)| format!("{name} {value}")).collect();
-            Some(format!("{part}{}", words.join(" · ")))
-        };
-        let whole = metrics_of("", result.measured.as_ref().and_then(|measured| measured.figures));
+        let whole = result.measured.as_ref().and_then(|measured| measured.figures);
+        let whole = whole.map(|metrics| words_of_all(&metrics));
+        let region = result.region_figures.map(|metrics| format!("Region: {}", words_of_all(&metrics)));
         let state = InspectionState {
             camera: request.camera,
             recipe: result.recipe,
@@ -104,7 +101,7 @@ impl Figure {
         Self {
             label: format!("{} · {}", letter(tile), result.recipe.upscaler.label_with_anchor()),
             picture: result.picture.clone(),
-            metrics: whole.into_iter().chain(metrics_of("Region: ", result.region_figures)).collect(),
+            metrics: whole.into_iter().chain(region).collect(),
             command: Some(state.command_line()),
         }
     }

@@ -42,11 +42,6 @@ const NAMED: [Named; 6] = [
     ("differ", |f| format!("{} px", format::count(f.codes.differing_pixels))),
 ];
 
-/// Returns the name and the formatted value of every error metric, the most informative first.
-pub(in crate::ui::compare) fn named(figures: &ErrorMetrics) -> impl Iterator<Item = (&'static str, String)> {
-    NAMED.iter().map(|(name, value)| (*name, value(figures)))
-}
-
 /// Tooltip that explains the error metrics.
 const FIGURES_HELP: &str = "Errors against the reference. PSNR and MSE are computed from sRGB codes. SSIM: 1 means \
                             equal. FLIP: 0 means equal, 1 means black against white. max: largest difference of a \
@@ -87,11 +82,16 @@ pub(super) fn figures_of(ui: &Ui, index: usize, footer: Rect, compared: &Compare
             [(tile.measured.as_ref().and_then(|m| m.figures), "Whole picture"), (tile.region_figures, "Region")]
         {
             if let Some(figures) = figures {
-                ui.label(format!("{of}: {}", words_of(&figures, NAMED.len())));
+                ui.label(format!("{of}: {}", words_of_all(&figures)));
             }
         }
         ui.label(format!("{FIGURES_HELP}: {}", session.comparison.reference.name()));
     });
+}
+
+/// Returns all error metrics as text, the most informative first.
+pub(in crate::ui::compare) fn words_of_all(figures: &ErrorMetrics) -> String {
+    words_of(figures, NAMED.len())
 }
 
 fn words_of(figures: &ErrorMetrics, count: usize) -> String {
