@@ -105,24 +105,17 @@ fn fragment_verdict(fragments: &[FragmentRecord], absent: &[Absent], comparison:
         (_, DepthComparison::Always, _) => format!("Won by {name}, drawn last of {triangles} (every fragment passes)."),
         (_, _, 0) => {
             let rival = self::name(rival);
-            format!(
-                "Depth tie: {name} and {rival} have exactly the same depth, so drawing order decides. To separate \
-                 them, move the surfaces apart or raise the depth precision (near plane, depth format)."
-            )
+            format!("Depth tie: {name} and {rival} have exactly the same depth, so drawing order decides. {SEPARATE}")
         }
         (_, _, Z_FIGHT_CODES) if winner.depth.code.is_some() => {
             format!(
                 "Z-fight: {name} won by {Z_FIGHT_CODES} step of depth, the smallest difference that the buffer can \
-                 store. To separate the surfaces, move them apart or raise the depth precision (near plane, depth \
-                 format)."
+                 store. {SEPARATE}"
             )
         }
         (_, _, ulps @ 1..=Z_FIGHT_ULPS) if winner.depth.code.is_none() => {
             let steps = if ulps == 1 { "step" } else { "steps" };
-            format!(
-                "Z-fight: {name} won by {ulps} ulp of depth, the smallest {steps} of a float. To separate the \
-                 surfaces, move them apart or raise the depth precision (near plane, depth format)."
-            )
+            format!("Z-fight: {name} won by {ulps} ulp of depth, the smallest {steps} of a float. {SEPARATE}")
         }
         _ if triangles == 2 => format!("Won by {name} against one other."),
         _ => format!("Won by {name} against {} others.", triangles - 1),
@@ -212,6 +205,10 @@ const Z_FIGHT_ULPS: u32 = 8;
 
 /// Maximum depth difference, in codes, that rounding alone may cause: a code represents all depths within half a step.
 const Z_FIGHT_CODES: u32 = 1;
+
+/// Remedy for depth ties and z-fighting.
+const SEPARATE: &str =
+    "To separate the surfaces, move them apart or raise the depth precision (near plane, depth format).";
 
 #[cfg(test)]
 mod tests {
