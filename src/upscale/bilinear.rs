@@ -1,4 +1,4 @@
-//! Bilinear interpolation.
+//! Bilinear interpolation between the four samples around a pixel.
 
 use super::separable::{KernelWeights, Separable};
 

@@ -116,8 +116,8 @@ impl ExactEdge {
         orient2d(coord(self.from), coord(self.to), coord(centre))
     }
 
-    /// Returns whether the centre of a pixel lies to the right of the edge. The fill rule decides for a centre exactly
-    /// on the edge.
+    /// Returns whether the centre of a pixel lies to the right of the edge. If it lies exactly on the edge, the fill rule
+    /// decides.
     fn is_beyond(&self, column: i64, row: i64) -> bool {
         self.contains(column, row) == (self.inward.right > 0)
     }

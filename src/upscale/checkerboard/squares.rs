@@ -1,8 +1,8 @@
 //! Vectorised checkerboard fill: 16 missing pixels at a time.
 //!
-//! Of every four pixels in a row, two are drawn and two are missing. The missing pixels of a row are numbered
-//! consecutively, like the drawn ones in the packed image. The drawn neighbours of 16 consecutive missing pixels are
-//! then contiguous in the packed image: in the same row, in one row above and in one row below.
+//! Of every four pixels in a row, two are drawn and two are missing. The packed image contains only the drawn pixels. The
+//! missing pixels of a row are numbered in the same way, without gaps. The drawn neighbours of missing pixels n to n + 15
+//! are then adjacent in the packed image: some in the same row, some in a row above, and some in a row below.
 
 use super::{BEHIND, PixelPosition, TOUCHING, step};
 use crate::image::{Image, Rgba8};
