@@ -64,7 +64,7 @@ pub struct Frame {
     /// Geometry of the frame: the list of rasterized triangles, computed on first access.
     pub geometry: LazyGeometry,
     /// Draw plans, one per instance.
-    pub plans: Vec<DrawPlan>,
+    pub plans: Arc<Vec<DrawPlan>>,
     /// Size of the full picture, in pixels.
     pub(crate) viewport: Viewport,
     /// Size, in pixels, of the picture to which `geometry` and `drawn` belong: the full picture, or a smaller one of
@@ -219,7 +219,7 @@ impl Frame {
             gbuffer: self.gbuffer.clone(),
             history: self.history.clone(),
             geometry: LazyGeometry::made(geometry),
-            plans: self.plans.clone(),
+            plans: Arc::clone(&self.plans),
             viewport: self.viewport,
             raster: self.raster,
             sampling: self.sampling,

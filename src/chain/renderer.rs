@@ -228,7 +228,7 @@ impl Renderer {
             gbuffer: surfaces,
             history: past,
             geometry,
-            plans: report.plans.clone(),
+            plans: Arc::clone(&report.plans),
             viewport,
             raster,
             sampling,

@@ -114,7 +114,7 @@ pub(super) fn run_after<O: Observer>(
         camera: *camera,
         gbuffer: surfaces,
         history: past,
-        plans: geometry.plans.clone(),
+        plans: Arc::new(geometry.plans.clone()),
         geometry: LazyGeometry::made(geometry),
         viewport,
         raster,

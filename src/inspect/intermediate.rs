@@ -79,7 +79,7 @@ impl Captured {
 /// Draws the frame again and records one intermediate value at every sample.
 pub fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame, which: Intermediate) -> Captured {
     let (width, height) = frame.drawn.color.size();
-    let shaders = scene.instances.iter().zip(&frame.plans);
+    let shaders = scene.instances.iter().zip(frame.plans.iter());
     let mut capture = Capture {
         which,
         settings: &recipe.pipeline,

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::settings::{Culling, DepthTest, DisabledOptimisation, Interpolation, Settings, Shading};
 use super::shade::Viewpoint;
-use crate::scene::{Camera, Instance, Library, Material, Projection, TextureId, Transparency, TriangleId};
+use crate::scene::{Camera, Instance, Library, Material, Mesh, Projection, TextureId, Transparency, TriangleId};
 
 /// Part of the pipeline that a draw may not need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -92,19 +92,6 @@ impl PipelinePart {
             | Self::Highlight
             | Self::Emission
             | Self::Blending => None,
-        }
-    }
-
-    /// Returns whether the part can run for an instance that does not need it, without changing the picture.
-    fn can_run(self, library: &Library, instance: &Instance, settings: &Settings) -> bool {
-        let mesh = library.mesh(instance.mesh);
-        match self {
-            Self::PerspectiveDivision => settings.interpolation == Interpolation::Perspective,
-            Self::TextureCoordinates => !mesh.uvs.is_empty(),
-            Self::VertexColors => !mesh.colors.is_empty(),
-            // Each of these parts adds to the picture, so forcing it would change the picture.
-            Self::NormalMap | Self::Highlight | Self::Emission => false,
-            _ => true,
         }
     }
 
@@ -229,24 +216,13 @@ impl DrawPlan {
         settings: &Settings,
         containment: Containment,
     ) -> Self {
-        let forced = |part: PipelinePart| {
-            matches!(settings.force, DisabledOptimisation::Everything)
-                || part.disabled_optimisation() == Some(settings.force)
-        };
-        let outside = (containment == Containment::Outside && !forced(PipelinePart::Vertices))
-            .then_some("the whole object is outside the view");
-        let transparency = transparency(library, instance, settings.shading);
-        let steps = PipelinePart::ALL.map(|part| {
-            let drawn = (instance, containment, transparency);
-            let reason = outside.or_else(|| skip_reason(part, library, drawn, camera, settings));
-            let can_run = outside.is_none() && part.can_run(library, instance, settings);
-            PlanStep::unless(reason.filter(|_| !(forced(part) && can_run)))
-        });
-        let Material { uv_scale, uv_offset, .. } = *library.material(instance.material);
+        let facts = DrawFacts::new(library, instance, camera, settings, containment);
+        let steps = PipelinePart::ALL.map(|part| facts.step(part));
+        let Material { uv_scale, uv_offset, .. } = *facts.material;
         let uv_transform = [uv_scale, uv_offset];
         Self {
             steps,
-            transparency,
+            transparency: facts.transparency,
             clusters: CullStats::default(),
             uv_transform: (uv_transform != [Vec2::ONE, Vec2::ZERO]).then_some(uv_transform),
             eye: Viewpoint::of(camera),
@@ -324,70 +300,128 @@ impl DrawPlan {
     }
 }
 
-/// Returns the reason for skipping `part` in a draw that is not outside the view, or `None` if the draw needs the part.
-fn skip_reason(
-    part: PipelinePart,
-    library: &Library,
-    (instance, containment, transparency): (&Instance, Containment, Transparency),
-    camera: &Camera,
-    settings: &Settings,
-) -> Option<&'static str> {
-    let mesh = library.mesh(instance.mesh);
-    let shading = settings.shading;
-    let reads_albedo = shading.reads_material();
-    let lit = shading.is_lit();
-    let material = library.material(instance.material);
-    let textured = || textures_read(library, instance, shading).iter().any(Option::is_some);
-    match part {
-        // Clusters are culled later, which `DrawPlan::with_cull_stats` records.
-        PipelinePart::Vertices | PipelinePart::EveryCluster => None,
-        PipelinePart::Clipping => (containment == Containment::Inside).then_some("the whole object is inside the view"),
-        PipelinePart::Culling => (settings.culling == Culling::None).then_some("culling is off"),
-        PipelinePart::Depth => (settings.depth_test == DepthTest::Off).then_some("the depth test is off"),
-        PipelinePart::PerspectiveDivision if settings.interpolation != Interpolation::Perspective => {
-            Some("interpolation is affine")
+/// What decides which parts of the pipeline a draw runs. Gathered once per draw, because every part asks for it.
+struct DrawFacts<'a> {
+    mesh: &'a Mesh,
+    material: &'a Material,
+    camera: &'a Camera,
+    settings: &'a Settings,
+    containment: Containment,
+    transparency: Transparency,
+    /// Whether the shading reads a texture of the material.
+    textured: bool,
+}
+
+impl<'a> DrawFacts<'a> {
+    fn new(
+        library: &'a Library,
+        instance: &Instance,
+        camera: &'a Camera,
+        settings: &'a Settings,
+        containment: Containment,
+    ) -> Self {
+        let textures = textures_read(library, instance, settings.shading);
+        Self {
+            mesh: library.mesh(instance.mesh),
+            material: library.material(instance.material),
+            camera,
+            settings,
+            containment,
+            transparency: transparency(library, instance, settings.shading),
+            textured: textures.iter().any(Option::is_some),
         }
-        PipelinePart::PerspectiveDivision => {
-            matches!(camera.projection, Projection::Orthographic { .. }).then_some("all w are equal: orthographic view")
+    }
+
+    /// Returns whether `part` runs: because the draw needs it, or because the settings force it to run.
+    fn step(&self, part: PipelinePart) -> PlanStep {
+        if self.containment == Containment::Outside && !self.forced(PipelinePart::Vertices) {
+            return PlanStep::Skipped("the whole object is outside the view");
         }
-        PipelinePart::TextureCoordinates | PipelinePart::Texels if mesh.uvs.is_empty() => {
-            Some("the mesh has no texture coordinates")
+        PlanStep::unless(self.skip_reason(part).filter(|_| !(self.forced(part) && self.can_run(part))))
+    }
+
+    /// Returns whether the settings force `part` to run.
+    fn forced(&self, part: PipelinePart) -> bool {
+        match self.settings.force {
+            DisabledOptimisation::Nothing => false,
+            DisabledOptimisation::Everything => true,
+            one => part.disabled_optimisation() == Some(one),
         }
-        PipelinePart::TextureCoordinates if matches!(shading, Shading::Uv | Shading::Checker) => None,
-        PipelinePart::TextureCoordinates | PipelinePart::Texels if !reads_albedo && !textured() => {
-            Some("this shading reads no texture")
+    }
+
+    /// Returns whether `part` can run in a draw that does not need it, without changing the picture.
+    fn can_run(&self, part: PipelinePart) -> bool {
+        match part {
+            PipelinePart::PerspectiveDivision => self.settings.interpolation == Interpolation::Perspective,
+            PipelinePart::TextureCoordinates => !self.mesh.uvs.is_empty(),
+            PipelinePart::VertexColors => !self.mesh.colors.is_empty(),
+            // Each of these parts adds to the picture, so forcing it would change the picture.
+            PipelinePart::NormalMap | PipelinePart::Highlight | PipelinePart::Emission => false,
+            _ => true,
         }
-        PipelinePart::TextureCoordinates | PipelinePart::Texels => {
-            (!textured()).then_some("the material has no texture")
+    }
+
+    /// Returns the reason for skipping `part` in a draw that is not outside the view, or `None` if the draw needs the
+    /// part.
+    fn skip_reason(&self, part: PipelinePart) -> Option<&'static str> {
+        let settings = self.settings;
+        let shading = settings.shading;
+        let reads_albedo = shading.reads_material();
+        let lit = shading.is_lit();
+        match part {
+            // Clusters are culled later, which `DrawPlan::with_cull_stats` records.
+            PipelinePart::Vertices | PipelinePart::EveryCluster => None,
+            PipelinePart::Clipping => {
+                (self.containment == Containment::Inside).then_some("the whole object is inside the view")
+            }
+            PipelinePart::Culling => (settings.culling == Culling::None).then_some("culling is off"),
+            PipelinePart::Depth => (settings.depth_test == DepthTest::Off).then_some("the depth test is off"),
+            PipelinePart::PerspectiveDivision if settings.interpolation != Interpolation::Perspective => {
+                Some("interpolation is affine")
+            }
+            PipelinePart::PerspectiveDivision => matches!(self.camera.projection, Projection::Orthographic { .. })
+                .then_some("all w are equal: orthographic view"),
+            PipelinePart::TextureCoordinates | PipelinePart::Texels if self.mesh.uvs.is_empty() => {
+                Some("the mesh has no texture coordinates")
+            }
+            PipelinePart::TextureCoordinates if matches!(shading, Shading::Uv | Shading::Checker) => None,
+            PipelinePart::TextureCoordinates | PipelinePart::Texels if !reads_albedo && !self.textured => {
+                Some("this shading reads no texture")
+            }
+            PipelinePart::TextureCoordinates | PipelinePart::Texels => {
+                (!self.textured).then_some("the material has no texture")
+            }
+            PipelinePart::Normals => (!lit && shading != Shading::Normals).then_some("this shading reads no normal"),
+            PipelinePart::VertexColors if self.mesh.colors.is_empty() => Some("the mesh has no vertex colours"),
+            PipelinePart::VertexColors => {
+                (!reads_albedo && shading != Shading::VertexColor).then_some("this shading reads no vertex colour")
+            }
+            PipelinePart::AlphaTest | PipelinePart::Blending if !reads_albedo => {
+                Some("this shading ignores opacity and alpha")
+            }
+            PipelinePart::AlphaTest => match self.transparency {
+                Transparency::Opaque => Some("no texture that is read has alpha"),
+                Transparency::AlphaTested => None,
+                Transparency::Blended => Some("the material is blended instead"),
+            },
+            PipelinePart::Light => (!lit).then_some("this shading is unlit"),
+            PipelinePart::NormalMap if !shading.reads_pixel_normals() => Some("this shading reads no per-pixel normal"),
+            PipelinePart::NormalMap if self.mesh.uvs.is_empty() => Some("the mesh has no texture coordinates"),
+            PipelinePart::NormalMap => {
+                self.material.normal_texture.is_none().then_some("the material has no normal map")
+            }
+            PipelinePart::Highlight if shading != Shading::BlinnPhong => Some("this shading has no highlight"),
+            PipelinePart::Highlight => {
+                (self.material.specular == Vec3::ZERO).then_some("the material's specular colour is black")
+            }
+            PipelinePart::Emission if !reads_albedo => Some("this shading ignores emission"),
+            PipelinePart::Emission => (self.material.emission == Vec3::ZERO).then_some("the material emits no light"),
+            PipelinePart::Blending => match self.transparency {
+                Transparency::Opaque => Some("material and texture are opaque"),
+                Transparency::AlphaTested => Some("every alpha is 0 or 1: alpha-tested instead"),
+                Transparency::Blended => None,
+            },
         }
-        PipelinePart::Normals => (!lit && shading != Shading::Normals).then_some("this shading reads no normal"),
-        PipelinePart::VertexColors if mesh.colors.is_empty() => Some("the mesh has no vertex colours"),
-        PipelinePart::VertexColors => {
-            (!reads_albedo && shading != Shading::VertexColor).then_some("this shading reads no vertex colour")
-        }
-        PipelinePart::AlphaTest | PipelinePart::Blending if !reads_albedo => {
-            Some("this shading ignores opacity and alpha")
-        }
-        PipelinePart::AlphaTest => match transparency {
-            Transparency::Opaque => Some("no texture that is read has alpha"),
-            Transparency::AlphaTested => None,
-            Transparency::Blended => Some("the material is blended instead"),
-        },
-        PipelinePart::Light => (!lit).then_some("this shading is unlit"),
-        PipelinePart::NormalMap if !shading.reads_pixel_normals() => Some("this shading reads no per-pixel normal"),
-        PipelinePart::NormalMap if mesh.uvs.is_empty() => Some("the mesh has no texture coordinates"),
-        PipelinePart::NormalMap => material.normal_texture.is_none().then_some("the material has no normal map"),
-        PipelinePart::Highlight if shading != Shading::BlinnPhong => Some("this shading has no highlight"),
-        PipelinePart::Highlight => {
-            (material.specular == Vec3::ZERO).then_some("the material's specular colour is black")
-        }
-        PipelinePart::Emission if !reads_albedo => Some("this shading ignores emission"),
-        PipelinePart::Emission => (material.emission == Vec3::ZERO).then_some("the material emits no light"),
-        PipelinePart::Blending => match transparency {
-            Transparency::Opaque => Some("material and texture are opaque"),
-            Transparency::AlphaTested => Some("every alpha is 0 or 1: alpha-tested instead"),
-            Transparency::Blended => None,
-        },
     }
 }
 

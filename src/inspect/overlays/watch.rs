@@ -59,7 +59,7 @@ pub(crate) fn watch(scene: &Scene, recipe: &Recipe, frame: &Frame) -> FragmentSt
         frame,
         current: None,
         has_depth: frame.drawn.depth.is_some(),
-        shaders: (scene.instances.iter().zip(&frame.plans))
+        shaders: (scene.instances.iter().zip(frame.plans.iter()))
             .map(|(instance, plan)| Shader::new(&recipe.pipeline, &scene.library, instance, plan))
             .collect(),
         stats: FragmentStats {

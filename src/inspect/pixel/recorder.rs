@@ -35,7 +35,7 @@ pub(super) struct FragmentRecorder<'a> {
 impl<'a> FragmentRecorder<'a> {
     /// Creates a recorder for a pixel of `frame`, which was drawn from `scene` with `recipe`.
     pub(super) fn new(scene: &'a Scene, recipe: &'a Recipe, frame: &'a Frame) -> Self {
-        let shaders = scene.instances.iter().zip(&frame.plans);
+        let shaders = scene.instances.iter().zip(frame.plans.iter());
         let [r, g, b] = recipe.pipeline.background.resolve(scene.background);
         let has_depth = recipe.pipeline.depth_test != DepthTest::Off;
         let depth = has_depth.then(|| DepthRecord::new(clear_value(&recipe.pipeline), frame.depth_scale()));

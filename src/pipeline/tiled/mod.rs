@@ -53,8 +53,8 @@ mod texture;
 mod tile;
 mod transparency;
 
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use batch::{TriangleBatch, Triangles};
@@ -265,7 +265,7 @@ pub(crate) fn draw(
         shade: tiles_time - work.share_of_rasterizing(tiles_time),
     };
     let counts = frame.counts(scene.triangle_count() as u64, work);
-    TiledReport { plans, times, counts }
+    TiledReport { plans: Arc::new(plans), times, counts }
 }
 
 /// Width and height of a tile, in samples.
@@ -349,7 +349,8 @@ fn plan<'a>(
     viewport: Viewport,
     lanes: Lanes,
 ) -> (Vec<InstanceDraw<'a>>, Vec<DrawPlan>) {
-    let (mut draws, mut plans) = (Vec::new(), Vec::new());
+    let count = scene.instances.len();
+    let (mut draws, mut plans) = (Vec::with_capacity(count), Vec::with_capacity(count));
     let mut first_vertex = 0;
     let clip_from_world = camera.clip_from_world_f64(viewport.aspect(), settings.depth_format.mapping());
     for ((index, instance), first) in scene.instances.iter().enumerate().zip(scene.first_triangles()) {

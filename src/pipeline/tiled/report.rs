@@ -1,6 +1,7 @@
 //! Report of a frame drawn by tiled execution.
 
 use std::ops::AddAssign;
+use std::sync::Arc;
 use std::time::Duration;
 
 use crate::pipeline::plan::DrawPlan;
@@ -60,7 +61,7 @@ pub struct TiledCounts {
 #[derive(Clone, Debug, Default)]
 pub struct TiledReport {
     /// Draw plan of each instance.
-    pub(crate) plans: Vec<DrawPlan>,
+    pub(crate) plans: Arc<Vec<DrawPlan>>,
     /// Wall-clock time of each stage.
     pub(crate) times: TiledTimes,
     /// Work counts of the frame.

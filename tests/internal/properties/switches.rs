@@ -284,7 +284,7 @@ fn skipping_the_interpolation_of_attributes_changes_no_bit() {
             let mut recipe = Recipe::default();
             recipe.pipeline.shading = *shading;
             let frame = render(scene, &recipe, SIZE);
-            let shaders = scene.instances.iter().zip(&frame.plans);
+            let shaders = scene.instances.iter().zip(frame.plans.iter());
             let shaders: Vec<_> =
                 shaders.map(|(i, plan)| Shader::new(&recipe.pipeline, &scene.library, i, plan)).collect();
             for shader in &shaders {
