@@ -111,7 +111,11 @@ fn shading_rows(shading: &ShadingRecord) -> Vec<(&'static str, String)> {
         let level = if texel.level > 0 { format!("level {}", texel.level) } else { String::new() };
         let place = format!("({}, {})", tap.x, tap.y);
         let source: Vec<_> = [map, &level, &place].into_iter().filter(|part| !part.is_empty()).collect();
-        ("texel", format!("{} × {:?}: {}", source.join(" "), tap.weight, color(texel.color)))
+        let value = match texel.map {
+            TextureMap::Opacity => format!("alpha {}", texel.color[3]),
+            TextureMap::Color | TextureMap::Normal | TextureMap::Emission => color(texel.color),
+        };
+        ("texel", format!("{} × {:?}: {value}", source.join(" "), tap.weight))
     }));
     let over = shading.below.map_or(String::new(), |below| format!(", blended with {}", color(below)));
     rows.push(("colour", color(shading.color) + &over));

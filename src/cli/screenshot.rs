@@ -65,9 +65,13 @@ pub(crate) struct WorkbenchArgs {
     #[arg(long)]
     pub(crate) compare: Option<CompareArg>,
 
-    /// Tab to open along the bottom
-    #[arg(long)]
-    pub(crate) tab: Option<TabArg>,
+    /// Workspace to show
+    #[arg(long, value_parser = workbench::workspace())]
+    pub(crate) workspace: Option<String>,
+
+    /// Panel to show, in the first workspace that has it unless --workspace is given
+    #[arg(long, value_parser = workbench::panel())]
+    pub(crate) panel: Option<String>,
 
     /// Intermediate value of the pipeline to show instead of the colour
     #[arg(long, value_name = "NUMBER", value_parser = parse::choice::<Intermediate>())]
@@ -85,7 +89,7 @@ pub(crate) struct WorkbenchArgs {
     #[arg(long)]
     pub(crate) overlays: bool,
 
-    /// Fate of the triangles to select; opens the tab “Fates”
+    /// Fate of the triangles to select; shows the panel “Triangle fates”
     #[arg(long, value_name = "FATE", value_parser = parse::choice::<TriangleFate>())]
     pub(crate) fate: Option<TriangleFate>,
     /// Add the picked pixel to the watch list
@@ -122,7 +126,8 @@ impl Default for WorkbenchArgs {
             at: None,
             measure: false,
             compare: None,
-            tab: None,
+            workspace: None,
+            panel: None,
             number: None,
             moment: None,
             range: false,
@@ -175,39 +180,6 @@ pub(crate) enum Open {
     Palette,
     /// List of bookmarks, which contains one bookmark
     Bookmarks,
-}
-
-/// Tab along the bottom of the workbench.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum TabArg {
-    /// Frame time of each upscaler
-    FrameTime,
-    /// Error and time of each upscaler
-    ErrorTime,
-    /// Every step of the calculation of the picked pixel
-    Arithmetic,
-    /// Source samples of the picked pixel and their weights
-    Xray,
-    /// Histogram of the values of the shown quantity
-    Histogram,
-    /// Fates of triangles and fragments
-    Fates,
-    /// Parts of the pipeline that run and parts that are skipped
-    Plan,
-    /// Cost against triangles, pixels, layers and threads
-    Scaling,
-    /// Report on numerical stability in hard cases
-    Stability,
-    /// Assertions on every fragment of the frame
-    Assertions,
-    /// Values of all buffers at watched pixels
-    Watch,
-    /// Vertices of the picked triangle at every stage
-    Vertices,
-    /// Stability probe of the frame
-    Probe,
-    /// Messages of the window
-    Log,
 }
 
 fn moment(text: &str) -> Result<Moment, String> {

@@ -7,6 +7,8 @@
 
 use std::panic::{self, AssertUnwindSafe};
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+
 use crate::chain::Recipe;
 use crate::image::{Image, Rgba8};
 use crate::measure::window_cost::WindowCost;
@@ -15,17 +17,17 @@ use crate::ui::command::Command;
 use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::engine::Shown;
 use crate::ui::overlays;
-use crate::ui::panels::bottom;
 use crate::ui::place;
 use crate::ui::range;
 use crate::ui::watch;
 use crate::ui::what_if;
+use crate::ui::workspace::{Panel, Workspace};
 use crate::ui::{self, InitialView, ScreenshotRequest, WindowStart};
 
 use super::failure::Failure;
 use super::parse::Either;
 use super::scene_args::{RequestedView, WARNED};
-use super::screenshot::{CompareArg, Open, TabArg, ThemeArg, WorkbenchArgs};
+use super::screenshot::{CompareArg, Open, ThemeArg, WorkbenchArgs};
 use super::seen_args::{SeenArgs, WindowArgs, moment};
 
 /// Opens the window and returns when it is closed, or at once with an error if no window can be opened.
@@ -58,7 +60,8 @@ pub(crate) fn draw(
         measure: look.measure,
         selected: look.at,
         compare: look.compare.map(comparison),
-        tab: look.tab.map(tab),
+        workspace: look.workspace.as_deref().and_then(Workspace::named),
+        panel: look.panel.as_deref().and_then(Panel::named),
         shown: look.number.map(Shown::Intermediate),
         moment: look.moment,
         fate: look.fate,
@@ -113,23 +116,14 @@ fn open_first(open: Open) -> Vec<Command> {
     }
 }
 
-fn tab(tab: TabArg) -> bottom::Tab {
-    match tab {
-        TabArg::FrameTime => bottom::Tab::FrameTime,
-        TabArg::ErrorTime => bottom::Tab::ErrorTime,
-        TabArg::Arithmetic => bottom::Tab::Arithmetic,
-        TabArg::Xray => bottom::Tab::Xray,
-        TabArg::Histogram => bottom::Tab::Histogram,
-        TabArg::Fates => bottom::Tab::Fates,
-        TabArg::Plan => bottom::Tab::Plan,
-        TabArg::Scaling => bottom::Tab::Scaling,
-        TabArg::Stability => bottom::Tab::Stability,
-        TabArg::Assertions => bottom::Tab::Checks,
-        TabArg::Watch => bottom::Tab::Watch,
-        TabArg::Vertices => bottom::Tab::Vertices,
-        TabArg::Probe => bottom::Tab::Probe,
-        TabArg::Log => bottom::Tab::Log,
-    }
+/// Returns the parser for the name of a panel.
+pub(crate) fn panel() -> impl TypedValueParser<Value = String> {
+    PossibleValuesParser::new(Panel::ALL.iter().map(|panel| PossibleValue::new(panel.spec().id)))
+}
+
+/// Returns the parser for the name of a workspace.
+pub(crate) fn workspace() -> impl TypedValueParser<Value = String> {
+    PossibleValuesParser::new(Workspace::ALL.map(|workspace| PossibleValue::new(workspace.id())))
 }
 
 fn initial_view(args: SeenArgs, pixel: Option<(u32, u32)>) -> InitialView {

@@ -1,6 +1,8 @@
 //! Replacement for the workbench in builds without it (feature `ui` off): every function returns an error that names
 //! the missing feature.
 
+use clap::builder::{StringValueParser, TypedValueParser};
+
 use crate::chain::Recipe;
 use crate::image::{Image, Rgba8};
 use crate::measure::window_cost::WindowCost;
@@ -22,6 +24,16 @@ pub(crate) fn open(_view: RequestedView, _args: &WindowArgs) -> Result<(), Strin
 /// Returns an error, because there is no window to measure.
 pub(crate) fn window_costs(_view: RequestedView, _size: Viewport, _passes: usize) -> Result<Vec<WindowCost>, Failure> {
     Err(Failure::NoWindow(BUILT_WITHOUT.to_owned()))
+}
+
+/// Returns a parser that accepts any name, because there are no panels.
+pub(crate) fn panel() -> impl TypedValueParser<Value = String> {
+    StringValueParser::new()
+}
+
+/// Returns a parser that accepts any name, because there are no workspaces.
+pub(crate) fn workspace() -> impl TypedValueParser<Value = String> {
+    StringValueParser::new()
 }
 
 /// Returns an error, because there is no workbench to render.

@@ -12,19 +12,15 @@ mod saving;
 
 mod tasks;
 
-use std::time::{Duration, Instant};
-
 use eframe::egui::{self, CentralPanel, Context, Panel, Ui};
 
 use opening::{Loading, OpeningCase, SLOW_LOAD};
 use saving::PendingExport;
 
-use super::canvas::CanvasView;
 use super::checks;
 use super::command::{BINDINGS, Command};
 use super::compare::compute::CompareRequest;
-use super::compare::tiles::TilesView;
-use super::compare::{self, CompareChange, Mode};
+use super::compare::{CompareChange, Mode};
 use super::engine::{Request, Shown};
 use super::fates;
 use super::fates::finder::Finder;
@@ -32,54 +28,33 @@ use super::lab;
 use super::layout;
 use super::long_tasks::{SavingsTask, ScalingTask, StabilityTask};
 use super::manual::ManualWindow;
-use super::mesh_view::MeshPane;
 use super::navigate::FLYING_KEYS;
 use super::overlays;
 use super::palette::Palette;
-use super::panels::bottom::Tab;
-use super::panels::case::CaseView;
 use super::panels::dialogs::{Dialog, OpenDialog};
-use super::panels::inspector::Inspector;
-use super::panels::{bottom, menu, message, pipeline, transport};
+use super::panels::{menu, message, pipeline};
 use super::place;
 use super::range;
-use super::scrub;
 use super::session::{PointerMode, Session, Severity, WindowState};
 use super::store::Store;
 use super::task::BackgroundTask;
 use super::theme;
 use super::what_if;
 use super::worker::{Worker, WorkerRequest};
+use super::workspace::{self, Docks, PanelContext, PanelWidgets, StoredLayouts, WorkspaceChange};
 use crate::inspect::Buffer;
 use crate::inspect::find::{SearchResult, SearchTarget};
 use crate::scene::SceneSource;
 use crate::scene::obj::TrMeaning;
 
-/// Height of the message bar below the menu, in points.
-const MESSAGE_HEIGHT: f32 = theme::ROW_HEIGHT + 4.0;
-
-/// Time after which a spinner is shown for an unanswered render request.
-const SLOW_FRAME: Duration = Duration::from_millis(150);
-
-/// Height of the bars above and below the canvas, in points.
-const BAR_HEIGHT: f32 = theme::ROW_HEIGHT + 12.0;
-
-/// Default height of the tabs along the bottom, in points.
-const TABS_HEIGHT: f32 = 226.0;
-
-/// Upper limit of the tabs' default height in low windows, as a fraction of the height that tabs and canvas share.
-const TABS_SHARE: f32 = 0.34;
-
-/// Upper limit of each side panel's default width in narrow windows, as a fraction of the window's width.
-const SIDE_SHARE: f32 = 0.29;
+/// Height of the message bar at the bottom of the window, in points.
+const MESSAGE_HEIGHT: f32 = theme::ROW_HEIGHT;
 
 /// Application behind the window: session, render worker and widget state.
 pub(crate) struct Workbench {
     session: Session,
     worker: Worker,
     last_request: Option<Request>,
-    /// Time at which the oldest unanswered render request was sent; `None` if all requests are answered.
-    requested_at: Option<Instant>,
     /// Sequence number of the latest measurement of all upscalers; responses with another number are discarded.
     measurement: u64,
     loading: Option<Loading>,
@@ -87,27 +62,23 @@ pub(crate) struct Workbench {
     measuring_stability: Option<StabilityTask>,
     measuring_savings: Option<SavingsTask>,
     measuring_scaling: Option<ScalingTask>,
-    case_view: CaseView,
     /// Exports that background threads are writing to files.
     saving: Vec<PendingExport>,
-    canvas: CanvasView,
-    mesh: MeshPane,
-    tiles: TilesView,
+    /// State of the widgets in the panels.
+    widgets: PanelWidgets,
+    /// Layouts of the workspaces.
+    docks: Docks,
     last_compare_request: Option<CompareRequest>,
     last_watch_request: Vec<(u32, u32)>,
     searching: Option<BackgroundTask<(), (SearchTarget, SearchResult)>>,
-    inspector: Inspector,
     checks: checks::Runner,
     fates: Finder,
     dialog: Dialog,
     manual: ManualWindow,
-    tab: Tab,
     /// Window state as of the last frame.
     window: WindowState,
     /// egui context of the window; `None` until the first frame.
     context: Option<Context>,
-    /// Whether models and cases are loaded synchronously, as in screenshots and tests.
-    is_synchronous: bool,
     /// Commands queued from outside the window, applied in the next frame.
     queued: Vec<Command>,
     /// Preferences on disk; `None` if nothing is stored, as in screenshots and tests.
@@ -129,24 +100,18 @@ impl Workbench {
             measuring_stability: None,
             measuring_savings: None,
             measuring_scaling: None,
-            case_view: CaseView::default(),
             saving: Vec::new(),
-            requested_at: None,
-            canvas: CanvasView::default(),
-            mesh: MeshPane::default(),
-            tiles: TilesView::default(),
+            widgets: PanelWidgets { is_synchronous, ..PanelWidgets::default() },
+            docks: Docks::new(&StoredLayouts::default()),
             last_compare_request: None,
             last_watch_request: Vec::new(),
             searching: None,
-            inspector: Inspector::default(),
             checks: checks::Runner::default(),
             fates: Finder::default(),
             dialog: Dialog::default(),
             manual: ManualWindow::default(),
-            tab: Tab::default(),
             window: WindowState::default(),
             context: None,
-            is_synchronous,
             queued: Vec::new(),
             store: None,
         }
@@ -162,9 +127,22 @@ impl Workbench {
         &mut self.session
     }
 
-    /// Opens a tab along the bottom.
-    pub(crate) fn open_tab(&mut self, tab: Tab) {
-        self.tab = tab;
+    /// Shows a panel, in the current workspace if it has the panel.
+    pub(crate) fn show_panel(&mut self, panel: workspace::Panel) {
+        let workspace = self.docks.workspace_of(panel, self.session.workspace());
+        self.session.show_workspace(workspace);
+        self.docks.reveal(workspace, panel);
+    }
+
+    fn change_workspace(&mut self, change: WorkspaceChange) {
+        let workspace = self.session.workspace();
+        match change {
+            WorkspaceChange::Show(workspace) => self.session.show_workspace(workspace),
+            WorkspaceChange::Panel(panel) => self.show_panel(panel),
+            WorkspaceChange::Maximize(panel) => self.docks.maximize(workspace, panel),
+            WorkspaceChange::TogglePanels => self.docks.toggle_panels(workspace),
+            WorkspaceChange::ResetLayout => self.docks.reset(workspace),
+        }
     }
 
     /// Queues commands for the next frame, as if the user had triggered them.
@@ -184,7 +162,7 @@ impl Workbench {
             let nudges = matches!(command, Command::NudgePick(..));
             self.run(ui, command);
             if let Some(pixel) = self.session.pick.filter(|_| nudges) {
-                self.canvas.zoom.keep_in_view(pixel, self.session.canvas_px);
+                self.widgets.canvas.zoom.keep_in_view(pixel, self.session.canvas_px);
             }
         }
         if !ui.input(|i| i.pointer.any_down()) {
@@ -192,127 +170,36 @@ impl Workbench {
         }
         self.send_request(ui);
         self.send_compare_request(ui);
-        self.checks.step(&mut self.session, ui.ctx(), self.is_synchronous);
-        self.fates.update(ui, &mut self.session, self.tab == Tab::Fates, self.is_synchronous);
+        self.checks.step(&mut self.session, ui.ctx(), self.widgets.is_synchronous);
+        self.fates.update(
+            ui,
+            &mut self.session,
+            self.docks.shows(workspace::Panel::TriangleFates),
+            self.widgets.is_synchronous,
+        );
         self.send_what_if_request(ui);
         self.send_watch_request(ui);
     }
 
     fn layout(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let frame = theme::panel_frame(ui);
-        Panel::top("menu").frame(frame).show(ui, |ui| menu::ui(ui, &self.session, commands));
         let tight = frame.inner_margin(egui::Margin::symmetric(theme::space::S as i8, 2));
-        Panel::top("message").frame(tight).exact_size(MESSAGE_HEIGHT).show(ui, |ui| {
+        Panel::top("menu").frame(tight).show(ui, |ui| menu::ui(ui, &self.session, commands));
+        Panel::bottom("message").frame(tight).exact_size(MESSAGE_HEIGHT).show(ui, |ui| {
             message::ui(ui, &self.session, self.slow_open(), commands);
         });
-        if self.session.lab.open {
-            lab::ui(ui, &self.session.lab, commands);
-        } else {
-            self.pipeline_layout(ui, frame, commands);
-        }
+        CentralPanel::no_frame().show(ui, |ui| {
+            let context = PanelContext { session: &self.session, widgets: &mut self.widgets, commands };
+            self.docks.ui(ui, self.session.workspace(), context);
+        });
+        self.session.canvas_px = self.widgets.canvas_px;
+        let shows_histogram = self.docks.shows(workspace::Panel::Histogram);
+        range::panel::notify_open(shows_histogram, &self.session, commands);
+        self.widgets.mesh.hovered &= self.docks.shows(workspace::Panel::MeshView);
         self.dialog.ui(ui, &self.session, commands);
         self.manual.ui(ui);
         if self.loading.is_some() || self.opening_case.is_some() {
             ui.request_repaint_after(SLOW_LOAD);
-        }
-    }
-
-    /// Lays out everything below the message bar, except the 2D lab.
-    fn pipeline_layout(&mut self, ui: &mut Ui, frame: egui::Frame, commands: &mut Vec<Command>) {
-        // In a narrow window, the canvas keeps the largest share of the width.
-        let share = |wanted: f32| wanted.min(ui.available_width() * SIDE_SHARE);
-        let (left, right) = (share(292.0), share(316.0));
-        let tabs = TABS_HEIGHT.min(ui.available_height() * TABS_SHARE).floor();
-        Panel::bottom("tabs").frame(frame).resizable(true).default_size(tabs).min_size(bottom::MIN_HEIGHT).show(
-            ui,
-            |ui| {
-                bottom::ui(ui, &mut self.tab, &self.session, commands);
-            },
-        );
-        Panel::left("pipeline").frame(frame).resizable(true).default_size(left).min_size(230.0).show(ui, |ui| {
-            egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| pipeline::ui(ui, &self.session, commands));
-        });
-        Panel::right("inspector").frame(frame).resizable(true).default_size(right).min_size(250.0).show(ui, |ui| {
-            self.inspector.ui(ui, &self.session, self.canvas.hovered, commands);
-        });
-        CentralPanel::default().frame(theme::canvas_frame(ui)).show(ui, |ui| {
-            self.center(ui, commands);
-        });
-    }
-
-    fn center(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
-        if self.session.case.is_none() {
-            self.case_view = CaseView::default();
-        }
-        let frame = theme::panel_frame(ui);
-        Panel::top("toolbar").frame(frame).exact_size(BAR_HEIGHT).show(ui, |ui| {
-            transport::toolbar(ui, &self.session, self.canvas.scale(), commands);
-        });
-        Panel::bottom("scrubber").frame(frame).exact_size(scrub::transport::HEIGHT).show(ui, |ui| {
-            scrub::transport::ui(ui, &self.session, commands);
-        });
-        let compares = self.session.comparison.is_on() && self.session.case.is_none();
-        if compares {
-            Panel::top("compare").frame(frame).show(ui, |ui| {
-                compare::bar::ui(ui, &self.session, self.canvas.scale(), commands);
-            });
-        }
-        let asks = self.session.what_if.open && !compares && self.session.case.is_none();
-        if asks {
-            Panel::top("what-if").frame(frame).show(ui, |ui| what_if::bar::ui(ui, &self.session, commands));
-        }
-        if self.session.mesh_view.open && self.session.case.is_none() {
-            let half = ui.available_width() / 2.0;
-            Panel::right("mesh")
-                .frame(theme::canvas_frame(ui))
-                .resizable(true)
-                .default_size(half)
-                .min_size(200.0)
-                .show(ui, |ui| self.mesh.ui(ui, &self.session, self.is_synchronous, commands));
-        } else {
-            self.mesh.hovered = false;
-        }
-        CentralPanel::no_frame().show(ui, |ui| {
-            let canvas = ui.max_rect();
-            let size = if compares { TilesView::picture_size(canvas, &self.session) } else { ui.available_size() };
-            let size = size * ui.pixels_per_point();
-            self.session.canvas_px = (size.x.max(1.0) as u32, size.y.max(1.0) as u32);
-            if self.session.case.is_some() {
-                self.case_view.ui(ui, &self.session, self.is_synchronous, commands);
-            } else if compares {
-                self.canvas.hovered = self.tiles.ui(ui, &mut self.canvas.zoom, &self.session, commands);
-            } else {
-                self.canvas.ui(ui, &self.session, commands);
-                what_if::bar::label(ui, canvas, &self.session);
-            }
-            self.drop_hint(ui);
-            self.busy_mark(ui);
-        });
-    }
-
-    /// Draws a spinner in the corner of the canvas if a render request has been unanswered for at least [`SLOW_FRAME`].
-    fn busy_mark(&self, ui: &Ui) {
-        let Some(since) = self.requested_at else { return };
-        if since.elapsed() >= SLOW_FRAME {
-            let corner = ui.max_rect().right_top() + egui::vec2(-28.0, 8.0);
-            egui::Spinner::new().paint_at(ui, egui::Rect::from_min_size(corner, egui::Vec2::splat(20.0)));
-        } else {
-            ui.request_repaint_after(SLOW_FRAME);
-        }
-    }
-
-    fn drop_hint(&self, ui: &Ui) {
-        if ui.input(|i| !i.raw.hovered_files.is_empty()) {
-            let rect = ui.max_rect();
-            ui.painter().rect_filled(rect, 0.0, egui::Color32::from_black_alpha(170));
-            let font = egui::FontId::proportional(theme::font_size::TITLE);
-            ui.painter().text(
-                rect.center(),
-                egui::Align2::CENTER_CENTER,
-                "Drop the file to open it",
-                font,
-                egui::Color32::WHITE,
-            );
         }
     }
 
@@ -323,7 +210,7 @@ impl Workbench {
         }
         // In camera mode, or while the pointer is over the mesh view, the flying keys (W A S D Q E) are reserved for
         // moving a camera and run no commands.
-        let flies = self.session.pointer_mode == PointerMode::Camera || self.mesh.hovered;
+        let flies = self.session.pointer_mode == PointerMode::Camera || self.widgets.mesh.hovered;
         for binding in BINDINGS {
             let is_taken = flies && binding.modifiers == egui::Modifiers::NONE && FLYING_KEYS.contains(&binding.key);
             if !is_taken && ui.input_mut(|i| i.consume_shortcut(&binding.shortcut())) {
@@ -373,17 +260,17 @@ impl Workbench {
                 self.worker.send(WorkerRequest::CancelMeasure);
             }
             Command::ExportTimings => self.export_timings(ui),
-            Command::ZoomFit => self.canvas.fit(),
+            Command::ZoomFit => self.widgets.canvas.fit(),
             Command::ZoomOne => {
                 let viewport = self.session.viewport();
-                self.canvas.one_to_one((viewport.width, viewport.height), self.session.canvas_px);
+                self.widgets.canvas.one_to_one((viewport.width, viewport.height), self.session.canvas_px);
             }
             Command::StepFault(step) => self.step_fault(step > 0),
-            Command::Trace(_) => self.tab = Tab::Arithmetic,
+            Command::Trace(_) => self.show_panel(workspace::Panel::Calculation),
             Command::WhatIf(what_if::WhatIfChange::Step(step)) => {
                 if let Some(pixel) = self.session.change_beside_pick(step > 0) {
                     self.session.pick = Some(pixel);
-                    self.canvas.bring_into_view(pixel, self.session.canvas_px);
+                    self.widgets.canvas.bring_into_view(pixel, self.session.canvas_px);
                 }
             }
             Command::Overlays(overlays::OverlayChange::SaveTotals) => {
@@ -408,13 +295,13 @@ impl Workbench {
             Command::SetScale(scale) => ui.ctx().set_zoom_factor(scale),
             Command::ToggleKeys => self.dialog = Dialog::Keys(String::new()),
             Command::OpenManual(chapter) => self.manual.open(chapter),
-            Command::OpenTab(tab) => self.tab = tab,
+            Command::Workspace(change) => self.change_workspace(change),
             Command::OpenStages(open) => pipeline::open_all(ui, open),
             Command::OpenPalette => self.dialog = Dialog::Palette(Box::new(Palette::new(&self.session, ""))),
             Command::Place(place::PlaceChange::Manage) => self.dialog = Dialog::Bookmarks,
             Command::Place(place::PlaceChange::Find(SearchTarget::View(x, y, percent))) => {
                 let center = (x as f32 + 0.5, y as f32 + 0.5);
-                self.canvas.zoom.set_view(percent as f32 / 100.0, self.session.canvas_px, center);
+                self.widgets.canvas.zoom.set_view(percent as f32 / 100.0, self.session.canvas_px, center);
             }
             Command::Place(place::PlaceChange::Find(wanted)) => self.search(ui, wanted),
             Command::Place(place::PlaceChange::Copy) => {
@@ -434,7 +321,7 @@ impl Workbench {
             self.session.shown = Shown::Buffer(Buffer::Hits);
         } else if let Some((x, y)) = self.session.fault_beside_pick(forwards) {
             self.session.pick = Some((x, y));
-            self.canvas.bring_into_view((x, y), self.session.canvas_px);
+            self.widgets.canvas.bring_into_view((x, y), self.session.canvas_px);
         }
     }
 

@@ -15,7 +15,6 @@ use super::lab;
 use super::long_tasks::StabilityView;
 use super::mesh_view;
 use super::overlays;
-use super::panels::bottom::Tab;
 use super::place;
 use super::probe;
 use super::range;
@@ -26,6 +25,7 @@ use super::trace;
 use super::vertices;
 use super::watch;
 use super::what_if;
+use super::workspace::{Workspace, WorkspaceChange};
 use crate::chain::Recipe;
 use crate::inspect::outline::OutlineKind;
 use crate::inspect::range::RangeFit;
@@ -154,6 +154,8 @@ pub(crate) enum Command {
     OpenInLab(PathBuf),
     /// Dismisses the offer to open a picture in the 2D lab.
     CloseOffer,
+    /// Dismisses the notice about a saved file or warnings.
+    CloseNotice,
     /// Dismisses the error bar.
     CloseError,
     /// Dismisses the hint for new users.
@@ -189,8 +191,8 @@ pub(crate) enum Command {
     Fates(fates::FatesChange),
     /// Replaces the selection of triangles.
     Select(TriangleSelection),
-    /// Opens a tab along the bottom.
-    OpenTab(Tab),
+    /// Shows a workspace or a panel, or changes the layout.
+    Workspace(WorkspaceChange),
     /// Expands (`true`) or collapses (`false`) the settings of all stages.
     OpenStages(bool),
     /// Opens the command palette.
@@ -225,7 +227,12 @@ const CONTROL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
 /// Returns a key binding for jumping to a bookmark.
 const fn jump(key: Key, command: fn() -> Command) -> KeyBinding {
-    bind(Modifiers::COMMAND, key, command, "Go to a bookmark")
+    bind(Modifiers::ALT, key, command, "Go to a bookmark")
+}
+
+/// Returns a key binding for showing a workspace.
+const fn show(key: Key, command: fn() -> Command) -> KeyBinding {
+    bind(Modifiers::COMMAND, key, command, "Show a workspace")
 }
 
 impl KeyBinding {
@@ -253,6 +260,18 @@ pub(crate) const BINDINGS: &[KeyBinding] = &[
     bind(Modifiers::COMMAND, Key::G, || Command::ShowPixelDialog, "Go to a pixel, triangle, vertex or object"),
     bind(CONTROL_SHIFT, Key::P, || Command::OpenPalette, "Find anything"),
     bind(Modifiers::COMMAND, Key::B, || Command::Place(place::PlaceChange::Bookmark), "Bookmark the current view"),
+    show(Key::Num1, || Command::Workspace(WorkspaceChange::Show(Workspace::Inspect))),
+    show(Key::Num2, || Command::Workspace(WorkspaceChange::Show(Workspace::Geometry))),
+    show(Key::Num3, || Command::Workspace(WorkspaceChange::Show(Workspace::Compare))),
+    show(Key::Num4, || Command::Workspace(WorkspaceChange::Show(Workspace::Measure))),
+    show(Key::Num5, || Command::Workspace(WorkspaceChange::Show(Workspace::Robustness))),
+    show(Key::Num6, || Command::Workspace(WorkspaceChange::Show(Workspace::Lab))),
+    bind(
+        Modifiers::NONE,
+        Key::F9,
+        || Command::Workspace(WorkspaceChange::TogglePanels),
+        "Hide or show the panels around the picture",
+    ),
     jump(Key::Num1, || Command::Place(place::PlaceChange::Jump(0))),
     jump(Key::Num2, || Command::Place(place::PlaceChange::Jump(1))),
     jump(Key::Num3, || Command::Place(place::PlaceChange::Jump(2))),

@@ -26,7 +26,7 @@ pub(crate) struct Stability {
     pub(crate) report: Option<Arc<StabilityReport>>,
     /// Progress of the running report; `None` if none is running.
     pub(crate) progress: Option<StabilityProgress>,
-    /// View selected in the tab.
+    /// View selected in the panel.
     pub(crate) view: StabilityView,
 }
 

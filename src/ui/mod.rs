@@ -60,6 +60,12 @@ pub(crate) mod session;
 
 pub(crate) mod checks;
 
+pub(crate) mod picked_point;
+
+pub(crate) mod picture_size;
+
+pub(crate) mod picture_panel;
+
 pub(crate) mod place;
 
 pub(crate) mod what_if;
@@ -77,6 +83,8 @@ pub(crate) mod navigate;
 pub(crate) mod canvas;
 
 pub(crate) mod mesh_view;
+
+pub(crate) mod workspace;
 
 pub(crate) mod panels;
 

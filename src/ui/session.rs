@@ -32,6 +32,7 @@ use super::look::Look;
 use super::mesh_view::{self, MeshView};
 use super::open_case::OpenCase;
 use super::overlays::Overlays;
+use super::picked_point::PickedPoint;
 use super::place::Places;
 use super::probe::ProbeState;
 use super::range::{self, RangeControl};
@@ -42,6 +43,7 @@ use super::vertices::VertexTable;
 use super::watch::WatchList;
 use super::what_if::WhatIf;
 use super::window_time::WindowTimes;
+use super::workspace::Workspace;
 use crate::chain::{Frame, Recipe};
 use crate::image::file;
 use crate::inspect::scrub::{Moment, Unit};
@@ -59,6 +61,15 @@ const RECENT_FILES: usize = 8;
 pub(crate) struct Measuring {
     /// Completed fraction of the measurement, in [0, 1].
     pub(crate) progress: f32,
+}
+
+/// Outcome that the message line shows until it is closed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Notice {
+    /// A file was saved.
+    Saved(PathBuf),
+    /// A model was opened with this number of warnings, which the log lists.
+    Warnings(usize),
 }
 
 /// State of the window, apart from widgets.
@@ -82,6 +93,8 @@ pub(crate) struct Session {
     pub(crate) scrub: Scrub,
     /// Column and row of the picked pixel.
     pub(crate) pick: Option<(u32, u32)>,
+    /// Point on the triangle at the picked pixel; `None` if the pixel shows no triangle or is not explained yet.
+    pub(crate) picked_point: Option<PickedPoint>,
     /// Pointer mode of the canvas.
     pub(crate) pointer_mode: PointerMode,
     /// Size of the canvas in screen pixels, as of the last frame.
@@ -140,6 +153,8 @@ pub(crate) struct Session {
     pub(crate) error: Option<String>,
     /// Picture file that was opened as a scene. The message line offers to open it in the 2D lab.
     pub(crate) offered_picture: Option<PathBuf>,
+    /// Notice shown in the message line until it is closed.
+    pub(crate) notice: Option<Notice>,
     /// All messages, up to the length limit of the log.
     pub(crate) log: VecDeque<LogLine>,
     /// Recently opened files, newest first.
@@ -148,6 +163,8 @@ pub(crate) struct Session {
     pub(crate) folder: PathBuf,
     /// Whether the user has closed the introductory hint above the canvas.
     pub(crate) hint_closed: bool,
+    /// Workspace that is shown unless the 2D lab, a comparison or the mesh view is open.
+    pub(in crate::ui) base_workspace: Workspace,
     first_pick: FirstPick,
     /// Time of the last camera movement, in seconds; −∞ if another change followed it.
     camera_moved_at: f64,
@@ -173,7 +190,7 @@ const FIRST_PICK: (f32, f32) = (0.53, 0.49);
 impl Session {
     /// Creates a session that shows a scene with a recipe and a camera.
     pub(crate) fn new(scene: Arc<Scene>, source: SceneSource, recipe: Recipe, camera: Camera) -> Self {
-        let state = Undoable { recipe, camera, size: PictureSize::Canvas, tiles: TileSet::default() };
+        let state = Undoable { recipe, camera, size: PictureSize::default(), tiles: TileSet::default() };
         Self {
             scene,
             source,
@@ -185,6 +202,7 @@ impl Session {
             triangle_limit: None,
             scrub: Scrub::default(),
             pick: None,
+            picked_point: None,
             pointer_mode: PointerMode::Inspect,
             canvas_px: (0, 0),
             view: None,
@@ -214,10 +232,12 @@ impl Session {
             watch: WatchList::default(),
             error: None,
             offered_picture: None,
+            notice: None,
             log: VecDeque::new(),
             recent: Vec::new(),
             folder: std::env::current_dir().unwrap_or_default(),
             hint_closed: false,
+            base_workspace: Workspace::default(),
             first_pick: FirstPick::Due,
             camera_moved_at: f64::NEG_INFINITY,
             undo: Vec::new(),
@@ -228,10 +248,15 @@ impl Session {
     /// Returns the size of the picture, at least one pixel in each direction.
     pub(crate) fn viewport(&self) -> Viewport {
         let (width, height) = match self.state.size {
-            PictureSize::Canvas => self.canvas_px,
+            PictureSize::MatchWindow => self.canvas_px,
             PictureSize::Fixed(width, height) => (width, height),
         };
         Viewport { width: width.max(1), height: height.max(1) }
+    }
+
+    /// Whether the size of the picture is known. Before the first layout pass, the size of the canvas is not.
+    pub(crate) fn has_size(&self) -> bool {
+        self.state.size != PictureSize::MatchWindow || self.canvas_px != (0, 0)
     }
 
     /// Returns the current request for the renderer.
@@ -277,7 +302,7 @@ impl Session {
         }
         self.report(Severity::Info, format!("Opened {}: {} triangles", scene.name, scene.triangle_count()));
         self.state.camera = scene.home;
-        self.offered_picture = None;
+        (self.offered_picture, self.notice) = (None, None);
         self.close_case();
         self.scene = Arc::new(scene);
         self.source = source;
@@ -330,7 +355,7 @@ impl Session {
     pub(crate) fn apply(&mut self, command: Command) -> Option<Command> {
         match self.lab.claim(command)? {
             Command::ToggleLab => {
-                self.lab.apply(lab::LabChange::Open(!self.lab.open));
+                self.show_workspace(if self.lab.open { self.base_workspace } else { Workspace::Lab });
             }
             Command::Lab(change) => return self.lab.apply(change).map(Command::Lab),
             Command::Trace(change) => return self.trace.apply(change, self.view.as_ref()).map(Command::Trace),
@@ -350,13 +375,7 @@ impl Session {
             Command::Compare(CompareChange::ToggleRegion) if !self.comparison.is_on() => {
                 self.range.apply(range::RangeChange::Reset, self.shown, None);
             }
-            Command::Compare(change) => {
-                let Undoable { tiles, recipe, .. } = &mut self.state;
-                self.comparison.apply(change, tiles, recipe);
-                if self.comparison.is_on() {
-                    self.shown = Shown::Buffer(Buffer::Color);
-                }
-            }
+            Command::Compare(change) => self.compare(change),
             Command::Checks(change) => self.checks.apply(change),
             Command::Vertices(change) => self.vertices.apply(change),
             Command::MeshView(change) => mesh_view::apply(self, change),
@@ -396,6 +415,7 @@ impl Session {
             Command::ShowStability(view) => self.stability.view = view,
             Command::OpenInLab(path) => self.open_in_lab(&path),
             Command::CloseOffer => self.offered_picture = None,
+            Command::CloseNotice => self.notice = None,
             Command::CloseError => self.error = None,
             Command::CloseHint => self.hint_closed = true,
             Command::ShowTimings(view) => self.timings.view = view,
@@ -405,6 +425,15 @@ impl Session {
             other => return Some(other),
         }
         None
+    }
+
+    /// Changes the comparison. A comparison shows final colours only.
+    pub(in crate::ui) fn compare(&mut self, change: CompareChange) {
+        let Undoable { tiles, recipe, .. } = &mut self.state;
+        self.comparison.apply(change, tiles, recipe);
+        if self.comparison.is_on() {
+            self.shown = Shown::Buffer(Buffer::Color);
+        }
     }
 
     /// Returns the number of triangles that are rasterized if the frame on screen is drawn completely.

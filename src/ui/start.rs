@@ -16,13 +16,13 @@ use super::fates;
 use super::headless::Headless;
 use super::lab;
 use super::layout;
-use super::panels::bottom::Tab;
 use super::place;
 use super::session::{PictureSize, Preferences, Session, Severity, WindowState};
 use super::store::{self, LoadedPreferences, Store};
 use super::theme;
 use super::watch;
 use super::worker::Worker;
+use super::workspace::{Panel, Workspace};
 use crate::chain::Recipe;
 use crate::image::{Image, Rgba8};
 use crate::inspect::InspectionState;
@@ -135,13 +135,15 @@ pub(crate) struct ScreenshotRequest {
     pub(crate) mesh: Option<MeshStyle>,
     /// Comparison to show; `None` shows no comparison.
     pub(crate) compare: Option<CompareChange>,
-    /// Tab to open; `None` opens the first one.
-    pub(crate) tab: Option<Tab>,
+    /// Workspace to show; `None` shows the one that the other fields need.
+    pub(crate) workspace: Option<Workspace>,
+    /// Panel to show; `None` shows the first ones of the workspace.
+    pub(crate) panel: Option<Panel>,
     /// Buffer, stage or intermediate value on the canvas; `None` shows the final colours.
     pub(crate) shown: Option<Shown>,
     /// Point at which drawing of the frame stops; `None` draws the complete frame.
     pub(crate) moment: Option<Moment>,
-    /// Fate by which to select triangles in the “Fates” tab, which is then opened; `None` selects none.
+    /// Fate by which to select triangles in the panel “Triangle fates”, which is then shown; `None` selects none.
     pub(crate) fate: Option<TriangleFate>,
     /// Column and row of the picked pixel; `None` picks one near the centre.
     pub(crate) selected: Option<(u32, u32)>,
@@ -322,15 +324,18 @@ pub(crate) fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Vi
     if let Some(change) = request.compare.clone() {
         app.session_mut().apply(Command::Compare(change));
     }
-    if request.tab == Some(Tab::Checks) {
+    if request.panel == Some(Panel::Assertions) {
         app.session_mut().checks.apply(checks::ChecksChange::Run);
     }
     if let Some(style) = request.mesh {
         let mesh = &mut app.session_mut().mesh_view;
         (mesh.open, mesh.style) = (true, style);
     }
-    if let Some(tab) = request.tab {
-        app.open_tab(tab);
+    if let Some(workspace) = request.workspace {
+        app.session_mut().show_workspace(workspace);
+    }
+    if let Some(panel) = request.panel {
+        app.show_panel(panel);
     }
     if let Some(shown) = request.shown {
         app.session_mut().shown = shown;
@@ -339,7 +344,7 @@ pub(crate) fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Vi
         app.session_mut().begin_at(moment);
     }
     if let Some(fate) = request.fate {
-        app.open_tab(Tab::Fates);
+        app.show_panel(Panel::TriangleFates);
         app.session_mut().apply(Command::Fates(fates::FatesChange::Bin(Bin::Triangles(fate))));
     }
     if let Some((page, step)) = request.lab {
@@ -458,7 +463,7 @@ mod tests {
         let resumed = resumed(start(), &preferences, Duration::MAX);
         assert_eq!(resumed.recipe, Recipe::default());
         assert_eq!(resumed.camera, resumed.scene.home);
-        assert_eq!(PictureSize::Fixed(100_000, 100_000).checked(), PictureSize::Canvas);
+        assert_eq!(PictureSize::Fixed(100_000, 100_000).checked(), PictureSize::default());
         assert_eq!(PictureSize::Fixed(1280, 720).checked(), PictureSize::Fixed(1280, 720));
     }
 

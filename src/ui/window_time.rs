@@ -10,12 +10,12 @@ use super::headless::{Headless, PassCost};
 use super::lab;
 use super::mesh_view;
 use super::overlays;
-use super::panels::bottom::{TABS, Tab};
 use super::range;
 use super::start::{WindowStart, workbench};
 use super::watch;
 use super::what_if;
 use super::worker::{MeasureRequest, Worker};
+use super::workspace::{Panel, WorkspaceChange};
 use crate::chain::Recipe;
 use crate::inspect::overlays::Overlay;
 use crate::lab::Page;
@@ -67,16 +67,16 @@ pub(crate) fn window_costs(start: &WindowStart, size: Viewport, passes: usize) -
 
 /// Returns every timed configuration of the window: its name, and the commands that set it up.
 fn situations() -> Vec<(String, Vec<Command>)> {
-    let tabs = TABS.iter().map(|(tab, name, _)| {
-        let (open, watch) = (Command::OpenTab(*tab), Command::Watch(watch::WatchChange::AddPick));
-        (format!("Tab “{name}”"), vec![watch, open])
+    let panels = Panel::ALL.iter().map(|panel| {
+        let watch = Command::Watch(watch::WatchChange::AddPick);
+        (format!("Panel “{}”", panel.name()), vec![watch, show(*panel)])
     });
     let through = ["lanczos3", "fsr1"].map(|method| {
         let choose = Upscaling::every()
             .filter(|upscaling| upscaling.method() == method)
             .last()
             .map(|upscaler| Command::SetRecipe(Recipe { upscaler, ..Recipe::default() }));
-        (format!("Tab “X-ray”, {method}"), choose.into_iter().chain([Command::OpenTab(Tab::Xray)]).collect())
+        (format!("Panel “Filter taps”, {method}"), choose.into_iter().chain([show(Panel::FilterTaps)]).collect())
     });
     let compared = [
         ("Comparison: four tiles", Compare::Count(4)),
@@ -98,7 +98,11 @@ fn situations() -> Vec<(String, Vec<Command>)> {
         let first = [lab::LabChange::Open(true), lab::LabChange::Page(*page), lab::LabChange::Go(usize::MAX)];
         (format!("2D lab, {}", page.name()), first.map(Command::Lab).into())
     });
-    tabs.chain(through).chain(compared).chain(more).chain(pages).collect()
+    panels.chain(through).chain(compared).chain(more).chain(pages).collect()
+}
+
+fn show(panel: Panel) -> Command {
+    Command::Workspace(WorkspaceChange::Panel(panel))
 }
 
 fn laid_over() -> Vec<Command> {
@@ -108,10 +112,10 @@ fn laid_over() -> Vec<Command> {
     layers.into_iter().chain(open).collect()
 }
 
-/// Returns commands that open as many parts as possible at once, including the tab with the most content.
+/// Returns commands that open as many parts as possible at once, including the panel with the most content.
 fn everything() -> Vec<Command> {
     let more = [
-        Command::OpenTab(Tab::Arithmetic),
+        show(Panel::Calculation),
         Command::OpenStages(true),
         Command::MeshView(mesh_view::MeshViewChange::Toggle),
         Command::WhatIf(what_if::WhatIfChange::Toggle),

@@ -81,7 +81,7 @@ fn preferences(rng: &mut Rng) -> Preferences {
     let camera = scene.home;
     let mut session = Session::new(Arc::new(scene), source, recipe, camera);
     session.pick = rng.bool().then_some((20, 10));
-    session.state.size = *mutate::pick(rng, &[PictureSize::Canvas, PictureSize::Fixed(96, 64)]);
+    session.state.size = *mutate::pick(rng, &[PictureSize::MatchWindow, PictureSize::Fixed(96, 64)]);
     let bookmark = |session: &Session| Bookmark { name: "kept".to_owned(), place: session.place() };
     session.places.bookmarks = (0..rng.usize(..3)).map(|_| bookmark(&session)).collect();
     session.watch.pixels = (0..rng.u32(..4)).map(|n| (n * 7, n)).collect();

@@ -5,11 +5,13 @@ use eframe::egui::Ui;
 use super::Workbench;
 use crate::ui::session::Severity;
 use crate::ui::store::Store;
+use crate::ui::workspace::Docks;
 
 impl Workbench {
     /// Enables saving preferences to `store`, and restores the window state stored there.
     pub(in crate::ui) fn save_preferences_to(&mut self, store: Store) {
         self.window = store.window().clone();
+        self.docks = Docks::new(&self.window.workspaces);
         self.store = Some(store);
     }
 
@@ -27,6 +29,7 @@ impl Workbench {
         self.context.get_or_insert_with(|| ui.ctx().clone());
         self.window.light_theme = !ui.visuals().dark_mode;
         self.window.scale = ui.ctx().zoom_factor();
+        self.window.workspaces = self.docks.stored();
         ui.input(|i| {
             let viewport = i.viewport();
             self.window.maximized = viewport.maximized.unwrap_or(false);

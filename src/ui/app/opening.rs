@@ -12,9 +12,8 @@ use crate::image::file::is_named_picture;
 use crate::pipeline::settings::Settings;
 use crate::scene::obj::Loaded;
 use crate::scene::{LoadControl, SceneError, SceneSource};
-use crate::ui::panels::bottom::Tab;
 use crate::ui::panels::case::{Evaluation, EvaluationRequest};
-use crate::ui::session::Severity;
+use crate::ui::session::{Notice, Severity};
 use crate::ui::task::{BackgroundTask, TaskStatus};
 use crate::ui::worker::WorkerRequest;
 
@@ -64,7 +63,7 @@ impl Workbench {
             self.session.offered_picture = Some(path.clone());
             return;
         }
-        if self.is_synchronous {
+        if self.widgets.is_synchronous {
             let result = source.load_with(LoadControl::quiet(self.session.memory_limit));
             self.loaded(source, result);
             return;
@@ -101,7 +100,7 @@ impl Workbench {
     fn open_case(&mut self, ui: &Ui, path: PathBuf) {
         let Settings { rasterizer, arithmetic, .. } = self.session.state.recipe.pipeline;
         let options = Options { rasterizer, arithmetic };
-        if self.is_synchronous {
+        if self.widgets.is_synchronous {
             if let Some(opened) = opened_case(&path, options, &Control::default()) {
                 self.case_opened(opened);
             }
@@ -120,7 +119,7 @@ impl Workbench {
         match opened {
             Ok(evaluation) => {
                 self.session.show_case(evaluation.request.case.clone());
-                self.case_view.adopt(evaluation);
+                self.widgets.case.adopt(evaluation);
             }
             Err(error) => self.session.report(Severity::Error, error.to_string()),
         }
@@ -151,7 +150,7 @@ impl Workbench {
                 self.session.show_scene(scene, source);
                 self.worker.send(WorkerRequest::CancelMeasure);
                 self.drop_findings();
-                self.canvas.fit();
+                self.widgets.canvas.fit();
                 for note in notes {
                     self.session.report(Severity::Info, note.to_string());
                 }
@@ -171,14 +170,12 @@ impl Workbench {
         self.session.checks.progress = None;
     }
 
-    /// Writes the loader's warnings to the log, and opens the log tab if there are any.
+    /// Writes the loader's warnings to the log, and shows their number in the message line if there are any.
     pub(crate) fn warn(&mut self, warnings: &[crate::scene::Warning]) {
         for warning in warnings {
             self.session.report(Severity::Warning, warning.to_string());
         }
-        if !warnings.is_empty() {
-            self.tab = Tab::Log;
-        }
+        self.session.notice = (!warnings.is_empty()).then_some(Notice::Warnings(warnings.len()));
     }
 
     /// If a file has been opening for at least [`SLOW_LOAD`], returns its path and the completed fraction, from 0 to 1.

@@ -7,10 +7,10 @@ use eframe::egui::Ui;
 use super::Workbench;
 use crate::inspect::find::{self, SearchResult, SearchTarget};
 use crate::ui::engine::Request;
-use crate::ui::panels::bottom::Tab;
 use crate::ui::session::{Measuring, Severity};
 use crate::ui::task::BackgroundTask;
 use crate::ui::worker::{MeasureRequest, WorkerRequest, WorkerResponse};
+use crate::ui::workspace::Panel;
 
 impl Workbench {
     /// Handles all pending results of the render worker, background tasks, exports, scene loader and case evaluation.
@@ -32,7 +32,7 @@ impl Workbench {
                     self.session.timings.record_recent(&view.request, ms);
                 }
                 self.session.view = Some(*view);
-                self.requested_at = None;
+                self.widgets.requested_at = None;
             }
             WorkerResponse::Compared(compared) => self.session.compared = Some(*compared),
             WorkerResponse::Watched(rows) => self.session.watch.store_values(rows),
@@ -55,7 +55,7 @@ impl Workbench {
             WorkerResponse::Noise { noise, .. } => self.session.timings.record_noise(noise),
             WorkerResponse::Measured(_) => self.session.measuring = None,
             WorkerResponse::Panicked(text) => {
-                self.requested_at = None;
+                self.widgets.requested_at = None;
                 let text = format!("Drawing stopped: internal error: {text}. The last complete picture is kept.");
                 self.session.report(Severity::Error, text);
             }
@@ -65,13 +65,14 @@ impl Workbench {
     /// Sends a render request if any of its inputs has changed.
     pub(super) fn send_request(&mut self, ui: &Ui) {
         self.session.pick_by_itself();
+        self.session.follow_picked_point();
         let request = self.session.request();
         let same = self.last_request.as_ref().is_some_and(|asked| asked.same_view(&request));
-        if !same && self.session.canvas_px != (0, 0) {
+        if !same && self.session.has_size() {
             self.last_request = Some(request.clone());
-            self.requested_at.get_or_insert_with(Instant::now);
+            self.widgets.requested_at.get_or_insert_with(Instant::now);
             self.worker.send(WorkerRequest::Show(Box::new(request)));
-            if self.is_synchronous {
+            if self.widgets.is_synchronous {
                 self.receive_answers();
                 ui.request_repaint();
             }
@@ -80,7 +81,7 @@ impl Workbench {
 
     /// Sends a comparison request if it differs from the last one.
     pub(super) fn send_compare_request(&mut self, ui: &Ui) {
-        let request = self.session.compare_request().filter(|_| self.session.canvas_px != (0, 0));
+        let request = self.session.compare_request().filter(|_| self.session.has_size());
         let same = match (&self.last_compare_request, &request) {
             (Some(asked), Some(request)) => asked.same_as(request),
             (asked, request) => asked.is_none() && request.is_none(),
@@ -93,7 +94,7 @@ impl Workbench {
         }
         self.last_compare_request = request.clone();
         self.worker.send(WorkerRequest::Compare(request.map(Box::new)));
-        if self.is_synchronous {
+        if self.widgets.is_synchronous {
             self.receive_answers();
             ui.request_repaint();
         }
@@ -104,7 +105,7 @@ impl Workbench {
         if self.last_watch_request != self.session.watch.pixels {
             self.last_watch_request.clone_from(&self.session.watch.pixels);
             self.worker.send(WorkerRequest::Watch(self.last_watch_request.clone()));
-            if self.is_synchronous {
+            if self.widgets.is_synchronous {
                 self.receive_answers();
                 ui.request_repaint();
             }
@@ -113,10 +114,10 @@ impl Workbench {
 
     /// Sends a what-if request if it differs from the last one.
     pub(super) fn send_what_if_request(&mut self, ui: &Ui) {
-        let request = self.session.what_if_request().filter(|_| self.session.canvas_px != (0, 0));
+        let request = self.session.what_if_request().filter(|_| self.session.has_size());
         if self.session.what_if.update_request(request.as_ref()) {
             self.worker.send(WorkerRequest::WhatIf(request.map(Box::new)));
-            if self.is_synchronous {
+            if self.widgets.is_synchronous {
                 self.receive_answers();
                 ui.request_repaint();
             }
@@ -134,8 +135,8 @@ impl Workbench {
         };
         self.session.timings.begin_measurement(request.clone());
         self.session.measuring = Some(Measuring { progress: 0.0 });
-        if self.tab != Tab::ErrorTime {
-            self.tab = Tab::FrameTime;
+        if !self.docks.shows(Panel::ErrorTime) {
+            self.show_panel(Panel::FrameTime);
         }
         self.measurement = request.number;
         self.worker.send(WorkerRequest::Measure(Box::new(request)));
@@ -148,7 +149,7 @@ impl Workbench {
             let found = find::find(&view.request.scene, &view.request.recipe, &view.frame, &wanted);
             (wanted, found)
         };
-        if self.is_synchronous {
+        if self.widgets.is_synchronous {
             self.handle_search_result(&look());
         } else {
             self.searching = Some(BackgroundTask::start(ui.ctx().clone(), move |_, _| Some(look())));
@@ -157,7 +158,7 @@ impl Workbench {
 
     pub(super) fn handle_search_result(&mut self, (wanted, found): &(SearchTarget, SearchResult)) {
         if let Some(pixel) = self.session.apply_search_result(wanted, found) {
-            self.canvas.bring_into_view(pixel, self.session.canvas_px);
+            self.widgets.canvas.bring_into_view(pixel, self.session.canvas_px);
         }
     }
 }

@@ -15,8 +15,7 @@ use crate::lab::drawing::encode_recording;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::compare::export::ComparisonPage;
 use crate::ui::engine::Request;
-use crate::ui::panels::bottom::Tab;
-use crate::ui::session::Severity;
+use crate::ui::session::{Notice, Severity};
 use crate::ui::task::{BackgroundTask, TaskStatus};
 use crate::ui::what_if;
 use crate::{disk, drawing};
@@ -107,7 +106,7 @@ impl Workbench {
         match outcome {
             Ok(path) => {
                 self.session.report(Severity::Info, format!("Saved {}", path.display()));
-                self.tab = Tab::Log;
+                self.session.notice = Some(Notice::Saved(path));
             }
             Err(error) => self.session.report(Severity::Error, error),
         }
@@ -155,7 +154,7 @@ impl Workbench {
             let unwritable = |error| format!("{}.{extension}: cannot write it: {error}", folder.join(&stem).display());
             Some(encoded.and_then(|bytes| written(bytes).map_err(unwritable)))
         };
-        if self.is_synchronous {
+        if self.widgets.is_synchronous {
             let outcome = save(&|_| {}, &AtomicBool::new(false));
             outcome.into_iter().for_each(|outcome| self.saved(outcome));
         } else {

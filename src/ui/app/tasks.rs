@@ -9,15 +9,15 @@ use crate::measure::scaling::{self, ScalingQuantity};
 use crate::measure::skipped_work::savings;
 use crate::report::stability::sweep::{self, StabilityPlan, StabilityProgress, SweepStage};
 use crate::ui::engine::Request;
-use crate::ui::panels::bottom::Tab;
 use crate::ui::probe;
 use crate::ui::session::Severity;
 use crate::ui::task::{BackgroundTask, TaskStatus};
+use crate::ui::workspace::Panel;
 
 impl Workbench {
     /// Starts computing the stability report in a background thread.
     pub(super) fn measure_stability(&mut self, ui: &Ui) {
-        self.tab = Tab::Stability;
+        self.show_panel(Panel::Stability);
         self.session.stability.progress = Some(StabilityProgress { stage: SweepStage::Judging, done: 0, of: 1 });
         let plan = StabilityPlan::default();
         self.measuring_stability = Some(BackgroundTask::start(ui.ctx().clone(), move |report_progress, stop| {
@@ -86,7 +86,9 @@ impl Workbench {
     pub(super) fn probe(&mut self, ui: &Ui, change: probe::ProbeChange) {
         match probe::apply(&mut self.session, ui.ctx(), change) {
             probe::WindowAction::Nothing => {}
-            probe::WindowAction::BringIntoView(pixel) => self.canvas.bring_into_view(pixel, self.session.canvas_px),
+            probe::WindowAction::BringIntoView(pixel) => {
+                self.widgets.canvas.bring_into_view(pixel, self.session.canvas_px)
+            }
             probe::WindowAction::Write(case) => self.write_case(ui, &case),
         }
     }

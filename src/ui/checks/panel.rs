@@ -1,4 +1,4 @@
-//! The “Checks” tab: lists every assertion with the number of checked fragments, the number of violations, and the
+//! The panel “Assertions”: lists every assertion with the number of checked fragments, the number of violations, and the
 //! first violation.
 
 use std::sync::Arc;
@@ -7,14 +7,27 @@ use eframe::egui::{Button, Grid, Label, ProgressBar, RichText, ScrollArea, Sense
 
 use super::{ChecksChange, place};
 use crate::inspect::assertions::{Assertion, Finding};
+use crate::manual::Chapter;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
 use crate::ui::format;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::{Status, chip};
+use crate::ui::workspace::PanelSpec;
 
-/// Draws the buttons of the tab, beside the tab names.
+/// Description of the panel.
+pub(crate) const PANEL: PanelSpec = PanelSpec {
+    id: "assertions",
+    name: "Assertions",
+    help: "Conditions that every fragment of a frame should satisfy, checked on demand",
+    chapter: Chapter::Stability,
+    grows: true,
+    controls: Some(|ui, cx| controls(ui, cx.session, cx.commands)),
+    content: |ui, cx| self::ui(ui, cx.session, cx.commands),
+};
+
+/// Draws the buttons of the panel.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let checks = &session.checks;
     let help = "Draw this frame once more and check every fragment";

@@ -52,6 +52,9 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &
                 "Only the display is downscaled: errors and differences are computed from the full-size pictures",
             );
         }
+        if icon_button(ui, Icon::Download, "Save comparison (HTML)").clicked() {
+            commands.push(Command::SaveComparison);
+        }
         manual_button(ui, Chapter::ComparingUpscalers, commands);
         if icon_button(ui, Icon::X, "Stop comparing  (Esc)").clicked() {
             changes.push(CompareChange::Mode(Mode::Off));

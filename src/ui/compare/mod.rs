@@ -100,6 +100,8 @@ impl TileSet {
 pub(crate) struct CompareSettings {
     /// Current comparison mode.
     pub(crate) mode: Mode,
+    /// Mode of the last comparison, which the workspace “Compare” continues.
+    pub(crate) last_mode: Mode,
     /// Reference that errors are measured against.
     pub(crate) reference: Reference,
     /// Kind of difference that the difference image shows.
@@ -118,6 +120,7 @@ impl Default for CompareSettings {
     fn default() -> Self {
         Self {
             mode: Mode::Off,
+            last_mode: Mode::Tiles,
             reference: Reference::ALL[0],
             difference: Difference::ALL[0],
             gain: 1,
@@ -232,6 +235,7 @@ impl CompareSettings {
             CompareChange::Reference(reference) => self.reference = reference,
         }
         if self.is_on() {
+            self.last_mode = self.mode;
             tiles.fill(2, *recipe);
         }
         tiles.active = tiles.active.min(tiles.recipes.len() - 1);

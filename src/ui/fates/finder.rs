@@ -1,5 +1,5 @@
 //! Background task that determines the fate of every triangle and fragment of the frame on screen. It runs while the
-//! “Fates” tab is open or triangles are selected.
+//! panel “Triangle fates” is shown or triangles are selected.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -26,7 +26,7 @@ pub(crate) struct Finder {
 
 impl Finder {
     /// Handles the result of the task. Starts a new task if the frame has changed and its fates are needed: because
-    /// the “Fates” tab is open (`wanted`), a filter is active or triangles are selected. If `waits` is `true`, the
+    /// the panel “Triangle fates” is open (`wanted`), a filter is active or triangles are selected. If `waits` is `true`, the
     /// fates are counted synchronously.
     pub(crate) fn update(&mut self, ui: &Ui, session: &mut Session, wanted: bool, waits: bool) {
         self.listen(session);

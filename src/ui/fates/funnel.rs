@@ -4,7 +4,7 @@
 use eframe::egui::{Align2, Color32, FontId, Rect, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::FatesChange;
-use super::tab::elided;
+use super::panel::elided;
 use crate::inspect::fates::{Bin, FragmentFate, TriangleFate};
 use crate::pipeline::settings::Choice;
 use crate::ui::command::Command;

@@ -2,7 +2,7 @@
 
 use eframe::egui::{Align2, Color32, FontId, Rect, Role, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2};
 
-use super::tab::elided;
+use super::panel::elided;
 use super::{FatesChange, FatesView};
 use crate::inspect::fates::{Fates, FragmentFate};
 use crate::pipeline::settings::Choice as _;

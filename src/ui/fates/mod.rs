@@ -1,4 +1,4 @@
-//! Fates of all triangles and fragments (visible, hidden, culled, clipped and others): state of the “Fates” tab, and
+//! Fates of all triangles and fragments (visible, hidden, culled, clipped and others): state of the panel “Triangle fates”, and
 //! selection of triangles by fate.
 
 pub(crate) mod finder;
@@ -11,7 +11,7 @@ pub(crate) mod objects;
 
 pub(crate) mod overlay;
 
-pub(crate) mod tab;
+pub(crate) mod panel;
 
 use std::sync::Arc;
 
@@ -61,7 +61,7 @@ impl FatesView {
         *selection = self.selection();
     }
 
-    /// Clears the filter and replaces the selection with `others`, a selection made outside the “Fates” tab.
+    /// Clears the filter and replaces the selection with `others`, a selection made outside the panel “Triangle fates”.
     pub(crate) fn adopt_selection(&mut self, others: TriangleSelection, selection: &mut TriangleSelection) {
         self.apply(FatesChange::Clear, selection);
         *selection = others;

@@ -4,7 +4,7 @@ use eframe::egui::{Align2, Color32, FontId, Rect, Role, ScrollArea, Sense, Ui, W
 
 use super::FatesChange;
 use super::funnel::BinnedFate as _;
-use super::tab::elided;
+use super::panel::elided;
 use crate::inspect::fates::{FragmentFate, ObjectFates, TriangleCounts, TriangleFate};
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;

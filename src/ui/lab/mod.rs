@@ -31,6 +31,18 @@ use crate::lab::seed_fills::Paint;
 use crate::lab::{Lesson, Page};
 use crate::manual::Chapter;
 use crate::pipeline::settings::Choice as _;
+use crate::ui::workspace::PanelSpec;
+
+/// Description of the panel.
+pub(crate) const PANEL: PanelSpec = PanelSpec {
+    id: "lab",
+    name: "2D lab",
+    help: "Step-by-step algorithms for lines, circles, polygons, fills and sampling",
+    chapter: Chapter::Lab,
+    grows: true,
+    controls: None,
+    content: |ui, cx| self::ui(ui, &cx.session.lab, cx.commands),
+};
 
 /// Run time below which the algorithm is run repeatedly to measure its time.
 const SHORT_RUN: Duration = Duration::from_millis(2);

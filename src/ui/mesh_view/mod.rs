@@ -14,7 +14,20 @@ use crate::scene::{Camera, TriangleId};
 use crate::ui::engine::RenderedView;
 use crate::ui::vertices;
 
+use crate::manual::Chapter;
+use crate::ui::workspace::{PanelSpec, Workspace};
 pub(crate) use pane::MeshPane;
+
+/// Description of the panel.
+pub(crate) const PANEL: PanelSpec = PanelSpec {
+    id: "mesh-view",
+    name: "Mesh view",
+    help: "Scene from a second camera, with the frustum and the culled triangles",
+    chapter: Chapter::Stages,
+    grows: true,
+    controls: None,
+    content: |ui, cx| cx.widgets.mesh.ui(ui, cx.session, cx.widgets.is_synchronous, cx.commands),
+};
 
 /// Settings of the mesh view, which shows the scene from a second camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,7 +103,10 @@ pub(crate) enum MeshViewChange {
 pub(crate) fn apply(session: &mut Session, change: MeshViewChange) {
     let mesh = &mut session.mesh_view;
     match change {
-        MeshViewChange::Toggle => mesh.open ^= true,
+        MeshViewChange::Toggle => {
+            let is_shown = session.workspace() == Workspace::Geometry;
+            session.show_workspace(if is_shown { session.base_workspace } else { Workspace::Geometry });
+        }
         MeshViewChange::Style(style) => mesh.style = style,
         MeshViewChange::Explode(apart) => mesh.explode = apart,
         MeshViewChange::Culled(culled) => mesh.culled = culled,

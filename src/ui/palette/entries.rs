@@ -1,5 +1,5 @@
 //! Entries of the command palette, as data: commands with their keys, all values of all settings, scenes, buffers,
-//! stages, tabs, upscalers, bookmarks and recent files. Each list comes from the table that the rest of the window
+//! stages, panels, upscalers, bookmarks and recent files. Each list comes from the table that the rest of the window
 //! uses.
 
 use crate::chain::Recipe;
@@ -12,10 +12,10 @@ use crate::ui::command::{BINDINGS, Command};
 use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::engine::Shown;
 use crate::ui::key_sheet::key_name;
-use crate::ui::panels::bottom::TABS;
 use crate::ui::place;
 use crate::ui::session::{PictureSize, Session};
 use crate::ui::what_if;
+use crate::ui::workspace::{Panel, Workspace, WorkspaceChange};
 use crate::upscale;
 
 /// Category of a palette entry.
@@ -31,8 +31,8 @@ pub(crate) enum EntryKind {
     Buffer,
     /// Picture after a pipeline stage.
     Stage,
-    /// Tab at the bottom of the window.
-    Tab,
+    /// Workspace or panel of the window.
+    Panel,
     /// Upscaler that reconstructs the pixels that are not drawn.
     Upscaler,
     /// Bookmark of an inspection state.
@@ -48,7 +48,7 @@ impl EntryKind {
             Self::Scene => "Scene",
             Self::Buffer => "Buffer",
             Self::Stage => "Stage",
-            Self::Tab => "Tab",
+            Self::Panel => "Panel",
             Self::Upscaler => "Upscaler",
             Self::Bookmark => "Bookmark",
         }
@@ -120,8 +120,15 @@ pub(crate) fn all(session: &Session) -> Vec<PaletteEntry> {
         let title = format!("Show stage: {}", stage.name());
         entry(EntryKind::Stage, title, Command::Show(shown)).with(stage.help(), session.shown == shown)
     }));
-    entries.extend(TABS.iter().map(|(tab, name, help)| {
-        entry(EntryKind::Tab, format!("Open tab: {name}"), Command::OpenTab(*tab)).with(*help, false)
+    entries.extend(Workspace::ALL.into_iter().map(|workspace| {
+        let title = format!("Show workspace: {}", workspace.name());
+        let command = Command::Workspace(WorkspaceChange::Show(workspace));
+        entry(EntryKind::Panel, title, command).with(workspace.help(), workspace == session.workspace())
+    }));
+    entries.extend(Panel::ALL.iter().map(|panel| {
+        let title = format!("Show panel: {}", panel.name());
+        entry(EntryKind::Panel, title, Command::Workspace(WorkspaceChange::Panel(*panel)))
+            .with(panel.spec().help, false)
     }));
     entries.extend(upscale::ALL.iter().enumerate().map(|(place, upscaler)| {
         let chosen = session.state.recipe.upscaler.method() == upscaler.id();
@@ -166,7 +173,7 @@ fn commands() -> Vec<PaletteEntry> {
         ("Measure scaling", Command::MeasureScaling),
         ("Run the stability report", Command::RunStability),
         ("Save all frame times as CSV", Command::ExportTimings),
-        ("Set the picture size to the canvas size", Command::SetSize(PictureSize::Canvas)),
+        ("Match the picture size to the window", Command::SetSize(PictureSize::MatchWindow)),
     ];
     entries.extend(keyless.map(|(title, command)| entry(EntryKind::Command, title, command)));
     for kind in OutlineKind::ALL {
@@ -284,7 +291,7 @@ mod tests {
         assert!(Buffer::ALL.iter().all(|buffer| offers(EntryKind::Buffer, buffer.name())));
         assert!(Stage::ALL.iter().all(|stage| offers(EntryKind::Stage, stage.name())));
         assert!(upscale::ALL.iter().all(|upscaler| offers(EntryKind::Upscaler, upscaler.name())));
-        assert!(TABS.iter().all(|(_, name, _)| offers(EntryKind::Tab, name)));
+        assert!(Panel::ALL.iter().all(|panel| offers(EntryKind::Panel, panel.name())));
         assert!(Recipe::keys().iter().all(|(key, _)| offers(EntryKind::Setting, &format!("{key} = "))));
     }
 

@@ -77,7 +77,7 @@ impl Palette {
             pressed(Key::ArrowDown) - pressed(Key::ArrowUp) + page * (pressed(Key::PageDown) - pressed(Key::PageUp))
         });
         let hint =
-            "Find a command, setting, scene, buffer, stage, tab or upscaler, or type key=value, x,y, tri 12 or v 12";
+            "Find a command, setting, scene, buffer, stage, panel or upscaler, or type key=value, x,y, tri 12 or v 12";
         let field = ui.add(TextEdit::singleline(&mut self.query).hint_text(hint).desired_width(f32::INFINITY));
         field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Find anything"));
         if !field.has_focus() {

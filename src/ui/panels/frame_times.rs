@@ -7,6 +7,7 @@
 use eframe::egui::{self, Button, Color32, Grid, ProgressBar, RichText, ScrollArea, Ui};
 use egui_plot::{Bar, BarChart, HoverPosition, Line, Plot, PlotPoints, Points, uniform_grid_spacer};
 
+use crate::manual::Chapter;
 use crate::measure::noise::WITHIN;
 use crate::measure::timing::{Summary, summarize};
 use crate::ui::command::Command;
@@ -16,7 +17,19 @@ use crate::ui::theme::{Icon, tokens};
 use crate::ui::ticks::{self, round_steps};
 use crate::ui::timings::TimingsView;
 use crate::ui::widgets::{empty_state, figure, icon_button};
+use crate::ui::workspace::PanelSpec;
 use crate::upscale::Upscaling;
+
+/// Description of the panel.
+pub(crate) const PANEL: PanelSpec = PanelSpec {
+    id: "frame-time",
+    name: "Frame time",
+    help: "Frame time of each upscaler",
+    chapter: Chapter::ErrorAgainstTime,
+    grows: true,
+    controls: Some(|ui, cx| controls(ui, cx.session, cx.commands)),
+    content: |ui, cx| self::ui(ui, cx.session, cx.commands),
+};
 
 /// Width of the table of frame times, in points.
 const TABLE_POINTS: f32 = 520.0;

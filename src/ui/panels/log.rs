@@ -2,9 +2,22 @@
 
 use eframe::egui::{Label, RichText, Ui};
 
+use crate::manual::Chapter;
 use crate::ui::session::{Session, Severity};
 use crate::ui::theme::{Icon, tokens};
 use crate::ui::widgets::{Status, empty_state};
+use crate::ui::workspace::{PanelSpec, framed};
+
+/// Description of the panel.
+pub(crate) const PANEL: PanelSpec = PanelSpec {
+    id: "log",
+    name: "Log",
+    help: "All messages, warnings and errors",
+    chapter: Chapter::GettingStarted,
+    grows: true,
+    controls: None,
+    content: |ui, cx| framed(ui, |ui| self::ui(ui, cx.session)),
+};
 
 /// Draws all messages of the log.
 pub(crate) fn ui(ui: &mut Ui, session: &Session) {

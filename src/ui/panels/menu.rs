@@ -17,6 +17,7 @@ use crate::ui::session::Session;
 use crate::ui::theme::{Icon, tokens};
 use crate::ui::what_if;
 use crate::ui::widgets::icon_button;
+use crate::ui::workspace::{Workspace, WorkspaceChange};
 
 /// Selectable interface scales, as factors of the default size.
 const SCALES: [f32; 6] = [0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
@@ -29,7 +30,6 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         ui.menu_button("Scene", |ui| scene(ui, commands));
         ui.menu_button("View", |ui| view(ui, session, commands));
         ui.menu_button("Go", |ui| place::menu::ui(ui, session, commands));
-        ui.menu_button("Compare", |ui| compare(ui, session, commands));
         ui.menu_button("Help", |ui| help(ui, commands));
         ui.separator();
         workspaces(ui, session, commands);
@@ -37,16 +37,13 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
 }
 
-/// Draws the switch between the pipeline and the 2D lab.
+/// Draws the switch between the workspaces.
 fn workspaces(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let places = [
-        (false, "Pipeline", "Draw a scene, and inspect it stage by stage and pixel by pixel  (L)"),
-        (true, "2D lab", "Step through algorithms for lines, circles, polygons, fills and sampling  (L)"),
-    ];
-    for (open, name, help) in places {
-        let button = ui.add(Button::selectable(session.lab.open == open, name)).on_hover_text(help);
-        if button.clicked() && session.lab.open != open {
-            commands.push(Command::ToggleLab);
+    let current = session.workspace();
+    for (index, workspace) in Workspace::ALL.into_iter().enumerate() {
+        let button = ui.add(Button::selectable(workspace == current, workspace.name()));
+        if button.on_hover_text(format!("{}  (Ctrl+{})", workspace.help(), index + 1)).clicked() {
+            commands.push(Command::Workspace(WorkspaceChange::Show(workspace)));
         }
     }
 }
@@ -166,6 +163,7 @@ fn view(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             }
         }
     });
+    ui.menu_button("Compare pictures", |ui| compare(ui, session, commands));
     entry(ui, "Show previous stage", Command::StepStage(-1), commands);
     entry(ui, "Show next stage", Command::StepStage(1), commands);
     ui.separator();
@@ -175,6 +173,9 @@ fn view(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ui.separator();
     entry(ui, "Reset view", Command::ResetCamera, commands);
     entry(ui, "Fit scene", Command::FitCamera, commands);
+    ui.separator();
+    entry(ui, "Hide or show panels", Command::Workspace(WorkspaceChange::TogglePanels), commands);
+    entry(ui, "Reset layout", Command::Workspace(WorkspaceChange::ResetLayout), commands);
     ui.separator();
     entry(ui, "Switch between dark and light theme", Command::ToggleTheme, commands);
     ui.menu_button("Interface scale", |ui| {
@@ -245,11 +246,19 @@ fn figures(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         figures.push((format!("{:.0} fps", 1e3 / ms.max(1e-3)), fps));
         figures.push((format::ms(ms), "Median frame time with warm caches, from planning to the finished picture"));
     }
+    /// Minimum free width for a figure, in points.
+    const FIGURE_ROOM: f32 = 110.0;
     for (text, help) in figures {
+        if ui.available_width() < FIGURE_ROOM {
+            return;
+        }
         ui.label(RichText::new(text).monospace().color(tokens(ui).text)).on_hover_text(help);
         ui.label(RichText::new("·").color(tokens(ui).text_weak));
     }
     bad_numbers(ui, session);
+    if ui.available_width() < FIGURE_ROOM {
+        return;
+    }
     ui.label(
         RichText::new(format!(
             "{} {}",

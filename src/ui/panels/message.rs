@@ -7,9 +7,10 @@ use eframe::egui::{Align, Color32, Label, Layout, ProgressBar, Rect, RichText, S
 
 use crate::text;
 use crate::ui::command::Command;
-use crate::ui::session::Session;
+use crate::ui::session::{Notice, Session};
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::icon_button;
+use crate::ui::workspace::{Panel, WorkspaceChange};
 
 const HINT: &str = "Click a pixel to explain it on the right. Wheel: zoom. Middle-drag: orbit the camera. [: previous \
                     stage. ?: all keys.";
@@ -47,6 +48,8 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, 
             }
             ui.add(ProgressBar::new(completed).desired_width(120.0));
             ui.add(Label::new(format!("Exporting… {:.0} %", 100.0 * completed)).truncate());
+        } else if let Some(notice) = &session.notice {
+            show_notice(ui, notice, commands);
         } else if session.lab.open {
             line(ui, Icon::Lightbulb, tokens(ui).accent, LAB_HINT, None, commands);
         } else if !session.hint_closed {
@@ -59,6 +62,24 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, 
             line(ui, Icon::Eye, tokens(ui).text_weak, &format!("{name}: {help}"), None, commands);
         }
     });
+}
+
+fn show_notice(ui: &mut Ui, notice: &Notice, commands: &mut Vec<Command>) {
+    let close = Some(Command::CloseNotice);
+    match notice {
+        Notice::Saved(path) => {
+            let text = format!("Saved {}", path.display());
+            line(ui, Icon::Check, tokens(ui).passed, &text, close, commands);
+        }
+        Notice::Warnings(count) => {
+            if ui.button("Show log").on_hover_text("List all warnings, with file and line").clicked() {
+                commands.push(Command::Workspace(WorkspaceChange::Panel(Panel::Log)));
+                commands.push(Command::CloseNotice);
+            }
+            let text = format!("Opened with {count} {}", if *count == 1 { "warning" } else { "warnings" });
+            line(ui, Icon::TriangleAlert, tokens(ui).warning, &text, close, commands);
+        }
+    }
 }
 
 /// Draws an icon in `color` and the text. If `close` is a command, also draws a close button that runs it.

@@ -1,7 +1,5 @@
 //! The panels around the canvas, one file each. A panel reads the session and emits commands.
 
-pub(crate) mod bottom;
-
 pub(crate) mod case;
 
 pub(crate) mod dialogs;
@@ -18,7 +16,7 @@ pub(crate) mod message;
 
 pub(crate) mod pipeline;
 
-pub(crate) mod plan;
+pub(crate) mod skipped_work;
 
 pub(crate) mod scaling;
 mod smooth;
@@ -31,7 +29,7 @@ pub(crate) mod tradeoff;
 
 pub(crate) mod transport;
 
-pub(crate) mod xray;
+pub(crate) mod filter_taps;
 
 use eframe::egui::Ui;
 

@@ -19,6 +19,18 @@ use crate::ui::manual::manual_button;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::{figure, icon_button, value_row};
+use crate::ui::workspace::{PanelSpec, framed, scrolling};
+
+/// Description of the panel.
+pub(crate) const PANEL: PanelSpec = PanelSpec {
+    id: "stages",
+    name: "Stages",
+    help: "Stages of the pipeline with their times, counts and settings",
+    chapter: Chapter::Stages,
+    grows: false,
+    controls: None,
+    content: |ui, cx| framed(ui, |ui| scrolling(ui, |ui| self::ui(ui, cx.session, cx.commands))),
+};
 
 /// Expands or collapses the rows of all stages in the next pass.
 pub(crate) fn open_all(ui: &Ui, open: bool) {

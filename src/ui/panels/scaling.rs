@@ -3,6 +3,7 @@
 use eframe::egui::{Button, ProgressBar, RichText, Ui, vec2};
 use egui_plot::{GridMark, Line, LineStyle, Plot, PlotPoints, Points};
 
+use crate::manual::Chapter;
 use crate::measure::scaling::Series;
 use crate::report::scaling::{amount, finding, guide};
 use crate::ui::command::Command;
@@ -10,11 +11,23 @@ use crate::ui::session::Session;
 use crate::ui::theme::{Icon, tokens};
 use crate::ui::ticks::log_marks;
 use crate::ui::widgets::empty_state;
+use crate::ui::workspace::PanelSpec;
+
+/// Description of the panel.
+pub(crate) const PANEL: PanelSpec = PanelSpec {
+    id: "scaling",
+    name: "Scaling",
+    help: "Frame time against the number of triangles, pixels, layers and threads",
+    chapter: Chapter::ErrorAgainstTime,
+    grows: true,
+    controls: Some(|ui, cx| controls(ui, cx.session, cx.commands)),
+    content: |ui, cx| self::ui(ui, cx.session),
+};
 
 /// Height reserved for the three lines of text below a plot, in points.
 const WORDS: f32 = 50.0;
 
-/// Draws the controls of the tab “Scaling”, beside the tabs.
+/// Draws the controls of the panel “Scaling”.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if let Some((quantity, share)) = session.scaling.progress {
         if ui.button("Cancel").on_hover_text("Stop the measurement and keep the last result").clicked() {

@@ -6,6 +6,7 @@ use eframe::egui::{
 };
 use egui_plot::{HoverPosition, MarkerShape, Plot, PlotPoints, Points};
 
+use crate::manual::Chapter;
 use crate::pipeline::settings::Choice as _;
 use crate::report::stability::catalogue::Family;
 use crate::report::stability::column::ReportColumn;
@@ -17,6 +18,18 @@ use crate::ui::long_tasks::StabilityView;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, font_size, tokens};
 use crate::ui::widgets::empty_state;
+use crate::ui::workspace::PanelSpec;
+
+/// Description of the panel.
+pub(crate) const PANEL: PanelSpec = PanelSpec {
+    id: "stability",
+    name: "Stability",
+    help: "Error and time of every rasterizer, arithmetic and depth format on ill-conditioned and extreme cases",
+    chapter: Chapter::Stability,
+    grows: true,
+    controls: Some(|ui, cx| controls(ui, cx.session, cx.commands)),
+    content: |ui, cx| self::ui(ui, cx.session, cx.commands),
+};
 
 /// Size of a cell of the heat map, in points.
 const CELL: egui::Vec2 = vec2(58.0, 20.0);
@@ -46,7 +59,7 @@ const NO_ERROR: f64 = 1e-9;
 const MARKS: [(MarkerShape, &str); 4] =
     [(MarkerShape::Circle, "●"), (MarkerShape::Diamond, "◆"), (MarkerShape::Square, "■"), (MarkerShape::Up, "▲")];
 
-/// Draws the controls of the tab “Stability”, beside the tabs.
+/// Draws the controls of the panel “Stability”.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if let Some(progress) = session.stability.progress {
         if ui.button("Cancel").on_hover_text("Stop the report and keep the last one").clicked() {

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use eframe::egui::{Button, Label, RichText, Ui};
 
-use super::{pick, plan, smooth};
+use super::{pick, skipped_work, smooth};
 use crate::chain::{Recipe, execution};
 use crate::inspect::Stage;
 use crate::measure::noise::WITHIN;
@@ -18,7 +18,7 @@ use crate::scene::{Camera, DepthMapping, Projection, SceneSource, UpAxis, builti
 use crate::ui::command::Command;
 use crate::ui::engine::{RenderedView, StageFigures};
 use crate::ui::format;
-use crate::ui::session::{PictureSize, Session};
+use crate::ui::session::Session;
 use crate::ui::theme::tokens;
 use crate::ui::widgets::{choice, combo, drag, drag_by, row, slider, value_row};
 
@@ -28,7 +28,7 @@ pub(crate) fn ui(ui: &mut Ui, stage: Stage, session: &Session, recipe: &mut Reci
         Stage::Assemble => assemble(ui, session, commands),
         Stage::Transform => camera(ui, session, commands),
         Stage::Clip => clip(ui, session),
-        Stage::Project => project(ui, session, commands),
+        Stage::Project => project(ui),
         Stage::Cull => cull(ui, session, recipe),
         Stage::Rasterize => rasterize(ui, session, recipe),
         Stage::Depth => depth(ui, recipe),
@@ -219,27 +219,13 @@ fn fate_row(ui: &mut Ui, figures: &StageFigures, fate: Fate) {
 }
 
 fn note_skipped(ui: &mut Ui, view: &RenderedView, part: PipelinePart) {
-    let reasons = plan::reasons(&view.frame.plans, part);
+    let reasons = skipped_work::reasons(&view.frame.plans, part);
     if !reasons.is_empty() {
         note(ui, format!("Skipped: {reasons}"));
     }
 }
 
-fn project(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let mut size = session.state.size;
-    let options = [
-        (PictureSize::Canvas, "Match canvas", "One picture pixel per screen pixel"),
-        (PictureSize::Fixed(160, 90), "160 × 90", "Few, large pixels: edges and grids are easy to see"),
-        (PictureSize::Fixed(320, 180), "320 × 180", "Large pixels"),
-        (PictureSize::Fixed(640, 360), "640 × 360", "A quarter of the pixels of HD"),
-        (PictureSize::Fixed(1280, 720), "1280 × 720", "HD"),
-        (PictureSize::Fixed(1920, 1080), "1920 × 1080", "Full HD"),
-    ];
-    row(ui, "Picture size", "Size of the finished picture, in pixels", |ui| {
-        if choice(ui, &mut size, &options) {
-            commands.push(Command::SetSize(size));
-        }
-    });
+fn project(ui: &mut Ui) {
     note(ui, "Vertices are snapped to 1/256 px, so that edge functions are exact integers.");
 }
 

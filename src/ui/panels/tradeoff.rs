@@ -5,6 +5,7 @@ use eframe::egui::{self, Button, Color32, Grid, ProgressBar, RichText, ScrollAre
 use egui_plot::{GridMark, HoverPosition, Line, Plot, PlotPoint, PlotPoints, PlotUi, Points};
 
 use crate::chain::Recipe;
+use crate::manual::Chapter;
 use crate::measure::motion::{MotionError, Turn};
 use crate::measure::noise::WITHIN;
 use crate::pipeline::settings::Choice as _;
@@ -18,7 +19,19 @@ use crate::ui::theme::{Icon, tokens};
 use crate::ui::ticks::log_marks;
 use crate::ui::timings::TradeOff;
 use crate::ui::widgets::{empty_state, figure};
+use crate::ui::workspace::PanelSpec;
 use crate::upscale::{self, Upscaling};
+
+/// Description of the panel.
+pub(crate) const PANEL: PanelSpec = PanelSpec {
+    id: "error-time",
+    name: "Error vs time",
+    help: "Error and time of each upscaler; click a point to compare that upscaler",
+    chapter: Chapter::ErrorAgainstTime,
+    grows: true,
+    controls: Some(|ui, cx| controls(ui, cx.session, cx.commands)),
+    content: |ui, cx| self::ui(ui, cx.session, cx.commands),
+};
 
 /// Width of the table of errors and times, in points.
 const TABLE_POINTS: f32 = 660.0;

@@ -9,6 +9,7 @@ use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::engine::Shown;
 use crate::ui::mesh_view;
 use crate::ui::overlays;
+use crate::ui::picture_size;
 use crate::ui::range;
 use crate::ui::session::{PointerMode, Session};
 use crate::ui::theme::{self, CONTROL_HEIGHT, Icon, tokens};
@@ -145,11 +146,11 @@ fn pointer_mode(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 /// menu and keys.
 const ZOOM_POINTS: f32 = 64.0;
 
-/// Minimum free width for the text with picture size and zoom factor, in points.
-const FIGURES_POINTS: f32 = 160.0;
-
-/// Minimum free width for the text with the zoom factor alone, in points.
+/// Minimum free width for the zoom factor, in points.
 const ENLARGEMENT_POINTS: f32 = 56.0;
+
+/// Minimum free width for the menu of picture sizes, in points.
+const SIZE_POINTS: f32 = 110.0;
 
 fn zoom(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<Command>) {
     if ui.available_width() < ZOOM_POINTS {
@@ -161,14 +162,12 @@ fn zoom(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<C
     if icon_button(ui, Icon::Square, "Show one picture pixel per screen pixel  (0)").clicked() {
         commands.push(Command::ZoomOne);
     }
-    let viewport = session.viewport();
-    let zoom = scale.map_or_else(|| "fit".to_owned(), |s| format!("{:.0} %", s * 100.0));
-    let text = match ui.available_width() {
-        room if room >= FIGURES_POINTS => format!("{} × {}  {zoom}", viewport.width, viewport.height),
-        room if room >= ENLARGEMENT_POINTS => zoom,
-        _ => return,
-    };
-    ui.label(RichText::new(text).monospace().color(tokens(ui).text_weak)).on_hover_text(
-        "Size of the picture in px, and its zoom. To set the zoom, press Ctrl+G and type, for example, 800% 12,34",
-    );
+    if ui.available_width() >= ENLARGEMENT_POINTS {
+        let zoom = scale.map_or_else(|| "fit".to_owned(), |s| format!("{:.0} %", s * 100.0));
+        ui.label(RichText::new(zoom).monospace().color(tokens(ui).text_weak))
+            .on_hover_text("Zoom. To set it, press Ctrl+G and type, for example, 800% 12,34");
+    }
+    if ui.available_width() >= SIZE_POINTS {
+        picture_size::menu(ui, session, commands);
+    }
 }

@@ -34,7 +34,7 @@ pub(crate) struct Bookmark {
 /// Bookmarks, navigation history, and the inspection state being restored.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Places {
-    /// Bookmarks in the order of their creation. The keys Ctrl + 1 to Ctrl + 9 open the first nine.
+    /// Bookmarks in the order of their creation. The keys Alt + 1 to Alt + 9 open the first nine.
     pub(crate) bookmarks: Vec<Bookmark>,
     /// Navigation history.
     pub(crate) visits: Visits,
@@ -98,7 +98,7 @@ impl Session {
             camera: self.state.camera,
             recipe: self.state.recipe,
             picture: match self.state.size {
-                PictureSize::Canvas => None,
+                PictureSize::MatchWindow => None,
                 PictureSize::Fixed(width, height) => Some((width, height)),
             },
             buffer,
@@ -238,7 +238,7 @@ impl Session {
         self.state.camera = place.camera;
         self.state.recipe = place.recipe;
         self.state.size =
-            place.picture.map_or(PictureSize::Canvas, |(width, height)| PictureSize::Fixed(width, height));
+            place.picture.map_or(PictureSize::MatchWindow, |(width, height)| PictureSize::Fixed(width, height));
         self.shown = shown_at(place);
         self.range.show_by(place.display, self.shown);
         self.overlays.layers.clone_from(&place.overlays);

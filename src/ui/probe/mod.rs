@@ -18,9 +18,22 @@ use crate::image::{Image, Rgba8};
 use crate::inspect::Buffer;
 use crate::inspect::probe::{self, Fragile, Heat, Probe, ProbeResult, ProbedView};
 
+use crate::manual::Chapter;
+use crate::ui::workspace::PanelSpec;
 pub(crate) use canvas::legend;
 pub(crate) use panel::controls;
 pub(crate) use panel::ui;
+
+/// Description of the panel.
+pub(crate) const PANEL: PanelSpec = PanelSpec {
+    id: "probe",
+    name: "Probe",
+    help: "Pixels that change if the camera or the vertices move by a few units in the last place",
+    chapter: Chapter::Stability,
+    grows: true,
+    controls: Some(|ui, cx| controls(ui, cx.session, cx.commands)),
+    content: |ui, cx| self::ui(ui, cx.session, cx.commands),
+};
 
 /// State of the stability probe.
 #[derive(Debug, Default)]

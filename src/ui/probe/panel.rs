@@ -1,4 +1,4 @@
-//! The “Probe” tab: settings on the left, unstable triangles on the right.
+//! The panel “Probe”: settings on the left, unstable triangles on the right.
 
 use eframe::egui::{self, Button, DragValue, ProgressBar, RichText, ScrollArea, Ui};
 
@@ -22,7 +22,7 @@ const FIGURE_POINTS: f32 = 104.0;
 /// number of runs.
 const MAX_SETTINGS: (u32, u16) = (65_536, 4096);
 
-/// Draws the controls of the “Probe” tab, beside the tab names.
+/// Draws the controls of the panel “Probe”.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let probing = &session.probing;
     if let Some(progress) = probing.progress {
@@ -55,7 +55,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     }
 }
 
-/// Draws the content of the “Probe” tab.
+/// Draws the content of the panel “Probe”.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ui.horizontal_top(|ui| {
         ui.vertical(|ui| {

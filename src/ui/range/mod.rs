@@ -34,7 +34,7 @@ pub(crate) struct Setting {
 pub(crate) struct RangeControl {
     /// Whether the card with the histogram is open on the canvas.
     pub(crate) open: bool,
-    /// Whether the tab with the histogram is open.
+    /// Whether the panel with the histogram is open.
     pub(crate) tab: bool,
     /// Whether histograms show the logarithm of their counts.
     pub(crate) log_counts: bool,
@@ -52,7 +52,7 @@ pub(crate) struct RangeControl {
 pub(crate) enum RangeChange {
     /// Opens or closes the card with the histogram.
     Open(bool),
-    /// Records whether the tab with the histogram is open.
+    /// Records whether the panel with the histogram is open.
     Tab(bool),
     /// Sets whether histograms show the logarithm of their counts.
     LogCounts(bool),

@@ -1,4 +1,4 @@
-//! The “Histogram” tab: the histogram of the whole picture in a wide plot, and the statistics of every channel.
+//! The “Histogram” panel: the histogram of the whole picture in a wide plot, and the statistics of every channel.
 
 use eframe::egui::{Grid, RichText, ScrollArea, Ui, vec2};
 
@@ -7,16 +7,35 @@ use super::figures::{COLUMNS, texts};
 use super::plot::HistogramPlot;
 use crate::inspect::range::Rule;
 use crate::inspect::statistics::Statistics;
+use crate::manual::Chapter;
 use crate::ui::command::Command;
 use crate::ui::look::kind;
 use crate::ui::session::Session;
-use crate::ui::theme::{Icon, space, tokens};
+use crate::ui::theme::{Icon, font_size, space, tokens};
 use crate::ui::widgets::empty_state;
+use crate::ui::workspace::{PanelSpec, scrolling};
+
+/// Description of the panel.
+pub(crate) const PANEL: PanelSpec = PanelSpec {
+    id: "histogram",
+    name: "Histogram",
+    help: "Histogram and statistics of the shown values",
+    chapter: Chapter::ReadingPlots,
+    grows: false,
+    controls: Some(|ui, cx| controls(ui, cx.session, cx.commands)),
+    content: |ui, cx| self::ui(ui, cx.session, cx.commands),
+};
 
 /// Width of the table of statistics, in points; the histogram takes the rest.
 const TABLE: f32 = 700.0;
 
-/// Draws the content of the “Histogram” tab.
+/// Minimum width of the histogram beside the table, in points.
+const MIN_PLOT: f32 = 240.0;
+
+/// Height of the histogram above the table in a narrow panel, in points.
+const COMPACT_PLOT_HEIGHT: f32 = 180.0;
+
+/// Draws the content of the “Histogram” panel.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let Some((view, measured)) =
         session.view.as_ref().and_then(|view| Some((view, view.look_result.measured.as_deref()?)))
@@ -26,11 +45,24 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         return;
     };
     let shown = view.request.shown;
+    let plot = HistogramPlot { view, setting: session.range.setting(shown), log_counts: session.range.log_counts };
+    let fixed = |range| Command::Range(RangeChange::Rule(Rule::Fixed(range)));
+    let names = kind(shown).channels();
+    let part = measured.part.as_ref().map(|(_, part)| part);
+    if ui.available_width() < TABLE + MIN_PLOT {
+        let size = vec2(ui.available_width(), COMPACT_PLOT_HEIGHT);
+        commands.extend(plot.ui(ui, size).map(fixed));
+        scrolling(ui, |ui| {
+            compact_table(ui, "Picture", names, &measured.whole);
+            if let Some(part) = part {
+                compact_table(ui, "Rectangle", names, part);
+            }
+        });
+        return;
+    }
     ui.horizontal_top(|ui| {
-        let size = vec2((ui.available_width() - TABLE).max(240.0), (ui.available_height() - space::S).max(60.0));
-        let plot = HistogramPlot { view, setting: session.range.setting(shown), log_counts: session.range.log_counts };
-        let dragged = plot.ui(ui, size);
-        commands.extend(dragged.map(|range| Command::Range(RangeChange::Rule(Rule::Fixed(range)))));
+        let size = vec2((ui.available_width() - TABLE).max(MIN_PLOT), (ui.available_height() - space::S).max(60.0));
+        commands.extend(plot.ui(ui, size).map(fixed));
         ui.add_space(space::M);
         ScrollArea::both().id_salt("figures").auto_shrink(false).show(ui, |ui| {
             Grid::new("figures").num_columns(9).spacing([12.0, 4.0]).striped(true).show(ui, |ui| {
@@ -38,17 +70,16 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
                     ui.label(RichText::new(name).small().color(tokens(ui).text_weak)).on_hover_text(help);
                 }
                 ui.end_row();
-                let names = kind(shown).channels();
                 rows(ui, "picture", names, &measured.whole);
-                if let Some((_, part)) = &measured.part {
-                    rows(ui, "box", names, part);
+                if let Some(part) = part {
+                    rows(ui, "rectangle", names, part);
                 }
             });
         });
     });
 }
 
-/// Draws the controls of the “Histogram” tab, beside the tab names.
+/// Draws the controls of the “Histogram” panel.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut log = session.range.log_counts;
     if ui
@@ -65,11 +96,31 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     }
 }
 
-/// Notifies the range control when the tab opens or closes, because statistics are computed only while it is open.
+/// Notifies the range control when the panel appears or disappears, because statistics are computed only while it is open.
 pub(crate) fn notify_open(is_open: bool, session: &Session, commands: &mut Vec<Command>) {
     if session.range.tab != is_open {
         commands.push(Command::Range(RangeChange::Tab(is_open)));
     }
+}
+
+/// Draws the statistics in a narrow panel, with a column per channel.
+fn compact_table(ui: &mut Ui, of: &str, names: &[&str], channels: &[Statistics]) {
+    ui.label(RichText::new(of).strong());
+    let texts: Vec<_> = channels.iter().map(texts).collect();
+    Grid::new(of).num_columns(1 + names.len()).spacing([8.0, 2.0]).striped(true).show(ui, |ui| {
+        ui.label("");
+        for name in names {
+            ui.label(RichText::new(*name).small().color(tokens(ui).text_weak));
+        }
+        ui.end_row();
+        for (row, (name, help)) in COLUMNS.into_iter().enumerate() {
+            ui.label(RichText::new(name).small().color(tokens(ui).text_weak)).on_hover_text(help);
+            for channel in &texts {
+                ui.label(RichText::new(&channel[row]).monospace().size(font_size::SMALL));
+            }
+            ui.end_row();
+        }
+    });
 }
 
 fn rows(ui: &mut Ui, of: &str, names: &[&str], channels: &[Statistics]) {

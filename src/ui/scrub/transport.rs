@@ -17,10 +17,19 @@ use crate::ui::theme::{self, CONTROL_HEIGHT, Icon, font_size, space, tokens};
 use crate::ui::widgets::{combo, icon_button};
 
 /// Height of the playback bar, in points.
-pub(crate) const HEIGHT: f32 = 2.0 * theme::ROW_HEIGHT + 16.0;
+pub(crate) const HEIGHT: f32 = theme::ROW_HEIGHT + 8.0;
 
-/// Fraction of the bar's width for the triangle slider; the fragment slider takes the rest.
+/// Fraction of the sliders' width for the triangle slider; the fragment slider takes the rest.
 const TRIANGLES_SHARE: f32 = 0.66;
+
+/// Minimum width for the numbers beside the sliders, in points.
+const NUMBERS_FROM: f32 = 360.0;
+
+/// Minimum width for the name of the object, in points.
+const NAME_FROM: f32 = 620.0;
+
+/// Width of the numbers, without and with the name of the object, in points.
+const FIGURES: [f32; 2] = [118.0, 240.0];
 
 /// Maximum number of ticks on the triangle slider; more would merge into a band.
 const MAX_TICKS: usize = 400;
@@ -29,18 +38,23 @@ const MAX_TICKS: usize = 400;
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let before = commands.len();
     let known = session.view.as_ref().and_then(|view| view.timeline.clone());
-    ui.spacing_mut().item_spacing.y = space::XS;
-    ui.horizontal(|ui| {
-        ui.set_height(CONTROL_HEIGHT);
+    ui.horizontal_centered(|ui| {
         buttons(ui, session, commands);
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| figures(ui, session, known.as_deref()));
-    });
-    ui.horizontal(|ui| {
-        ui.set_height(CONTROL_HEIGHT);
-        ui.spacing_mut().item_spacing.x = space::M;
-        let width = ui.available_width() - space::M;
+        ui.add_space(space::S);
+        let room = ui.available_width();
+        let figures_width = match room {
+            room if room >= NAME_FROM => FIGURES[1],
+            room if room >= NUMBERS_FROM => FIGURES[0],
+            _ => 0.0,
+        };
+        let width = (room - figures_width - 2.0 * space::M).max(0.0);
         triangles(ui, session, known.as_ref(), width * TRIANGLES_SHARE, commands);
         fragments(ui, session, known.as_deref(), width * (1.0 - TRIANGLES_SHARE), commands);
+        if figures_width > 0.0 {
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                figures(ui, session, known.as_deref().filter(|_| figures_width == FIGURES[1]));
+            });
+        }
     });
     let is_untouched = commands.len() == before;
     if session.scrub.playing != 0 && is_untouched {
@@ -83,15 +97,17 @@ fn buttons(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 /// Draws the drop-down lists of step units and playback speeds.
 fn choices(ui: &mut Ui, Scrub { mut unit, mut speed, .. }: Scrub, commands: &mut Vec<Command>) {
     let (unit_before, speed_before) = (unit, speed);
-    /// Widths of the unit list and the speed list, in points. A narrow bar omits the speed list.
+    /// Widths of the unit list and the speed list, in points.
     const WIDTHS: [f32; 2] = [84.0, 82.0];
+    /// Minimum width for the speed list, in points.
+    const SPEED_FROM: f32 = 560.0;
     let by_unit = combo("scrub-unit", unit.name(), WIDTHS[0].min(ui.available_width())).show_ui(ui, |ui| {
         for choice in Unit::ALL {
             ui.selectable_value(&mut unit, *choice, choice.name()).on_hover_text(choice.help());
         }
     });
     by_unit.response.on_hover_text("Unit of the step buttons and of playback");
-    if ui.available_width() >= WIDTHS[1] {
+    if ui.available_width() >= SPEED_FROM {
         let name = |speed: f32| format!("{} /s", format::count(speed as u64));
         let by_speed = combo("scrub-speed", &name(speed), WIDTHS[1]).show_ui(ui, |ui| {
             for choice in SPEEDS {
@@ -123,24 +139,20 @@ fn touching(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     }
 }
 
-/// Draws the number of drawn triangles and the name of the object that the last one belongs to, right-aligned.
+/// Draws the number of drawn triangles and, if the timeline is given, the name of the object that the last one belongs
+/// to, right-aligned.
 fn figures(ui: &mut Ui, session: &Session, known: Option<&Timeline>) {
-    /// Minimum free widths, in points: for the number of triangles alone, and for this number with the object's name.
-    const ROOM: [f32; 2] = [150.0, 300.0];
     let (moment, all) = (session.moment(), session.triangle_count());
-    let room = ui.available_width();
-    if room >= ROOM[0] {
-        let text = format!("{} / {}", format::count(moment.triangles as u64), format::count(all as u64));
-        ui.label(RichText::new(text).monospace().color(tokens(ui).text))
-            .on_hover_text("Triangles drawn / triangles of the frame");
-    }
+    let text = format!("{} / {}", format::count(moment.triangles as u64), format::count(all as u64));
+    ui.label(RichText::new(text).monospace().color(tokens(ui).text))
+        .on_hover_text("Triangles drawn / triangles of the frame");
     if session.triangle_limit.is_some() && !session.state.recipe.antialias.is_off() {
         let note = RichText::new("1 sample").color(tokens(ui).text_weak);
         ui.label(note).on_hover_text(
             "Until the last triangle is drawn, each pixel shows the sample at its centre, not the mean of its samples",
         );
     }
-    let instance = known.and_then(|known| known.instance_at(moment)).filter(|_| room >= ROOM[1]);
+    let instance = known.and_then(|known| known.instance_at(moment));
     if let Some(object) = instance.and_then(|instance| session.scene.instances.get(instance as usize)) {
         let name = RichText::new(&object.name).color(tokens(ui).text_weak);
         ui.add(egui::Label::new(name).truncate()).on_hover_text("Object of the last triangle drawn");

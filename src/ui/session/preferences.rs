@@ -14,23 +14,29 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::Camera;
 use crate::ui::place::Bookmark;
 use crate::ui::watch;
+use crate::ui::workspace::StoredLayouts;
 
 /// Size of the picture that the pipeline draws.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum PictureSize {
     /// Size of the canvas, with one picture pixel per screen pixel.
-    #[default]
-    Canvas,
+    MatchWindow,
     /// Fixed width and height, in pixels.
     Fixed(u32, u32),
 }
 
+impl Default for PictureSize {
+    fn default() -> Self {
+        Self::Fixed(1280, 720)
+    }
+}
+
 impl PictureSize {
-    /// Returns this size, or [`Self::Canvas`] if it is not a valid picture size.
+    /// Returns this size, or the default size if it is not a valid picture size.
     pub(crate) fn checked(self) -> Self {
         match self {
-            Self::Fixed(width, height) if Viewport { width, height }.check().is_err() => Self::Canvas,
+            Self::Fixed(width, height) if Viewport { width, height }.check().is_err() => Self::default(),
             size => size,
         }
     }
@@ -70,8 +76,10 @@ pub(crate) struct WindowState {
     pub(crate) window_size: Option<[f32; 2]>,
     /// Whether the window is maximized.
     pub(crate) maximized: bool,
-    /// Layout of panels and headings: [`eframe::egui::Memory`] serialised as RON; empty for the default layout.
+    /// State of widgets such as headings: [`eframe::egui::Memory`] serialised as RON; empty for the default layout.
     pub(crate) layout: String,
+    /// Layouts of the workspaces that differ from their defaults.
+    pub(crate) workspaces: StoredLayouts,
 }
 
 impl WindowState {
@@ -82,6 +90,7 @@ impl WindowState {
             window_size: latest(&self.window_size, &base.window_size, &theirs.window_size),
             maximized: latest(&self.maximized, &base.maximized, &theirs.maximized),
             layout: latest(&self.layout, &base.layout, &theirs.layout),
+            workspaces: latest(&self.workspaces, &base.workspaces, &theirs.workspaces),
         }
     }
 }

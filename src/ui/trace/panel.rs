@@ -1,16 +1,29 @@
-//! The “Calculation” tab: buttons for stepping, the current line of the trace in full, and the table of all lines.
+//! The “Calculation” panel: buttons for stepping, the current line of the trace in full, and the table of all lines.
 
 use eframe::egui::style::ScrollAnimation;
-use eframe::egui::{self, Align, Color32, Rect, RichText, ScrollArea, TextEdit, Ui, vec2};
+use eframe::egui::{self, Align, Color32, Layout, Rect, RichText, ScrollArea, TextEdit, Ui, vec2};
 
-use super::table::{TraceColumns, headings, table_row};
+use super::table::{TraceColumns, explain, headings, table_row};
 use super::{TraceChange, TraceView};
 use crate::inspect::trace::{Notable, StepDirection, Trace, TraceLine};
+use crate::manual::Chapter;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, font_size, space, tokens};
 use crate::ui::widgets::{combo, copy_button, empty_state, icon_button};
+use crate::ui::workspace::{PanelSpec, framed};
+
+/// Description of the panel.
+pub(crate) const PANEL: PanelSpec = PanelSpec {
+    id: "calculation",
+    name: "Calculation",
+    help: "Every step from the corners of a triangle to the picked pixel, with numbers and rounding errors",
+    chapter: Chapter::InspectingAPixel,
+    grows: false,
+    controls: None,
+    content: |ui, cx| framed(ui, |ui| self::ui(ui, cx.session, cx.commands)),
+};
 
 /// Height of a row of the table, in points.
 pub(super) const ROW: f32 = 19.0;
@@ -69,7 +82,7 @@ fn fragments(ui: &mut Ui, trace: &Trace, push: &mut impl FnMut(TraceChange)) {
     }
 }
 
-/// Draws the content of the “Calculation” tab.
+/// Draws the content of the “Calculation” panel.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if !is_picked(session) {
         let how = "Click a pixel of the picture to list every step of its calculation, with the rounding errors.";
@@ -81,14 +94,19 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         ui.request_repaint();
     }
     let Some(trace) = session.trace.latest() else { return };
-    ui.horizontal(|ui| {
-        controls(ui, trace, session, commands);
-        ui.add_space(space::S);
-        current_line(ui, trace, &session.trace);
-    });
-    current_formula(ui, trace, &session.trace);
-    let listed = listed(trace, &session.trace.filter);
     let columns = TraceColumns::of(ui.available_width());
+    if columns.is_compact() {
+        ui.horizontal_wrapped(|ui| controls(ui, trace, session, commands));
+        compact_line(ui, trace, &session.trace);
+    } else {
+        ui.horizontal(|ui| {
+            controls(ui, trace, session, commands);
+            ui.add_space(space::S);
+            current_line(ui, trace, &session.trace);
+        });
+        current_formula(ui, trace, &session.trace);
+    }
+    let listed = listed(trace, &session.trace.filter);
     headings(ui, &columns);
     let stepped_to = row_after_step(ui, &session.trace, &listed);
     ui.spacing_mut().item_spacing.y = 0.0;
@@ -150,6 +168,24 @@ fn current_formula(ui: &mut Ui, trace: &Trace, table: &TraceView) {
     let numbers = if line.numbers.is_empty() { String::new() } else { format!(" = {}", line.numbers) };
     line_of_text(ui, format!("{}{numbers}", line.formula), tokens(ui).text);
     ui.add_space(2.0);
+}
+
+/// Draws all details of the current line in several rows, because a compact table shows only its value. The area has a
+/// fixed height, so that stepping does not move the table.
+fn compact_line(ui: &mut Ui, trace: &Trace, table: &TraceView) {
+    /// Height of the details, in points.
+    const HEIGHT: f32 = 150.0;
+    let Some(line) = trace.lines.get(table.line) else { return };
+    let size = vec2(ui.available_width(), HEIGHT);
+    ui.allocate_ui_with_layout(size, Layout::top_down(Align::Min), |ui| {
+        ui.set_min_height(HEIGHT);
+        ScrollArea::vertical().id_salt("line").auto_shrink(false).show(ui, |ui| {
+            let place = format!("{} of {} · {}", table.line + 1, trace.lines.len(), line.stage.name());
+            ui.label(RichText::new(place).size(font_size::SMALL).color(tokens(ui).text_weak));
+            explain(ui, line, table.is_changed(table.line));
+        });
+    });
+    ui.separator();
 }
 
 fn line_of_text(ui: &mut Ui, text: String, color: Color32) {

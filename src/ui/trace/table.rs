@@ -19,25 +19,46 @@ const EXACT: f32 = 196.0;
 const ROUNDING: f32 = 104.0;
 const SHOW: f32 = 26.0;
 
-/// Minimum width of the formula column, in points. If the table is too narrow, the columns of bits and exact values are
-/// omitted.
-const MIN_FORMULA_POINTS: f32 = 170.0;
+/// Width of the value column in a compact table, in points.
+const COMPACT_VALUE: f32 = 96.0;
 
-/// Positions of the columns, in points from the left edge of the table.
+/// Width of the scroll bar, which covers the right end of each row, in points.
+const BAR: f32 = 12.0;
+
+/// Minimum width of the formula column, in points. If the table is too narrow, the columns of bits and exact values are
+/// omitted, and then all but quantity and value.
+const MIN_FORMULA_POINTS: f32 = 120.0;
+
+/// Column of the table: its left edge, in points from the left edge of the table, and its width in points.
+#[derive(Clone, Copy)]
+struct Column {
+    left: f32,
+    width: f32,
+}
+
+impl Column {
+    /// Returns the part of a row that the column occupies.
+    fn of(self, row: Rect) -> Rect {
+        Rect::from_min_size(row.min + vec2(self.left, 0.0), vec2(self.width, row.height()))
+    }
+}
+
+/// Columns of the table. A narrow table omits columns.
 pub(super) struct TraceColumns {
-    formula: f32,
-    value: f32,
-    bits: Option<f32>,
-    exact: Option<f32>,
-    rounding: f32,
-    show: f32,
+    stage: Option<Column>,
+    what: Column,
+    formula: Option<Column>,
+    value: Column,
+    bits: Option<Column>,
+    exact: Option<Column>,
+    rounding: Option<Column>,
+    show: Column,
 }
 
 impl TraceColumns {
-    /// Computes the columns of a table `width` points wide. A narrow table omits the bits first, then the exact values.
+    /// Computes the columns of a table `width` points wide. A narrow table omits the bits first, then the exact values,
+    /// and then everything but quantity and value.
     pub(super) fn of(width: f32) -> Self {
-        /// Width of the scroll bar, which covers the right end of each row, in points.
-        const BAR: f32 = 12.0;
         let fixed = STAGE + WHAT + VALUE + ROUNDING + SHOW + BAR;
         let (mut bits, mut exact) = (BITS, EXACT);
         if width - fixed - bits - exact < MIN_FORMULA_POINTS {
@@ -46,17 +67,46 @@ impl TraceColumns {
         if width - fixed - bits - exact < MIN_FORMULA_POINTS {
             exact = 0.0;
         }
-        let formula = STAGE + WHAT;
-        let value = formula + (width - fixed - bits - exact).max(0.0);
-        let after_value = value + VALUE;
-        Self {
-            formula,
-            value,
-            bits: (bits > 0.0).then_some(after_value),
-            exact: (exact > 0.0).then_some(after_value + bits),
-            rounding: after_value + bits + exact,
-            show: after_value + bits + exact + ROUNDING,
+        let formula = width - fixed - bits - exact;
+        if formula < MIN_FORMULA_POINTS {
+            return Self::compact(width);
         }
+        let mut left = 0.0;
+        let mut column = |width: f32| {
+            let column = Column { left, width };
+            left += width;
+            column
+        };
+        Self {
+            stage: Some(column(STAGE)),
+            what: column(WHAT),
+            formula: Some(column(formula)),
+            value: column(VALUE),
+            bits: (bits > 0.0).then(|| column(bits)),
+            exact: (exact > 0.0).then(|| column(exact)),
+            rounding: Some(column(ROUNDING)),
+            show: column(SHOW),
+        }
+    }
+
+    /// Returns columns for quantity and value alone.
+    fn compact(width: f32) -> Self {
+        let what = (width - COMPACT_VALUE - SHOW - BAR).max(60.0);
+        Self {
+            stage: None,
+            what: Column { left: 0.0, width: what },
+            formula: None,
+            value: Column { left: what, width: COMPACT_VALUE },
+            bits: None,
+            exact: None,
+            rounding: None,
+            show: Column { left: what + COMPACT_VALUE, width: SHOW },
+        }
+    }
+
+    /// Whether the table shows only quantity and value.
+    pub(super) fn is_compact(&self) -> bool {
+        self.formula.is_none()
     }
 }
 
@@ -71,17 +121,22 @@ pub(super) fn headings(ui: &mut Ui, columns: &TraceColumns) {
     let right = |x: f32, text: &str| {
         ui.painter().text(rect.left_center() + vec2(x - 8.0, 0.0), Align2::RIGHT_CENTER, text, font.clone(), color);
     };
-    left(0.0, "Stage");
-    left(STAGE, "Quantity");
-    left(columns.formula, "Formula");
-    right(columns.value + VALUE, "Value");
-    if let Some(bits) = columns.bits {
-        left(bits, "Bits");
+    for (column, text) in [
+        (columns.stage, "Stage"),
+        (Some(columns.what), "Quantity"),
+        (columns.formula, "Formula"),
+        (columns.bits, "Bits"),
+        (columns.exact, "Exact"),
+    ] {
+        if let Some(column) = column {
+            left(column.left, text);
+        }
     }
-    if let Some(exact) = columns.exact {
-        left(exact, "Exact");
+    for (column, text) in [(Some(columns.value), "Value"), (columns.rounding, "Rounding")] {
+        if let Some(column) = column {
+            right(column.left + column.width, text);
+        }
     }
-    right(columns.rounding + ROUNDING, "Rounding");
 }
 
 /// Draws the table row of one trace line, and handles clicks on it.
@@ -102,7 +157,7 @@ pub(super) fn table_row(
     } else if response.hovered() || place % 2 == 1 {
         ui.painter().rect_filled(rect, 0.0, tokens(ui).raised);
     }
-    let show = Rect::from_min_size(rect.min + vec2(columns.show, 0.0), vec2(SHOW, ROW));
+    let show = columns.show.of(rect);
     if response.clicked() {
         commands.push(Command::Trace(TraceChange::Line(place)));
     }
@@ -120,9 +175,6 @@ fn cells(ui: &Ui, line: &TraceLine, (rect, columns): (Rect, &TraceColumns), is_c
     let quiet = if line.aside { tokens.text_weak } else { tokens.text };
     let mono = FontId::monospace(font_size::SMALL);
     let plain = FontId::proportional(font_size::SMALL);
-    let cell = |from: f32, to: f32| {
-        Rect::from_min_max(pos2(rect.left() + from, rect.top()), pos2(rect.left() + to, rect.bottom()))
-    };
     let write = |cell: Rect, text: &str, right: bool, font: &FontId, color: Color32| {
         let painter = ui.painter().with_clip_rect(cell.intersect(ui.clip_rect()));
         let galley = painter.layout_no_wrap(text.to_owned(), font.clone(), color);
@@ -133,40 +185,43 @@ fn cells(ui: &Ui, line: &TraceLine, (rect, columns): (Rect, &TraceColumns), is_c
         };
         painter.galley(pos2(x, cell.center().y - galley.size().y / 2.0), galley, color);
     };
-    write(cell(0.0, STAGE), line.stage.name(), false, &plain, tokens.text_weak);
-    write(cell(STAGE, columns.formula), &line.what, false, &plain, quiet);
-    write(cell(columns.formula, columns.value), &line.formula, false, &mono, tokens.text_weak);
-    let value = cell(columns.value, columns.value + VALUE);
+    if let Some(stage) = columns.stage {
+        write(stage.of(rect), line.stage.name(), false, &plain, tokens.text_weak);
+    }
+    write(columns.what.of(rect), &line.what, false, &plain, quiet);
+    if let Some(formula) = columns.formula {
+        write(formula.of(rect), &line.formula, false, &mono, tokens.text_weak);
+    }
+    let value = columns.value.of(rect);
     write(value, &line.value_text(), true, &mono, if line.aside { quiet } else { tokens.text_strong });
     if is_changed {
         ui.painter().circle_filled(value.left_center(), 2.0, tokens.accent);
     }
     if let Some(bits) = columns.bits {
-        write(cell(bits, bits + BITS), &line.bits, false, &mono, tokens.text_weak);
+        write(bits.of(rect), &line.bits, false, &mono, tokens.text_weak);
     }
-    if let (Some(from), Some(exact)) = (columns.exact, &line.exact) {
-        write(cell(from, from + EXACT), &exact.decimal, false, &mono, quiet);
+    if let (Some(column), Some(exact)) = (columns.exact, &line.exact) {
+        write(column.of(rect), &exact.decimal, false, &mono, quiet);
     }
-    let rounding = cell(columns.rounding, columns.rounding + ROUNDING);
-    match line.flags.first() {
-        Some(flag) => {
-            paint_icon(
-                ui.painter(),
-                rounding.left_center() + vec2(8.0, 0.0),
-                Icon::TriangleAlert,
-                13.0,
-                tokens.warning,
-            );
-            let text = cell(columns.rounding + 18.0, columns.rounding + ROUNDING);
-            let word = flag.lost_bits.map_or_else(|| flag.kind.name().to_owned(), |bits| format!("−{bits} bits"));
-            write(text, &word, false, &plain, tokens.warning);
+    // Without a column for rounding, the icon of a flagged line precedes the value.
+    let rounding = columns.rounding.map_or(value, |column| column.of(rect));
+    if !line.flags.is_empty() {
+        let center = rounding.left_center() + vec2(8.0, 0.0);
+        paint_icon(ui.painter(), center, Icon::TriangleAlert, 13.0, tokens.warning);
+    }
+    if columns.rounding.is_some() {
+        match line.flags.first() {
+            Some(flag) => {
+                let word = flag.lost_bits.map_or_else(|| flag.kind.name().to_owned(), |bits| format!("−{bits} bits"));
+                write(rounding.with_min_x(rounding.left() + 18.0), &word, false, &plain, tokens.warning);
+            }
+            None => write(rounding, &line.rounding(), true, &mono, quiet),
         }
-        None => write(rounding, &line.rounding(), true, &mono, quiet),
     }
 }
 
-/// Draws the tooltip with all details of a line.
-fn explain(ui: &mut Ui, line: &TraceLine, is_changed: bool) {
+/// Draws all details of a line.
+pub(super) fn explain(ui: &mut Ui, line: &TraceLine, is_changed: bool) {
     ui.label(RichText::new(&line.what).strong());
     ui.label(&line.formula);
     let mut fact = |name: &str, text: &str| {

@@ -11,8 +11,21 @@ use super::zoom::Placement;
 use crate::inspect::vertices::{ObjectVertices, VertexStages, corners_of};
 use crate::scene::TriangleId;
 
+use crate::manual::Chapter;
+use crate::ui::workspace::PanelSpec;
 pub(crate) use panel::controls;
 pub(crate) use panel::ui;
+
+/// Description of the panel.
+pub(crate) const PANEL: PanelSpec = PanelSpec {
+    id: "vertices",
+    name: "Vertices",
+    help: "Vertices of the picked triangle, or of its object, at every stage",
+    chapter: Chapter::Stages,
+    grows: false,
+    controls: Some(|ui, cx| controls(ui, cx.session, cx.commands)),
+    content: |ui, cx| self::ui(ui, cx.session, cx.commands),
+};
 
 /// Settings of the vertex table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

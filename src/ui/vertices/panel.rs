@@ -97,7 +97,7 @@ const GAP: f32 = 14.0;
 /// Maximum number of rows to copy, because clipboards limit the size of their content.
 const COPIED_ROWS: u32 = 65_536;
 
-/// Draws the controls of the “Vertices” tab, beside the tab names.
+/// Draws the controls of the panel “Vertices”.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let whole = session.vertices.whole_object;
     for (value, name, help) in [

@@ -1,32 +1,84 @@
-//! The “Watch” tab: one row per watched pixel, one column per buffer.
+//! The “Watch” panel: one row per watched pixel, one column per buffer.
 
-use eframe::egui::{self, Button, Color32, Grid, RichText, ScrollArea, Sense, Ui, WidgetInfo};
+use eframe::egui::{self, Button, Color32, Grid, RichText, Sense, Ui, WidgetInfo};
 
 use super::WatchChange;
 use crate::inspect::watch::{PixelValues, WatchedPixel};
+use crate::manual::Chapter;
 use crate::ui::command::Command;
 use crate::ui::format;
 use crate::ui::session::Session;
-use crate::ui::theme::{self, Icon, tokens};
+use crate::ui::theme::{self, Icon, space, tokens};
 use crate::ui::widgets::{empty_state, icon_button, swatch};
+use crate::ui::workspace::{PanelSpec, scrolling};
 
-/// Columns of the table, each with name and help text.
-const COLUMNS: [(&str, &str); 9] = [
-    ("Pixel", "Column and row of the pixel; click to pick it"),
-    ("Colour", "Red, green and blue in the finished picture, 0 to 255"),
-    ("Depth", "Final value of the depth buffer"),
-    ("Triangle", "Number of the visible triangle in the scene"),
-    ("Object", "Object that the visible triangle belongs to"),
-    ("Barycentric: linear", "Screen-space barycentric weights in the visible triangle"),
-    (
-        "Barycentric: perspective-correct",
-        "Weights of attributes in the visible triangle. If interpolation is affine, they equal the linear ones",
-    ),
-    ("Overdraw", "Number of triangles that cover the pixel's centre"),
-    ("Shaded", "Number of shaded fragments at the pixel's centre"),
+/// Description of the panel.
+pub(crate) const PANEL: PanelSpec = PanelSpec {
+    id: "watch",
+    name: "Watch",
+    help: "Values of all buffers at the watched pixels, updated after every frame",
+    chapter: Chapter::InspectingAPixel,
+    grows: false,
+    controls: Some(|ui, cx| controls(ui, cx.session, cx.commands)),
+    content: |ui, cx| self::ui(ui, cx.session, cx.commands),
+};
+
+/// Quantity of a watched pixel: a column of the table.
+struct Quantity {
+    name: &'static str,
+    help: &'static str,
+    text: fn(&PixelValues) -> String,
+}
+
+/// All quantities, in the order of the columns.
+const QUANTITIES: [Quantity; 8] = [
+    Quantity {
+        name: "Colour",
+        help: "Red, green and blue in the finished picture, 0 to 255",
+        text: |values| format!("{} {} {}", values.color[0], values.color[1], values.color[2]),
+    },
+    Quantity {
+        name: "Depth",
+        help: "Final value of the depth buffer",
+        text: |values| values.depth.map_or_else(nothing, format::f32_full),
+    },
+    Quantity {
+        name: "Triangle",
+        help: "Number of the visible triangle in the scene",
+        text: |values| values.triangle.map_or_else(nothing, |id| id.0.to_string()),
+    },
+    Quantity {
+        name: "Object",
+        help: "Object that the visible triangle belongs to",
+        text: |values| values.object.clone().unwrap_or_else(nothing),
+    },
+    Quantity {
+        name: "Barycentric: linear",
+        help: "Screen-space barycentric weights in the visible triangle",
+        text: |values| values.lambda.map_or_else(nothing, weights),
+    },
+    Quantity {
+        name: "Barycentric: perspective-correct",
+        help: "Weights of attributes in the visible triangle. If interpolation is affine, they equal the linear ones",
+        text: |values| values.perspective_lambda.map_or_else(nothing, weights),
+    },
+    Quantity {
+        name: "Overdraw",
+        help: "Number of triangles that cover the pixel's centre",
+        text: |values| values.overdraw.to_string(),
+    },
+    Quantity {
+        name: "Shaded",
+        help: "Number of shaded fragments at the pixel's centre",
+        text: |values| values.shaded.to_string(),
+    },
 ];
 
-/// Draws the controls of the “Watch” tab, beside the tab names.
+/// Minimum width of the table with a row per pixel, in points. A narrower panel lists the quantities of each pixel
+/// below one another.
+const TABLE_FROM: f32 = 900.0;
+
+/// Draws the controls of the “Watch” panel.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let watched = |pixel| session.watch.pixels.contains(&pixel);
     let addable = session.pick.is_some_and(|pixel| !watched(pixel));
@@ -48,53 +100,110 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         empty_state(ui, Icon::Pin, "No watched pixels", help);
         return;
     }
-    ScrollArea::both().auto_shrink(false).show(ui, |ui| {
-        Grid::new("watch").num_columns(COLUMNS.len() + 2).striped(true).spacing([16.0, 2.0]).show(ui, |ui| {
-            ui.label("");
-            for (name, help) in COLUMNS {
-                ui.label(RichText::new(name).small().color(tokens(ui).text_weak)).on_hover_text(help);
+    if ui.available_width() < TABLE_FROM {
+        return scrolling(ui, |ui| blocks(ui, session, commands));
+    }
+    scrolling(ui, |ui| {
+        Grid::new("watch").num_columns(QUANTITIES.len() + 2).striped(true).spacing([16.0, 2.0]).show(ui, |ui| {
+            heading(ui, "Pixel", "Column and row of the pixel; click to pick it");
+            for Quantity { name, help, .. } in &QUANTITIES {
+                heading(ui, name, help);
             }
             ui.end_row();
-            for (number, (x, y)) in session.watch.pixels.iter().copied().enumerate() {
-                ui.label(RichText::new((number + 1).to_string()).monospace().color(tokens(ui).warning));
-                let picked = session.pick == Some((x, y));
-                let pixel = ui.add(Button::selectable(picked, RichText::new(format!("{x}, {y}")).monospace()));
-                if pixel.on_hover_text("Pick this pixel").clicked() {
-                    commands.push(Command::Pick(Some((x, y))));
-                }
-                row(ui, session, (x, y));
-                if icon_button(ui, Icon::X, &format!("Stop watching {x}, {y}")).clicked() {
-                    commands.push(Command::Watch(WatchChange::Remove(x, y)));
-                }
+            for (number, pixel) in session.watch.pixels.iter().copied().enumerate() {
+                ui.horizontal(|ui| name(ui, session, (number, pixel), commands));
+                row(ui, session, pixel);
+                remove(ui, pixel, commands);
                 ui.end_row();
             }
         });
     });
 }
 
-fn row(ui: &mut Ui, session: &Session, (x, y): (u32, u32)) {
-    let row = session.watch.rows.iter().find(|row| (row.x, row.y) == (x, y));
-    let Some(values) = row.and_then(|row| row.values.as_ref()) else {
-        let text = if row.is_some() { "outside the picture" } else { "…" };
-        ui.label(RichText::new(text).color(tokens(ui).text_weak));
+/// Draws the quantities of each watched pixel below one another.
+fn blocks(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    for (number, pixel) in session.watch.pixels.iter().copied().enumerate() {
+        ui.horizontal(|ui| {
+            name(ui, session, (number, pixel), commands);
+            remove(ui, pixel, commands);
+        });
+        Grid::new(("watch", pixel)).num_columns(2).striped(true).spacing([8.0, 2.0]).show(ui, |ui| {
+            match known(session, pixel) {
+                Known::Values(values, before) => {
+                    for quantity in &QUANTITIES {
+                        heading(ui, quantity.name, quantity.help);
+                        cell(ui, values, before, quantity.text);
+                        ui.end_row();
+                    }
+                }
+                Known::Outside | Known::Pending => absent(ui, known(session, pixel)),
+            }
+        });
+        ui.add_space(space::S);
+    }
+}
+
+fn heading(ui: &mut Ui, name: &str, help: &str) {
+    ui.label(RichText::new(name).small().color(tokens(ui).text_weak)).on_hover_text(help);
+}
+
+/// Draws the number, the position and the colour of a watched pixel.
+fn name(ui: &mut Ui, session: &Session, (number, (x, y)): (usize, (u32, u32)), commands: &mut Vec<Command>) {
+    ui.label(RichText::new((number + 1).to_string()).monospace().color(tokens(ui).warning));
+    let picked = session.pick == Some((x, y));
+    let pixel = ui.add(Button::selectable(picked, RichText::new(format!("{x}, {y}")).monospace()));
+    if pixel.on_hover_text("Pick this pixel").clicked() {
+        commands.push(Command::Pick(Some((x, y))));
+    }
+    if let Known::Values(PixelValues { color: [r, g, b, _], .. }, _) = known(session, (x, y)) {
+        swatch(ui, Color32::from_rgb(*r, *g, *b));
+    }
+}
+
+fn remove(ui: &mut Ui, (x, y): (u32, u32), commands: &mut Vec<Command>) {
+    if icon_button(ui, Icon::X, &format!("Stop watching {x}, {y}")).clicked() {
+        commands.push(Command::Watch(WatchChange::Remove(x, y)));
+    }
+}
+
+/// Values of a watched pixel in the frame on screen.
+#[derive(Clone, Copy)]
+enum Known<'a> {
+    /// The values, and those before the last change, if any.
+    Values(&'a PixelValues, Option<&'a PixelValues>),
+    /// The pixel lies outside the picture.
+    Outside,
+    /// The values are not computed yet.
+    Pending,
+}
+
+fn known(session: &Session, (x, y): (u32, u32)) -> Known<'_> {
+    let Some(row) = session.watch.rows.iter().find(|row| (row.x, row.y) == (x, y)) else { return Known::Pending };
+    let Some(values) = row.values.as_ref() else { return Known::Outside };
+    let before = session.watch.before(row).and_then(|before: &WatchedPixel| before.values.as_ref());
+    Known::Values(values, before)
+}
+
+fn absent(ui: &mut Ui, known: Known<'_>) {
+    let text = match known {
+        Known::Values(..) => return,
+        Known::Outside => "outside the picture",
+        Known::Pending => "…",
+    };
+    ui.label(RichText::new(text).color(tokens(ui).text_weak));
+}
+
+fn row(ui: &mut Ui, session: &Session, pixel: (u32, u32)) {
+    let known = known(session, pixel);
+    let Known::Values(values, before) = known else {
+        absent(ui, known);
         // Empty cells for the columns without a value.
-        (2..COLUMNS.len()).for_each(|_| drop(ui.label("")));
+        (1..QUANTITIES.len()).for_each(|_| drop(ui.label("")));
         return;
     };
-    let before = row.and_then(|row| session.watch.before(row)).and_then(|before: &WatchedPixel| before.values.as_ref());
-    let [r, g, b, _] = values.color;
-    ui.horizontal(|ui| {
-        swatch(ui, Color32::from_rgb(r, g, b));
-        let codes = |values: &PixelValues| format!("{} {} {}", values.color[0], values.color[1], values.color[2]);
-        cell(ui, values, before, codes);
-    });
-    cell(ui, values, before, |values| values.depth.map_or_else(nothing, format::f32_full));
-    cell(ui, values, before, |values| values.triangle.map_or_else(nothing, |id| id.0.to_string()));
-    cell(ui, values, before, |values| values.object.clone().unwrap_or_else(nothing));
-    cell(ui, values, before, |values| values.lambda.map_or_else(nothing, weights));
-    cell(ui, values, before, |values| values.perspective_lambda.map_or_else(nothing, weights));
-    cell(ui, values, before, |values| values.overdraw.to_string());
-    cell(ui, values, before, |values| values.shaded.to_string());
+    for quantity in &QUANTITIES {
+        cell(ui, values, before, quantity.text);
+    }
 }
 
 fn nothing() -> String {
@@ -107,7 +216,7 @@ fn weights(weights: [f32; 3]) -> String {
 
 /// Draws the value of a buffer at a watched pixel. If the value differs from that in `before`, it is highlighted and
 /// the tooltip shows the old value.
-fn cell(ui: &mut Ui, values: &PixelValues, before: Option<&PixelValues>, text: impl Fn(&PixelValues) -> String) {
+fn cell(ui: &mut Ui, values: &PixelValues, before: Option<&PixelValues>, text: fn(&PixelValues) -> String) {
     let (now, was) = (text(values), before.map(text));
     let changed = was.as_ref().is_some_and(|was| *was != now);
     let weak = !values.is_drawn;

@@ -3,6 +3,7 @@
 use eframe::egui::{Key, Modifiers};
 use rasterscope::ui::command::{BINDINGS, MOUSE};
 use rasterscope::ui::session::WindowState;
+use rasterscope::ui::workspace::Panel;
 
 use super::bench::Bench;
 
@@ -58,9 +59,9 @@ fn the_hint_is_closed_for_good() {
 #[test]
 fn the_plan_lists_skipped_parts_with_reasons() {
     let mut bench = Bench::small("triangle");
-    bench.click("Plan");
+    bench.show_panel(Panel::SkippedWork);
     assert!(bench.mentions("1 × the mesh has no texture coordinates"));
-    bench.click("Log");
+    bench.show_panel(Panel::Log);
     assert!(bench.says("No messages"));
 }
 

@@ -5,6 +5,7 @@ use eframe::egui::{Key, Modifiers};
 use rasterscope::inspect::trace::Trace;
 use rasterscope::inspect::{Buffer, Intermediate};
 use rasterscope::ui::engine::Shown;
+use rasterscope::ui::workspace::Panel;
 
 use super::bench::Bench;
 
@@ -27,7 +28,7 @@ fn keys_step_through_the_lines_and_open_the_tab() {
     bench.rest();
     let count = trace(&bench).lines.len();
     assert_eq!(bench.session().trace.line, 1);
-    assert!(bench.mentions(&format!("2 of {count}   Model: ")));
+    assert!(bench.mentions(&format!("2 of {count} · Model")));
     bench.press_with(Modifiers::SHIFT, Key::F10);
     assert_eq!(bench.session().trace.line, 0);
     bench.press(Key::F11);
@@ -48,13 +49,13 @@ fn the_inspector_leads_to_the_arithmetic_of_a_fragment() {
         report.fragments.iter().position(|fragment| std::ptr::eq(fragment, visible))
     });
     assert_eq!(trace(&bench).fragment, shown);
-    assert!(bench.mentions("Model: "), "the tab is open");
+    assert!(bench.mentions(" · Model"), "the panel is shown");
 }
 
 #[test]
 fn another_pixel_is_traced_when_it_is_picked() {
     let mut bench = Bench::small("interpenetrating");
-    bench.click("Calculation");
+    bench.show_panel(Panel::Calculation);
     let first = trace(&bench);
     let (x, y) = bench.session().pick.expect("a pixel is picked at first");
     bench.session_mut().pick = Some((x + 1, y));
@@ -69,7 +70,7 @@ fn another_pixel_is_traced_when_it_is_picked() {
 #[test]
 fn the_eye_of_a_line_shows_its_number_and_hides_it_again() {
     let mut bench = Bench::small("interpenetrating");
-    bench.click("Calculation");
+    bench.show_panel(Panel::Calculation);
     let line = trace(&bench).lines.iter().position(|line| line.buffer == Some(Intermediate::Lambda1));
     let step = rasterscope::ui::trace::TraceChange::Step(line.expect("every fragment has weights") as i64);
     bench.session_mut().apply(rasterscope::ui::command::Command::Trace(step));

@@ -12,10 +12,12 @@ use rasterscope::image::{Image, Rgba8};
 use rasterscope::measure::motion::Turn;
 use rasterscope::scene::SceneSource;
 use rasterscope::ui::app::Workbench;
+use rasterscope::ui::command::Command;
 use rasterscope::ui::engine::{RenderedView, Request};
 use rasterscope::ui::session::{PictureSize, Session};
 use rasterscope::ui::theme;
 use rasterscope::ui::worker::Worker;
+use rasterscope::ui::workspace::{Panel, WorkspaceChange};
 
 /// Size of the window, in points and in pixels.
 pub(crate) const WINDOW: Vec2 = Vec2::new(1280.0, 800.0);
@@ -45,7 +47,10 @@ impl Bench {
         let source = SceneSource::named(scene.into());
         let loaded = source.load().unwrap().scene;
         let camera = loaded.home;
-        let session = Session::new(Arc::new(loaded), source, rasterscope::chain::Recipe::default(), camera);
+        let mut session = Session::new(Arc::new(loaded), source, rasterscope::chain::Recipe::default(), camera);
+        // Smaller than the default, which tests with unoptimised code would draw slowly.
+        session.state.size = PictureSize::Fixed(480, 270);
+        session.settle_silently();
         let window = Harness::builder().with_size(WINDOW).with_step_dt(0.1).with_max_steps(24).build_eframe(|cc| {
             theme::install(&cc.egui_ctx);
             Workbench::new(session, worker)
@@ -102,6 +107,12 @@ impl Bench {
     /// Clicks the button with this name, after scrolling it into view.
     pub(crate) fn click(&mut self, button: &str) {
         self.click_role(Role::Button, button);
+    }
+
+    /// Shows a panel, in the current workspace if it has the panel.
+    pub(crate) fn show_panel(&mut self, panel: Panel) {
+        self.window.state_mut().queue(vec![Command::Workspace(WorkspaceChange::Panel(panel))]);
+        self.rest();
     }
 
     /// Selects an option in the row with this label, which has a button per option or a drop-down list.

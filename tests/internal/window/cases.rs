@@ -12,6 +12,7 @@ use rasterscope::pipeline::settings::{Arithmetic, Rasterizer};
 use rasterscope::report::stability::catalogue;
 use rasterscope::report::stability::sweep::{self, StabilityPlan, StabilityReport};
 use rasterscope::ui::worker::Worker;
+use rasterscope::ui::workspace::Panel;
 use tempfile::TempDir;
 
 use super::bench::Bench;
@@ -266,7 +267,7 @@ fn a_cell_of_the_report_opens_the_worst_case_of_its_column() {
     let worst = cell.worst.as_ref().expect("it goes wrong");
     let mut bench = Bench::small("triangle");
     let before = bench.session().state.recipe;
-    bench.click("Stability");
+    bench.show_panel(Panel::Stability);
     assert!(bench.says("No stability report yet"));
     bench.session_mut().stability.report = Some(report.clone());
     bench.rest();
@@ -290,7 +291,7 @@ fn a_report_is_started_and_cancelled() {
     /// Time limit for cancelling the report, sufficient for slow machines.
     const PATIENCE: Duration = Duration::from_secs(120);
     let mut bench = Bench::small("triangle");
-    bench.click("Stability");
+    bench.show_panel(Panel::Stability);
     bench.window.get_by_role_and_label(Role::Button, "Run the stability report").click();
     bench.window.step();
     assert!(bench.session().stability.progress.is_some());

@@ -8,6 +8,7 @@ use rasterscope::measure::error::compare;
 use rasterscope::measure::region::PixelRegion;
 use rasterscope::ui::compare::Mode;
 use rasterscope::ui::compare::compute::Compared;
+use rasterscope::ui::workspace::Panel;
 use rasterscope::upscale::{ALL, Upscaling};
 
 use super::bench::Bench;
@@ -64,6 +65,7 @@ fn clicking_a_tile_picks_the_pixel_and_explains_it_by_the_recipe_of_the_tile() {
     assert_eq!(bench.session().state.recipe, compared(&bench).tiles[1].recipe);
     assert_eq!(bench.view().request.recipe, compared(&bench).tiles[1].recipe);
     // Changes now apply to that tile only.
+    bench.show_panel(Panel::Stages);
     bench.choose("Culling", "None");
     let [a, b] = &compared(&bench).tiles[..] else { panic!("two tiles") };
     assert_ne!(a.recipe.pipeline.culling, b.recipe.pipeline.culling);
@@ -150,7 +152,6 @@ fn a_saved_comparison_holds_the_pictures_the_errors_and_the_commands() {
     let folder = tempfile::tempdir().unwrap();
     bench.session_mut().folder = folder.path().to_owned();
     bench.press(Key::D);
-    bench.click("Compare");
     bench.click("Save comparison (HTML)");
     let page = std::fs::read_to_string(folder.path().join("comparison.html")).expect("a page");
     let pictures = page.split("base64,").skip(1).map(|rest| {

@@ -4,6 +4,7 @@ use eframe::egui::Key;
 use rasterscope::inspect::fates::{Bin, TriangleFate};
 use rasterscope::ui::command::Command;
 use rasterscope::ui::fates::FatesChange;
+use rasterscope::ui::workspace::Panel;
 
 use super::bench::Bench;
 
@@ -11,7 +12,7 @@ use super::bench::Bench;
 fn a_bin_selects_its_members_until_it_is_dropped() {
     let mut bench = Bench::small("near-plane");
     assert!(bench.session().fates.fates.is_none(), "fates are counted only while the tab is open");
-    bench.click("Fates");
+    bench.show_panel(Panel::TriangleFates);
     let fates = bench.session().fates.fates.clone().expect("the tab is open");
     assert!(bench.says("all sums match"));
     let count = fates.triangle_counts().of(TriangleFate::LostDepth);
@@ -27,7 +28,7 @@ fn a_bin_selects_its_members_until_it_is_dropped() {
 #[test]
 fn clicking_a_member_picks_one_of_its_pixels() {
     let mut bench = Bench::small("interpenetrating");
-    bench.click("Fates");
+    bench.show_panel(Panel::TriangleFates);
     bench.session_mut().apply(Command::Fates(FatesChange::Bin(Bin::Triangles(TriangleFate::Visible))));
     bench.rest();
     let fates = bench.session().fates.fates.clone().expect("the tab is open");
@@ -41,7 +42,7 @@ fn clicking_a_member_picks_one_of_its_pixels() {
 #[test]
 fn the_selection_follows_the_camera() {
     let mut bench = Bench::small("near-plane");
-    bench.click("Fates");
+    bench.show_panel(Panel::TriangleFates);
     bench.session_mut().apply(Command::Fates(FatesChange::Bin(Bin::Triangles(TriangleFate::Outside))));
     bench.rest();
     let before = bench.session().selection.clone();

@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use super::bench::Bench;
+use rasterscope::ui::workspace::Panel;
 
 /// Time limit of a measurement, sufficient for slow machines.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -20,7 +21,7 @@ fn wait_while(bench: &mut Bench, running: fn(&Bench) -> bool) {
 #[test]
 fn the_plan_shows_its_savings_once_they_are_measured() {
     let mut bench = Bench::small("triangle");
-    bench.click("Plan");
+    bench.show_panel(Panel::SkippedWork);
     bench.click("Measure savings");
     wait_while(&mut bench, |bench| bench.session().savings.progress.is_some());
     let (found, of) = bench.session().savings.found.clone().expect("it was measured");
@@ -39,7 +40,7 @@ fn the_plan_shows_its_savings_once_they_are_measured() {
 #[test]
 fn measuring_how_cost_grows_can_be_cancelled() {
     let mut bench = Bench::small("triangle");
-    bench.click("Scaling");
+    bench.show_panel(Panel::Scaling);
     assert!(bench.says("No measurement yet"));
     bench.click("Measure scaling");
     bench.click("Cancel");

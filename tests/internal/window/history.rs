@@ -4,6 +4,7 @@ use rasterscope::inspect::assertions::Assertion;
 use rasterscope::inspect::history::Kind;
 use rasterscope::inspect::lesson;
 use rasterscope::pipeline::settings::Choice as _;
+use rasterscope::ui::workspace::Panel;
 
 use super::bench::Bench;
 
@@ -62,7 +63,7 @@ fn every_lesson_is_answered_by_the_third_click() {
 #[test]
 fn the_first_violation_is_picked_and_described() {
     let mut bench = Bench::small("cubes");
-    bench.click("Assertions");
+    bench.show_panel(Panel::Assertions);
     bench.click("Check this frame");
     assert!(bench.mentions(&format!("all {} assertions hold in this frame", Assertion::ALL.len())));
     bench.session_mut().state.recipe.pipeline.rasterizer =

@@ -39,7 +39,7 @@ fn the_switch_and_the_key_lead_to_the_lab_and_back() {
     bench.press(Key::L);
     assert!(!shows(&bench));
     bench.press(Key::L);
-    bench.click("Pipeline");
+    bench.click("Inspect");
     assert!(!shows(&bench));
     assert_eq!(&bench.image(), bench.expected().image(), "the pipeline is as it was");
 }

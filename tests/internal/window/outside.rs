@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use eframe::egui::{Key, PointerButton, Role, Vec2};
 use egui_kittest::kittest::Queryable as _;
 use rasterscope::ui::vertices::picked_triangle;
+use rasterscope::ui::workspace::Panel;
 
 use super::bench::Bench;
 
@@ -43,7 +44,7 @@ fn m_opens_the_mesh_view_and_a_click_there_picks_a_pixel_of_the_triangle() {
 #[test]
 fn a_row_of_the_vertex_table_is_selected_until_it_is_clicked_again() {
     let mut bench = Bench::small("triangle");
-    bench.click("Vertices");
+    bench.show_panel(Panel::Vertices);
     assert!(bench.mentions("triangle 0 of"));
     for expected in [Some((0, 1)), None] {
         bench.click("Vertex 1");
@@ -58,7 +59,7 @@ fn the_probe_runs_and_picks_the_pixel_that_changed_most() {
     let mut bench = Bench::small("z-fighting");
     bench.session_mut().probing.probe.runs = 4;
     bench.session_mut().probing.probe.ulps = 32;
-    bench.click("Probe");
+    bench.show_panel(Panel::Probe);
     assert!(bench.says("No probe results yet"));
     bench.click("Run the probe");
     let begun = Instant::now();

@@ -9,6 +9,7 @@ use rasterscope::measure::region::PixelRegion;
 use rasterscope::ui::command::Command;
 use rasterscope::ui::engine::Shown;
 use rasterscope::ui::range::RangeChange;
+use rasterscope::ui::workspace::Panel;
 
 use super::bench::Bench;
 
@@ -133,10 +134,10 @@ fn channels_are_switched_off_and_shown_alone() {
 fn the_histogram_tab_has_figures_only_while_it_is_open() {
     let mut bench = Bench::small("triangle");
     assert!(bench.view().look_result.measured.is_none());
-    bench.click("Histogram");
+    bench.show_panel(Panel::Histogram);
     let measured = bench.view().look_result.measured.clone().expect("the tab wants figures");
     assert_eq!(measured.whole.len(), 3);
     assert_eq!(measured.whole[0].count(), 160 * 90);
-    bench.click("Log");
+    bench.show_panel(Panel::Log);
     assert!(bench.view().look_result.measured.is_none());
 }

@@ -169,10 +169,14 @@ fn light_is_offered_only_where_it_is_computed() {
 }
 
 #[test]
-fn the_picture_size_is_chosen_in_its_row() {
+fn the_picture_size_is_chosen_in_the_toolbar() {
     let mut bench = Bench::new("triangle");
-    bench.click("Project stage");
-    bench.choose("Picture size", "320 × 180");
+    assert_eq!(bench.image().size(), (480, 270));
+    bench.click("480 × 270");
+    bench.click("320 × 180");
     assert_eq!(bench.session().state.size, PictureSize::Fixed(320, 180));
     assert_eq!(bench.image().size(), (320, 180));
+    bench.click("320 × 180");
+    bench.click("Match window");
+    assert_eq!(bench.image().size(), bench.session().canvas_px);
 }

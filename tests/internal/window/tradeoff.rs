@@ -7,6 +7,7 @@ use rasterscope::measure::motion::Turn;
 use rasterscope::report::upscaling::tradeoff::Standing;
 use rasterscope::ui::compare::Mode;
 use rasterscope::ui::session::PictureSize;
+use rasterscope::ui::workspace::Panel;
 use rasterscope::upscale::Upscaling;
 
 use super::bench::Bench;
@@ -14,7 +15,7 @@ use super::bench::Bench;
 #[test]
 fn every_upscaler_becomes_a_point_with_its_error_against_native() {
     let mut bench = Bench::small("triangle");
-    bench.click("Error vs time");
+    bench.show_panel(Panel::ErrorTime);
     assert!(bench.mentions("No measurement yet"));
     bench.click("Measure error and time");
     let points = bench.session().timings.tradeoff();
@@ -44,7 +45,7 @@ fn every_upscaler_becomes_a_point_with_its_error_against_native() {
 #[test]
 fn errors_are_measured_in_motion_unless_the_still_view_is_chosen() {
     let mut bench = Bench::small("triangle");
-    bench.click("Error vs time");
+    bench.show_panel(Panel::ErrorTime);
     bench.click("In motion (0.5° per frame)");
     assert_eq!(bench.session().timings.turn, Turn::default());
     bench.click("Still");
@@ -65,7 +66,7 @@ fn errors_are_measured_in_motion_unless_the_still_view_is_chosen() {
 #[test]
 fn a_row_becomes_picture_a_or_b() {
     let mut bench = Bench::small("triangle");
-    bench.click("Error vs time");
+    bench.show_panel(Panel::ErrorTime);
     bench.click("Measure error and time");
     let (first, second) = (Upscaling::new("lanczos3", 2), Upscaling::new("nearest", 4));
     let (first, second) = (first.expect("there is one"), second.expect("there is one"));
@@ -97,7 +98,7 @@ fn lonely_points(bench: &Bench) -> Vec<(Upscaling, Pos2)> {
 #[test]
 fn a_point_of_the_plot_becomes_picture_b_and_with_shift_a() {
     let mut bench = Bench::small("triangle");
-    bench.click("Error vs time");
+    bench.show_panel(Panel::ErrorTime);
     bench.click("Measure error and time");
     let (second, place) = lonely_points(&bench)[0];
     bench.click_at(place);
@@ -111,7 +112,7 @@ fn a_point_of_the_plot_becomes_picture_b_and_with_shift_a() {
 #[test]
 fn a_measurement_says_which_reference_it_is_against() {
     let mut bench = Bench::small("triangle");
-    bench.click("Error vs time");
+    bench.show_panel(Panel::ErrorTime);
     bench.click("Measure error and time");
     assert!(bench.mentions("Reference: Native, 1 sample"));
     bench.choose("Reference to measure against", "Converged, 256 samples");
@@ -127,7 +128,7 @@ fn a_measurement_says_which_reference_it_is_against() {
 #[test]
 fn the_picked_pixel_s_samples_are_shown_with_their_weights() {
     let mut bench = Bench::small("triangle");
-    bench.click("X-ray");
+    bench.show_panel(Panel::FilterTaps);
     bench.session_mut().state.recipe.set_all(&["upscaler.method=bilinear", "upscaler.scale=4"]).unwrap();
     bench.session_mut().pick = Some((82, 50));
     bench.rest();

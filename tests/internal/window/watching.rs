@@ -2,13 +2,14 @@
 
 use eframe::egui::Key;
 use rasterscope::pipeline::settings::{Choice as _, Shading};
+use rasterscope::ui::workspace::Panel;
 
 use super::bench::Bench;
 
 #[test]
 fn a_watched_pixel_is_followed_and_changes_are_marked() {
     let mut bench = Bench::small("triangle");
-    bench.click("Watch");
+    bench.show_panel(Panel::Watch);
     assert!(bench.says("No watched pixels"));
     let there = bench.place_of((80, 45));
     bench.click_at(there);

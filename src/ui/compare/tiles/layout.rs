@@ -25,7 +25,7 @@ pub(super) fn places(canvas: Rect, session: &Session) -> Vec<TileLayout> {
     let shown = if comparison.mode == Mode::Tiles { comparison.shown(&session.state.tiles) } else { 1 };
     let aspect = match session.state.size {
         PictureSize::Fixed(width, height) => width as f32 / height.max(1) as f32,
-        PictureSize::Canvas => 1.4,
+        PictureSize::MatchWindow => 1.4,
     };
     // Space for the region's error metrics is reserved before the user draws the region, so that the pictures keep
     // their size.

@@ -77,8 +77,8 @@ fn corners_center(corners: &[Pos2; 3]) -> Pos2 {
 
 /// Draws the barycentric weights of the vertices, both in screen space and as used for attribute interpolation.
 pub(super) fn weights(ui: &mut Ui, fragment: &FragmentRecord) {
-    egui::Grid::new("weights").num_columns(3).spacing([12.0, 2.0]).min_col_width(92.0).show(ui, |ui| {
-        ui.label(RichText::new("Barycentric").small().color(tokens(ui).text_weak));
+    egui::Grid::new("weights").num_columns(3).spacing([12.0, 2.0]).min_col_width(20.0).show(ui, |ui| {
+        ui.label(RichText::new("λ").small().color(tokens(ui).text_weak)).on_hover_text("Barycentric weights");
         for (heading, help) in [
             ("Linear", "Area opposite to the corner, divided by the area of the triangle, in screen space"),
             (

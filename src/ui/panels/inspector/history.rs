@@ -163,7 +163,7 @@ fn state_row(ui: &mut Ui, word: &str, help: &str, state: SampleState) {
     ui.horizontal(|ui| {
         chip(ui, Status::Neutral, word, help);
         swatch(ui, to_color(state.color));
-        let depth = state.depth.map_or(String::new(), |depth| format!("   depth {}", format::f32_full(depth.value)));
+        let depth = state.depth.map_or(String::new(), |depth| format!("  z {}", format::f32_full(depth.value)));
         let text = RichText::new(codes(state.color) + &depth).small().monospace().color(tokens(ui).text);
         ui.add(Label::new(text).truncate());
     });

@@ -23,13 +23,28 @@ use crate::ui::command::Command;
 use crate::ui::format;
 use crate::ui::manual::manual_button;
 use crate::ui::overlays;
-use crate::ui::panels::bottom::Tab;
+use crate::ui::picked_point::PointVisibility;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::trace;
 use crate::ui::watch;
 use crate::ui::what_if;
 use crate::ui::widgets::{copy_button, empty_state, section_header, swatch, value_row};
+use crate::ui::workspace::{Panel, PanelContext, PanelSpec, PanelWidgets, WorkspaceChange, framed};
+
+/// Description of the panel.
+pub(crate) const PANEL: PanelSpec = PanelSpec {
+    id: "pixel",
+    name: "Pixel",
+    help: "Explanation of the picked pixel: every fragment, which one won, and why",
+    chapter: Chapter::InspectingAPixel,
+    grows: false,
+    controls: None,
+    content: |ui, cx| {
+        let PanelContext { session, widgets: PanelWidgets { canvas, inspector, .. }, commands } = cx;
+        framed(ui, |ui| inspector.ui(ui, session, canvas.hovered, commands));
+    },
+};
 
 /// State of the inspector panel.
 #[derive(Default)]
@@ -52,12 +67,13 @@ impl Inspector {
         ui.separator();
         let report = session.view.as_ref().and_then(|view| view.report.as_deref());
         let Some(report) = report else {
-            empty_state(
-                ui,
-                Icon::Crosshair,
-                "No pixel picked",
-                "Click a pixel in the picture to list every fragment and explain the result.",
-            );
+            if session.point_visibility() == Some(PointVisibility::Outside) {
+                let how = "It is explained again when it comes back into view. Click a pixel to pick another point.";
+                empty_state(ui, Icon::Crosshair, "The picked point lies outside the picture", how);
+            } else {
+                let how = "Click a pixel in the picture to list every fragment and explain the result.";
+                empty_state(ui, Icon::Crosshair, "No pixel picked", how);
+            }
             return;
         };
         if self.of_pixel != Some((report.x, report.y)) {
@@ -65,6 +81,7 @@ impl Inspector {
         }
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             headline(ui, report, commands);
+            hidden_point(ui, session);
             let (fragment, absent) = match self.history.chosen {
                 Some(Chosen::Absent(index)) => (None, report.absent.get(index)),
                 Some(Chosen::Fragment(index)) => (report.fragments.get(index), None),
@@ -111,7 +128,7 @@ impl Inspector {
     }
 }
 
-/// Draws a button that shows a fragment in the tab “Calculation”.
+/// Draws a button that shows a fragment in the panel “Calculation”.
 fn arithmetic_button(ui: &mut Ui, report: &PixelReport, fragment: &FragmentRecord, commands: &mut Vec<Command>) {
     let Some(index) = report.fragments.iter().position(|other| std::ptr::eq(other, fragment)) else { return };
     let help = "Every step from the corners of the triangle to the pixel, with numbers and rounding errors";
@@ -185,7 +202,7 @@ fn headline(ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
             });
             if crate::ui::widgets::icon_button(ui, Icon::Pin, "Watch this pixel  (Enter)").clicked() {
                 commands.push(Command::Watch(watch::WatchChange::Add(report.x, report.y)));
-                commands.push(Command::OpenTab(Tab::Watch));
+                commands.push(Command::Workspace(WorkspaceChange::Panel(Panel::Watch)));
             }
             if crate::ui::widgets::icon_button(ui, Icon::X, "Clear the selection  (Esc)").clicked() {
                 commands.push(Command::Pick(None));
@@ -193,6 +210,20 @@ fn headline(ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
         });
     });
     ui.add(Label::new(RichText::new(&report.verdict).color(tokens(ui).text_strong)).wrap().selectable(true));
+    ui.add_space(theme::space::XS);
+}
+
+/// Draws a note if the pixel does not show the picked point because another surface hides it.
+fn hidden_point(ui: &mut Ui, session: &Session) {
+    if session.point_visibility() != Some(PointVisibility::Hidden) {
+        return;
+    }
+    let Some(point) = &session.picked_point else { return };
+    let object = session.scene.instances.get(point.instance).map_or("", |instance| &instance.name);
+    let text = format!("The picked point, on triangle {} of “{object}”, is hidden here", point.triangle.0);
+    let help = "The pick follows a point on a triangle. This pixel is at the place of the point, but its centre shows \
+                another surface, or the triangle is not drawn";
+    ui.add(Label::new(RichText::new(text).color(tokens(ui).warning)).wrap()).on_hover_text(help);
     ui.add_space(theme::space::XS);
 }
 

@@ -1,4 +1,4 @@
-//! X-ray view of the upscaler, in three parts: the samples from which the picked pixel was reconstructed, with their
+//! Filter taps of the upscaler, in three parts: the samples from which the picked pixel was reconstructed, with their
 //! weights, sum and clamping; the pixels that a sample contributes to; and the responses to an impulse, a step and a
 //! zone plate.
 
@@ -16,6 +16,7 @@ use crate::image::color::luma;
 use crate::image::{Image, Rgba8};
 use crate::inspect::feeds::{ContributingSample, Mixture, pixels_fed_by};
 use crate::inspect::view::magnitude_color;
+use crate::manual::Chapter;
 use crate::measure::response::Responses;
 use crate::ui::command::Command;
 use crate::ui::engine::RenderedView;
@@ -23,7 +24,19 @@ use crate::ui::format;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, ON_PIXEL, tokens};
 use crate::ui::widgets::{empty_state, figure};
+use crate::ui::workspace::{PanelSpec, framed};
 use crate::upscale::{FilterSpace, Upscaling};
+
+/// Description of the panel.
+pub(crate) const PANEL: PanelSpec = PanelSpec {
+    id: "filter-taps",
+    name: "Filter taps",
+    help: "Samples from which the upscaler reconstructed the picked pixel, and its response to test signals",
+    chapter: Chapter::ComparingUpscalers,
+    grows: false,
+    controls: None,
+    content: |ui, cx| framed(ui, |ui| self::ui(ui, cx.session, cx.commands)),
+};
 
 /// Minimum and maximum side length of a cell in the grid of samples, in points.
 const CELL: (f32, f32) = (16.0, 44.0);
@@ -34,7 +47,7 @@ const WEIGHT_FROM: f32 = 30.0;
 /// Width of each plot and of the two zone plate pictures, in points.
 const PLOT: f32 = 190.0;
 
-/// Draws the tab “X-ray” for the picked pixel.
+/// Draws the panel “Filter taps” for the picked pixel.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let picked = session.view.as_ref().and_then(|view| {
         let how = view.request.recipe.upscaler;

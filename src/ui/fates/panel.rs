@@ -1,4 +1,4 @@
-//! The “Fates” tab: funnels of triangles and fragments, table of objects, and list of filtered triangles.
+//! The panel “Triangle fates”: funnels of triangles and fragments, table of objects, and list of filtered triangles.
 
 use std::sync::Arc;
 
@@ -7,15 +7,28 @@ use eframe::egui::{Align, Color32, FontId, Galley, Layout, RichText, ScrollArea,
 
 use super::{funnel, list, objects};
 use crate::inspect::fates::{FragmentFate, TriangleFate};
+use crate::manual::Chapter;
 use crate::ui::command::Command;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, space, tokens};
 use crate::ui::widgets::{Status, chip, empty_state};
+use crate::ui::workspace::PanelSpec;
+
+/// Description of the panel.
+pub(crate) const PANEL: PanelSpec = PanelSpec {
+    id: "triangle-fates",
+    name: "Triangle fates",
+    help: "Fate of every triangle and fragment, such as culled or visible; click a fate to select its triangles",
+    chapter: Chapter::Stages,
+    grows: false,
+    controls: Some(|ui, cx| controls(ui, cx.session)),
+    content: |ui, cx| self::ui(ui, cx.session, cx.commands),
+};
 
 /// Widths of the two funnels and of the table of objects, as fractions of the tab's width; the list takes the rest.
 const SHARES: [f32; 3] = [0.18, 0.16, 0.31];
 
-/// Draws, beside the tab names, chips that show whether the fate counts add up to the totals.
+/// Draws, chips that show whether the fate counts add up to the totals.
 pub(crate) fn controls(ui: &mut Ui, session: &Session) {
     let Some(fates) = &session.fates.fates else { return };
     let complaints = fates.account.complaints();
@@ -33,7 +46,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session) {
     }
 }
 
-/// Draws the content of the “Fates” tab.
+/// Draws the content of the panel “Triangle fates”.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let view = &session.fates;
     let Some(fates) = &view.fates else {

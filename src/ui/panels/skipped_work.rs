@@ -1,4 +1,4 @@
-//! The “Plan” tab: for each part of the pipeline, the number of draws that run or skip it, the measured time saved, and
+//! The panel “Skipped work”: for each part of the pipeline, the number of draws that run or skip it, the measured time saved, and
 //! the reasons for skipping.
 
 use std::collections::BTreeMap;
@@ -7,6 +7,7 @@ use eframe::egui::{Button, Grid, ProgressBar, RichText, Ui};
 
 use crate::chain::KeepDepth;
 use crate::chain::whole::FramePart;
+use crate::manual::Chapter;
 use crate::measure::noise;
 use crate::measure::skipped_work::{Saving, Savings};
 use crate::pipeline::plan::{CullStats, DrawPlan, PipelinePart, PlanStep};
@@ -16,8 +17,20 @@ use crate::ui::format;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, tokens};
 use crate::ui::widgets::empty_state;
+use crate::ui::workspace::{PanelSpec, scrolling};
 
-/// Draws the controls of the tab “Plan”, beside the tabs.
+/// Description of the panel.
+pub(crate) const PANEL: PanelSpec = PanelSpec {
+    id: "skipped-work",
+    name: "Skipped work",
+    help: "Parts of the pipeline that each draw runs or skips, and why",
+    chapter: Chapter::SkippedWork,
+    grows: true,
+    controls: Some(|ui, cx| controls(ui, cx.session, cx.commands)),
+    content: |ui, cx| scrolling(ui, |ui| self::ui(ui, cx.session)),
+};
+
+/// Draws the controls of the panel “Skipped work”.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if let Some(progress) = session.savings.progress {
         if ui.button("Cancel").on_hover_text("Stop the measurement").clicked() {

@@ -1,0 +1,98 @@
+//! Default layout of each workspace.
+
+use super::Workspace;
+use super::layout::{Layout, Part};
+use super::panel::Panel;
+
+/// Default width of the stages, in points.
+const STAGES_WIDTH: f32 = 230.0;
+
+/// Default width of the panels that explain a pixel, in points.
+const PIXEL_WIDTH: f32 = 284.0;
+
+/// Default width of the picture beside the panels about robustness, in points.
+const BESIDE_WIDTH: f32 = 480.0;
+
+/// Default height of the panels below the picture, in points.
+const BELOW_HEIGHT: f32 = 250.0;
+
+/// Size of panels that take the remaining space; only its ratio to others of this size counts.
+const REST: f32 = 400.0;
+
+impl Workspace {
+    /// Returns the default layout.
+    pub(super) fn default_layout(self) -> Layout {
+        match self {
+            Self::Inspect => Layout::Row(vec![
+                part(tabs(&[Panel::Stages, Panel::Histogram]), STAGES_WIDTH),
+                part(Layout::Panel(Panel::Picture), REST),
+                part(tabs(&[Panel::Pixel, Panel::Calculation, Panel::Watch]), PIXEL_WIDTH),
+            ]),
+            Self::Geometry => Layout::Column(vec![
+                part(
+                    Layout::Row(vec![
+                        part(Layout::Panel(Panel::Picture), REST),
+                        part(Layout::Panel(Panel::MeshView), REST),
+                    ]),
+                    REST,
+                ),
+                part(tabs(&[Panel::TriangleFates, Panel::Vertices]), BELOW_HEIGHT),
+            ]),
+            Self::Compare => Layout::Row(vec![
+                part(
+                    Layout::Column(vec![
+                        part(Layout::Panel(Panel::Picture), REST),
+                        part(tabs(&[Panel::FilterTaps]), BELOW_HEIGHT),
+                    ]),
+                    REST,
+                ),
+                part(tabs(&[Panel::Stages, Panel::Pixel]), PIXEL_WIDTH),
+            ]),
+            Self::Measure => {
+                tabs(&[Panel::FrameTime, Panel::ErrorTime, Panel::Scaling, Panel::SkippedWork, Panel::Log])
+            }
+            Self::Robustness => Layout::Row(vec![
+                part(tabs(&[Panel::Stability, Panel::Probe, Panel::Assertions]), REST),
+                part(
+                    Layout::Column(vec![part(Layout::Panel(Panel::Picture), REST), part(tabs(&[Panel::Pixel]), REST)]),
+                    BESIDE_WIDTH,
+                ),
+            ]),
+            Self::Lab => Layout::Panel(Panel::Lab),
+        }
+    }
+
+    /// Whether the panels around the picture are hidden by default.
+    pub(super) fn hides_panels(self) -> bool {
+        match self {
+            Self::Compare => true,
+            Self::Inspect | Self::Geometry | Self::Measure | Self::Robustness | Self::Lab => false,
+        }
+    }
+
+    /// Returns the first workspace with a panel in its default layout.
+    pub(super) fn of(panel: Panel) -> Self {
+        let has = |workspace: &Self| workspace.default_layout().panels().contains(&panel);
+        Self::ALL.into_iter().find(has).unwrap_or_default()
+    }
+}
+
+fn tabs(panels: &[Panel]) -> Layout {
+    Layout::Tabs { panels: panels.to_vec(), active: 0 }
+}
+
+fn part(layout: Layout, points: f32) -> Part {
+    Part { layout, points }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_panel_is_in_a_workspace() {
+        for panel in Panel::ALL {
+            assert!(Workspace::of(*panel).default_layout().panels().contains(panel), "{panel:?}");
+        }
+    }
+}
