@@ -210,7 +210,8 @@ fn vertices_clipped_at_a_plane_have_exactly_the_depth_of_that_plane() {
         let (camera, recipe) = (scene.home, always(*format));
         let plans = render(&scene, &recipe, SIZE).plans;
         let scale = DepthScale::new(*format, &camera);
-        for (instance, plan) in scene.instances.iter().zip(&plans).filter(|(_, plan)| plan.runs(PipelinePart::Clipping))
+        for (instance, plan) in
+            scene.instances.iter().zip(plans.iter()).filter(|(_, plan)| plan.runs(PipelinePart::Clipping))
         {
             let mesh = scene.library.mesh(instance.mesh);
             let matrices = DrawMatrices::new(instance, camera.clip_from_world_f64(VIEW.aspect(), format.mapping()));
