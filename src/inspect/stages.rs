@@ -36,6 +36,14 @@ choice! {
 }
 
 impl Stage {
+    /// Returns the stage that lies `steps` stages after this one, or before it if `steps` is negative. Stops at the
+    /// first and the last stage.
+    pub(crate) fn stepped(self, steps: i64) -> Self {
+        let last = Self::ALL.len() as i64 - 1;
+        let place = Self::ALL.iter().position(|stage| *stage == self).map_or(0, |place| place as i64);
+        Self::ALL[place.saturating_add(steps).clamp(0, last) as usize]
+    }
+
     /// Returns the buffer that holds the values of the picture after this stage; `None` if the picture has only colours.
     pub(crate) fn buffer(self) -> Option<Buffer> {
         match self {
@@ -241,6 +249,14 @@ mod tests {
         let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
         let image = picture(&scene, &scene.home, &recipe, &frame, Stage::Depth);
         assert!(image.pixels().iter().all(|color| *color == NOT_DRAWN), "there is no depth buffer");
+    }
+
+    #[test]
+    fn steps_stop_at_the_first_and_the_last_stage() {
+        assert_eq!(Stage::Cull.stepped(1), Stage::Rasterize);
+        assert_eq!(Stage::Clip.stepped(-1), Stage::Transform);
+        assert_eq!(Stage::Assemble.stepped(-1), Stage::Assemble);
+        assert_eq!(Stage::Shade.stepped(i64::MAX), Stage::Upscale);
     }
 
     #[test]

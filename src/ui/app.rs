@@ -230,7 +230,7 @@ impl Workbench {
             },
         );
         Panel::left("pipeline").frame(frame).resizable(true).default_size(left).min_size(230.0).show(ui, |ui| {
-            egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| pipeline::ui(ui, &self.session, commands));
+            pipeline::ui(ui, &self.session, commands);
         });
         Panel::right("inspector").frame(frame).resizable(true).default_size(right).min_size(250.0).show(ui, |ui| {
             self.inspector.ui(ui, &self.session, self.canvas.hovered, commands);
@@ -409,7 +409,6 @@ impl Workbench {
             Command::ToggleKeys => self.dialog = Dialog::Keys(String::new()),
             Command::OpenManual(chapter) => self.manual.open(chapter),
             Command::OpenTab(tab) => self.tab = tab,
-            Command::OpenStages(open) => pipeline::open_all(ui, open),
             Command::OpenPalette => self.dialog = Dialog::Palette(Box::new(Palette::new(&self.session, ""))),
             Command::Place(place::PlaceChange::Manage) => self.dialog = Dialog::Bookmarks,
             Command::Place(place::PlaceChange::Find(SearchTarget::View(x, y, percent))) => {

@@ -9,7 +9,9 @@ use eframe::egui::{
 use egui_kittest::{Harness, kittest::Queryable as _};
 use rasterscope::chain::{Frame, KeepDepth, Renderer, run};
 use rasterscope::image::{Image, Rgba8};
+use rasterscope::inspect::Stage;
 use rasterscope::measure::motion::Turn;
+use rasterscope::pipeline::settings::Choice as _;
 use rasterscope::scene::SceneSource;
 use rasterscope::ui::app::Workbench;
 use rasterscope::ui::engine::{RenderedView, Request};
@@ -102,6 +104,17 @@ impl Bench {
     /// Clicks the button with this name, after scrolling it into view.
     pub(crate) fn click(&mut self, button: &str) {
         self.click_role(Role::Button, button);
+    }
+
+    /// Selects a stage, so that the pipeline panel shows its switches.
+    pub(crate) fn select(&mut self, stage: Stage) {
+        self.click(&format!("{} stage", stage.name()));
+        assert_eq!(self.session().selected_stage, stage);
+    }
+
+    /// Shows the picture after a stage, or the finished picture if it is already shown.
+    pub(crate) fn click_eye(&mut self, stage: Stage) {
+        self.click(&format!("Show the picture after “{}”", stage.name()));
     }
 
     /// Selects an option in the row with this label, which has a button per option or a drop-down list.
