@@ -1,4 +1,4 @@
-//! Content of an expanded stage row: settings, statistics, and the work that is skipped, with reasons. Settings that do
+//! Switches of the selected stage: settings, statistics, and the work that is skipped, with reasons. Settings that do
 //! not apply to the scene are not offered.
 
 use std::collections::BTreeSet;
@@ -36,6 +36,21 @@ pub(crate) fn ui(ui: &mut Ui, stage: Stage, session: &Session, recipe: &mut Reci
         Stage::Shade => shade(ui, session, recipe),
         Stage::Upscale => upscaling(ui, session, recipe),
     }
+}
+
+/// Returns the stage whose switches include the setting with the dotted key `key`; `None` if no stage has a switch for it.
+pub(crate) fn owner(key: &str) -> Option<Stage> {
+    let group = key.split('.').next()?;
+    Some(match group {
+        "culling" => Stage::Cull,
+        "execution" | "rasterizer" | "arithmetic" | "fill_rule" | "wireframe" => Stage::Rasterize,
+        "depth_test" | "depth_format" | "depth_bias" => Stage::Depth,
+        "interpolation" => Stage::Interpolate,
+        "shading" | "light" | "checker" | "filter" | "address" | "alpha" | "blending" | "background"
+        | "color_space" => Stage::Shade,
+        "antialias" | "upscaler" | "post" => Stage::Upscale,
+        _ => return None,
+    })
 }
 
 fn assemble(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
@@ -465,4 +480,16 @@ fn upscaling(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
         );
     }
     smooth::post(ui, &mut recipe.post);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_setting_with_a_switch_has_an_owner() {
+        let keys = Recipe::keys().into_iter().map(|(key, _)| key);
+        let without: Vec<_> = keys.filter(|key| owner(key).is_none()).collect();
+        assert_eq!(without, ["force"], "no stage has a switch for it");
+    }
 }

@@ -83,6 +83,7 @@ fn the_palette_finds_entries_by_letters_and_executes_them_on_enter() {
     type_in(&mut bench, "unorm16");
     bench.press(Key::Enter);
     assert_eq!(bench.session().state.recipe.pipeline.depth_format, DepthFormat::Unorm16);
+    assert_eq!(bench.session().selected_stage, Stage::Depth);
     assert_eq!(bench.image(), *bench.expected().image());
 
     bench.press_with(Modifiers::COMMAND | Modifiers::SHIFT, Key::P);
@@ -94,6 +95,7 @@ fn the_palette_finds_entries_by_letters_and_executes_them_on_enter() {
     type_in(&mut bench, "light.ambient=0.75");
     bench.press(Key::Enter);
     assert_eq!(bench.session().state.recipe.pipeline.light.ambient, 0.75);
+    assert!(bench.says("Ambient"), "the stage with the setting is selected");
 }
 
 #[test]
