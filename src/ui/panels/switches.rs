@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use eframe::egui::{Button, Label, RichText, Ui};
+use eframe::egui::{Label, RichText, Ui};
 
 use super::{pick, plan, smooth};
 use crate::chain::{Recipe, execution};
@@ -19,8 +19,8 @@ use crate::ui::command::Command;
 use crate::ui::engine::{RenderedView, StageFigures};
 use crate::ui::format;
 use crate::ui::session::{PictureSize, Session};
-use crate::ui::theme::tokens;
-use crate::ui::widgets::{choice, combo, drag, drag_by, row, slider, value_row};
+use crate::ui::theme::{Icon, tokens};
+use crate::ui::widgets::{choice, combo, drag, drag_by, icon_button, row, slider, value_row};
 
 /// Draws the settings and statistics of a stage.
 pub(crate) fn ui(ui: &mut Ui, stage: Stage, session: &Session, recipe: &mut Recipe, commands: &mut Vec<Command>) {
@@ -402,8 +402,8 @@ fn background(ui: &mut Ui, session: &Session, background: &mut Background) {
             *background = Background::Color(color);
         }
         let is_own = *background != Background::Scene;
-        let button = ui.add_enabled(is_own, Button::new("Use scene colour"));
-        if button.on_hover_text("Restore the background colour of the scene").clicked() {
+        let restore = ui.add_enabled_ui(is_own, |ui| icon_button(ui, Icon::RotateCcw, "Use scene colour")).inner;
+        if restore.on_disabled_hover_text("This is the background colour of the scene").clicked() {
             *background = Background::Scene;
         }
     });
