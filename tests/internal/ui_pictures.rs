@@ -151,9 +151,12 @@ fn two_runs_differ_only_in_live_numbers() {
     let (a, b) = (Shot::new("cubes", WINDOWS[0], egui::Theme::Dark), Shot::new("cubes", WINDOWS[0], egui::Theme::Dark));
     // Times appear in the menu bar, in the rows of the pipeline, and in the tab “Frame time”.
     let tabs_top = a.place_of(Role::Button, "Frame time").bottom();
-    let mut live = vec![a.window().with_min_y(tabs_top)];
+    // Times determine the bars and the columns in the rows of the pipeline.
+    let rows = a.place_of(Role::Button, "Assemble stage").union(a.place_of(Role::Label, "Whole frame"));
+    let mut live = vec![a.window().with_min_y(tabs_top), rows];
     for (here, there) in [(&a, &b), (&b, &a)] {
-        for (id, node, rect) in here.placed().filter(|(_, _, rect)| rect.top() < tabs_top) {
+        let is_checked = |rect: &Rect| rect.top() < tabs_top && !rows.contains_rect(*rect);
+        for (id, node, rect) in here.placed().filter(|(_, _, rect)| is_checked(rect)) {
             let same = there.placed().any(|(i, n, r)| i == id && n.value() == node.value() && r == rect);
             if !same {
                 let value = node.value().unwrap_or_default();
@@ -208,6 +211,27 @@ fn all_stages_stand_in_order_below_one_another() {
     for stage in Stage::ALL {
         let row = large.place_of(Role::Button, &format!("{} stage", stage.name()));
         assert!(large.window().contains_rect(row), "{}", stage.name());
+    }
+}
+
+#[test]
+fn the_rows_of_the_pipeline_fit_without_scrolling() {
+    let (width, height, pixels_per_point) = WINDOWS[0];
+    // A narrow window has the narrowest panel.
+    for width in [width, 794.0] {
+        let shot = Shot::new("interpenetrating", (width, height, pixels_per_point), egui::Theme::Light);
+        let tabs = shot.place_of(Role::Button, "Frame time").top();
+        let last = shot.place_of(Role::Label, "Whole frame");
+        assert!(last.bottom() < tabs, "{width}: {last:?}");
+        let first = shot.place_of(Role::Button, "Assemble stage");
+        assert!(shot.window().contains_rect(first) && first.bottom() <= last.top(), "{width}: {first:?}");
+        let eye = shot.place_of(Role::Button, "Show the picture after “Transform”");
+        let times: Vec<_> =
+            shot.placed().filter(|(_, node, _)| node.value().is_some_and(|v| v.ends_with("ms"))).collect();
+        let in_rows = times.iter().filter(|(_, _, rect)| first.union(last).contains_rect(*rect));
+        let rights: Vec<_> = in_rows.map(|(_, _, rect)| rect.right()).collect();
+        assert!(rights.len() > 5 && rights.iter().all(|right| *right == rights[0]), "{width}: {rights:?}");
+        assert!(rights[0] < eye.left(), "{width}: {eye:?}");
     }
 }
 

@@ -33,6 +33,9 @@ const REST_HEIGHT: f32 = STAGE_HEIGHT - space::XS;
 /// Distance of a row's name from the left edge of the row, in points.
 const NAME_INSET: f32 = space::S;
 
+/// Space between a time and the button beside it, in points.
+const GAP: f32 = 2.0;
+
 /// Space above and below the bar that shows the share of the frame time, in points.
 const BAR_MARGIN: f32 = 3.0;
 
@@ -147,7 +150,7 @@ impl TimeColumn {
 
     /// Returns the rectangle of the column in a row. To its right is the button that shows the picture after a stage.
     fn place(&self, row: Rect) -> Rect {
-        let right = row.right() - CONTROL_HEIGHT;
+        let right = row.right() - CONTROL_HEIGHT - GAP;
         Rect::from_x_y_ranges((right - self.width)..=right, row.y_range())
     }
 
@@ -223,9 +226,9 @@ fn stage_row(
     if let StageTime::PartOf(other) = figures.time {
         small_text(ui, time, &part_of(other), weak);
     }
-    let middle = Rect::from_x_y_ranges((name.right() + space::S)..=(time.left() - space::S), rect.y_range());
+    let middle = Rect::from_x_y_ranges((name.right() + space::XS)..=(time.left() - space::XS), rect.y_range());
     match &figures.detail {
-        Detail::Count(count) => small_text(ui, middle, &count.short(), weak),
+        Detail::Count(count) => small_text(ui, middle, &count.fitting(ui, middle.width()), weak),
         Detail::Skipped(reason) => small_text(ui, middle, reason, weak),
         Detail::Nothing => {}
     }
@@ -299,8 +302,13 @@ struct StageCount {
 }
 
 impl StageCount {
-    fn short(&self) -> String {
-        format!("{} {}", format::short_count(self.number), self.unit)
+    /// Returns the number with its unit, or the number alone where the unit would not fit into `width` points.
+    fn fitting(&self, ui: &Ui, width: f32) -> String {
+        let number = format::short_count(self.number);
+        let text = format!("{number} {}", self.unit);
+        let font = TextStyle::Small.resolve(ui.style());
+        let size = ui.painter().layout_no_wrap(text.clone(), font, Color32::WHITE).size();
+        if size.x <= width { text } else { number }
     }
 }
 
@@ -464,4 +472,67 @@ fn count_of(stage: Stage, session: &Session, view: &RenderedView) -> Option<Stag
         Stage::Upscale => (view.frame.drawn_pixels(), "px", "pixels drawn"),
     };
     Some(StageCount { number, unit, meaning })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use eframe::egui::Theme;
+
+    use super::*;
+    use crate::pipeline::settings::DepthTest;
+    use crate::scene::SceneSource;
+    use crate::ui::engine::Engine;
+    use crate::ui::headless::Headless;
+    use crate::ui::session::PictureSize;
+
+    fn session() -> Session {
+        let source = SceneSource::named("interpenetrating".into());
+        let scene = source.load().unwrap().scene;
+        let home = scene.home;
+        let mut session = Session::new(Arc::new(scene), source, Recipe::default(), home);
+        session.state.size = PictureSize::Fixed(32, 20);
+        session
+    }
+
+    fn reasons(session: &Session) -> Vec<(Stage, String)> {
+        let view = Engine::default().answer(session.request());
+        Stage::ALL.iter().filter_map(|stage| Some((*stage, skip_reason(*stage, &view)?))).collect()
+    }
+
+    #[test]
+    fn a_stage_is_skipped_if_no_draw_runs_it() {
+        let mut session = session();
+        session.state.recipe.pipeline.depth_test = DepthTest::Off;
+        let skipped = reasons(&session);
+        assert!(skipped.contains(&(Stage::Depth, "the depth test is off".to_owned())), "{skipped:?}");
+        assert!(skipped.contains(&(Stage::Upscale, "every pixel is drawn".to_owned())), "{skipped:?}");
+        assert!(skipped.iter().all(|(stage, _)| *stage != Stage::Shade), "{skipped:?}");
+
+        let camera = &mut session.state.camera;
+        camera.target = camera.eye * 2.0 - camera.target;
+        session.state.recipe.set("upscaler.method=nearest").unwrap();
+        let skipped = reasons(&session);
+        assert_eq!(skipped.len(), Stage::ALL.len() - 2, "{skipped:?}");
+        assert!(skipped.iter().all(|(_, reason)| reason == "the whole object is outside the view"), "{skipped:?}");
+    }
+
+    #[test]
+    fn a_narrow_row_omits_the_unit_of_a_count_but_no_digit() {
+        let mut headless = Headless::new(vec2(200.0, 100.0), 1.0, Theme::Dark);
+        let count = StageCount { number: 14_860, unit: "tris", meaning: "triangles" };
+        headless.pass(Vec::new(), |ui| {
+            assert_eq!(count.fitting(ui, 200.0), format!("{} tris", format::short_count(14_860)));
+            assert_eq!(count.fitting(ui, 1.0), format::short_count(14_860));
+        });
+    }
+
+    #[test]
+    fn only_stages_without_a_time_of_their_own_are_timed_within_another() {
+        let times = StageTimes::default();
+        for stage in Stage::ALL.iter().filter(|stage| timed_within(**stage).is_some()) {
+            assert_eq!(time_of(*stage, &times), None, "{stage:?}");
+        }
+    }
 }
