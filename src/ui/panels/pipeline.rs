@@ -226,7 +226,7 @@ fn stage_row(
     if let StageTime::PartOf(other) = figures.time {
         small_text(ui, time, &part_of(other), weak);
     }
-    let middle = Rect::from_x_y_ranges((name.right() + space::XS)..=(time.left() - space::XS), rect.y_range());
+    let middle = Rect::from_x_y_ranges((name.right() + space::XS)..=(time.left() - space::S), rect.y_range());
     match &figures.detail {
         Detail::Count(count) => small_text(ui, middle, &count.fitting(ui, middle.width()), weak),
         Detail::Skipped(reason) => small_text(ui, middle, reason, weak),

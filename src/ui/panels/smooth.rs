@@ -130,7 +130,7 @@ fn mask(ui: &mut Ui, post: &mut PostFilter) {
     const GAP: f32 = space::XS;
     // Five weights share the width of the panel, which they would widen otherwise.
     let width = (ui.available_width() - 4.0 * GAP) / 5.0;
-    Grid::new("mask").num_columns(5).spacing([GAP, GAP]).show(ui, |ui| {
+    Grid::new("mask").num_columns(5).min_col_width(width).spacing([GAP, GAP]).show(ui, |ui| {
         ui.spacing_mut().interact_size.x = width;
         ui.spacing_mut().button_padding.x = 0.0;
         for row in post.mask.chunks_mut(5) {
