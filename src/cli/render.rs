@@ -83,12 +83,13 @@ pub(crate) struct RenderArgs {
 /// Runs `render`: draws the frame, writes the picture, and prints a summary line.
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let DrawnFrame { scene, camera, recipe, frame } = args.frame.draw(moment(args.triangles, args.fragments))?;
-    let (buffer, captured) = match args.buffer {
-        Either::First(buffer) => (buffer, None),
-        Either::Second(number) => (Buffer::Color, Some(intermediate::capture(&scene, &recipe, &frame, number))),
+    let (buffer, captured) = match (args.stage.and_then(Stage::buffer), args.buffer) {
+        (Some(buffer), _) | (None, Either::First(buffer)) => (buffer, None),
+        (None, Either::Second(number)) => (Buffer::Color, Some(intermediate::capture(&scene, &recipe, &frame, number))),
     };
     let captured = captured.as_ref();
-    let stage = args.stage.map(|stage| stages::picture(&scene, &camera, &recipe, &frame, stage));
+    let drawn_stage = args.stage.filter(|stage| stage.buffer().is_none());
+    let stage = drawn_stage.map(|stage| stages::picture(&scene, &camera, &recipe, &frame, stage));
     let buffers = (stage.is_none() && buffer != Buffer::Color)
         .then(|| capture(&scene, &recipe, &frame).completed_for(buffer, &recipe, &frame));
     let reads_seams = args.overlay.iter().any(|layer| layer.overlay.reads_seams());

@@ -4,7 +4,9 @@
 //! culling. Only zero-area triangles are missing, because they have no facing. Stages from rasterization onwards show
 //! only pixels that were drawn; pixels left to the upscaler are dark.
 
+use super::buffers::Buffer;
 use super::fates::Rejections;
+use super::view;
 use crate::chain::{Frame, Recipe, redraw};
 use crate::image::{Image, Rgba8};
 use crate::math::fixed::to_pixels;
@@ -26,10 +28,36 @@ choice! {
         Project = "project", "Project", "Edges and corners after the division by w, scaled to pixels and snapped to 1/256 px.";
         Cull = "cull", "Cull", "Triangles to rasterize are white, culled ones red. Zero-area triangles are not shown.";
         Rasterize = "rasterize", "Rasterize", "Every covered pixel in the colour of the last triangle drawn there, before the depth and alpha tests. Pixels that the upscaler fills in are dark.";
-        Depth = "depth", "Depth", "The triangle that wins each pixel, after the depth and alpha tests.";
+        Depth = "depth", "Depth", "The depth buffer after the depth and alpha tests. Blended fragments store no depth.";
         Interpolate = "interpolate", "Interpolate", "The weights of the winning triangle's corners as red, green and blue.";
         Shade = "shade", "Shade", "The drawn pixels after shading; those that the upscaler fills in are dark.";
         Upscale = "upscale", "Upscale", "The finished picture.";
+    }
+}
+
+impl Stage {
+    /// Returns the stage that lies `steps` stages after this one, or before it if `steps` is negative. Stops at the
+    /// first and the last stage.
+    pub(crate) fn stepped(self, steps: i64) -> Self {
+        let last = Self::ALL.len() as i64 - 1;
+        let place = Self::ALL.iter().position(|stage| *stage == self).map_or(0, |place| place as i64);
+        Self::ALL[place.saturating_add(steps).clamp(0, last) as usize]
+    }
+
+    /// Returns the buffer that holds the values of the picture after this stage; `None` if the picture has only colours.
+    pub(crate) fn buffer(self) -> Option<Buffer> {
+        match self {
+            Self::Depth => Some(Buffer::Depth),
+            Self::Upscale => Some(Buffer::Color),
+            Self::Assemble
+            | Self::Transform
+            | Self::Clip
+            | Self::Project
+            | Self::Cull
+            | Self::Rasterize
+            | Self::Interpolate
+            | Self::Shade => None,
+        }
     }
 }
 
@@ -43,10 +71,6 @@ pub(crate) const NOT_DRAWN: Rgba8 = [12, 12, 12, 255];
 
 /// Returns the picture of `frame` after the pipeline stage `stage`.
 pub(crate) fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, stage: Stage) -> Image<Rgba8> {
-    let redrawn = |shading| {
-        let recipe = Recipe { pipeline: Settings { shading, ..recipe.pipeline }, ..*recipe };
-        spread(&redraw(scene, &recipe, frame, LastStage::Shade, &mut ()).color, frame)
-    };
     match stage {
         Stage::Assemble => Wires::of(scene, camera, recipe, frame.viewport).corners(),
         Stage::Transform => Wires::of(scene, camera, recipe, frame.viewport).edges(|_| REMAINING_COLOR),
@@ -75,8 +99,12 @@ pub(crate) fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &F
             redraw(scene, recipe, frame, LastStage::Coverage, &mut covered);
             spread(&covered.0, frame)
         }
-        Stage::Depth => redrawn(Shading::TriangleId),
-        Stage::Interpolate => redrawn(Shading::Barycentric),
+        Stage::Depth => view::picture(Buffer::Depth, frame, None, view::range(Buffer::Depth, frame, None)),
+        Stage::Interpolate => {
+            let pipeline = Settings { shading: Shading::Barycentric, ..recipe.pipeline };
+            let recipe = Recipe { pipeline, ..*recipe };
+            spread(&redraw(scene, &recipe, frame, LastStage::Shade, &mut ()).color, frame)
+        }
         Stage::Shade => spread(&frame.drawn.color, frame),
         Stage::Upscale => frame.image().clone(),
     }
@@ -163,7 +191,8 @@ fn plot(triangle: &ScreenTriangle, color: Rgba8, image: &mut Image<Rgba8>) {
 mod tests {
     use super::*;
     use crate::chain::run;
-    use crate::scene::{Transparency, builtin};
+    use crate::pipeline::settings::DepthTest;
+    use crate::scene::builtin;
     use crate::upscale::Upscaling;
 
     const VIEW: Viewport = Viewport { width: 80, height: 60 };
@@ -177,13 +206,11 @@ mod tests {
     #[test]
     fn pictures_of_samples_are_redrawn_bit_for_bit() {
         let scene = builtin::by_id("cubes").unwrap().build();
-        for (stage, shading) in [(Stage::Depth, Shading::TriangleId), (Stage::Interpolate, Shading::Barycentric)] {
-            let mut recipe = Recipe::default();
-            let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
-            let shown = picture(&scene, &scene.home, &recipe, &frame, stage);
-            recipe.pipeline.shading = shading;
-            assert_eq!(shown, *run(&scene, &scene.home, &recipe, VIEW, &mut ()).image(), "{stage:?}");
-        }
+        let mut recipe = Recipe::default();
+        let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
+        let shown = picture(&scene, &scene.home, &recipe, &frame, Stage::Interpolate);
+        recipe.pipeline.shading = Shading::Barycentric;
+        assert_eq!(shown, *run(&scene, &scene.home, &recipe, VIEW, &mut ()).image());
     }
 
     #[test]
@@ -198,26 +225,38 @@ mod tests {
         }
         frame.geometry.triangles.truncate(1);
         let only = id_color(frame.geometry.triangles[0].id);
-        for stage in [Stage::Rasterize, Stage::Depth] {
-            let image = picture(&scene, &scene.home, &recipe, &frame, stage);
-            let of_it = image.pixels().iter().filter(|p| **p == only).count();
-            assert!(of_it > 0 && of_it == covered(&scene, &image), "{stage:?}");
-        }
+        let image = picture(&scene, &scene.home, &recipe, &frame, Stage::Rasterize);
+        let of_it = image.pixels().iter().filter(|p| **p == only).count();
+        assert!(of_it > 0 && of_it == covered(&scene, &image));
     }
 
     #[test]
-    fn fragments_that_fail_the_alpha_test_disappear_at_the_depth_stage() {
+    fn the_depth_stage_shows_the_stored_depths() {
+        // The scene has opaque, alpha-tested and blended triangles.
         let scene = builtin::by_id("stained-glass").unwrap().build();
-        let recipe = Recipe::default();
+        let mut recipe = Recipe::default();
         let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
-        let alpha_tested =
-            |t: &&ScreenTriangle| frame.geometry.plans[t.instance as usize].transparency() == Transparency::AlphaTested;
-        let colors: Vec<_> = frame.geometry.triangles.iter().filter(alpha_tested).map(|t| id_color(t.id)).collect();
-        let [rasterized, tested] = [Stage::Rasterize, Stage::Depth].map(|stage| {
-            let image = picture(&scene, &scene.home, &recipe, &frame, stage);
-            image.pixels().iter().filter(|p| colors.contains(p)).count()
-        });
-        assert!(rasterized > tested && tested > 0, "{rasterized} {tested}");
+        let image = picture(&scene, &scene.home, &recipe, &frame, Stage::Depth);
+        let depth = frame.drawn.depth.as_ref().unwrap();
+        let range = view::range(Buffer::Depth, &frame, None).unwrap();
+        for (color, depth) in image.pixels().iter().zip(depth.pixels()) {
+            let is_stored = *depth != frame.drawn.clear_depth;
+            let expected = if is_stored { view::magnitude_color(range.position(*depth)) } else { NOT_DRAWN };
+            assert_eq!(*color, expected);
+        }
+        assert!(range.low < range.high);
+        recipe.pipeline.depth_test = DepthTest::Off;
+        let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
+        let image = picture(&scene, &scene.home, &recipe, &frame, Stage::Depth);
+        assert!(image.pixels().iter().all(|color| *color == NOT_DRAWN), "there is no depth buffer");
+    }
+
+    #[test]
+    fn steps_stop_at_the_first_and_the_last_stage() {
+        assert_eq!(Stage::Cull.stepped(1), Stage::Rasterize);
+        assert_eq!(Stage::Clip.stepped(-1), Stage::Transform);
+        assert_eq!(Stage::Assemble.stepped(-1), Stage::Assemble);
+        assert_eq!(Stage::Shade.stepped(i64::MAX), Stage::Upscale);
     }
 
     #[test]

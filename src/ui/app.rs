@@ -32,7 +32,7 @@ use super::navigate::FLYING_KEYS;
 use super::overlays;
 use super::palette::Palette;
 use super::panels::dialogs::{Dialog, OpenDialog};
-use super::panels::{menu, message, pipeline};
+use super::panels::{menu, message};
 use super::place;
 use super::range;
 use super::session::{PointerMode, Session, Severity, WindowState};
@@ -296,7 +296,6 @@ impl Workbench {
             Command::ToggleKeys => self.dialog = Dialog::Keys(String::new()),
             Command::OpenManual(chapter) => self.manual.open(chapter),
             Command::Workspace(change) => self.change_workspace(change),
-            Command::OpenStages(open) => pipeline::open_all(ui, open),
             Command::OpenPalette => self.dialog = Dialog::Palette(Box::new(Palette::new(&self.session, ""))),
             Command::Place(place::PlaceChange::Manage) => self.dialog = Dialog::Bookmarks,
             Command::Place(place::PlaceChange::Find(SearchTarget::View(x, y, percent))) => {

@@ -246,9 +246,9 @@ fn legend(ui: &Ui, canvas: Rect, session: &Session, view: &RenderedView) -> Rect
     const WIDTH: f32 = 220.0;
     const BAR: f32 = 8.0;
     let shown = view.request.shown;
-    let missing = match shown {
+    let missing = match shown.source() {
         Shown::Buffer(buffer) => absence(buffer, &view.frame),
-        _ => None,
+        Shown::Stage(_) | Shown::Intermediate(_) => None,
     };
     let (name, help) = (shown.name(), missing.unwrap_or(shown.help()));
     let small = FontId::proportional(font_size::SMALL);

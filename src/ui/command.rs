@@ -27,6 +27,7 @@ use super::watch;
 use super::what_if;
 use super::workspace::{Workspace, WorkspaceChange};
 use crate::chain::Recipe;
+use crate::inspect::Stage;
 use crate::inspect::outline::OutlineKind;
 use crate::inspect::range::RangeFit;
 use crate::inspect::scrub::Unit;
@@ -106,7 +107,10 @@ pub(crate) enum Command {
     NudgePick(i64, i64),
     /// Shows this buffer, pipeline stage or intermediate value on the canvas.
     Show(Shown),
-    /// Steps the shown stage forwards or backwards by this many stages.
+    /// Selects the stage whose switches the pipeline panel shows. If a stage picture is shown, also shows the picture
+    /// after this stage.
+    SelectStage(Stage),
+    /// Moves the selection forwards or backwards by this many stages, as with [`Self::SelectStage`].
     StepStage(i64),
     /// Picks the next (positive) or previous (negative) crack or double hit, and zooms in on its pixel.
     StepFault(i64),
@@ -193,8 +197,6 @@ pub(crate) enum Command {
     Select(TriangleSelection),
     /// Shows a workspace or a panel, or changes the layout.
     Workspace(WorkspaceChange),
-    /// Expands (`true`) or collapses (`false`) the settings of all stages.
-    OpenStages(bool),
     /// Opens the command palette.
     OpenPalette,
     /// Changes the what-if comparison, which shows the effect of the last change of settings.
@@ -290,8 +292,8 @@ pub(crate) const BINDINGS: &[KeyBinding] = &[
     ),
     bind(Modifiers::NONE, Key::F, || Command::ZoomFit, "Fit the picture into the canvas"),
     bind(Modifiers::NONE, Key::Num0, || Command::ZoomOne, "Show one picture pixel per screen pixel"),
-    bind(Modifiers::NONE, Key::OpenBracket, || Command::StepStage(-1), "Show the previous stage"),
-    bind(Modifiers::NONE, Key::CloseBracket, || Command::StepStage(1), "Show the next stage"),
+    bind(Modifiers::NONE, Key::OpenBracket, || Command::StepStage(-1), "Select the previous stage"),
+    bind(Modifiers::NONE, Key::CloseBracket, || Command::StepStage(1), "Select the next stage"),
     bind(
         Modifiers::COMMAND,
         Key::Comma,

@@ -50,6 +50,15 @@ impl Shown {
         }
     }
 
+    /// Returns the source of the shown values: the buffer that holds the result of a shown stage if there is one,
+    /// otherwise `self`.
+    pub(crate) fn source(self) -> Self {
+        match self {
+            Self::Stage(stage) => stage.buffer().map_or(self, Self::Buffer),
+            Self::Buffer(_) | Self::Intermediate(_) => self,
+        }
+    }
+
     /// Returns a description of the shown buffer, stage or intermediate value, in one sentence.
     pub(crate) fn help(self) -> &'static str {
         match self {

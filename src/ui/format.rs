@@ -42,6 +42,25 @@ pub(crate) fn count(number: u64) -> String {
     text
 }
 
+/// Formats an integer in a few characters: below 10 000 with all digits, otherwise with three significant digits, such
+/// as "14.9 k" for 14 860.
+pub(crate) fn short_count(number: u64) -> String {
+    let (divisor, prefix) = match number {
+        0..10_000 => return count(number),
+        // From 999 500 on, three digits would be rounded to 1000 k.
+        10_000..999_500 => (1e3, "k"),
+        999_500..999_500_000 => (1e6, "M"),
+        _ => (1e9, "G"),
+    };
+    let value = number as f64 / divisor;
+    let decimals = match value {
+        _ if value < 9.995 => 2,
+        _ if value < 99.95 => 1,
+        _ => 0,
+    };
+    with_unit(fixed(value, decimals), prefix)
+}
+
 /// Formats a number of bytes in binary units: "512 B", "3.5 MiB".
 pub(crate) fn bytes(bytes: u64) -> String {
     const UNITS: [&str; 6] = ["KiB", "MiB", "GiB", "TiB", "PiB", "EiB"];
@@ -124,6 +143,24 @@ mod tests {
             assert_eq!(count(number), text.replace(' ', "\u{2009}"));
         }
         assert_eq!(count(u64::MAX).chars().filter(char::is_ascii_digit).count(), 20);
+    }
+
+    #[test]
+    fn short_counts_have_at_most_four_digits() {
+        for (number, text) in [
+            (0, "0"),
+            (9_999, "9 999"),
+            (14_860, "14.9 k"),
+            (99_949, "99.9 k"),
+            (99_950, "100 k"),
+            (921_600, "922 k"),
+            (999_499, "999 k"),
+            (999_500, "1.00 M"),
+            (1_843_200, "1.84 M"),
+            (999_500_000, "1.00 G"),
+        ] {
+            assert_eq!(short_count(number), text.replace(' ', "\u{2009}"), "{number}");
+        }
     }
 
     #[test]

@@ -50,7 +50,7 @@ pub(crate) struct StatisticsRequest {
 /// Picture drawn with the settings of a [`Look`], and the intermediate results from which it was composed.
 #[derive(Clone, Debug)]
 pub(crate) struct LookResult {
-    /// Picture after the shown pipeline stage; `None` unless a stage is shown.
+    /// Picture after the shown pipeline stage; `None` unless the shown values come from such a picture.
     pub(crate) stage: Option<Arc<Image<Rgba8>>>,
     /// Picture of the shown quantity without overlays.
     pub(crate) base: Arc<Image<Rgba8>>,
@@ -80,7 +80,7 @@ pub(crate) struct ValueSource<'a> {
     pub(crate) buffers: Option<&'a Buffers>,
     /// Intermediate value of every sample; `None` if the shown quantity is not an intermediate value.
     pub(crate) captured: Option<&'a Captured>,
-    /// Picture after the shown stage; `None` unless a stage is shown.
+    /// Picture after the shown stage; `None` unless the shown values come from it.
     pub(crate) stage: Option<&'a Image<Rgba8>>,
     /// Open seams of the scene; `None` if they are not yet known or not needed.
     pub(crate) seams: Option<&'a Seams>,
@@ -89,7 +89,7 @@ pub(crate) struct ValueSource<'a> {
 impl ValueSource<'_> {
     /// Returns the shown value at a pixel of the full picture.
     fn value(&self, shown: Shown, x: u32, y: u32) -> Value {
-        match shown {
+        match shown.source() {
             Shown::Buffer(buffer) => value(buffer, self.frame, self.buffers, x, y),
             Shown::Intermediate(_) => self.captured.map_or(Value::Nothing, |captured| captured.value(self.frame, x, y)),
             Shown::Stage(_) => self.stage.and_then(|stage| stage.get(x, y)).map_or(Value::Nothing, Value::Color),
@@ -98,7 +98,7 @@ impl ValueSource<'_> {
 
     /// Returns the picture of the shown quantity, and the value range that its colours cover.
     fn colored(&self, shown: Shown, display: &Display) -> (Image<Rgba8>, Option<Range>) {
-        if let Shown::Buffer(buffer) = shown {
+        if let Shown::Buffer(buffer) = shown.source() {
             let range = display.range(buffer, self.frame, self.buffers);
             return (display.picture(buffer, self.frame, self.buffers, range), range);
         }
@@ -132,7 +132,7 @@ pub(crate) fn apply_look(
     };
     let kept = kept.filter(|(before, _)| before.shown == request.shown);
     let same_colors = kept.as_ref().is_some_and(|(before, _)| before.look.display == request.look.display);
-    let stage = match request.shown {
+    let stage = match request.shown.source() {
         Shown::Stage(stage) => Some(kept.as_ref().and_then(|(_, looked)| looked.stage.clone()).unwrap_or_else(|| {
             Arc::new(stages::picture(&request.scene, &request.camera, &request.recipe, frame, stage))
         })),
@@ -200,7 +200,7 @@ fn composed(base: &Arc<Image<Rgba8>>, sheets: &[Arc<Sheet>], look: &Look) -> Arc
 
 /// Returns what the values of a shown quantity are: colours, barycentric weights, numbers or triangle ids.
 pub(crate) fn kind(shown: Shown) -> ValueKind {
-    match shown {
+    match shown.source() {
         Shown::Buffer(buffer) => ValueKind::of(buffer),
         Shown::Stage(_) => ValueKind::Colors,
         Shown::Intermediate(_) => ValueKind::Numbers,

@@ -48,7 +48,6 @@ use crate::chain::{Frame, Recipe};
 use crate::image::file;
 use crate::inspect::scrub::{Moment, Unit};
 use crate::inspect::{Buffer, Stage, TriangleSelection};
-use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, MemoryLimit, Scene, SceneSource};
 use crate::upscale;
@@ -87,6 +86,8 @@ pub(crate) struct Session {
     pub(crate) state: Undoable,
     /// Buffer, stage or intermediate value shown on the canvas.
     pub(crate) shown: Shown,
+    /// Stage whose switches the pipeline panel shows.
+    pub(crate) selected_stage: Stage,
     /// Maximum number of triangles to draw; `None` draws all.
     pub(crate) triangle_limit: Option<usize>,
     /// State of the playback of the frame's drawing.
@@ -199,6 +200,7 @@ impl Session {
             settled: state.clone(),
             state,
             shown: Shown::Buffer(Buffer::Color),
+            selected_stage: Stage::Rasterize,
             triangle_limit: None,
             scrub: Scrub::default(),
             pick: None,
@@ -391,7 +393,8 @@ impl Session {
             Command::Pick(pixel) => self.pick = pixel,
             Command::NudgePick(dx, dy) => self.nudge(dx, dy),
             Command::Show(shown) => self.show(shown),
-            Command::StepStage(step) => self.step_stage(step),
+            Command::SelectStage(stage) => self.select_stage(stage),
+            Command::StepStage(steps) => self.select_stage(self.selected_stage.stepped(steps)),
             Command::LimitTriangles(limit) => {
                 self.scrub(scrub::ScrubChange::Go(Moment::after(limit.unwrap_or(self.triangle_count()))));
             }
@@ -498,20 +501,36 @@ impl Session {
         }
     }
 
-    fn step_stage(&mut self, step: i64) {
-        let last = Stage::ALL.len() as i64 - 1;
+    fn select_stage(&mut self, stage: Stage) {
+        self.selected_stage = stage;
+        if matches!(self.shown, Shown::Stage(_)) {
+            self.show(Shown::Stage(stage));
+        }
+    }
+
+    /// Returns the picture after the stage that lies `steps` stages after the shown one. If no stage is shown, the
+    /// finished picture counts as the last stage.
+    pub(crate) fn stage_beside_shown(&self, steps: i64) -> Shown {
         let now = match self.shown {
-            Shown::Stage(stage) => Stage::ALL.iter().position(|s| *s == stage).map_or(last, |i| i as i64),
-            Shown::Buffer(_) | Shown::Intermediate(_) => last,
+            Shown::Stage(stage) => stage,
+            Shown::Buffer(_) | Shown::Intermediate(_) => Stage::Upscale,
         };
-        self.show(Shown::Stage(Stage::ALL[(now + step).clamp(0, last) as usize]));
+        Shown::Stage(now.stepped(steps))
+    }
+
+    /// Shows a buffer, a stage or an intermediate value. A shown stage is also selected in the pipeline panel.
+    pub(crate) fn set_shown(&mut self, shown: Shown) {
+        self.shown = shown;
+        if let Shown::Stage(stage) = shown {
+            self.selected_stage = stage;
+        }
     }
 
     /// Shows a buffer, a stage or an intermediate value. Ends the comparison unless the final colour is shown, because
     /// the comparison shows only finished pictures. If it continued, the inspector would describe values that are not
     /// on the canvas.
     fn show(&mut self, shown: Shown) {
-        self.shown = shown;
+        self.set_shown(shown);
         if shown != Shown::Buffer(Buffer::Color) {
             self.comparison.mode = Mode::Off;
         }

@@ -89,7 +89,7 @@ pub(crate) struct InitialView {
 impl InitialView {
     fn show(self, session: &mut Session) {
         session.pick = self.pixel;
-        session.shown = self.shown.unwrap_or(session.shown);
+        session.set_shown(self.shown.unwrap_or(session.shown));
         if let Some(display) = self.display {
             session.range.show_by(display, session.shown);
         }
@@ -338,7 +338,7 @@ pub(crate) fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Vi
         app.show_panel(panel);
     }
     if let Some(shown) = request.shown {
-        app.session_mut().shown = shown;
+        app.session_mut().set_shown(shown);
     }
     if let Some(moment) = request.moment {
         app.session_mut().begin_at(moment);

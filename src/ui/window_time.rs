@@ -17,6 +17,7 @@ use super::what_if;
 use super::worker::{MeasureRequest, Worker};
 use super::workspace::{Panel, WorkspaceChange};
 use crate::chain::Recipe;
+use crate::inspect::Stage;
 use crate::inspect::overlays::Overlay;
 use crate::lab::Page;
 use crate::measure::motion::Turn;
@@ -88,7 +89,7 @@ fn situations() -> Vec<(String, Vec<Command>)> {
         ("Mesh view", vec![Command::MeshView(mesh_view::MeshViewChange::Toggle)]),
         ("What changed?", vec![Command::WhatIf(what_if::WhatIfChange::Toggle)]),
         ("Value range and overlays", laid_over()),
-        ("All stages", vec![Command::OpenStages(true)]),
+        ("Switches of “Shade”", vec![Command::SelectStage(Stage::Shade)]),
         ("Keys", vec![Command::ToggleKeys]),
         ("Find anything", vec![Command::OpenPalette]),
         ("Everything at once", everything()),
@@ -116,7 +117,7 @@ fn laid_over() -> Vec<Command> {
 fn everything() -> Vec<Command> {
     let more = [
         show(Panel::Calculation),
-        Command::OpenStages(true),
+        Command::SelectStage(Stage::Shade),
         Command::MeshView(mesh_view::MeshViewChange::Toggle),
         Command::WhatIf(what_if::WhatIfChange::Toggle),
         Command::Watch(watch::WatchChange::AddPick),

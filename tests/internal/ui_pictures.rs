@@ -78,6 +78,12 @@ impl Shot {
         rect
     }
 
+    /// Returns the rectangle of the first label with this text, in points. Panics if there is none.
+    fn place_of_text(&self, text: &str) -> Rect {
+        let mut labels = self.placed().filter(|(_, node, _)| node.role() == Role::Label && node.value() == Some(text));
+        labels.next().unwrap_or_else(|| panic!("there is no label {text}")).2
+    }
+
     fn canvas(&self) -> Rect {
         self.place_of(Role::Image, "Rendered picture")
     }
@@ -150,10 +156,11 @@ fn the_picked_pixel_is_marked_around_it_and_not_on_it() {
 #[test]
 fn two_runs_differ_only_in_live_numbers() {
     let (a, b) = (Shot::new("cubes", WINDOWS[0], egui::Theme::Dark), Shot::new("cubes", WINDOWS[0], egui::Theme::Dark));
-    // Times appear in the menu bar and in the rows of the pipeline.
-    let mut live = Vec::new();
+    // Times appear in the menu bar and in the rows of the pipeline, where they determine the bars and the columns.
+    let rows = a.place_of(Role::Button, "Assemble stage").union(a.place_of_text("Whole frame"));
+    let mut live = vec![rows];
     for (here, there) in [(&a, &b), (&b, &a)] {
-        for (id, node, rect) in here.placed() {
+        for (id, node, rect) in here.placed().filter(|(_, _, rect)| !rows.contains_rect(*rect)) {
             let same = there.placed().any(|(i, n, r)| i == id && n.value() == node.value() && r == rect);
             if !same {
                 let value = node.value().unwrap_or_default();
@@ -210,6 +217,27 @@ fn all_stages_stand_in_order_below_one_another() {
     for stage in Stage::ALL {
         let row = large.place_of(Role::Button, &format!("{} stage", stage.name()));
         assert!(large.window().contains_rect(row), "{}", stage.name());
+    }
+}
+
+#[test]
+fn the_rows_of_the_pipeline_fit_without_scrolling() {
+    let (width, height, pixels_per_point) = WINDOWS[0];
+    // A narrow window has the narrowest panel.
+    for width in [width, 794.0] {
+        let shot = Shot::new("interpenetrating", (width, height, pixels_per_point), egui::Theme::Light);
+        let tabs = shot.place_of(Role::Button, "Frame time").top();
+        let last = shot.place_of_text("Whole frame");
+        assert!(last.bottom() < tabs, "{width}: {last:?}");
+        let first = shot.place_of(Role::Button, "Assemble stage");
+        assert!(shot.window().contains_rect(first) && first.bottom() <= last.top(), "{width}: {first:?}");
+        let eye = shot.place_of(Role::Button, "Show the picture after “Transform”");
+        let times: Vec<_> =
+            shot.placed().filter(|(_, node, _)| node.value().is_some_and(|v| v.ends_with("ms"))).collect();
+        let in_rows = times.iter().filter(|(_, _, rect)| first.union(last).contains_rect(*rect));
+        let rights: Vec<_> = in_rows.map(|(_, _, rect)| rect.right()).collect();
+        assert!(rights.len() > 5 && rights.iter().all(|right| *right == rights[0]), "{width}: {rights:?}");
+        assert!(rights[0] < eye.left(), "{width}: {eye:?}");
     }
 }
 

@@ -12,6 +12,7 @@ use crate::ui::command::{BINDINGS, Command};
 use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::engine::Shown;
 use crate::ui::key_sheet::key_name;
+use crate::ui::panels::switches;
 use crate::ui::place;
 use crate::ui::session::{PictureSize, Session};
 use crate::ui::what_if;
@@ -79,6 +80,8 @@ pub(crate) struct PaletteEntry {
     pub(crate) is_current: bool,
     /// Effect of choosing the entry.
     pub(crate) action: Action,
+    /// Stage that owns the setting; choosing the entry selects it. `None` for entries that change no setting of a stage.
+    pub(crate) owner: Option<Stage>,
 }
 
 fn entry(kind: EntryKind, title: impl Into<String>, command: Command) -> PaletteEntry {
@@ -91,12 +94,17 @@ fn entry(kind: EntryKind, title: impl Into<String>, command: Command) -> Palette
         key,
         is_current: false,
         action: Action::Run(Box::new(command)),
+        owner: None,
     }
 }
 
 impl PaletteEntry {
     fn with(self, help: impl Into<String>, holds: bool) -> Self {
         Self { help: help.into(), is_current: holds, ..self }
+    }
+
+    fn owned_by(self, owner: Option<Stage>) -> Self {
+        Self { owner, ..self }
     }
 }
 
@@ -120,6 +128,12 @@ pub(crate) fn all(session: &Session) -> Vec<PaletteEntry> {
         let title = format!("Show stage: {}", stage.name());
         entry(EntryKind::Stage, title, Command::Show(shown)).with(stage.help(), session.shown == shown)
     }));
+    entries.extend(Stage::ALL.iter().map(|stage| {
+        let title = format!("Select stage: {}", stage.name());
+        let help = "Show the switches of this stage in the pipeline panel";
+        let is_selected = session.selected_stage == *stage;
+        entry(EntryKind::Stage, title, Command::SelectStage(*stage)).with(help, is_selected)
+    }));
     entries.extend(Workspace::ALL.into_iter().map(|workspace| {
         let title = format!("Show workspace: {}", workspace.name());
         let command = Command::Workspace(WorkspaceChange::Show(workspace));
@@ -133,7 +147,8 @@ pub(crate) fn all(session: &Session) -> Vec<PaletteEntry> {
     entries.extend(upscale::ALL.iter().enumerate().map(|(place, upscaler)| {
         let chosen = session.state.recipe.upscaler.method() == upscaler.id();
         let title = format!("Choose upscaler: {}", upscaler.name());
-        entry(EntryKind::Upscaler, title, Command::ChooseUpscaler(place)).with("", chosen)
+        let entry = entry(EntryKind::Upscaler, title, Command::ChooseUpscaler(place));
+        entry.with("", chosen).owned_by(Some(Stage::Upscale))
     }));
     entries.extend(settings(session));
     entries
@@ -213,12 +228,13 @@ fn settings(session: &Session) -> Vec<PaletteEntry> {
     let mut entries = Vec::new();
     for ((key, values), (_, present)) in Recipe::keys().into_iter().zip(now) {
         let choices = fields::choices(&recipe, &values, &key);
+        let owner = switches::owner(&key);
         for choice in &choices {
             let mut changed = recipe;
             // Skips values that the recipe rejects.
             if changed.set(&format!("{key}={choice}")).is_ok() {
                 let set = entry(EntryKind::Setting, format!("{key} = {choice}"), Command::SetRecipe(changed));
-                entries.push(set.with("", *choice == present));
+                entries.push(set.with("", *choice == present).owned_by(owner));
             }
         }
         if choices.is_empty() {
@@ -232,6 +248,7 @@ fn settings(session: &Session) -> Vec<PaletteEntry> {
                 key: String::new(),
                 is_current: false,
                 action,
+                owner,
             });
         }
     }
@@ -244,7 +261,8 @@ pub(crate) fn assignment(session: &Session, typed: &str) -> Option<PaletteEntry>
     recipe.set(typed.trim()).ok()?;
     let (key, value) = typed.split_once('=')?;
     let title = format!("Set {} to {}", key.trim(), value.trim());
-    Some(entry(EntryKind::Setting, title, Command::SetRecipe(recipe)).with("", recipe == session.state.recipe))
+    let set = entry(EntryKind::Setting, title, Command::SetRecipe(recipe));
+    Some(set.with("", recipe == session.state.recipe).owned_by(switches::owner(&key.trim().replace('-', "_"))))
 }
 
 /// Returns an entry for a typed destination, which must be a pixel, a triangle or a vertex. Object names are excluded,
@@ -309,6 +327,18 @@ mod tests {
             let holding = of_key.filter(|entry| entry.is_current || matches!(entry.action, Action::Type(_)));
             assert_eq!(holding.count(), 1, "{key} has exactly one value");
         }
+    }
+
+    #[test]
+    fn entries_of_settings_select_the_stage_with_their_switch() {
+        let session = session();
+        let entries = all(&session);
+        let owner = |start: &str| entries.iter().find(|entry| entry.title.starts_with(start)).unwrap().owner;
+        assert_eq!(owner("fill_rule = inclusive"), Some(Stage::Rasterize));
+        assert_eq!(owner("light.ambient = …"), Some(Stage::Shade));
+        assert_eq!(owner("Choose upscaler: "), Some(Stage::Upscale));
+        assert_eq!(owner("Open tab: "), None);
+        assert_eq!(assignment(&session, "fill-rule=inclusive").unwrap().owner, Some(Stage::Rasterize));
     }
 
     #[test]

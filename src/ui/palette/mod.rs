@@ -57,20 +57,22 @@ impl Palette {
                 self.content(ui, session)
             });
         let stays = !modal.should_close();
-        match modal.inner {
-            Some(Action::Run(command)) => {
+        let Some(PaletteEntry { action, owner, .. }) = modal.inner else { return stays };
+        commands.extend(owner.map(Command::SelectStage));
+        match action {
+            Action::Run(command) => {
                 commands.push(*command);
                 false
             }
-            Some(Action::Type(text)) => {
+            Action::Type(text) => {
                 self.query = text;
                 stays
             }
-            None => stays,
         }
     }
 
-    fn content(&mut self, ui: &mut Ui, session: &Session) -> Option<Action> {
+    /// Draws the search field and the list. Returns the entry that the user chose, if any.
+    fn content(&mut self, ui: &mut Ui, session: &Session) -> Option<PaletteEntry> {
         let step = ui.input_mut(|input| {
             let mut pressed = |key| i64::from(input.consume_key(Modifiers::NONE, key));
             let page = (LIST_HEIGHT / ROW_HEIGHT) as i64 - 1;
@@ -115,7 +117,7 @@ impl Palette {
                 clicked
             });
         let place = clicked.inner.or_else(|| entered.then_some(self.chosen))?;
-        self.at(place).map(|(entry, _)| entry.action.clone())
+        self.at(place).map(|(entry, _)| entry.clone())
     }
 
     fn search(&mut self, session: &Session) {

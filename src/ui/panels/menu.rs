@@ -164,8 +164,8 @@ fn view(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         }
     });
     ui.menu_button("Compare pictures", |ui| compare(ui, session, commands));
-    entry(ui, "Show previous stage", Command::StepStage(-1), commands);
-    entry(ui, "Show next stage", Command::StepStage(1), commands);
+    entry(ui, "Select previous stage", Command::StepStage(-1), commands);
+    entry(ui, "Select next stage", Command::StepStage(1), commands);
     ui.separator();
     entry(ui, "Fit picture", Command::ZoomFit, commands);
     entry(ui, "Zoom to 100 %", Command::ZoomOne, commands);

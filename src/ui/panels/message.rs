@@ -12,8 +12,8 @@ use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::icon_button;
 use crate::ui::workspace::{Panel, WorkspaceChange};
 
-const HINT: &str = "Click a pixel to explain it on the right. Wheel: zoom. Middle-drag: orbit the camera. [: previous \
-                    stage. ?: all keys.";
+const HINT: &str = "Click a pixel to explain it on the right. Wheel: zoom. Middle-drag: orbit the camera. [ and ]: \
+                    select a stage. ?: all keys.";
 
 const LAB_HINT: &str = "Step with , and . or play with K; drag the blue rings. Wheel: zoom. L: back to the pipeline.";
 

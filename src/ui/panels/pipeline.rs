@@ -1,75 +1,397 @@
-//! The pipeline panel on the left. Each stage has a row with its time and count, its settings when expanded, and a
-//! button that shows the picture after the stage.
+//! The pipeline panel on the left: one row per stage with its count, its time and its share of the frame time, and below
+//! them the switches of the selected stage.
 
 use std::time::Duration;
 
-use eframe::egui::collapsing_header::CollapsingState;
-use eframe::egui::{self, Ui};
+use eframe::egui::{
+    Align, Align2, Color32, FontId, Key, Label, Layout, Modifiers, Rect, Response, RichText, Role, ScrollArea, Sense,
+    Stroke, StrokeKind, TextStyle, Ui, UiBuilder, WidgetInfo, vec2,
+};
 
-use super::switches;
-use crate::chain::Recipe;
-use crate::inspect::Stage;
+use super::{skipped_work, switches};
+use crate::chain::whole::FramePart;
+use crate::chain::{KeepDepth, Recipe};
+use crate::inspect::{Buffer, Stage};
 use crate::manual::Chapter;
 use crate::measure::stages::StageTimes;
-use crate::pipeline::settings::Choice as _;
+use crate::pipeline::plan::PipelinePart;
+use crate::pipeline::settings::{Choice as _, Execution};
 use crate::ui::command::Command;
 use crate::ui::engine::{RenderedView, Shown, StageFigures};
 use crate::ui::format;
 use crate::ui::manual::manual_button;
 use crate::ui::session::Session;
-use crate::ui::theme::{self, Icon, tokens};
-use crate::ui::widgets::{figure, icon_button, value_row};
-use crate::ui::workspace::{PanelSpec, framed, scrolling};
+use crate::ui::theme::{self, CONTROL_HEIGHT, Icon, space, tokens};
+use crate::ui::widgets::{icon_button, section_header};
+use crate::ui::workspace::{PanelSpec, framed};
 
 /// Description of the panel.
 pub(crate) const PANEL: PanelSpec = PanelSpec {
     id: "stages",
     name: "Stages",
-    help: "Stages of the pipeline with their times, counts and settings",
+    help: "Stages of the pipeline with their times and counts, and the settings of the selected stage",
     chapter: Chapter::Stages,
     grows: false,
     controls: None,
-    content: |ui, cx| framed(ui, |ui| scrolling(ui, |ui| self::ui(ui, cx.session, cx.commands))),
+    content: |ui, cx| framed(ui, |ui| self::ui(ui, cx.session, cx.commands)),
 };
 
-/// Expands or collapses the rows of all stages in the next pass.
-pub(crate) fn open_all(ui: &Ui, open: bool) {
-    ui.data_mut(|data| data.insert_temp(open_all_id(), open));
-}
+/// Height of the row of a stage, in points.
+const STAGE_HEIGHT: f32 = theme::ROW_HEIGHT - 2.0;
 
-fn open_all_id() -> egui::Id {
-    egui::Id::unique("open all stages")
-}
+/// Height of the row of work outside the stages, in points.
+const REST_HEIGHT: f32 = STAGE_HEIGHT - space::XS;
 
-/// Draws the rows of all stages.
+/// Distance of a row's name from the left edge of the row, in points.
+const NAME_INSET: f32 = space::S;
+
+/// Space between a time and the button beside it, in points.
+const GAP: f32 = 2.0;
+
+/// Space above and below the bar that shows the share of the frame time, in points.
+const BAR_MARGIN: f32 = 3.0;
+
+/// Opacity of the bar in the selected row.
+const SELECTED_BAR: f32 = 0.35;
+
+/// Width of the mark beside the stage whose picture is shown, in points.
+const MARK_WIDTH: f32 = 3.0;
+
+/// Minimum width of the rows, in points, at which the column of times is wide enough for the names of stages. In a
+/// narrower panel, these names are truncated in favour of the counts.
+const ROOMY: f32 = 250.0;
+
+/// Minimum height of the switches, in points. In a window that is too low for rows and switches, the panel scrolls.
+const LEAST_SWITCHES: f32 = 5.0 * theme::ROW_HEIGHT;
+
+/// Draws the rows of all stages, and the switches of the selected stage.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let mut recipe = session.state.recipe;
-    let all = ui.data_mut(|data| data.remove_temp(open_all_id()));
-    for stage in Stage::ALL {
-        stage_row(ui, *stage, all, session, &mut recipe, commands);
-    }
-    rest(ui, session);
-    if recipe != session.state.recipe {
-        commands.push(Command::SetRecipe(recipe));
-    }
-    ui.add_space(theme::space::M);
-    let changed = session.state.recipe != Recipe::default();
-    ui.horizontal(|ui| {
-        let reset = ui.add_enabled(changed, egui::Button::new("Reset all settings"));
-        if reset
-            .on_hover_text("Reset every setting to its default")
-            .on_disabled_hover_text("All settings are at their defaults")
-            .clicked()
-        {
-            commands.push(Command::ResetRecipe);
-        }
-        manual_button(ui, Chapter::Settings, commands);
+    let height = ui.available_height();
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        let top = ui.cursor().top();
+        rows(ui, session, commands);
+        let stage = session.selected_stage;
+        section_header(ui, stage.name(), |ui| {
+            manual_button(ui, Chapter::Settings, commands);
+            reset_button(ui, session, commands);
+        });
+        let left = height - (ui.cursor().top() - top);
+        ScrollArea::vertical()
+            .id_salt(("switches", stage.id()))
+            .max_height(left.max(LEAST_SWITCHES))
+            .auto_shrink(false)
+            .show(ui, |ui| selected_switches(ui, session, commands));
     });
 }
 
-/// Draws the time spent outside the listed stages, and the frame time, which is the sum of all times in the panel.
-fn rest(ui: &mut Ui, session: &Session) {
-    let Some(StageFigures { times, .. }) = session.stages.as_ref() else { return };
+fn reset_button(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let is_changed = session.state.recipe != Recipe::default();
+    let reset = ui.add_enabled_ui(is_changed, |ui| icon_button(ui, Icon::RotateCcw, "Reset all settings")).inner;
+    if reset.on_disabled_hover_text("All settings are at their defaults").clicked() {
+        commands.push(Command::ResetRecipe);
+    }
+}
+
+fn selected_switches(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let mut recipe = session.state.recipe;
+    let stage = session.selected_stage;
+    ui.push_id(stage.id(), |ui| switches::ui(ui, stage, session, &mut recipe, commands));
+    if recipe != session.state.recipe {
+        commands.push(Command::SetRecipe(recipe));
+    }
+}
+
+/// Draws the rows of all stages, of the work outside the stages, and of the whole frame.
+fn rows(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let spacing = std::mem::take(&mut ui.spacing_mut().item_spacing.y);
+    let column = TimeColumn::new(ui, session);
+    let stages = Stage::ALL.iter().map(|stage| stage_row(ui, *stage, &column, session, commands)).collect::<Vec<_>>();
+    step_by_key(ui, &stages, session, commands);
+    if let Some(StageFigures { times, .. }) = &session.stages {
+        for rest in rest_rows(times) {
+            rest_row(ui, &rest, &column);
+        }
+    }
+    ui.spacing_mut().item_spacing.y = spacing;
+}
+
+/// Moves selection and focus by `[` and `]` while a row has the focus. A focused widget receives all keys, so the
+/// shortcuts of the window do not apply.
+fn step_by_key(ui: &Ui, rows: &[Response], session: &Session, commands: &mut Vec<Command>) {
+    if !rows.iter().any(Response::has_focus) {
+        return;
+    }
+    let pressed = |key| i64::from(ui.input_mut(|input| input.consume_key(Modifiers::NONE, key)));
+    let step = pressed(Key::CloseBracket) - pressed(Key::OpenBracket);
+    if step == 0 {
+        return;
+    }
+    commands.push(Command::StepStage(step));
+    let next = session.selected_stage.stepped(step);
+    if let Some((row, _)) = rows.iter().zip(Stage::ALL).find(|(_, stage)| **stage == next) {
+        row.request_focus();
+    }
+}
+
+/// Column of times, which has the same position in all rows.
+struct TimeColumn {
+    /// Width of the widest text in the column, in points.
+    width: f32,
+    /// Time of the whole frame; `None` if no frame was timed yet.
+    frame: Option<Duration>,
+}
+
+impl TimeColumn {
+    fn new(ui: &Ui, session: &Session) -> Self {
+        /// Time whose width the column has at least, so that it keeps its width while times change.
+        const USUAL: Duration = Duration::from_micros(88_880);
+        let times = session.stages.as_ref().map(|figures| figures.times);
+        let stages = Stage::ALL.iter().filter_map(|stage| time_of(*stage, &times?));
+        let all = stages.chain(times.iter().map(|times| times.frame)).chain([USUAL]);
+        let font = TextStyle::Monospace.resolve(ui.style());
+        let width = |text, font| ui.painter().layout_no_wrap(text, font, Color32::WHITE).size().x;
+        let mut width_of_all = all.map(|time| width(milliseconds(time), font.clone())).fold(0.0, f32::max);
+        if ui.available_width() >= ROOMY {
+            let small = TextStyle::Small.resolve(ui.style());
+            let others = Stage::ALL.iter().filter_map(|stage| timed_within(*stage));
+            width_of_all = others.map(|other| width(part_of(other), small.clone())).fold(width_of_all, f32::max);
+        }
+        let width = width_of_all.ceil();
+        Self { width, frame: times.map(|times| times.frame) }
+    }
+
+    /// Returns the rectangle of the column in a row. To its right is the button that shows the picture after a stage.
+    fn place(&self, row: Rect) -> Rect {
+        let right = row.right() - CONTROL_HEIGHT - GAP;
+        Rect::from_x_y_ranges((right - self.width)..=right, row.y_range())
+    }
+
+    /// Draws the time of a row into the column.
+    fn draw_time(&self, ui: &mut Ui, row: Rect, time: Duration, color: Color32) {
+        let place = self.place(row);
+        let text = milliseconds(time);
+        let font = TextStyle::Monospace.resolve(ui.style());
+        ui.painter().text(place.right_center(), Align2::RIGHT_CENTER, &text, font, color);
+        let response = ui.interact(place, ui.next_auto_id(), Sense::hover());
+        ui.skip_ahead_auto_ids(1);
+        response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &text));
+    }
+
+    /// Draws a bar in the background of a row, as long as the share of `time` in the frame time.
+    fn draw_bar(&self, ui: &Ui, row: Rect, time: Duration, color: Color32) {
+        let Some(frame) = self.frame.filter(|frame| !frame.is_zero()) else { return };
+        let share = (time.as_secs_f64() / frame.as_secs_f64()).clamp(0.0, 1.0) as f32;
+        let bar = row.shrink2(vec2(0.0, BAR_MARGIN));
+        ui.painter().rect_filled(bar.with_max_x(bar.left() + share * bar.width()), 0.0, color);
+    }
+}
+
+/// Returns the text in the place of a time that is part of the time of another stage.
+fn part_of(other: Stage) -> String {
+    format!("in {}", other.name())
+}
+
+fn milliseconds(time: Duration) -> String {
+    format::ms(time.as_secs_f64() * 1e3)
+}
+
+/// Draws the row of a stage: name, count or reason for skipping it, time, and the button that shows its picture.
+/// Returns the response of the row, which selects the stage when it is clicked.
+fn stage_row(
+    ui: &mut Ui,
+    stage: Stage,
+    column: &TimeColumn,
+    session: &Session,
+    commands: &mut Vec<Command>,
+) -> Response {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), STAGE_HEIGHT), Sense::click());
+    let selected = session.selected_stage == stage;
+    let label = format!("{} stage", stage.name());
+    response.widget_info(|| WidgetInfo::selected(Role::Button, true, selected, &label));
+    let figures = RowFigures::of(stage, session);
+    let tokens = tokens(ui);
+    let skipped = matches!(figures.detail, Detail::Skipped(_));
+    let (name_color, color) = match (selected, skipped) {
+        (true, _) => (tokens.text_strong, tokens.text_strong),
+        (false, true) => (tokens.text_weak, tokens.text_weak),
+        (false, false) => (tokens.text_strong, tokens.text),
+    };
+    background(ui, rect, &response, selected);
+    if let StageTime::Measured(time) = figures.time {
+        column.draw_bar(
+            ui,
+            rect,
+            time,
+            if selected { tokens.accent.gamma_multiply(SELECTED_BAR) } else { tokens.control },
+        );
+        column.draw_time(ui, rect, time, color);
+    }
+    let shown = session.shown == Shown::Stage(stage);
+    if shown {
+        ui.painter().rect_filled(rect.with_max_x(rect.left() + MARK_WIDTH), 0.0, tokens.accent);
+    }
+    let font = TextStyle::Body.resolve(ui.style());
+    let start = rect.left_center() + vec2(NAME_INSET, 0.0);
+    let name = ui.painter().text(start, Align2::LEFT_CENTER, stage.name(), font, name_color);
+    let weak = if selected { color } else { tokens.text_weak };
+    let time = column.place(rect);
+    if let StageTime::PartOf(other) = figures.time {
+        small_text(ui, time, &part_of(other), weak);
+    }
+    let middle = Rect::from_x_y_ranges((name.right() + space::XS)..=(time.left() - space::S), rect.y_range());
+    match &figures.detail {
+        Detail::Count(count) => small_text(ui, middle, &count.fitting(ui, middle.width()), weak),
+        Detail::Skipped(reason) => small_text(ui, middle, reason, weak),
+        Detail::Nothing => {}
+    }
+    let eye = Rect::from_min_max(rect.right_top() - vec2(CONTROL_HEIGHT, 0.0), rect.max);
+    eye_button(ui, eye, stage, shown, commands);
+    if response.clicked() {
+        commands.push(Command::SelectStage(stage));
+    }
+    response.on_hover_ui(|ui| figures.tooltip(ui, stage))
+}
+
+/// Draws small text, right-aligned in `place` and truncated if necessary.
+fn small_text(ui: &mut Ui, place: Rect, text: &str, color: Color32) {
+    let mut place = ui.new_child(UiBuilder::new().max_rect(place).layout(Layout::right_to_left(Align::Center)));
+    let text = RichText::new(text).small().color(color);
+    place.add(Label::new(text).truncate().show_tooltip_when_elided(false));
+}
+
+/// Fills the row of a stage if it is selected or under the pointer, and frames it if it has the keyboard focus.
+fn background(ui: &Ui, row: Rect, response: &Response, selected: bool) {
+    let fill = match (selected, response.hovered()) {
+        (true, _) => Some(tokens(ui).accent_fill),
+        (false, true) => Some(tokens(ui).raised),
+        (false, false) => None,
+    };
+    if let Some(fill) = fill {
+        ui.painter().rect_filled(row, theme::RADIUS, fill);
+    }
+    if response.has_focus() {
+        ui.painter().rect_stroke(row, theme::RADIUS, Stroke::new(1.0, tokens(ui).accent), StrokeKind::Inside);
+    }
+}
+
+/// Draws the button that shows the picture after a stage, or the finished picture if that picture is shown.
+fn eye_button(ui: &mut Ui, place: Rect, stage: Stage, shown: bool, commands: &mut Vec<Command>) {
+    let layout = Layout::right_to_left(Align::Center);
+    let mut place = ui.new_child(UiBuilder::new().id_salt(("eye", stage.id())).max_rect(place).layout(layout));
+    let icon = if shown { Icon::EyeOff } else { Icon::Eye };
+    if icon_button(&mut place, icon, &format!("Show the picture after “{}”", stage.name())).clicked() {
+        let next = if shown { Shown::Buffer(Buffer::Color) } else { Shown::Stage(stage) };
+        commands.push(Command::Show(next));
+    }
+}
+
+/// Figures in the row of a stage.
+struct RowFigures {
+    detail: Detail,
+    time: StageTime,
+    /// Stage whose time is part of the time of this stage, if any.
+    included: Option<Stage>,
+}
+
+/// Text beside the name of a stage.
+enum Detail {
+    /// Number of items that the stage passes on.
+    Count(StageCount),
+    /// Reason why the frame skips the stage.
+    Skipped(String),
+    /// Neither is known.
+    Nothing,
+}
+
+/// Number of items that a stage passes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct StageCount {
+    number: u64,
+    /// Abbreviated unit, shown in the row.
+    unit: &'static str,
+    /// Description of the counted items, shown in the tooltip.
+    meaning: &'static str,
+}
+
+impl StageCount {
+    /// Returns the number with its unit, or the number alone where the unit would not fit into `width` points.
+    fn fitting(&self, ui: &Ui, width: f32) -> String {
+        let number = format::short_count(self.number);
+        let text = format!("{number} {}", self.unit);
+        let font = TextStyle::Small.resolve(ui.style());
+        let size = ui.painter().layout_no_wrap(text.clone(), font, Color32::WHITE).size();
+        if size.x <= width { text } else { number }
+    }
+}
+
+/// Time of a stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum StageTime {
+    /// Time spent in the stage.
+    Measured(Duration),
+    /// The time is part of the time of this stage.
+    PartOf(Stage),
+    /// The stage was not timed, or takes no time.
+    Unknown,
+}
+
+impl RowFigures {
+    fn of(stage: Stage, session: &Session) -> Self {
+        let view = session.view.as_ref();
+        let reason = view.and_then(|view| skip_reason(stage, view));
+        let is_skipped = reason.is_some();
+        let detail = match reason {
+            Some(reason) => Detail::Skipped(reason),
+            None => view.and_then(|view| count_of(stage, session, view)).map_or(Detail::Nothing, Detail::Count),
+        };
+        let measured = session.stages.as_ref().and_then(|figures| time_of(stage, &figures.times));
+        let is_tiled = view.is_some_and(|view| view.frame.execution == Execution::Tiled);
+        let time = match (measured, timed_within(stage)) {
+            (Some(time), _) => StageTime::Measured(time),
+            (None, Some(other)) if is_tiled && !is_skipped => StageTime::PartOf(other),
+            (None, _) => StageTime::Unknown,
+        };
+        let is_included = |other: &&Stage| is_tiled && timed_within(**other) == Some(stage);
+        Self { detail, time, included: Stage::ALL.iter().find(is_included).copied() }
+    }
+
+    fn tooltip(&self, ui: &mut Ui, stage: Stage) {
+        ui.strong(stage.name());
+        ui.label(stage.help());
+        match &self.detail {
+            Detail::Count(count) => drop(ui.label(format!("{} {}.", format::count(count.number), count.meaning))),
+            Detail::Skipped(reason) => drop(ui.label(format!("Skipped: {reason}."))),
+            Detail::Nothing => {}
+        }
+        match self.time {
+            StageTime::Measured(time) => drop(ui.label(format!("{}. {TIME_HELP}", milliseconds(time)))),
+            StageTime::PartOf(other) => {
+                let text = format!("In tiled execution, its time is part of the time of “{}”.", other.name());
+                ui.label(text);
+            }
+            StageTime::Unknown => {}
+        }
+        if let Some(other) = self.included {
+            ui.label(format!("In tiled execution, the time includes that of “{}”.", other.name()));
+        }
+    }
+}
+
+/// Explanation of the time in the tooltip of a row.
+const TIME_HELP: &str = "Time spent in this stage, in the frame with the median time of several. The bar is its share \
+                         of the frame time. Classic execution divides the time of rasterize, depth, interpolate and \
+                         shade in proportion to partial frames that each run one more stage; 0 means too short to \
+                         measure.";
+
+/// Row of work outside the stages.
+struct RestRow {
+    name: &'static str,
+    time: Duration,
+    help: &'static str,
+}
+
+/// Returns the rows of the work outside the stages that this frame does, and of the whole frame.
+fn rest_rows(times: &StageTimes) -> Vec<RestRow> {
     let rows = [
         ("Resolve", times.resolve, "Averages the samples of each pixel"),
         ("Surfaces", times.surfaces, "Finds the visible surface of each pixel for the upscaler"),
@@ -81,108 +403,27 @@ fn rest(ui: &mut Ui, session: &Session) {
             "Sum of all rows; of several timed frames, the one with the median time is shown",
         ),
     ];
-    for (name, time, help) in rows {
-        if let Some(time) = time {
-            value_row(ui, name, &format::ms(time.as_secs_f64() * 1e3), help);
-        }
-    }
+    rows.into_iter().filter_map(|(name, time, help)| Some(RestRow { name, time: time?, help })).collect()
 }
 
-/// Stages whose rows are initially expanded.
-const OPEN_AT_FIRST: [Stage; 4] = [Stage::Assemble, Stage::Cull, Stage::Shade, Stage::Upscale];
-
-/// Draws the row of a stage. If `all` is given, expands (`true`) or collapses (`false`) the row first.
-fn stage_row(
-    ui: &mut Ui,
-    stage: Stage,
-    all: Option<bool>,
-    session: &Session,
-    recipe: &mut Recipe,
-    commands: &mut Vec<Command>,
-) {
-    let id = ui.make_persistent_id(("stage", stage.id()));
-    let mut open = CollapsingState::load_with_default_open(ui.ctx(), id, OPEN_AT_FIRST.contains(&stage));
-    if let Some(all) = all {
-        open.set_open(all);
+fn rest_row(ui: &mut Ui, row: &RestRow, column: &TimeColumn) {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), REST_HEIGHT), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, row.name));
+    let is_whole = column.frame == Some(row.time);
+    let color = if is_whole { tokens(ui).text } else { tokens(ui).text_weak };
+    let start = rect.left_center() + vec2(NAME_INSET, 0.0);
+    ui.painter().text(start, Align2::LEFT_CENTER, row.name, FontId::proportional(theme::font_size::SMALL), color);
+    column.draw_time(ui, rect, row.time, color);
+    if !is_whole {
+        column.draw_bar(ui, rect, row.time, tokens(ui).control);
     }
-    if header(ui, stage, open.is_open(), session, commands) {
-        open.toggle(ui);
-    }
-    open.show_body_unindented(ui, |ui| {
-        egui::Frame::new().inner_margin(egui::Margin { left: 8, right: 2, top: 2, bottom: 8 }).show(ui, |ui| {
-            ui.push_id(stage.id(), |ui| switches::ui(ui, stage, session, recipe, commands));
-        });
+    response.on_hover_ui(|ui| {
+        ui.strong(row.name);
+        ui.label(row.help);
     });
-    open.store(ui.ctx());
 }
 
-/// Draws the header of a stage: name on the left; count, time and the button that shows the stage's picture on the
-/// right. Returns whether the header was clicked.
-fn header(ui: &mut Ui, stage: Stage, open: bool, session: &Session, commands: &mut Vec<Command>) -> bool {
-    let size = egui::vec2(ui.available_width(), theme::ROW_HEIGHT);
-    let (rect, response) = ui.allocate_exact_size(size, egui::Sense::click());
-    response
-        .widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, open, format!("{} stage", stage.name())));
-    let shown = session.shown == Shown::Stage(stage);
-    let fill = if response.hovered() { tokens(ui).control } else { tokens(ui).raised };
-    ui.painter().rect_filled(rect, theme::RADIUS, fill);
-    if shown {
-        let mark = rect.with_max_x(rect.left() + 3.0);
-        ui.painter().rect_filled(mark, theme::RADIUS, tokens(ui).accent);
-    }
-    let chevron = if open { Icon::ChevronDown } else { Icon::ChevronRight };
-    let center = rect.left_center() + egui::vec2(14.0, 0.0);
-    theme::paint_icon(ui.painter(), center, chevron, theme::ICON_SIZE, tokens(ui).text_weak);
-    ui.painter().text(
-        rect.left_center() + egui::vec2(26.0, 0.0),
-        egui::Align2::LEFT_CENTER,
-        stage.name(),
-        egui::TextStyle::Body.resolve(ui.style()),
-        tokens(ui).text_strong,
-    );
-    let right = egui::UiBuilder::new()
-        .max_rect(rect.shrink2(egui::vec2(4.0, 0.0)))
-        .layout(egui::Layout::right_to_left(egui::Align::Center));
-    figures(&mut ui.new_child(right), stage, shown, session, commands);
-    response.context_menu(|ui| {
-        for (open, name) in [(true, "Expand all stages"), (false, "Collapse all stages")] {
-            if ui.button(name).clicked() {
-                commands.push(Command::OpenStages(open));
-                ui.close();
-            }
-        }
-    });
-    response.on_hover_text(stage.help()).clicked()
-}
-
-fn figures(ui: &mut Ui, stage: Stage, shown: bool, session: &Session, commands: &mut Vec<Command>) {
-    let icon = if shown { Icon::EyeOff } else { Icon::Eye };
-    if icon_button(ui, icon, &format!("Show the picture after “{}”", stage.name())).clicked() {
-        let next = if shown { Shown::Buffer(crate::inspect::Buffer::Color) } else { Shown::Stage(stage) };
-        commands.push(Command::Show(next));
-    }
-    let time = session.stages.as_ref().and_then(|figures| time_of(stage, &figures.times));
-    let time = time.map_or_else(|| "–".to_owned(), |t| format::ms(t.as_secs_f64() * 1e3));
-    let help = "Time spent in this stage, in the frame with the median time of several. Tiled execution includes \
-                projection in transform, clipping in cull, depth in rasterize, and interpolation in shade. Classic \
-                execution divides the time of rasterize, depth, interpolate and shade in proportion to partial frames \
-                that each run one more stage; 0 means too short to measure";
-    figure(ui, &time, 62.0, tokens(ui).text).on_hover_text(help);
-    if let Some((number, what)) = session.view.as_ref().and_then(|view| count_of(stage, session, view)) {
-        let help = format!("{} {what}", format::count(number));
-        figure(ui, &short_count(number), 54.0, tokens(ui).text_weak).on_hover_text(help);
-    }
-}
-
-/// Formats a count in a few characters, such as 14 860 as "14.9 k".
-fn short_count(number: u64) -> String {
-    match number {
-        0..10_000 => format::count(number),
-        10_000..1_000_000 => format!("{:.1} k", number as f64 / 1e3),
-        _ => format!("{:.2} M", number as f64 / 1e6),
-    }
-}
-
+/// Returns the measured time of a stage; `None` if it was not timed or is part of the time of another stage.
 fn time_of(stage: Stage, times: &StageTimes) -> Option<Duration> {
     match stage {
         Stage::Assemble => None,
@@ -198,18 +439,112 @@ fn time_of(stage: Stage, times: &StageTimes) -> Option<Duration> {
     }
 }
 
-fn count_of(stage: Stage, session: &Session, view: &RenderedView) -> Option<(u64, &'static str)> {
-    let (counters, geometry) = (session.stages?.counters, &view.frame.geometry);
+/// Returns the stage whose time includes that of `stage` in tiled execution; `None` if `stage` is timed on its own.
+fn timed_within(stage: Stage) -> Option<Stage> {
     match stage {
-        Stage::Assemble => Some((session.scene.triangle_count() as u64, "triangles in the scene")),
-        Stage::Transform => Some((geometry.vertices as u64, "vertices transformed")),
-        Stage::Clip => Some((counters.clipped, "triangles clipped")),
-        Stage::Project => Some((geometry.triangles_clipped as u64, "triangles projected")),
-        Stage::Cull => Some((view.rasterized as u64, "triangles to rasterize")),
-        Stage::Rasterize => Some((counters.covered, "samples covered")),
-        Stage::Depth => view.frame.drawn.depth.as_ref().map(|_| (counters.passed, "fragments passed the depth test")),
-        Stage::Interpolate => None,
-        Stage::Shade => Some((counters.shaded, "fragments shaded")),
-        Stage::Upscale => Some((view.frame.drawn_pixels(), "pixels drawn")),
+        Stage::Project => Some(Stage::Transform),
+        Stage::Clip => Some(Stage::Cull),
+        Stage::Depth => Some(Stage::Rasterize),
+        Stage::Interpolate => Some(Stage::Shade),
+        Stage::Assemble | Stage::Transform | Stage::Cull | Stage::Rasterize | Stage::Shade | Stage::Upscale => None,
+    }
+}
+
+/// Returns the reason why a frame skips a stage completely; `None` if the stage runs.
+fn skip_reason(stage: Stage, view: &RenderedView) -> Option<String> {
+    let part = match stage {
+        Stage::Assemble => return None,
+        // Even without culling by facing, the stage `Cull` removes zero-area triangles and sets up edges.
+        Stage::Transform | Stage::Project | Stage::Cull | Stage::Rasterize | Stage::Interpolate | Stage::Shade => {
+            PipelinePart::Vertices
+        }
+        Stage::Clip => PipelinePart::Clipping,
+        Stage::Depth => PipelinePart::Depth,
+        Stage::Upscale => {
+            let step = FramePart::Upscaling.step(&view.request.scene, &view.request.recipe, KeepDepth::Yes);
+            return step.reason().map(str::to_owned);
+        }
+    };
+    skipped_work::reasons_in_all(&view.frame.plans, part)
+}
+
+/// Returns the number of items that a stage passes on; `None` if it is not known.
+fn count_of(stage: Stage, session: &Session, view: &RenderedView) -> Option<StageCount> {
+    let (counters, geometry) = (session.stages?.counters, &view.frame.geometry);
+    let (number, unit, meaning) = match stage {
+        Stage::Assemble => (session.scene.triangle_count() as u64, "tris", "triangles in the scene"),
+        Stage::Transform => (geometry.vertices as u64, "verts", "vertices transformed"),
+        Stage::Clip => (geometry.triangles_clipped as u64, "tris", "triangles left after clipping"),
+        Stage::Project => (geometry.triangles_clipped as u64, "tris", "triangles projected"),
+        Stage::Cull => (view.rasterized as u64, "tris", "triangles to rasterize"),
+        Stage::Rasterize => (counters.covered, "frags", "fragments: samples covered by a triangle"),
+        Stage::Depth => (counters.passed, "frags", "fragments passed the depth test"),
+        Stage::Interpolate => return None,
+        Stage::Shade => (counters.shaded, "frags", "fragments shaded"),
+        Stage::Upscale => (view.frame.drawn_pixels(), "px", "pixels drawn"),
+    };
+    Some(StageCount { number, unit, meaning })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use eframe::egui::Theme;
+
+    use super::*;
+    use crate::pipeline::settings::DepthTest;
+    use crate::scene::SceneSource;
+    use crate::ui::engine::Engine;
+    use crate::ui::headless::Headless;
+    use crate::ui::session::PictureSize;
+
+    fn session() -> Session {
+        let source = SceneSource::named("interpenetrating".into());
+        let scene = source.load().unwrap().scene;
+        let home = scene.home;
+        let mut session = Session::new(Arc::new(scene), source, Recipe::default(), home);
+        session.state.size = PictureSize::Fixed(32, 20);
+        session
+    }
+
+    fn reasons(session: &Session) -> Vec<(Stage, String)> {
+        let view = Engine::default().answer(session.request());
+        Stage::ALL.iter().filter_map(|stage| Some((*stage, skip_reason(*stage, &view)?))).collect()
+    }
+
+    #[test]
+    fn a_stage_is_skipped_if_no_draw_runs_it() {
+        let mut session = session();
+        session.state.recipe.pipeline.depth_test = DepthTest::Off;
+        let skipped = reasons(&session);
+        assert!(skipped.contains(&(Stage::Depth, "the depth test is off".to_owned())), "{skipped:?}");
+        assert!(skipped.contains(&(Stage::Upscale, "every pixel is drawn".to_owned())), "{skipped:?}");
+        assert!(skipped.iter().all(|(stage, _)| *stage != Stage::Shade), "{skipped:?}");
+
+        let camera = &mut session.state.camera;
+        camera.target = camera.eye * 2.0 - camera.target;
+        session.state.recipe.set("upscaler.method=nearest").unwrap();
+        let skipped = reasons(&session);
+        assert_eq!(skipped.len(), Stage::ALL.len() - 2, "{skipped:?}");
+        assert!(skipped.iter().all(|(_, reason)| reason == "the whole object is outside the view"), "{skipped:?}");
+    }
+
+    #[test]
+    fn a_narrow_row_omits_the_unit_of_a_count_but_no_digit() {
+        let mut headless = Headless::new(vec2(200.0, 100.0), 1.0, Theme::Dark);
+        let count = StageCount { number: 14_860, unit: "tris", meaning: "triangles" };
+        headless.pass(Vec::new(), |ui| {
+            assert_eq!(count.fitting(ui, 200.0), format!("{} tris", format::short_count(14_860)));
+            assert_eq!(count.fitting(ui, 1.0), format::short_count(14_860));
+        });
+    }
+
+    #[test]
+    fn only_stages_without_a_time_of_their_own_are_timed_within_another() {
+        let times = StageTimes::default();
+        for stage in Stage::ALL.iter().filter(|stage| timed_within(**stage).is_some()) {
+            assert_eq!(time_of(*stage, &times), None, "{stage:?}");
+        }
     }
 }

@@ -127,6 +127,16 @@ fn saved(ui: &mut Ui, session: &Session, view: &RenderedView, part: PipelinePart
     ui.label(RichText::new(text).monospace().color(color)).on_hover_text(help);
 }
 
+/// Returns the reasons why all draws skip a part; `None` if a draw runs it. A reason that all draws share stands alone,
+/// different reasons with the number of their draws.
+pub(crate) fn reasons_in_all(plans: &[DrawPlan], part: PipelinePart) -> Option<String> {
+    let first = plans.first()?.step(part).reason()?;
+    if plans.iter().all(|plan| plan.step(part).reason() == Some(first)) {
+        return Some(first.to_owned());
+    }
+    plans.iter().all(|plan| !plan.runs(part)).then(|| reasons(plans, part))
+}
+
 /// Returns the reasons why draws skip a part, each with the number of such draws, as text.
 pub(crate) fn reasons(plans: &[DrawPlan], part: PipelinePart) -> String {
     let mut counts = BTreeMap::new();

@@ -7,6 +7,7 @@ use super::pick;
 use super::switches::note;
 use crate::antialias::settings::{AntialiasMethod, Antialiasing, PostFilter, PostFilterKind};
 use crate::chain::Recipe;
+use crate::ui::theme::space;
 use crate::ui::widgets::{choice, row, slider};
 use crate::upscale::{self, Upscaling};
 
@@ -125,7 +126,13 @@ pub(super) fn post(ui: &mut Ui, post: &mut PostFilter) {
 fn mask(ui: &mut Ui, post: &mut PostFilter) {
     /// Change of a weight per dragged point.
     const SPEED: f64 = 0.01;
-    Grid::new("mask").num_columns(5).show(ui, |ui| {
+    /// Space between two weights, in points.
+    const GAP: f32 = space::XS;
+    // Five weights share the width of the panel, which they would widen otherwise.
+    let width = (ui.available_width() - 4.0 * GAP) / 5.0;
+    Grid::new("mask").num_columns(5).min_col_width(width).spacing([GAP, GAP]).show(ui, |ui| {
+        ui.spacing_mut().interact_size.x = width;
+        ui.spacing_mut().button_padding.x = 0.0;
         for row in post.mask.chunks_mut(5) {
             for weight in row {
                 ui.add(DragValue::new(weight).speed(SPEED).range(-100.0..=100.0).max_decimals(3));

@@ -1,9 +1,9 @@
-//! Content of an expanded stage row: settings, statistics, and the work that is skipped, with reasons. Settings that do
+//! Switches of the selected stage: settings, statistics, and the work that is skipped, with reasons. Settings that do
 //! not apply to the scene are not offered.
 
 use std::collections::BTreeSet;
 
-use eframe::egui::{Button, Label, RichText, Ui};
+use eframe::egui::{Label, RichText, Ui};
 
 use super::{pick, skipped_work, smooth};
 use crate::chain::{Recipe, execution};
@@ -19,8 +19,8 @@ use crate::ui::command::Command;
 use crate::ui::engine::{RenderedView, StageFigures};
 use crate::ui::format;
 use crate::ui::session::Session;
-use crate::ui::theme::tokens;
-use crate::ui::widgets::{choice, combo, drag, drag_by, row, slider, value_row};
+use crate::ui::theme::{Icon, tokens};
+use crate::ui::widgets::{choice, combo, drag, drag_by, icon_button, row, slider, value_row};
 
 /// Draws the settings and statistics of a stage.
 pub(crate) fn ui(ui: &mut Ui, stage: Stage, session: &Session, recipe: &mut Recipe, commands: &mut Vec<Command>) {
@@ -36,6 +36,21 @@ pub(crate) fn ui(ui: &mut Ui, stage: Stage, session: &Session, recipe: &mut Reci
         Stage::Shade => shade(ui, session, recipe),
         Stage::Upscale => upscaling(ui, session, recipe),
     }
+}
+
+/// Returns the stage whose switches include the setting with the dotted key `key`; `None` if no stage has a switch for it.
+pub(crate) fn owner(key: &str) -> Option<Stage> {
+    let group = key.split('.').next()?;
+    Some(match group {
+        "culling" => Stage::Cull,
+        "execution" | "rasterizer" | "arithmetic" | "fill_rule" | "wireframe" => Stage::Rasterize,
+        "depth_test" | "depth_format" | "depth_bias" => Stage::Depth,
+        "interpolation" => Stage::Interpolate,
+        "shading" | "light" | "checker" | "filter" | "address" | "alpha" | "blending" | "background"
+        | "color_space" => Stage::Shade,
+        "antialias" | "upscaler" | "post" => Stage::Upscale,
+        _ => return None,
+    })
 }
 
 fn assemble(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
@@ -373,8 +388,8 @@ fn background(ui: &mut Ui, session: &Session, background: &mut Background) {
             *background = Background::Color(color);
         }
         let is_own = *background != Background::Scene;
-        let button = ui.add_enabled(is_own, Button::new("Use scene colour"));
-        if button.on_hover_text("Restore the background colour of the scene").clicked() {
+        let restore = ui.add_enabled_ui(is_own, |ui| icon_button(ui, Icon::RotateCcw, "Use scene colour")).inner;
+        if restore.on_disabled_hover_text("This is the background colour of the scene").clicked() {
             *background = Background::Scene;
         }
     });
@@ -451,4 +466,16 @@ fn upscaling(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
         );
     }
     smooth::post(ui, &mut recipe.post);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_setting_with_a_switch_has_an_owner() {
+        let keys = Recipe::keys().into_iter().map(|(key, _)| key);
+        let without: Vec<_> = keys.filter(|key| owner(key).is_none()).collect();
+        assert_eq!(without, ["force"], "no stage has a switch for it");
+    }
 }

@@ -50,8 +50,8 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     const ONE: f32 = CONTROL_HEIGHT + theme::space::S;
     let room = ((ui.available_width() - ALWAYS) / ONE).max(0.0) as usize;
     let shows = |opener| OPENERS.iter().take(room).any(|shown| *shown == opener);
-    if icon_button(ui, Icon::ChevronLeft, "Show the previous stage  ([)").clicked() {
-        commands.push(Command::StepStage(-1));
+    if icon_button(ui, Icon::ChevronLeft, "Show the previous stage").clicked() {
+        commands.push(Command::Show(session.stage_beside_shown(-1)));
     }
     let mut shown = session.shown;
     combo("shown", shown.name(), (ui.available_width() - 408.0).clamp(64.0, 140.0))
@@ -79,8 +79,8 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if shown != session.shown {
         commands.push(Command::Show(shown));
     }
-    if icon_button(ui, Icon::ChevronRight, "Show the next stage  (])").clicked() {
-        commands.push(Command::StepStage(1));
+    if icon_button(ui, Icon::ChevronRight, "Show the next stage").clicked() {
+        commands.push(Command::Show(session.stage_beside_shown(1)));
     }
     if shows(Opener::Tiles) && icon_button(ui, Icon::Columns2, "Compare pictures side by side  (T)").clicked() {
         commands.push(Command::Compare(CompareChange::Toggle(Mode::Tiles)));

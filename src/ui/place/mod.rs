@@ -239,7 +239,7 @@ impl Session {
         self.state.recipe = place.recipe;
         self.state.size =
             place.picture.map_or(PictureSize::MatchWindow, |(width, height)| PictureSize::Fixed(width, height));
-        self.shown = shown_at(place);
+        self.set_shown(shown_at(place));
         self.range.show_by(place.display, self.shown);
         self.overlays.layers.clone_from(&place.overlays);
         self.triangle_limit = None;

@@ -84,11 +84,12 @@ pub(super) fn row(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
 }
 
 fn title(ui: &mut Ui, view: &RenderedView, changes: &mut Vec<RangeChange>, commands: &mut Vec<Command>) {
-    let (name, help) = match view.request.shown {
-        Shown::Buffer(buffer) => (buffer.name(), absence(buffer, &view.frame).unwrap_or(buffer.help())),
-        Shown::Stage(stage) => (stage.name(), stage.help()),
-        Shown::Intermediate(number) => (number.name(), number.help()),
+    let shown = view.request.shown;
+    let missing = match shown.source() {
+        Shown::Buffer(buffer) => absence(buffer, &view.frame),
+        Shown::Stage(_) | Shown::Intermediate(_) => None,
     };
+    let (name, help) = (shown.name(), missing.unwrap_or(shown.help()));
     ui.label(RichText::new(name).strong());
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
         if icon_button(ui, Icon::ChevronDown, "Hide the range controls").clicked() {

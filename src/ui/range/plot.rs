@@ -103,7 +103,7 @@ pub(crate) fn color_of(shown: Shown, setting: &Setting, range: Range, number: f3
 }
 
 fn buffer_of(shown: Shown) -> Option<Buffer> {
-    if let Shown::Buffer(buffer) = shown { Some(buffer) } else { None }
+    if let Shown::Buffer(buffer) = shown.source() { Some(buffer) } else { None }
 }
 
 /// Draws the values at the ends of the axis, and the count of the highest bar.

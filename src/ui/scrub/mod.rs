@@ -119,7 +119,7 @@ impl Session {
 
     fn step(&mut self, unit: Unit, steps: i64) -> Option<Command> {
         if unit == Unit::Stage {
-            return Some(Command::StepStage(steps));
+            return Some(Command::Show(self.stage_beside_shown(steps)));
         }
         let touching = self.scrub.only_touches && self.pick.is_some();
         let next = self.timeline()?.steps(self.moment(), unit, steps, touching);
@@ -151,8 +151,8 @@ impl Session {
         }
         self.scrub.due -= steps;
         let (before, shown) = (self.moment(), self.shown);
-        if let Some(Command::StepStage(step)) = self.step(unit, playing * steps as i64) {
-            self.apply(Command::StepStage(step));
+        if let Some(command) = self.step(unit, playing * steps as i64) {
+            self.apply(command);
         }
         if self.moment() == before && self.shown == shown {
             self.scrub.playing = 0;

@@ -69,7 +69,7 @@ fn buttons(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         commands.push(Command::LimitTriangles(Some(0)));
     }
     let (less, more) = match unit {
-        Unit::Stage => ("Show the previous stage  ([)", "Show the next stage  (])"),
+        Unit::Stage => ("Show the previous stage", "Show the next stage"),
         Unit::Draw => ("Draw one fewer object  (Ctrl+,)", "Draw one more object  (Ctrl+.)"),
         Unit::Triangle => ("Draw one fewer triangle  (,)", "Draw one more triangle  (.)"),
         Unit::Fragment => ("Draw one fewer fragment  (Shift+,)", "Draw one more fragment  (Shift+.)"),

@@ -38,7 +38,7 @@ fn the_first_pick_is_near_its_position_for_every_upscaler() {
 fn comparison_shows_finished_pictures_and_ends_when_a_buffer_or_stage_is_shown() {
     let mut session = session();
     let color = Shown::Buffer(Buffer::Color);
-    for other in [Command::Show(Shown::Buffer(Buffer::Depth)), Command::StepStage(-1)] {
+    for other in [Command::Show(Shown::Buffer(Buffer::Depth)), Command::Show(Shown::Stage(Stage::Shade))] {
         session.apply(other.clone());
         session.apply(Command::Compare(CompareChange::Toggle(Mode::Wipe)));
         assert_eq!((session.comparison.is_on(), session.shown), (true, color));

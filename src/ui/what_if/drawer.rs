@@ -133,7 +133,7 @@ fn render_converged(engine: &mut Engine, request: Request) -> RenderedView {
 }
 
 fn changes(before: &RenderedView, after: &RenderedView) -> Option<Changes> {
-    match after.request.shown {
+    match after.request.shown.source() {
         Shown::Stage(_) => match (&before.look_result.stage, &after.look_result.stage) {
             (Some(before), Some(after)) => Changes::of_pictures(before, after),
             _ => Changes::of_pictures(&before.picture, &after.picture),
@@ -152,7 +152,7 @@ fn with_range_of(before: &RenderedView, after: &RenderedView) -> Option<Arc<Imag
     if before.range == after.range || !look.layers.is_empty() {
         return None;
     }
-    match after.request.shown {
+    match after.request.shown.source() {
         Shown::Buffer(buffer) => {
             Some(look.display.picture(buffer, &before.frame, before.buffers.as_deref(), after.range))
         }

@@ -9,7 +9,9 @@ use eframe::egui::{
 use egui_kittest::{Harness, kittest::Queryable as _};
 use rasterscope::chain::{Frame, KeepDepth, Renderer, run};
 use rasterscope::image::{Image, Rgba8};
+use rasterscope::inspect::Stage;
 use rasterscope::measure::motion::Turn;
+use rasterscope::pipeline::settings::Choice as _;
 use rasterscope::scene::SceneSource;
 use rasterscope::ui::app::Workbench;
 use rasterscope::ui::command::Command;
@@ -113,6 +115,17 @@ impl Bench {
     pub(crate) fn show_panel(&mut self, panel: Panel) {
         self.window.state_mut().queue(vec![Command::Workspace(WorkspaceChange::Panel(panel))]);
         self.rest();
+    }
+
+    /// Selects a stage, so that the pipeline panel shows its switches.
+    pub(crate) fn select(&mut self, stage: Stage) {
+        self.click(&format!("{} stage", stage.name()));
+        assert_eq!(self.session().selected_stage, stage);
+    }
+
+    /// Shows the picture after a stage, or the finished picture if it is already shown.
+    pub(crate) fn click_eye(&mut self, stage: Stage) {
+        self.click(&format!("Show the picture after “{}”", stage.name()));
     }
 
     /// Selects an option in the row with this label, which has a button per option or a drop-down list.

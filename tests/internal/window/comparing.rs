@@ -4,6 +4,7 @@ use base64::prelude::{BASE64_STANDARD, Engine as _};
 use eframe::egui::{Key, PointerButton, Pos2, Rect, Role, Vec2};
 use egui_kittest::kittest::Queryable as _;
 use rasterscope::chain::run;
+use rasterscope::inspect::Stage;
 use rasterscope::measure::error::compare;
 use rasterscope::measure::region::PixelRegion;
 use rasterscope::ui::compare::Mode;
@@ -66,6 +67,7 @@ fn clicking_a_tile_picks_the_pixel_and_explains_it_by_the_recipe_of_the_tile() {
     assert_eq!(bench.view().request.recipe, compared(&bench).tiles[1].recipe);
     // Changes now apply to that tile only.
     bench.show_panel(Panel::Stages);
+    bench.select(Stage::Cull);
     bench.choose("Culling", "None");
     let [a, b] = &compared(&bench).tiles[..] else { panic!("two tiles") };
     assert_ne!(a.recipe.pipeline.culling, b.recipe.pipeline.culling);

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use eframe::egui::{Event, Key, Modifiers};
+use rasterscope::inspect::Stage;
 use rasterscope::scene::builtin;
 use rasterscope::ui::session::Severity;
 
@@ -120,6 +121,7 @@ fn warnings_of_a_model_are_in_the_log() {
 #[test]
 fn undo_does_not_lead_back_into_another_scene() {
     let mut bench = Bench::small("triangle");
+    bench.select(Stage::Cull);
     bench.choose("Culling", "None");
     bench.click("Scene");
     bench.click(builtin::ALL[1].title);

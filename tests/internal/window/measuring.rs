@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use rasterscope::inspect::Stage;
 use rasterscope::ui::worker::{MEASURE_ROUNDS, Worker};
 use rasterscope::upscale::Upscaling;
 
@@ -21,6 +22,7 @@ fn every_upscaler_gets_a_row_with_all_its_frames() {
         assert!(bench.mentions(&upscaling.label()), "{}", upscaling.label());
     }
     assert!(bench.mentions("Measured · One triangle · 160 × 90 px · noise floor ±"));
+    bench.select(Stage::Cull);
     bench.choose("Culling", "None");
     assert!(bench.mentions("Measured with a different scene, view, size or setting"));
     bench.click("Clear");

@@ -2,7 +2,7 @@
 
 use eframe::egui::{Key, Modifiers, PointerButton, Vec2};
 use rasterscope::chain::Recipe;
-use rasterscope::inspect::Buffer;
+use rasterscope::inspect::{Buffer, Stage};
 use rasterscope::pipeline::settings::{Choice as _, DepthFormat};
 use rasterscope::ui;
 use rasterscope::ui::engine::Shown;
@@ -37,7 +37,7 @@ fn the_inspector_shows_depths_with_their_code_and_their_step_in_world_units() {
     let mut bench = Bench::small("triangle");
     let place = bench.place_of((80, 45));
     bench.click_at(place);
-    bench.click("Depth stage");
+    bench.select(Stage::Depth);
     for format in DepthFormat::ALL {
         if *format != Recipe::default().pipeline.depth_format {
             bench.choose("Format", format.name());
@@ -126,7 +126,7 @@ fn arrows_nudge_the_pick_and_stop_at_the_border() {
 #[test]
 fn escape_drops_the_pick_first_and_the_shown_stage_next() {
     let mut bench = Bench::small("triangle");
-    bench.press(Key::OpenBracket);
+    bench.click_eye(Stage::Shade);
     bench.press(Key::Home);
     assert!(bench.session().pick.is_some() && bench.session().triangle_limit == Some(0));
     bench.press(Key::Escape);

@@ -18,11 +18,12 @@ fn a_bookmark_is_set_and_opened_by_keys() {
     let mut bench = Bench::small("triangle");
     let there = bench.place_of((40, 30));
     bench.click_at(there);
-    bench.press(Key::OpenBracket);
+    bench.click_eye(Stage::Shade);
     let (pick, shown, image) = (bench.session().pick, bench.session().shown, bench.image());
     bench.press_with(Modifiers::COMMAND, Key::B);
     bench.press(Key::Escape);
     bench.press(Key::Escape);
+    bench.select(Stage::Cull);
     bench.choose("Culling", "Front");
     assert_ne!(bench.image(), image);
     bench.press_with(Modifiers::ALT, Key::Num1);
@@ -63,7 +64,7 @@ fn back_and_forward_go_through_picks_and_stages() {
     let first = bench.session().pick;
     let there = bench.place_of((40, 30));
     bench.click_at(there);
-    bench.press(Key::OpenBracket);
+    bench.click_eye(Stage::Shade);
     assert!(matches!(bench.session().shown, Shown::Stage(_)));
     bench.press_with(Modifiers::ALT, Key::ArrowLeft);
     assert_eq!((bench.session().shown, bench.session().pick), (Shown::Buffer(Buffer::Color), Some((40, 30))));
@@ -82,6 +83,7 @@ fn the_palette_finds_entries_by_letters_and_executes_them_on_enter() {
     type_in(&mut bench, "unorm16");
     bench.press(Key::Enter);
     assert_eq!(bench.session().state.recipe.pipeline.depth_format, DepthFormat::Unorm16);
+    assert_eq!(bench.session().selected_stage, Stage::Depth);
     assert_eq!(bench.image(), *bench.expected().image());
 
     bench.press_with(Modifiers::COMMAND | Modifiers::SHIFT, Key::P);
@@ -93,6 +95,7 @@ fn the_palette_finds_entries_by_letters_and_executes_them_on_enter() {
     type_in(&mut bench, "light.ambient=0.75");
     bench.press(Key::Enter);
     assert_eq!(bench.session().state.recipe.pipeline.light.ambient, 0.75);
+    assert!(bench.says("Ambient"), "the stage with the setting is selected");
 }
 
 #[test]
@@ -117,6 +120,7 @@ fn the_copied_command_says_what_is_shown() {
     let mut bench = Bench::small("triangle");
     let there = bench.place_of((40, 30));
     bench.click_at(there);
+    bench.select(Stage::Cull);
     bench.choose("Culling", "Front");
     let line = bench.session().command_line();
     bench.press_with(Modifiers::COMMAND | Modifiers::SHIFT, Key::C);

@@ -2,6 +2,7 @@
 
 use eframe::egui::{Key, Modifiers};
 use rasterscope::chain::Recipe;
+use rasterscope::inspect::Stage;
 use rasterscope::pipeline::background::Background;
 use rasterscope::pipeline::settings::{Choice as _, Culling, DepthFormat, DepthTest, FillRule, Interpolation, Shading};
 use rasterscope::ui::session::PictureSize;
@@ -9,34 +10,32 @@ use rasterscope::upscale;
 
 use super::bench::Bench;
 
-/// A change in the panel: scene, stage to open first, row, option, and the same change of the recipe.
-type Case = (&'static str, Option<&'static str>, &'static str, &'static str, fn(&mut Recipe));
+/// A change in the panel: scene, stage to select first, row, option, and the same change of the recipe.
+type Case = (&'static str, Stage, &'static str, &'static str, fn(&mut Recipe));
 
 #[test]
 fn an_option_chosen_in_a_row_is_drawn() {
     let cases: [Case; 7] = [
-        ("triangle", None, "Culling", Culling::Front.name(), |r| r.pipeline.culling = Culling::Front),
-        ("triangle", None, "Shading", Shading::Normals.name(), |r| r.pipeline.shading = Shading::Normals),
-        ("shared-edges", Some("Rasterize stage"), "Fill rule", FillRule::Exclusive.name(), |r| {
+        ("triangle", Stage::Cull, "Culling", Culling::Front.name(), |r| r.pipeline.culling = Culling::Front),
+        ("triangle", Stage::Shade, "Shading", Shading::Normals.name(), |r| r.pipeline.shading = Shading::Normals),
+        ("shared-edges", Stage::Rasterize, "Fill rule", FillRule::Exclusive.name(), |r| {
             r.pipeline.fill_rule = FillRule::Exclusive;
         }),
-        ("interpenetrating", Some("Depth stage"), "Test", DepthTest::Off.name(), |r| {
+        ("interpenetrating", Stage::Depth, "Test", DepthTest::Off.name(), |r| {
             r.pipeline.depth_test = DepthTest::Off;
         }),
-        ("z-fighting", Some("Depth stage"), "Format", DepthFormat::ReversedF32.name(), |r| {
+        ("z-fighting", Stage::Depth, "Format", DepthFormat::ReversedF32.name(), |r| {
             r.pipeline.depth_format = DepthFormat::ReversedF32;
         }),
-        ("triangle", Some("Interpolate stage"), "Attributes", Interpolation::Affine.name(), |r| {
+        ("triangle", Stage::Interpolate, "Attributes", Interpolation::Affine.name(), |r| {
             r.pipeline.interpolation = Interpolation::Affine;
         }),
-        ("triangle", None, "Method", "Checkerboard", |r| r.set("upscaler.method=checkerboard").unwrap()),
+        ("triangle", Stage::Upscale, "Method", "Checkerboard", |r| r.set("upscaler.method=checkerboard").unwrap()),
     ];
     for (scene, stage, row, option, change) in cases {
         let mut bench = Bench::new(scene);
         let before = bench.image();
-        if let Some(stage) = stage {
-            bench.click(stage);
-        }
+        bench.select(stage);
         bench.choose(row, option);
         let mut recipe = Recipe::default();
         change(&mut recipe);
@@ -50,8 +49,10 @@ fn an_option_chosen_in_a_row_is_drawn() {
 fn settings_are_undone_and_redone_one_by_one() {
     let mut bench = Bench::small("triangle");
     let start = bench.image();
+    bench.select(Stage::Shade);
     bench.choose("Shading", Shading::Normals.name());
     let normals = bench.image();
+    bench.select(Stage::Cull);
     bench.choose("Culling", Culling::Front.name());
     let culled = bench.image();
     assert!(start != normals && normals != culled);
@@ -72,8 +73,10 @@ fn settings_are_undone_and_redone_one_by_one() {
 #[test]
 fn a_setting_after_undo_clears_redo() {
     let mut bench = Bench::small("triangle");
+    bench.select(Stage::Shade);
     bench.choose("Shading", Shading::Normals.name());
     bench.press_with(Modifiers::COMMAND, Key::Z);
+    bench.select(Stage::Cull);
     bench.choose("Culling", Culling::Front.name());
     assert!(!bench.session().can_redo());
     bench.press_with(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
@@ -83,7 +86,9 @@ fn a_setting_after_undo_clears_redo() {
 #[test]
 fn all_settings_are_reset_by_one_button_and_by_one_undo_back() {
     let mut bench = Bench::small("triangle");
+    bench.select(Stage::Shade);
     bench.choose("Shading", Shading::Normals.name());
+    bench.select(Stage::Cull);
     bench.choose("Culling", Culling::None.name());
     let changed = bench.session().state.recipe;
     bench.click("Reset all settings");
@@ -107,17 +112,19 @@ fn number_keys_choose_the_first_nine_upscalers_in_their_order() {
 #[test]
 fn settings_that_the_scene_cannot_use_are_replaced_by_the_reason() {
     let offers = |bench: &Bench, row: &str| bench.says(row);
-    let untextured = Bench::small("triangle");
+    let mut untextured = Bench::small("triangle");
+    untextured.select(Stage::Shade);
     assert!(!offers(&untextured, "Filter") && !offers(&untextured, "Address"));
     assert!(untextured.mentions("the mesh has no texture coordinates"));
-    let textured = Bench::small("chess");
+    let mut textured = Bench::small("chess");
+    textured.select(Stage::Shade);
     assert!(offers(&textured, "Filter") && offers(&textured, "Address"));
 }
 
 #[test]
 fn a_depth_format_is_offered_only_with_a_depth_test() {
     let mut bench = Bench::small("interpenetrating");
-    bench.click("Depth stage");
+    bench.select(Stage::Depth);
     assert!(bench.says("Format"));
     bench.choose("Test", DepthTest::Off.name());
     assert!(!bench.says("Format"));
@@ -127,7 +134,7 @@ fn a_depth_format_is_offered_only_with_a_depth_test() {
 #[test]
 fn a_depth_bias_is_offered_only_with_a_depth_test() {
     let mut bench = Bench::small("interpenetrating");
-    bench.click("Depth stage");
+    bench.select(Stage::Depth);
     assert!(bench.says("Constant bias") && bench.says("Slope-scaled bias"));
     bench.session_mut().state.recipe.pipeline.depth_bias.slope = 2.0;
     bench.rest();
@@ -139,6 +146,7 @@ fn a_depth_bias_is_offered_only_with_a_depth_test() {
 #[test]
 fn a_button_restores_the_background_of_the_scene() {
     let mut bench = Bench::small("triangle");
+    bench.select(Stage::Shade);
     let (plain, color) = (bench.image(), [0xd0, 0x40, 0x10]);
     bench.session_mut().state.recipe.pipeline.background = Background::Color(color);
     bench.rest();
@@ -151,10 +159,11 @@ fn a_button_restores_the_background_of_the_scene() {
 #[test]
 fn a_far_plane_is_offered_only_where_there_is_one() {
     let mut bench = Bench::small("interpenetrating");
-    bench.click("Transform stage");
+    bench.select(Stage::Transform);
     assert!(bench.says("Far plane"));
-    bench.click("Depth stage");
+    bench.select(Stage::Depth);
     bench.choose("Format", DepthFormat::ReversedInfinite.name());
+    bench.select(Stage::Transform);
     assert!(!bench.says("Far plane") && bench.mentions("the far plane is at infinity"));
     bench.choose("Projection", "Orthographic");
     assert!(bench.says("Far plane"), "an orthographic view has a far plane");
@@ -163,6 +172,7 @@ fn a_far_plane_is_offered_only_where_there_is_one() {
 #[test]
 fn light_is_offered_only_where_it_is_computed() {
     let mut bench = Bench::small("triangle");
+    bench.select(Stage::Shade);
     assert!(bench.says("Ambient"));
     bench.choose("Shading", Shading::Normals.name());
     assert!(!bench.says("Ambient"));

@@ -1,14 +1,15 @@
 //! Tests of stepping through the frame by stage, by buffer and by triangle.
 
-use eframe::egui::{Key, Modifiers, Role};
-use egui_kittest::kittest::Queryable as _;
+use eframe::egui::{self, Key, Modifiers, Role};
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use glam::Vec3;
 use rasterscope::inspect::overlays::Overlay;
 use rasterscope::inspect::{Buffer, Stage, stages};
-use rasterscope::pipeline::settings::{Choice as _, FillRule};
+use rasterscope::pipeline::settings::{Choice as _, DepthTest, FillRule};
 use rasterscope::scene::Camera;
 use rasterscope::ui::command::Command;
 use rasterscope::ui::engine::Shown;
+use rasterscope::ui::format;
 use rasterscope::ui::overlays::OverlayChange;
 
 use super::bench::Bench;
@@ -25,6 +26,7 @@ fn assert_shows(bench: &Bench, stage: Stage) {
 #[test]
 fn brackets_step_through_all_stages_and_stop_at_the_ends() {
     let mut bench = Bench::small("interpenetrating");
+    bench.click_eye(Stage::Upscale);
     for stage in Stage::ALL.iter().rev().skip(1) {
         bench.press(Key::OpenBracket);
         assert_shows(&bench, *stage);
@@ -43,12 +45,64 @@ fn brackets_step_through_all_stages_and_stop_at_the_ends() {
 fn every_stage_s_eye_shows_its_picture_and_hides_it_again() {
     let mut bench = Bench::small("interpenetrating");
     for stage in Stage::ALL {
-        let eye = format!("Show the picture after “{}”", stage.name());
-        bench.click(&eye);
+        bench.click_eye(*stage);
         assert_shows(&bench, *stage);
-        bench.click(&eye);
+        assert_eq!(bench.session().selected_stage, *stage);
+        bench.click_eye(*stage);
         assert_eq!(bench.session().shown, Shown::Buffer(Buffer::Color));
     }
+}
+
+#[test]
+fn brackets_move_the_selection_and_leave_a_shown_buffer() {
+    let mut bench = Bench::small("triangle");
+    assert_eq!(bench.session().selected_stage, Stage::Rasterize);
+    assert!(bench.says("Fill rule") && !bench.says("Colour space"));
+    for (key, stage) in [(Key::OpenBracket, Stage::Cull), (Key::CloseBracket, Stage::Rasterize)] {
+        bench.press(key);
+        assert_eq!(bench.session().selected_stage, stage);
+        assert_eq!(bench.session().shown, Shown::Buffer(Buffer::Color));
+    }
+}
+
+#[test]
+fn a_selected_row_shows_its_picture_if_a_stage_is_shown() {
+    let mut bench = Bench::small("interpenetrating");
+    bench.click_eye(Stage::Cull);
+    bench.select(Stage::Depth);
+    assert_shows(&bench, Stage::Depth);
+    bench.click("Show the previous stage");
+    assert_eq!(bench.session().selected_stage, Stage::Rasterize);
+    assert_shows(&bench, Stage::Rasterize);
+}
+
+#[test]
+fn rows_are_focused_and_selected_by_keys() {
+    let mut bench = Bench::small("triangle");
+    bench.window.get_by_role_and_label(Role::Button, "Clip stage").focus();
+    bench.rest();
+    bench.press(Key::Enter);
+    assert_eq!(bench.session().selected_stage, Stage::Clip);
+    bench.press(Key::CloseBracket);
+    assert_eq!(bench.session().selected_stage, Stage::Project);
+    for (name, is_selected) in [("Clip stage", false), ("Project stage", true)] {
+        let row = bench.window.get_by_role_and_label(Role::Button, name).accesskit_node();
+        assert_eq!(row.toggled() == Some(egui::accesskit::Toggled::True), is_selected, "{name}");
+        assert_eq!(row.is_focused(), is_selected, "the focus moves along: {name}");
+    }
+}
+
+#[test]
+fn rows_have_counts_with_units_or_the_reason_for_skipping() {
+    let mut bench = Bench::small("interpenetrating");
+    let triangles = format!("{} tris", bench.session().scene.triangle_count());
+    assert!(bench.says(&triangles), "{triangles}");
+    let shaded = bench.session().stages.expect("stages were timed").counters.shaded;
+    assert!(bench.says(&format!("{} frags", format::short_count(shaded))));
+    assert!(bench.says("every pixel is drawn") && !bench.says("the depth test is off"));
+    bench.select(Stage::Depth);
+    bench.choose("Test", DepthTest::Off.name());
+    assert!(bench.says("the depth test is off"));
 }
 
 #[test]
@@ -118,8 +172,8 @@ fn j_goes_to_the_pixels_that_t_junctions_open_and_explains_them() {
 fn stages_differ_from_one_another() {
     let mut bench = Bench::small("cubes");
     let mut pictures = Vec::new();
-    for _ in Stage::ALL {
-        bench.press(Key::OpenBracket);
+    for stage in Stage::ALL {
+        bench.click_eye(*stage);
         pictures.push(bench.view().picture.clone());
     }
     pictures.dedup();

@@ -1,6 +1,7 @@
 //! Tests of watched pixels: adding, following from frame to frame, picking and removing them.
 
 use eframe::egui::Key;
+use rasterscope::inspect::Stage;
 use rasterscope::pipeline::settings::{Choice as _, Shading};
 use rasterscope::ui::workspace::Panel;
 
@@ -17,6 +18,7 @@ fn a_watched_pixel_is_followed_and_changes_are_marked() {
     let [r, g, b, _] = bench.image().at(80, 45);
     assert_eq!(bench.session().watch.pixels, [(80, 45)]);
     assert!(bench.mentions(&format!("{r} {g} {b}")));
+    bench.select(Stage::Shade);
     bench.choose("Shading", Shading::Normals.name());
     let [r, g, b, _] = bench.image().at(80, 45);
     assert!(bench.says(&format!("• {r} {g} {b}")), "the colour changed");

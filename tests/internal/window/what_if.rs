@@ -2,6 +2,7 @@
 
 use eframe::egui::{Key, Modifiers};
 use rasterscope::chain::{Recipe, run};
+use rasterscope::inspect::Stage;
 use rasterscope::pipeline::settings::FillRule;
 
 use super::bench::Bench;
@@ -11,7 +12,7 @@ fn changed() -> Bench {
     let mut bench = Bench::small("shared-edges");
     bench.press(Key::X);
     assert!(bench.says("What changed?"));
-    bench.click("Rasterize stage");
+    bench.select(Stage::Rasterize);
     bench.choose("Fill rule", "Inclusive");
     bench
 }
@@ -34,6 +35,7 @@ fn the_bar_names_the_changed_setting_and_counts_the_changed_pixels() {
 fn a_change_without_effect_is_reported_as_such() {
     let mut bench = Bench::small("triangle");
     bench.press(Key::X);
+    bench.select(Stage::Cull);
     bench.choose("Culling", "None");
     assert!(bench.says("culling: back → none") && bench.says("No pixel changed"));
     assert!(bench.mentions("pictures identical"));
@@ -54,6 +56,7 @@ fn a_button_steps_through_the_changed_pixels() {
 fn a_pinned_a_stays_and_revert_leads_back_to_it() {
     let mut bench = changed();
     bench.click("Pin A");
+    bench.select(Stage::Cull);
     bench.choose("Culling", "None");
     assert!(bench.says("culling: back → none,  fill_rule: top-left → inclusive"));
     bench.click("Swap");
