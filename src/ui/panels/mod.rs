@@ -2,6 +2,8 @@
 
 pub(crate) mod bottom;
 
+mod budget_line;
+
 pub(crate) mod case;
 
 pub(crate) mod dialogs;

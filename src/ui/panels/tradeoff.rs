@@ -138,7 +138,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 }
 
 /// Assigns an upscaler to picture A (`tile` is 0) or picture B (1) of the comparison.
-fn choose(session: &Session, tile: usize, upscaling: Upscaling, commands: &mut Vec<Command>) {
+pub(crate) fn choose(session: &Session, tile: usize, upscaling: Upscaling, commands: &mut Vec<Command>) {
     let recipe = session.state.tiles.recipe(tile, session.state.recipe);
     let recipe = Recipe { upscaler: upscaling, ..recipe };
     commands.push(Command::Compare(CompareChange::Recipe(tile, Box::new(recipe))));
