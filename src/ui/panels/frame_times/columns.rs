@@ -11,8 +11,11 @@ const CHECK: f32 = 30.0;
 /// Width of the column with the star of the best row, in points.
 const STAR: f32 = 20.0;
 
-/// Width of the columns of speed-ups and of errors, in points.
-const NUMBER: f32 = 50.0;
+/// Width of the column of speed-ups, in points.
+const SPEEDUP: f32 = 56.0;
+
+/// Width of the column of errors, in points.
+const FLIP: f32 = 50.0;
 
 /// Width of the column of median times with the space before it, in points.
 const MS: f32 = 44.0;
@@ -55,8 +58,8 @@ impl Columns {
         let checks = Rangef::new(whole.min, whole.min + CHECK);
         let names = Rangef::new(checks.max, checks.max + names);
         let right = whole.max - space::XS;
-        let speedup = if has_errors { right - NUMBER } else { right };
-        let ms = speedup - NUMBER;
+        let speedup = if has_errors { right - FLIP } else { right };
+        let ms = speedup - SPEEDUP;
         let plot = Rangef::new(names.max + STAR + space::XS, ms - MS);
         let star = names.max + STAR / 2.0;
         Self { whole, checks, names, star, plot, ms, speedup, flip: has_errors.then_some(right), axis }

@@ -36,14 +36,17 @@ pub(super) struct RowMarks {
     /// Median time of native rendering, in milliseconds.
     native_ms: Option<f64>,
     best: Option<Upscaling>,
+    /// Horizontal position of the budget line.
+    budget: f32,
 }
 
 impl RowMarks {
     /// Creates a painter for `rows`.
     pub(super) fn new(columns: Columns, session: &Session, rows: &[MethodRow]) -> Self {
         let native = rows.iter().find(|row| row.upscaling.is_native());
+        let budget = columns.x(session.timings.budget_ms());
         let native_ms = native.map(|row| row.summary.median);
-        Self { columns, native_ms, best: session.timings.budget_winner().best() }
+        Self { columns, native_ms, best: session.timings.budget_winner().best(), budget }
     }
 
     /// Draws all marks of a row within `rect`.
@@ -102,7 +105,11 @@ impl RowMarks {
         let galley = ui.painter().layout_no_wrap(words.to_owned(), FontId::proportional(font_size::SMALL), color);
         let size = galley.size();
         let places = [marks.max + space::S, marks.min - space::S - size.x];
-        let fits = |left: &f32| *left >= self.columns.plot.min && left + size.x <= self.columns.plot.max + space::S;
+        let within = self.columns.plot;
+        let fits = |left: &f32| {
+            let extent = Rangef::new(*left, left + size.x);
+            extent.min >= within.min && extent.max <= within.max + space::S && !extent.contains(self.budget)
+        };
         if let Some(left) = places.into_iter().find(fits) {
             ui.painter().galley(pos2(left, rect.center().y - size.y / 2.0), galley, color);
         }

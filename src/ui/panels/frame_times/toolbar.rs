@@ -9,6 +9,7 @@ use crate::ui::command::Command;
 use crate::ui::session::Session;
 use crate::ui::theme::{space, tokens};
 use crate::ui::timings::{RowOrder, TimingsChange, budget};
+use crate::upscale::Upscaling;
 
 /// Width that the buttons of all scales need, in points. If less is left of the first line, they are on the second.
 const SCALES_WIDTH: f32 = 230.0;
@@ -49,7 +50,7 @@ fn order(ui: &mut Ui, rows: &[MethodRow], session: &Session, commands: &mut Vec<
 /// Draws a toggle button for every scale in `rows`, unless they all have the same scale.
 fn scales(ui: &mut Ui, rows: &[MethodRow], session: &Session, commands: &mut Vec<Command>) {
     let methods = rows.iter().map(|row| row.upscaling).filter(|upscaling| !upscaling.is_native());
-    let scales: BTreeSet<_> = methods.map(|upscaling| upscaling.scale()).collect();
+    let scales: BTreeSet<_> = methods.map(Upscaling::scale).collect();
     if scales.len() < 2 {
         return;
     }
