@@ -20,7 +20,7 @@ use super::probe;
 use super::range;
 use super::scrub;
 use super::session::{PictureSize, PointerMode};
-use super::timings::TimingsView;
+use super::timings::TimingsChange;
 use super::trace;
 use super::vertices;
 use super::watch;
@@ -132,8 +132,8 @@ pub(crate) enum Command {
     CancelMeasure,
     /// Sets the camera motion for the next measurement of the upscalers.
     MeasureOver(Turn),
-    /// Changes the plot of frame times.
-    ShowTimings(TimingsView),
+    /// Changes the plots of frame times, or the time budget.
+    Timings(TimingsChange),
     /// Pauses or resumes the recording of recent frame times.
     PauseTimings,
     /// Exports all frame times to a CSV file.

@@ -72,6 +72,8 @@ pub(crate) mod what_if;
 
 pub(crate) mod watch;
 
+pub(crate) mod method_colors;
+
 pub(crate) mod fault_bar;
 
 pub(crate) mod zoom;

@@ -421,7 +421,7 @@ impl Session {
             Command::CloseNotice => self.notice = None,
             Command::CloseError => self.error = None,
             Command::CloseHint => self.hint_closed = true,
-            Command::ShowTimings(view) => self.timings.view = view,
+            Command::Timings(change) => self.timings.apply(change),
             Command::MeasureOver(turn) => self.timings.turn = turn,
             Command::PauseTimings => self.timings.paused ^= true,
             Command::ClearTimings => self.timings.clear(),

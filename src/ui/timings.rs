@@ -2,6 +2,16 @@
 //! Recent and slowest frames are discarded when the scene, the settings or the size changes, so that times of different
 //! pictures are never mixed.
 
+pub(crate) mod budget;
+
+mod list;
+
+pub(crate) use budget::BudgetWinner;
+pub(crate) use list::MethodList;
+pub(crate) use list::RowOrder;
+pub(crate) use list::TimingsChange;
+pub(crate) use list::TimingsPanel;
+
 use std::collections::{BTreeMap, VecDeque};
 
 use super::engine::Request;
@@ -33,10 +43,12 @@ pub(crate) enum TimingsView {
 /// All recorded frame times, in milliseconds.
 #[derive(Debug, Default)]
 pub(crate) struct Timings {
-    /// Plot that the tab shows.
+    /// Plot that the panel shows.
     pub(crate) view: TimingsView,
     /// Whether recording of recent frames is paused.
     pub(crate) paused: bool,
+    /// Order, filter and check marks of the rows, method under the pointer, and time budget.
+    pub(crate) list: MethodList,
     recent: BTreeMap<Upscaling, VecDeque<f64>>,
     slowest: Vec<(Upscaling, f64)>,
     recent_request: Option<Request>,
@@ -183,9 +195,46 @@ impl Timings {
         known.iter().zip(standings(&points, &noise)).map(point).collect()
     }
 
+    /// Applies a change to the plots of frame times.
+    pub(crate) fn apply(&mut self, change: TimingsChange) {
+        match change {
+            TimingsChange::View(view) => self.view = view,
+            TimingsChange::Order(order) => self.list.order = order,
+            TimingsChange::ToggleScale(scale) => self.list.toggle_scale(scale),
+            TimingsChange::ToggleChecked(upscaling) => self.list.toggle_checked(upscaling),
+            TimingsChange::Hover(tab, upscaling) => self.list.set_hovered(tab, upscaling),
+            TimingsChange::Budget(ms) => self.list.budget_ms = Some(budget::rounded(ms)),
+        }
+    }
+
+    /// Returns the time budget in milliseconds: the one that the user has set, or about half of the median time of
+    /// native rendering.
+    pub(crate) fn budget_ms(&self) -> f64 {
+        let default_ms = || self.native_median_ms().map_or(budget::FALLBACK_MS, budget::default_ms);
+        self.list.budget_ms.unwrap_or_else(default_ms)
+    }
+
+    /// Returns the method with the lowest error within the time budget.
+    pub(crate) fn budget_winner(&self) -> BudgetWinner {
+        BudgetWinner::of(&self.tradeoff(), self.budget_ms())
+    }
+
+    /// Returns the median frame time of native rendering in milliseconds: the measured one if there is a measurement,
+    /// otherwise that of the recent frames.
+    fn native_median_ms(&self) -> Option<f64> {
+        let native = self.series().into_iter().find(|(upscaling, _)| upscaling.is_native());
+        Some(summarize(&native?.1)?.median)
+    }
+
+    /// Returns the measured error of an upscaler; `None` before it is measured.
+    pub(crate) fn error(&self, upscaling: Upscaling) -> Option<MethodError> {
+        self.errors.get(&upscaling).copied()
+    }
+
     /// Discards all recorded times.
     pub(crate) fn clear(&mut self) {
-        *self = Self { view: self.view, paused: self.paused, turn: self.turn, ..Self::default() };
+        let list = std::mem::take(&mut self.list);
+        *self = Self { view: self.view, paused: self.paused, turn: self.turn, list, ..Self::default() };
     }
 
     /// Whether there is a running or complete measurement to show.

@@ -1,26 +1,33 @@
 //! Plot of error against time with one point for every upscaler, measured on the current scene. A click on a point uses
 //! the upscaler for picture A or B of the comparison.
 
-use eframe::egui::{self, Button, Color32, Grid, ProgressBar, RichText, ScrollArea, Ui};
-use egui_plot::{GridMark, HoverPosition, Line, Plot, PlotPoint, PlotPoints, PlotUi, Points};
+mod labels;
 
+mod table;
+
+use eframe::egui::{
+    self, Button, Color32, FontId, Pos2, ProgressBar, Rect, RichText, ScrollArea, Sense, Stroke, Ui, pos2,
+};
+use egui_plot::{GridMark, HoverPosition, Line, Plot, PlotPoint, PlotPoints, PlotTransform, PlotUi, Points};
+
+use super::budget_line;
 use crate::chain::Recipe;
 use crate::manual::Chapter;
-use crate::measure::motion::{MotionError, Turn};
-use crate::measure::noise::WITHIN;
+use crate::measure::motion::Turn;
 use crate::pipeline::settings::Choice as _;
 use crate::report::upscaling::tradeoff::Standing;
 use crate::ui::command::Command;
 use crate::ui::compare::bar::reference_list;
 use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::format;
+use crate::ui::method_colors::method_color;
 use crate::ui::session::Session;
-use crate::ui::theme::{Icon, tokens};
+use crate::ui::theme::{Icon, font_size, tokens};
 use crate::ui::ticks::log_marks;
-use crate::ui::timings::TradeOff;
-use crate::ui::widgets::{empty_state, figure};
+use crate::ui::timings::{TimingsChange, TimingsPanel, TradeOff};
+use crate::ui::widgets::empty_state;
 use crate::ui::workspace::PanelSpec;
-use crate::upscale::{self, Upscaling};
+use crate::upscale::Upscaling;
 
 /// Description of the panel.
 pub(crate) const PANEL: PanelSpec = PanelSpec {
@@ -34,29 +41,25 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
 };
 
 /// Width of the table of errors and times, in points.
-const TABLE_POINTS: f32 = 660.0;
-
-/// Width of a column of the table, in points.
-const FIGURE_POINTS: f32 = 62.0;
-
-/// Headings of the numeric columns of the table, with their tooltips.
-const HEADINGS: [(&str, &str); 6] = [
-    ("ms", "Median frame time"),
-    ("FLIP", "Mean FLIP error over the frames, which ranks the upscalers"),
-    ("worst", "FLIP error of the worst frame"),
-    ("at rest", "FLIP error of the still view after it has converged"),
-    ("PSNR dB", "PSNR computed from the mean squared error over all frames"),
-    ("SSIM", "Mean SSIM over the frames"),
-];
+const TABLE_POINTS: f32 = 690.0;
 
 /// Radius around a point within which a click selects it, in points.
 const NEAR_POINTS: f32 = 12.0;
+
+/// Radius of the ring around the point of the method under the pointer, in points.
+const RING: f32 = 8.0;
 
 /// Distance from the smallest nonzero error down to the line on which an error of 0 is plotted, in powers of ten. A
 /// logarithmic axis has no position for 0.
 const LANE: f64 = 0.4;
 
-/// Draws the controls of the tab “Error vs time”, beside the tabs.
+/// Plotted point with its position on the screen.
+struct PlacedPoint<'a> {
+    point: &'a TradeOff,
+    at: Pos2,
+}
+
+/// Draws the controls of the panel “Error vs time”.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if let Some(measuring) = session.measuring {
         if ui.button("Cancel").on_hover_text("Stop the measurement and keep the results so far").clicked() {
@@ -126,7 +129,6 @@ fn motion(session: &Session, turn: Turn) -> String {
 /// Draws the plot of error against time, and the table of both.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let points = session.timings.tradeoff();
-    let in_motion = session.timings.measurement_request().is_some_and(|measured| !measured.turn.is_still());
     if points.is_empty() {
         // Takes all of the available height, so that the canvas keeps its size, and so does a picture that has the size
         // of the canvas.
@@ -142,16 +144,16 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ui.horizontal_top(|ui| {
         let width = (ui.available_width() - TABLE_POINTS - 16.0).max(220.0);
         let size = egui::vec2(width, ui.available_height());
-        if let Some(upscaling) = plot(ui, &points, in_motion, size) {
-            let tile = usize::from(!ui.input(|i| i.modifiers.shift));
-            choose(session, tile, upscaling, commands);
-        }
-        ScrollArea::both().id_salt("tradeoff table").show(ui, |ui| table(ui, &points, session, commands));
+        let in_plot = ui.vertical(|ui| plot(ui, &points, size, session, commands)).inner;
+        let table = ScrollArea::both().id_salt("tradeoff table");
+        let in_table = table.show(ui, |ui| table::ui(ui, &points, session, commands)).inner;
+        let change = session.timings.list.hover_change(TimingsPanel::ErrorTime, in_plot.or(in_table));
+        commands.extend(change.map(Command::Timings));
     });
 }
 
 /// Assigns an upscaler to picture A (`tile` is 0) or picture B (1) of the comparison.
-fn choose(session: &Session, tile: usize, upscaling: Upscaling, commands: &mut Vec<Command>) {
+pub(crate) fn choose(session: &Session, tile: usize, upscaling: Upscaling, commands: &mut Vec<Command>) {
     let recipe = session.state.tiles.recipe(tile, session.state.recipe);
     let recipe = Recipe { upscaler: upscaling, ..recipe };
     commands.push(Command::Compare(CompareChange::Recipe(tile, Box::new(recipe))));
@@ -160,27 +162,9 @@ fn choose(session: &Session, tile: usize, upscaling: Upscaling, commands: &mut V
     }
 }
 
-/// Returns the plot colour of an upscaler.
-fn color(ui: &Ui, upscaling: Upscaling) -> Color32 {
-    let colors = tokens(ui).series;
-    let place = upscale::ALL.iter().position(|upscaler| upscaler.id() == upscaling.method());
-    colors[place.unwrap_or(0) % colors.len()]
-}
-
 /// Returns the mean FLIP error over the frames of the camera motion. It is plotted, and the table is sorted by it.
 fn flip(point: &TradeOff) -> f64 {
     point.error.motion.mean.flip
-}
-
-/// Describes in one sentence whether an upscaler lies on the Pareto front, and if not, which upscaler dominates it.
-fn standing(point: &TradeOff) -> String {
-    match point.standing {
-        Standing::Front => "On the Pareto front: no other upscaler is both faster and more accurate".to_owned(),
-        Standing::WithinNoise(other) => {
-            format!("{} has less error, and its extra time is {WITHIN}", other.label())
-        }
-        Standing::Beaten(by) => format!("Dominated by {}", by.label()),
-    }
 }
 
 /// Returns the plot position of an upscaler: the base-10 logarithms of its time in milliseconds and of its error. An
@@ -190,16 +174,66 @@ fn place(point: &TradeOff, lane: f64) -> [f64; 2] {
     [point.ms.median.max(f64::MIN_POSITIVE).log10(), if error > 0.0 { error.log10() } else { lane }]
 }
 
-/// Draws the plot of all upscalers. Returns the one that was clicked.
-fn plot(ui: &mut Ui, points: &[TradeOff], in_motion: bool, size: egui::Vec2) -> Option<Upscaling> {
+/// Draws the plot of all upscalers with the budget line, and handles clicks on points. Returns the upscaler under the
+/// pointer.
+fn plot(
+    ui: &mut Ui,
+    points: &[TradeOff],
+    size: egui::Vec2,
+    session: &Session,
+    commands: &mut Vec<Command>,
+) -> Option<Upscaling> {
     let least = points.iter().map(flip).filter(|error| *error > 0.0).fold(1.0, f64::min);
     let lane = least.log10() - LANE;
-    let weak = tokens(ui).border;
-    let colors: Vec<Color32> = points.iter().map(|point| color(ui, point.upscaling)).collect();
+    let (header, _) = ui.allocate_exact_size(egui::vec2(size.x, budget_line::LABEL_HEIGHT), Sense::hover());
+    let below = egui::vec2(size.x, size.y - budget_line::LABEL_HEIGHT - ui.spacing().item_spacing.y);
+    let colors: Vec<Color32> = points.iter().map(|point| color(ui, point)).collect();
     let front_color = tokens(ui).text_weak;
+    let response = empty_plot(lane, is_in_motion(session), below).grid_color(tokens(ui).border).show(ui, |plot| {
+        for step in front(points, lane) {
+            plot.line(step.color(front_color).width(1.0));
+        }
+        for (point, color) in points.iter().zip(&colors) {
+            draw(plot, point, lane, *color);
+        }
+    });
+    let placed = |point| {
+        let [x, y] = place(point, lane);
+        PlacedPoint { point, at: response.transform.position_from_point(&PlotPoint::new(x, y)) }
+    };
+    let placed: Vec<_> = points.iter().map(placed).collect();
+    name_points(ui, &placed);
+    let near = |pointer: Pos2| {
+        let distance = |placed: &&PlacedPoint<'_>| placed.at.distance(pointer);
+        let nearest = placed.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        nearest.filter(|placed| distance(placed) <= NEAR_POINTS).map(|placed| placed.point.upscaling)
+    };
+    if response.response.clicked()
+        && let Some(upscaling) = response.response.interact_pointer_pos().and_then(near)
+    {
+        let tile = usize::from(!ui.input(|i| i.modifiers.shift));
+        choose(session, tile, upscaling, commands);
+    }
+    let budget_x = budget(ui, &response.transform, header, session, commands);
+    label_points(ui, &placed, session, *response.transform.frame(), budget_x);
+    response.response.hover_pos().and_then(near)
+}
+
+/// Whether the last measurement moved the camera.
+fn is_in_motion(session: &Session) -> bool {
+    session.timings.measurement_request().is_some_and(|measured| !measured.turn.is_still())
+}
+
+/// Returns the colour of a point: that of its method on the Pareto front, and grey elsewhere.
+fn color(ui: &Ui, point: &TradeOff) -> Color32 {
+    if point.standing == Standing::Front { method_color(ui, point.upscaling) } else { tokens(ui).border }
+}
+
+/// Returns the plot with its axes, but without points.
+fn empty_plot(lane: f64, in_motion: bool, size: egui::Vec2) -> Plot<'static> {
     let number =
         |value: f64| format!("{:.2}", 10_f64.powf(value)).trim_end_matches('0').trim_end_matches('.').to_owned();
-    let response = Plot::new("error against time of upscalers")
+    Plot::new("error against time of upscalers")
         .width(size.x)
         .height(size.y)
         .x_axis_label("Median frame time (ms)")
@@ -223,33 +257,54 @@ fn plot(ui: &mut Ui, points: &[TradeOff], in_motion: bool, size: egui::Vec2) -> 
             }
             HoverPosition::Elsewhere { .. } => None,
         })
-        .show(ui, |plot| {
-            for step in front(points, lane) {
-                plot.line(step.color(front_color).width(1.0));
-            }
-            for (point, color) in points.iter().zip(&colors) {
-                draw(plot, point, lane, if point.standing == Standing::Front { *color } else { weak });
-            }
-        });
-    name_points(ui, points, |point| {
-        let [x, y] = place(point, lane);
-        response.transform.position_from_point(&PlotPoint::new(x, y))
-    });
-    let clicked = response.response.clicked().then(|| response.response.interact_pointer_pos()).flatten()?;
-    let distance = |point: &TradeOff| {
-        let [x, y] = place(point, lane);
-        response.transform.position_from_point(&PlotPoint::new(x, y)).distance(clicked)
+}
+
+/// Draws the budget line over the plot, and its label in `header`. Returns the horizontal position of the line.
+fn budget(ui: &Ui, transform: &PlotTransform, header: Rect, session: &Session, commands: &mut Vec<Command>) -> f32 {
+    let frame = *transform.frame();
+    let value = session.timings.budget_ms().log10();
+    let x = transform.position_from_point(&PlotPoint::new(value, 0.0)).x.clamp(frame.left(), frame.right());
+    budget_line::label(ui, session, header, x);
+    if let Some(x) = budget_line::line(ui, frame, x) {
+        let ms = 10_f64.powf(transform.value_from_position(pos2(x, frame.top())).x);
+        commands.push(Command::Timings(TimingsChange::Budget(ms)));
+    }
+    x
+}
+
+/// Draws the names of the points on the Pareto front where there is space, and a ring around the point of the method
+/// under the pointer, whose name has priority.
+fn label_points(ui: &Ui, points: &[PlacedPoint<'_>], session: &Session, frame: Rect, budget_x: f32) {
+    let hovered = session.timings.list.hovered();
+    let is_hovered = |placed: &&PlacedPoint<'_>| hovered == Some(placed.point.upscaling);
+    let is_on_front = |placed: &&PlacedPoint<'_>| placed.point.standing == Standing::Front;
+    let of_front = points.iter().filter(|placed| is_on_front(placed) && !is_hovered(placed));
+    let color = tokens(ui).text;
+    let layout = |placed: &PlacedPoint<'_>| {
+        let font = FontId::proportional(font_size::SMALL);
+        (placed.at, ui.painter().layout_no_wrap(placed.point.upscaling.label(), font, color))
     };
-    let nearest = points.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-    (distance(nearest) <= NEAR_POINTS).then_some(nearest.upscaling)
+    let names: Vec<_> = points.iter().filter(is_hovered).chain(of_front).map(layout).collect();
+    let sizes: Vec<_> = names.iter().map(|(at, galley)| (*at, galley.size())).collect();
+    let line = Rect::from_x_y_ranges(budget_x..=budget_x, frame.y_range());
+    let obstacles: Vec<_> = points.iter().map(|placed| labels::around(placed.at)).chain([line]).collect();
+    for (place, (_, galley)) in labels::place(&sizes, &obstacles, frame).into_iter().zip(names) {
+        if let Some(place) = place {
+            ui.painter().galley(place.min, galley, color);
+        }
+    }
+    for placed in points.iter().filter(is_hovered) {
+        let ring = Stroke::new(1.5, tokens(ui).accent);
+        ui.painter().with_clip_rect(frame).circle_stroke(placed.at, RING, ring);
+    }
 }
 
 /// Adds an accessible name for each plotted point, for screen readers.
-fn name_points(ui: &Ui, points: &[TradeOff], position: impl Fn(&TradeOff) -> egui::Pos2) {
-    for point in points {
-        let rect = egui::Rect::from_center_size(position(point), egui::Vec2::splat(NEAR_POINTS));
+fn name_points(ui: &Ui, points: &[PlacedPoint<'_>]) {
+    for PlacedPoint { point, at } in points {
+        let rect = Rect::from_center_size(*at, egui::Vec2::splat(NEAR_POINTS));
         let label = point.upscaling.label();
-        let node = ui.interact(rect, ui.scope_id().with(&label), egui::Sense::hover());
+        let node = ui.interact(rect, ui.scope_id().with(&label), Sense::hover());
         let words = format!("Point: {label}, {}, FLIP {}", format::ms(point.ms.median), format::fixed(flip(point), 4));
         node.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &words));
     }
@@ -277,59 +332,4 @@ fn draw(plot: &mut PlotUi<'_>, point: &TradeOff, lane: f64, color: Color32) {
     let name = point.upscaling.label();
     plot.line(Line::new(name.clone(), PlotPoints::from(bar)).color(color.gamma_multiply(0.6)).allow_hover(false));
     plot.points(Points::new(name, PlotPoints::from(vec![at])).color(color).radius(5.0));
-}
-
-fn table(ui: &mut Ui, points: &[TradeOff], session: &Session, commands: &mut Vec<Command>) {
-    let mut order: Vec<_> = points.iter().collect();
-    order.sort_by(|a, b| flip(a).total_cmp(&flip(b)));
-    let shown = |tile: usize| {
-        let recipe = session.state.tiles.recipe(tile, session.state.recipe);
-        session.comparison.is_on().then_some(recipe.upscaler)
-    };
-    Grid::new("tradeoff").num_columns(2 + HEADINGS.len()).striped(true).spacing([10.0, 3.0]).show(ui, |ui| {
-        ui.label("");
-        ui.label(RichText::new("Upscaler").small().color(tokens(ui).text_weak));
-        for (heading, help) in HEADINGS {
-            figure(ui, heading, FIGURE_POINTS, tokens(ui).text_weak).on_hover_text(help);
-        }
-        ui.end_row();
-        for point in order {
-            let label = point.upscaling.label();
-            ui.horizontal(|ui| {
-                ui.spacing_mut().item_spacing.x = 2.0;
-                for (tile, name, color) in [(0, "A", tokens(ui).a), (1, "B", tokens(ui).b)] {
-                    let is_shown = shown(tile) == Some(point.upscaling);
-                    let button = ui.selectable_label(is_shown, RichText::new(name).small().color(color));
-                    let words = format!("Show {label} as {name}");
-                    button.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, is_shown, &words));
-                    if button.on_hover_text(&words).clicked() {
-                        choose(session, tile, point.upscaling, commands);
-                    }
-                }
-            });
-            let is_best = point.standing == Standing::Front;
-            let strength = if is_best { tokens(ui).text } else { tokens(ui).text_weak };
-            let dot = if is_best { color(ui, point.upscaling) } else { tokens(ui).border };
-            ui.horizontal(|ui| {
-                let (mark, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
-                ui.painter().circle_filled(mark.center(), 4.0, dot);
-                ui.label(RichText::new(&label).color(strength)).on_hover_text(standing(point));
-            });
-            let ms = format::fixed(point.ms.median, 2);
-            if point.native_within_noise {
-                figure(ui, &ms, FIGURE_POINTS, tokens(ui).text_weak).on_hover_text(format!("{WITHIN} of native"));
-            } else {
-                figure(ui, &ms, FIGURE_POINTS, strength);
-            }
-            let MotionError { mean, worst, .. } = point.error.motion;
-            let psnr =
-                if mean.codes.mse == 0.0 { "identical".to_owned() } else { format::fixed(mean.codes.psnr_db, 2) };
-            let [mean_flip, worst, still] =
-                [mean.flip, worst.flip, point.error.still.flip].map(|flip| format::fixed(flip, 4));
-            for text in [mean_flip, worst, still, psnr, format::fixed(mean.codes.ssim, 4)] {
-                figure(ui, &text, FIGURE_POINTS, strength);
-            }
-            ui.end_row();
-        }
-    });
 }

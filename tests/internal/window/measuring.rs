@@ -2,8 +2,16 @@
 
 use std::time::{Duration, Instant};
 
+use eframe::egui::{Key, Modifiers, PointerButton, Rect, Role, Vec2};
+use egui_kittest::kittest::Queryable as _;
 use rasterscope::inspect::Stage;
+use rasterscope::measure::timing::summarize;
+use rasterscope::ui::compare::Mode;
+use rasterscope::ui::format;
+use rasterscope::ui::session::PictureSize;
+use rasterscope::ui::timings::RowOrder;
 use rasterscope::ui::worker::{MEASURE_ROUNDS, Worker};
+use rasterscope::ui::workspace::Panel;
 use rasterscope::upscale::Upscaling;
 
 use super::bench::Bench;
@@ -19,7 +27,7 @@ fn every_upscaler_gets_a_row_with_all_its_frames() {
         let (_, times) = series.iter().find(|(u, _)| *u == upscaling).expect("every method was timed");
         assert_eq!(times.len(), MEASURE_ROUNDS);
         assert!(times.iter().all(|t| *t > 0.0 && t.is_finite()));
-        assert!(bench.mentions(&upscaling.label()), "{}", upscaling.label());
+        assert!(row_rect(&bench, upscaling).is_some(), "{}", upscaling.label());
     }
     assert!(bench.mentions("Measured · One triangle · 160 × 90 px · noise floor ±"));
     bench.select(Stage::Cull);
@@ -29,13 +37,133 @@ fn every_upscaler_gets_a_row_with_all_its_frames() {
     assert!(!bench.session().timings.has_measurement());
 }
 
-#[test]
-fn a_row_of_the_table_draws_with_its_upscaler() {
+/// Opens a window with a measurement of all upscalers on a picture of a few pixels.
+fn measured() -> Bench {
     let mut bench = Bench::small("triangle");
+    bench.session_mut().state.size = PictureSize::Fixed(48, 27);
+    bench.session_mut().settle_silently();
+    bench.rest();
     bench.click("Measure all upscalers");
-    let other = Upscaling::every().nth(1).expect("there are several");
-    bench.click(&other.label());
-    assert_eq!(bench.session().state.recipe.upscaler, other);
+    bench
+}
+
+/// Returns the accessible name of the row of an upscaler.
+fn row_name(bench: &Bench, upscaling: Upscaling) -> String {
+    let series = bench.session().timings.series();
+    let (_, times) = series.iter().find(|(of, _)| *of == upscaling).expect("it was timed");
+    let median = summarize(times).expect("there are times").median;
+    format!("{}: {}", upscaling.label(), format::ms(median))
+}
+
+/// Returns the rectangle of the row of an upscaler; `None` if the filter hides the row.
+fn row_rect(bench: &Bench, upscaling: Upscaling) -> Option<Rect> {
+    let name = row_name(bench, upscaling);
+    bench.window.query_by_role_and_label(Role::Button, &name).map(|row| row.rect())
+}
+
+fn upscaling(method: &str, scale: u32) -> Upscaling {
+    Upscaling::new(method, scale).expect("there is one")
+}
+
+#[test]
+fn a_row_draws_with_its_upscaler_and_with_shift_compares() {
+    let mut bench = measured();
+    let [first, second] = [upscaling("lanczos2", 2), upscaling("nearest", 4)];
+    let name = row_name(&bench, first);
+    bench.click(&name);
+    assert_eq!(bench.session().state.recipe.upscaler, first);
+    let name = row_name(&bench, second);
+    bench.window.get_by_role_and_label(Role::Button, &name).scroll_to_me();
+    bench.rest();
+    let place = row_rect(&bench, second).expect("it is shown").center();
+    bench.click_at_with(Modifiers::SHIFT, place);
+    assert_eq!(bench.session().comparison.mode, Mode::Wipe);
+    let tiles = &bench.session().compared.as_ref().expect("two are compared").tiles;
+    assert_eq!([tiles[0].recipe.upscaler, tiles[1].recipe.upscaler], [first, second]);
+}
+
+#[test]
+fn a_row_is_chosen_by_keyboard() {
+    let mut bench = measured();
+    let wanted = upscaling("bilinear", 3);
+    let name = row_name(&bench, wanted);
+    bench.window.get_by_role_and_label(Role::Button, &name).focus();
+    bench.rest();
+    bench.press(Key::Space);
+    assert_eq!(bench.session().state.recipe.upscaler, wanted);
+}
+
+#[test]
+fn rows_are_sorted_and_filtered_by_scale() {
+    let mut bench = measured();
+    let [coarse, fine] = [upscaling("nearest", 4), upscaling("nearest", 2)];
+    bench.click("Sort by method");
+    assert_eq!(bench.session().timings.list.order, RowOrder::Method);
+    let tops = |bench: &Bench| {
+        let rows = Upscaling::every().map(|upscaling| row_rect(bench, upscaling).expect("it is shown").top());
+        rows.collect::<Vec<_>>()
+    };
+    assert!(tops(&bench).is_sorted(), "the order of the menus");
+    bench.click("Sort by error");
+    assert!(row_rect(&bench, fine).unwrap().top() < row_rect(&bench, coarse).unwrap().top());
+    bench.click("Show scale ×4");
+    assert_eq!(row_rect(&bench, coarse), None);
+    assert!(row_rect(&bench, fine).is_some() && row_rect(&bench, Upscaling::NATIVE).is_some());
+    bench.click("Show scale ×4");
+    assert!(row_rect(&bench, coarse).is_some());
+}
+
+#[test]
+fn frames_of_the_current_of_checked_and_of_hovered_rows_are_plotted() {
+    let mut bench = measured();
+    let [checked, hovered] = [upscaling("nearest", 2), upscaling("nearest", 4)];
+    let plots = |bench: &Bench, upscaling: Upscaling| bench.says(&upscaling.label());
+    assert!(plots(&bench, Upscaling::NATIVE) && !plots(&bench, checked));
+    let name = format!("Plot the frames of {}", checked.label());
+    bench.window.get_by_role_and_label(Role::CheckBox, &name).scroll_to_me();
+    bench.rest();
+    bench.window.get_by_role_and_label(Role::CheckBox, &name).click();
+    bench.rest();
+    bench.window.hover_at(bench.canvas().center());
+    bench.rest();
+    assert!(plots(&bench, checked) && !plots(&bench, Upscaling::NATIVE));
+    let name = row_name(&bench, hovered);
+    bench.window.get_by_role_and_label(Role::Button, &name).scroll_to_me();
+    bench.rest();
+    bench.window.hover_at(row_rect(&bench, hovered).expect("it is shown").center());
+    bench.rest();
+    assert_eq!(bench.session().timings.list.hovered(), Some(hovered));
+    assert!(plots(&bench, checked) && plots(&bench, hovered));
+    bench.click("Distribution");
+    assert_eq!(bench.session().timings.list.hovered(), None);
+    assert!(plots(&bench, checked) && !plots(&bench, hovered));
+}
+
+#[test]
+fn the_budget_line_names_the_best_method_within_it() {
+    let mut bench = measured();
+    let line = |bench: &Bench| bench.window.get_by_role_and_label(Role::Splitter, "Time budget").rect();
+    assert!(bench.mentions("lowest FLIP within") || bench.mentions("No method within"));
+    let before = bench.session().timings.budget_ms();
+    let from = line(&bench).center();
+    bench.drag(PointerButton::Primary, from, Vec2::new(-2000.0, 0.0));
+    let fastest = bench.session().timings.budget_ms();
+    assert!(fastest < before);
+    assert!(bench.mentions("No method within"), "the axis begins before the fastest method");
+    let from = line(&bench).center();
+    bench.drag(PointerButton::Primary, from, Vec2::new(2000.0, 0.0));
+    assert!(bench.session().timings.budget_ms() > before);
+    assert!(bench.mentions(": lowest FLIP within"), "the axis ends after the slowest method");
+    bench.show_panel(Panel::ErrorTime);
+    assert!(bench.mentions(": lowest FLIP within"), "both tabs have the same budget");
+}
+
+#[test]
+fn without_a_measurement_only_recent_methods_have_rows() {
+    let bench = Bench::small("triangle");
+    assert!(row_rect(&bench, Upscaling::NATIVE).is_some());
+    assert!(bench.mentions("errors not measured"));
+    assert!(bench.window.query_by_role_and_label(Role::Button, "Show scale ×2").is_none());
 }
 
 #[test]

@@ -110,6 +110,20 @@ fn a_point_of_the_plot_becomes_picture_b_and_with_shift_a() {
 }
 
 #[test]
+fn the_point_under_the_pointer_is_highlighted_in_both_tabs() {
+    let mut bench = Bench::small("triangle");
+    bench.show_panel(Panel::ErrorTime);
+    bench.click("Measure error and time");
+    let (upscaling, place) = lonely_points(&bench)[0];
+    bench.window.hover_at(place);
+    bench.rest();
+    assert_eq!(bench.session().timings.list.hovered(), Some(upscaling));
+    bench.window.hover_at(bench.canvas().center());
+    bench.rest();
+    assert_eq!(bench.session().timings.list.hovered(), None);
+}
+
+#[test]
 fn a_measurement_says_which_reference_it_is_against() {
     let mut bench = Bench::small("triangle");
     bench.show_panel(Panel::ErrorTime);
