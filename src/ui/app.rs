@@ -134,13 +134,14 @@ impl Workbench {
         self.docks.reveal(workspace, panel);
     }
 
-    fn change_workspace(&mut self, change: WorkspaceChange) {
+    fn change_workspace(&mut self, ui: &Ui, change: WorkspaceChange) {
         let workspace = self.session.workspace();
         match change {
             WorkspaceChange::Show(workspace) => self.session.show_workspace(workspace),
             WorkspaceChange::Panel(panel) => self.show_panel(panel),
             WorkspaceChange::Maximize(panel) => self.docks.maximize(workspace, panel),
             WorkspaceChange::TogglePanels => self.docks.toggle_panels(workspace),
+            WorkspaceChange::NextPanel => self.docks.focus_next(ui),
             WorkspaceChange::ResetLayout => self.docks.reset(workspace),
         }
     }
@@ -205,20 +206,23 @@ impl Workbench {
 
     fn keys(&self, ui: &Ui, commands: &mut Vec<Command>) {
         // An open menu handles its own keys: Esc closes the menu and nothing else.
-        if ui.egui_wants_keyboard_input() || self.dialog.is_open() || egui::Popup::is_any_open(ui.ctx()) {
+        if ui.text_edit_focused() || self.dialog.is_open() || egui::Popup::is_any_open(ui.ctx()) {
             return;
         }
+        // A focused widget handles plain keys such as Space and the arrows itself.
+        let has_focus = ui.egui_wants_keyboard_input();
         // In camera mode, or while the pointer is over the mesh view, the flying keys (W A S D Q E) are reserved for
         // moving a camera and run no commands.
         let flies = self.session.pointer_mode == PointerMode::Camera || self.widgets.mesh.hovered;
         for binding in BINDINGS {
-            let is_taken = flies && binding.modifiers == egui::Modifiers::NONE && FLYING_KEYS.contains(&binding.key);
+            let is_flying = flies && binding.modifiers == egui::Modifiers::NONE && FLYING_KEYS.contains(&binding.key);
+            let is_taken = is_flying || (has_focus && !binding.works_beside_focus());
             if !is_taken && ui.input_mut(|i| i.consume_shortcut(&binding.shortcut())) {
                 commands.push((binding.command)());
             }
         }
         // The toolkit reports the copy shortcut as a separate event.
-        if ui.input(|i| i.events.contains(&egui::Event::Copy)) {
+        if !has_focus && ui.input(|i| i.events.contains(&egui::Event::Copy)) {
             commands.push(Command::CopyPicture);
         }
     }
@@ -295,7 +299,7 @@ impl Workbench {
             Command::SetScale(scale) => ui.ctx().set_zoom_factor(scale),
             Command::ToggleKeys => self.dialog = Dialog::Keys(String::new()),
             Command::OpenManual(chapter) => self.manual.open(chapter),
-            Command::Workspace(change) => self.change_workspace(change),
+            Command::Workspace(change) => self.change_workspace(ui, change),
             Command::OpenPalette => self.dialog = Dialog::Palette(Box::new(Palette::new(&self.session, ""))),
             Command::Place(place::PlaceChange::Manage) => self.dialog = Dialog::Bookmarks,
             Command::Place(place::PlaceChange::Find(SearchTarget::View(x, y, percent))) => {
@@ -353,6 +357,18 @@ impl Workbench {
 }
 
 impl eframe::App for Workbench {
+    /// Turns the Tab key into a command while the pointer is over the picture. Otherwise, the toolkit moves the focus.
+    fn raw_input_hook(&mut self, context: &Context, raw_input: &mut egui::RawInput) {
+        if self.widgets.canvas.hovered.is_none() || context.egui_wants_keyboard_input() {
+            return;
+        }
+        let is_tab = |event: &egui::Event| matches!(event, egui::Event::Key { key: egui::Key::Tab, pressed: true, modifiers, .. } if modifiers.is_none());
+        if raw_input.events.iter().any(is_tab) {
+            raw_input.events.retain(|event| !is_tab(event));
+            self.queued.push(Command::Workspace(WorkspaceChange::TogglePanels));
+        }
+    }
+
     fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
         if let Some(seconds) = frame.info().cpu_usage {
             self.session.window_times.record(f64::from(seconds) * 1e3);

@@ -238,6 +238,26 @@ const fn show(key: Key, command: fn() -> Command) -> KeyBinding {
 }
 
 impl KeyBinding {
+    /// Whether the key works while a widget other than a text field has the keyboard focus: function keys, and keys with
+    /// Ctrl or Alt.
+    pub(crate) fn works_beside_focus(&self) -> bool {
+        let is_function_key = matches!(
+            self.key,
+            Key::F1
+                | Key::F2
+                | Key::F3
+                | Key::F4
+                | Key::F5
+                | Key::F6
+                | Key::F7
+                | Key::F8
+                | Key::F9
+                | Key::F10
+                | Key::F11
+        );
+        is_function_key || self.modifiers.command || self.modifiers.alt
+    }
+
     /// Returns the binding as an egui shortcut.
     pub(crate) fn shortcut(&self) -> KeyboardShortcut {
         KeyboardShortcut::new(self.modifiers, self.key)
@@ -268,6 +288,12 @@ pub(crate) const BINDINGS: &[KeyBinding] = &[
     show(Key::Num4, || Command::Workspace(WorkspaceChange::Show(Workspace::Measure))),
     show(Key::Num5, || Command::Workspace(WorkspaceChange::Show(Workspace::Robustness))),
     show(Key::Num6, || Command::Workspace(WorkspaceChange::Show(Workspace::Lab))),
+    bind(
+        Modifiers::NONE,
+        Key::F6,
+        || Command::Workspace(WorkspaceChange::NextPanel),
+        "Move the keyboard focus to the next panel",
+    ),
     bind(
         Modifiers::NONE,
         Key::F9,
@@ -476,6 +502,7 @@ pub(crate) const MOUSE: &[(&str, &str)] = &[
     ("Middle-drag", "Orbit the camera around its target"),
     ("Shift + middle-drag", "Pan the camera"),
     ("Ctrl + wheel", "Dolly the camera"),
+    ("Tab over the picture", "Hide or show the panels around the picture"),
     ("Hold Alt", "Show pixel values as raw bits in hexadecimal"),
     ("Shift + drag", "Show statistics of a rectangle of the picture"),
     ("Hold Shift while comparing", "Show the other picture"),

@@ -122,7 +122,11 @@ impl Observer for FragmentRecorder<'_> {
             };
         } else {
             record.outcome = FragmentOutcome::DepthRejected;
-            record.reason = format!("failed the depth test: not {new} {symbol} {stored}");
+            record.reason = if outcome.new == outcome.stored {
+                format!("failed the depth test: {new} equals the stored depth, and the test is {symbol}")
+            } else {
+                format!("failed the depth test: not {new} {symbol} {stored}")
+            };
         }
     }
 

@@ -168,7 +168,7 @@ fn view(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     entry(ui, "Select next stage", Command::StepStage(1), commands);
     ui.separator();
     entry(ui, "Fit picture", Command::ZoomFit, commands);
-    entry(ui, "Zoom to 100 %", Command::ZoomOne, commands);
+    entry(ui, "Actual size", Command::ZoomOne, commands);
     entry(ui, "Go to…", Command::ShowPixelDialog, commands);
     ui.separator();
     entry(ui, "Reset view", Command::ResetCamera, commands);

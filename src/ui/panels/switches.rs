@@ -358,7 +358,7 @@ fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     let Some(view) = &session.view else { return };
     if view.frame.plans.iter().any(|p| p.runs(PipelinePart::Texels)) {
         row(ui, "Filter", "Filter that samples a texture between texel centres", |ui| pick(ui, &mut settings.filter));
-        row(ui, "Address", "Addressing of texture coordinates outside 0…1", |ui| pick(ui, &mut settings.address));
+        row(ui, "Texture wrap", "Texels for texture coordinates outside 0…1", |ui| pick(ui, &mut settings.address));
         row(ui, "Alpha", "Treatment of alpha when the filter mixes texels", |ui| pick(ui, &mut settings.alpha));
     } else {
         note_skipped(ui, view, PipelinePart::Texels);

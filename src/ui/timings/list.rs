@@ -1,4 +1,4 @@
-//! State that the tabs “Frame time” and “Error vs time” share: the order and the filter of the rows, the checked rows,
+//! State that the panels “Frame time” and “Error vs time” share: the order and the filter of the rows, the checked rows,
 //! the method under the pointer, and the time budget.
 
 use std::collections::{BTreeSet, VecDeque};
@@ -30,12 +30,12 @@ impl RowOrder {
     ];
 }
 
-/// Tab that lists the methods.
+/// Panel that lists the methods.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TimingsPanel {
-    /// Tab “Frame time”.
+    /// Panel “Frame time”.
     FrameTime,
-    /// Tab “Error vs time”.
+    /// Panel “Error vs time”.
     ErrorTime,
 }
 
@@ -56,7 +56,7 @@ pub(crate) enum TimingsChange {
     Budget(f64),
 }
 
-/// State that the tabs “Frame time” and “Error vs time” share.
+/// State that the panels “Frame time” and “Error vs time” share.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MethodList {
     /// Order of the rows.

@@ -6,7 +6,8 @@
 use std::collections::BTreeMap;
 
 use eframe::egui::{
-    Color32, CursorIcon, Frame, Response, ScrollArea, Stroke, Style, Ui, UiBuilder, Vec2, Visuals, WidgetText,
+    Color32, CursorIcon, Frame, Id, Response, Role, ScrollArea, Sense, Stroke, StrokeKind, Style, Ui, UiBuilder, Vec2,
+    Visuals, WidgetInfo, WidgetText,
 };
 use egui_tiles::{Behavior, Container, LinearDir, ResizeState, SimplificationOptions, Tile, TileId, Tiles, Tree};
 
@@ -43,6 +44,8 @@ struct Dock {
 pub(crate) struct Docks {
     docks: BTreeMap<Workspace, Dock>,
     shown: Vec<Panel>,
+    /// Panel that received the keyboard focus last.
+    focused: Option<Panel>,
 }
 
 impl Docks {
@@ -57,7 +60,7 @@ impl Docks {
                 hides_panels: kept.map_or(workspace.hides_panels(), |kept| kept.hides_panels),
             }
         };
-        Self { docks: Workspace::ALL.map(|workspace| (workspace, dock(workspace))).into(), shown: Vec::new() }
+        Self { docks: Workspace::ALL.map(|workspace| (workspace, dock(workspace))).into(), ..Self::default() }
     }
 
     /// Returns the layouts to store: those that differ from the default.
@@ -105,6 +108,16 @@ impl Docks {
         }
     }
 
+    /// Moves the keyboard focus to the next panel of the last pass, in layout order.
+    pub(crate) fn focus_next(&mut self, ui: &Ui) {
+        let last = self.focused.and_then(|focused| self.shown.iter().position(|panel| *panel == focused));
+        let next = last.map_or(0, |last| (last + 1) % self.shown.len().max(1));
+        self.focused = self.shown.get(next).copied();
+        if let Some(panel) = self.focused {
+            ui.memory_mut(|memory| memory.request_focus(focus_id(panel)));
+        }
+    }
+
     /// Restores the default layout of a workspace.
     pub(crate) fn reset(&mut self, workspace: Workspace) {
         let fresh = Self::new(&StoredLayouts::default()).docks.remove(&workspace);
@@ -129,6 +142,12 @@ impl Docks {
         }
         dock.tree.ui(&mut Drawing { context, shown: &mut self.shown, maximized }, ui);
     }
+}
+
+/// Returns the id of the invisible widget at the start of a panel. From there, the Tab key leads to the widgets of the
+/// panel.
+fn focus_id(panel: Panel) -> Id {
+    Id::unique(("panel", panel.spec().id))
 }
 
 fn pane(id: TileId, tile: &Tile<Panel>) -> Option<(TileId, Panel)> {
@@ -211,6 +230,12 @@ impl Behavior<Panel> for Drawing<'_> {
         let spec = panel.spec();
         let rect = ui.available_rect_before_wrap();
         ui.painter().rect_filled(rect, 0.0, tokens(ui).panel);
+        let start = ui.interact(rect, focus_id(*panel), Sense::focusable_noninteractive());
+        start.widget_info(|| WidgetInfo::labeled(Role::Group, true, spec.name));
+        if start.has_focus() {
+            let stroke = Stroke::new(2.0, tokens(ui).accent);
+            ui.painter().rect_stroke(rect, 0.0, stroke, StrokeKind::Inside);
+        }
         // The content is clipped to its panel, and neither grows nor shrinks it.
         let mut within = ui.new_child(UiBuilder::new().id_salt(spec.id).max_rect(rect));
         within.shrink_clip_rect(rect);

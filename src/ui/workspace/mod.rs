@@ -98,6 +98,8 @@ pub(crate) enum WorkspaceChange {
     Maximize(Panel),
     /// Hides or shows all panels around the picture, or restores the layout if a panel is maximized.
     TogglePanels,
+    /// Moves the keyboard focus to the next panel.
+    NextPanel,
     /// Restores the default layout of the current workspace.
     ResetLayout,
 }

@@ -114,11 +114,11 @@ fn settings_that_the_scene_cannot_use_are_replaced_by_the_reason() {
     let offers = |bench: &Bench, row: &str| bench.says(row);
     let mut untextured = Bench::small("triangle");
     untextured.select(Stage::Shade);
-    assert!(!offers(&untextured, "Filter") && !offers(&untextured, "Address"));
+    assert!(!offers(&untextured, "Filter") && !offers(&untextured, "Texture wrap"));
     assert!(untextured.mentions("the mesh has no texture coordinates"));
     let mut textured = Bench::small("chess");
     textured.select(Stage::Shade);
-    assert!(offers(&textured, "Filter") && offers(&textured, "Address"));
+    assert!(offers(&textured, "Filter") && offers(&textured, "Texture wrap"));
 }
 
 #[test]
