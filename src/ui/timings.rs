@@ -222,8 +222,13 @@ impl Timings {
     /// Returns the median frame time of native rendering in milliseconds: the measured one if there is a measurement,
     /// otherwise that of the recent frames.
     fn native_median_ms(&self) -> Option<f64> {
-        let native = self.series().into_iter().find(|(upscaling, _)| upscaling.is_native());
-        Some(summarize(&native?.1)?.median)
+        let native = Upscaling::NATIVE;
+        let summary = if self.has_measurement() {
+            summarize(self.measured.get(&native)?)
+        } else {
+            summarize(&self.recent.get(&native)?.iter().copied().collect::<Vec<_>>())
+        };
+        Some(summary?.median)
     }
 
     /// Returns the measured error of an upscaler; `None` before it is measured.

@@ -110,7 +110,7 @@ fn a_point_of_the_plot_becomes_picture_b_and_with_shift_a() {
 }
 
 #[test]
-fn the_point_under_the_pointer_is_highlighted_in_both_tabs() {
+fn the_method_of_the_point_under_the_pointer_is_shared() {
     let mut bench = Bench::small("triangle");
     bench.show_panel(Panel::ErrorTime);
     bench.click("Measure error and time");

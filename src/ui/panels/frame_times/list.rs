@@ -108,7 +108,7 @@ impl MethodListView<'_> {
         let mut hovered = None;
         for (index, row) in self.rows.iter().enumerate() {
             let top = ui.cursor().top();
-            if self.row(ui, &marks, row, commands).contains_pointer() {
+            if self.row(ui, &marks, row, commands) {
                 hovered = Some(row.upscaling);
             }
             let before = index.checked_sub(1).map(|before| self.rows[before].upscaling.method());
@@ -134,8 +134,8 @@ impl MethodListView<'_> {
         ui.painter().layout(row.upscaling.label(), font, color, columns.names.span() + 1.0)
     }
 
-    /// Draws a row, and handles clicks on it and on its check box.
-    fn row(&self, ui: &mut Ui, marks: &RowMarks, row: &MethodRow, commands: &mut Vec<Command>) -> Response {
+    /// Draws a row, and handles clicks on it and on its check box. Returns whether the pointer is on the row.
+    fn row(&self, ui: &mut Ui, marks: &RowMarks, row: &MethodRow, commands: &mut Vec<Command>) -> bool {
         let columns = marks.columns;
         let name = self.name(ui, columns, row);
         let height = (name.size().y + space::XS).max(ROW);
@@ -149,16 +149,20 @@ impl MethodListView<'_> {
             ui.painter().galley(pos2(columns.names.min, rect.center().y - name.size().y / 2.0), name, tokens(ui).text);
             marks.ui(ui, rect, row);
         }
-        self.check_box(ui, Rect::from_x_y_ranges(columns.checks, rect.y_range()), row.upscaling, commands);
+        let cell = Rect::from_x_y_ranges(columns.checks, rect.y_range());
+        self.check_box(ui, cell, row.upscaling, commands);
+        // Also true if the check box or the budget line is under the pointer, which cover the row.
+        let is_hovered = response.contains_pointer();
         if response.clicked() {
             self.choose(ui, row.upscaling, commands);
         }
-        response.on_hover_ui(|ui| tooltip::ui(ui, row, self.session))
+        response.on_hover_ui(|ui| tooltip::ui(ui, row, self.session));
+        is_hovered
     }
 
     /// Draws the background of a row, which shows whether it is current, under the pointer, or focused.
     fn backdrop(&self, ui: &Ui, response: &Response, upscaling: Upscaling) {
-        let is_hovered = response.contains_pointer() || self.session.timings.list.hovered() == Some(upscaling);
+        let is_hovered = self.session.timings.list.hovered() == Some(upscaling);
         let is_current = self.is_current(upscaling);
         if is_hovered || is_current {
             ui.painter().rect_filled(response.rect, RADIUS, tokens(ui).raised);

@@ -69,7 +69,7 @@ pub(super) fn ui(ui: &mut Ui, rows: &[MethodRow], size: Vec2, session: &Session,
     let lines: Vec<_> = rows.iter().filter(is_drawn).map(|row| FrameLine::new(ui, row, session)).collect();
     ui.horizontal(|ui| {
         view_switch(ui, session.timings.view, commands);
-        ui.label(RichText::new("of the row under the pointer and of checked rows").color(tokens(ui).text_weak));
+        ui.label(RichText::new("of checked and hovered rows").color(tokens(ui).text_weak));
     });
     let height = size.y - (ui.cursor().top() - top);
     plot(ui, &lines, session.timings.view, vec2(size.x, height));

@@ -7,7 +7,7 @@ use eframe::egui::{Button, DragValue, Response, RichText, Role, Ui, WidgetInfo};
 use super::rows::MethodRow;
 use crate::ui::command::Command;
 use crate::ui::session::Session;
-use crate::ui::theme::{space, tokens};
+use crate::ui::theme::{CONTROL_HEIGHT, space, tokens};
 use crate::ui::timings::{RowOrder, TimingsChange, budget};
 use crate::upscale::Upscaling;
 
@@ -18,9 +18,11 @@ const SCALES_WIDTH: f32 = 230.0;
 pub(super) fn ui(ui: &mut Ui, rows: &[MethodRow], session: &Session, commands: &mut Vec<Command>) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = space::XS;
+        ui.set_row_height(CONTROL_HEIGHT);
         order(ui, rows, session, commands);
         if ui.available_rect_before_wrap().width() < SCALES_WIDTH {
             ui.end_row();
+            ui.set_row_height(CONTROL_HEIGHT);
         } else {
             ui.add_space(space::S);
         }

@@ -20,11 +20,15 @@ pub(super) fn ui(ui: &mut Ui, row: &MethodRow, session: &Session) {
         ui.label(format!("{WITHIN} of native"));
     }
     ui.add_space(space::XS);
-    Grid::new("statistics").num_columns(2).spacing([space::L, 2.0]).show(ui, |ui| {
-        for (name, value) in statistics(row) {
-            ui.label(RichText::new(name).color(tokens(ui).text_weak));
-            ui.monospace(value);
-            ui.end_row();
+    Grid::new("statistics").num_columns(6).spacing([space::M, 2.0]).show(ui, |ui| {
+        numbers(ui, &times(row));
+        if let Some(error) = row.error {
+            let flips = [
+                ("FLIP", error.motion.mean.flip),
+                ("worst frame", error.motion.worst.flip),
+                ("at rest", error.still.flip),
+            ];
+            numbers(ui, &flips.map(|(name, flip)| (name, format::fixed(flip, 4))));
         }
     });
     ui.add_space(space::XS);
@@ -34,26 +38,28 @@ pub(super) fn ui(ui: &mut Ui, row: &MethodRow, session: &Session) {
     );
 }
 
-/// Returns the names and values of all statistics of a row.
-fn statistics(row: &MethodRow) -> Vec<(&'static str, String)> {
-    let summary = &row.summary;
-    let mut lines = vec![("Frames", format::count(summary.n as u64))];
-    let times = [
-        ("Minimum", summary.min),
-        ("10th percentile", summary.p10),
-        ("Median", summary.median),
-        ("90th percentile", summary.p90),
-        ("99th percentile", summary.p99),
-        ("Maximum", summary.max),
-    ];
-    lines.extend(times.map(|(name, ms)| (name, format::ms(ms))));
-    if let Some(error) = row.error {
-        let errors = [
-            ("FLIP, mean over the frames", error.motion.mean.flip),
-            ("FLIP of the worst frame", error.motion.worst.flip),
-            ("FLIP at rest", error.still.flip),
-        ];
-        lines.extend(errors.map(|(name, flip)| (name, format::fixed(flip, 4))));
+/// Adds a line of names to the grid, and below it a line with their values.
+fn numbers(ui: &mut Ui, numbers: &[(&str, String)]) {
+    for (name, _) in numbers {
+        ui.label(RichText::new(*name).small().color(tokens(ui).text_weak));
     }
-    lines
+    ui.end_row();
+    for (_, value) in numbers {
+        ui.monospace(value);
+    }
+    ui.end_row();
+}
+
+/// Returns the names and values of the statistics of the frame times, in milliseconds except for the number of frames.
+fn times(row: &MethodRow) -> [(&'static str, String); 6] {
+    let summary = &row.summary;
+    let ms = |ms| format::fixed(ms, 2);
+    [
+        ("p10 ms", ms(summary.p10)),
+        ("median", ms(summary.median)),
+        ("p90", ms(summary.p90)),
+        ("p99", ms(summary.p99)),
+        ("maximum", ms(summary.max)),
+        ("frames", format::count(summary.n as u64)),
+    ]
 }

@@ -27,11 +27,11 @@ pub(super) fn around(point: Pos2) -> Rect {
     Rect::from_center_size(point, Vec2::splat(2.0 * POINT))
 }
 
-/// Returns the possible places of a label, the best first: above on the right and below on the left, which a falling
-/// staircase through the points leaves free.
+/// Returns the possible places of a label, the best first. A falling staircase through the points leaves the first five
+/// free.
 fn candidates(at: Pos2, size: Vec2) -> [Rect; 8] {
     let (x, y) = (GAP + size.x / 2.0, POINT + 2.0 + size.y / 2.0);
-    let offsets = [(x, -y), (-x, y), (x, 0.0), (-x, 0.0), (x, y), (-x, -y), (0.0, -y), (0.0, y)];
+    let offsets = [(x, -y), (-x, y), (-x, 0.0), (x, y), (0.0, y), (x, 0.0), (-x, -y), (0.0, -y)];
     offsets.map(|(x, y)| Rect::from_center_size(pos2(at.x, at.y) + vec2(x, y), size))
 }
 

@@ -50,6 +50,7 @@ pub(super) fn ui(
 ) -> Option<Upscaling> {
     let mut order: Vec<_> = points.iter().collect();
     order.sort_by(|a, b| flip(a).total_cmp(&flip(b)));
+    let best = session.timings.budget_winner().best();
     let mut hovered = None;
     Grid::new("tradeoff").num_columns(2 + HEADINGS.len()).striped(true).spacing([10.0, 3.0]).show(ui, |ui| {
         ui.label("");
@@ -60,7 +61,7 @@ pub(super) fn ui(
         ui.end_row();
         for point in order {
             let first = compare_buttons(ui, point.upscaling, session, commands);
-            name(ui, point, session);
+            name(ui, point, session, best == Some(point.upscaling));
             let row = first.union(numbers(ui, point));
             if ui.rect_contains_pointer(row) {
                 hovered = Some(point.upscaling);
@@ -97,13 +98,13 @@ fn strength(ui: &Ui, point: &TradeOff) -> egui::Color32 {
     if point.standing == Standing::Front { tokens(ui).text } else { tokens(ui).text_weak }
 }
 
-/// Draws the name after a dot in the colour of the point, or after a star if the method is the best within the budget.
-fn name(ui: &mut Ui, point: &TradeOff, session: &Session) {
+/// Draws the name after a dot in the colour of the point, or after a star if it is the best within the budget.
+fn name(ui: &mut Ui, point: &TradeOff, session: &Session, is_best: bool) {
     let is_hovered = session.timings.list.hovered() == Some(point.upscaling);
     let text = if is_hovered { tokens(ui).text_strong } else { strength(ui, point) };
     ui.horizontal(|ui| {
         let (mark, response) = ui.allocate_exact_size(vec2(MARK, MARK), Sense::hover());
-        if session.timings.budget_winner().best() == Some(point.upscaling) {
+        if is_best {
             theme::paint_icon(ui.painter(), mark.center(), Icon::Star, MARK, tokens(ui).accent);
             let budget = budget::text(session.timings.budget_ms());
             response.on_hover_text(format!("Best within the budget: lowest FLIP within {budget}"));
