@@ -502,7 +502,7 @@ pub(crate) const MOUSE: &[(&str, &str)] = &[
     ("Middle-drag", "Orbit the camera around its target"),
     ("Shift + middle-drag", "Pan the camera"),
     ("Ctrl + wheel", "Dolly the camera"),
-    ("Tab over the picture", "Hide or show the panels around the picture"),
+    ("Tab over the picture", "Hide or show the panels"),
     ("Hold Alt", "Show pixel values as raw bits in hexadecimal"),
     ("Shift + drag", "Show statistics of a rectangle of the picture"),
     ("Hold Shift while comparing", "Show the other picture"),

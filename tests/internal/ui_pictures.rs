@@ -226,9 +226,8 @@ fn the_rows_of_the_pipeline_fit_without_scrolling() {
     // A narrow window has the narrowest panel.
     for width in [width, 794.0] {
         let shot = Shot::new("interpenetrating", (width, height, pixels_per_point), egui::Theme::Light);
-        let tabs = shot.place_of(Role::Button, "Frame time").top();
         let last = shot.place_of_text("Whole frame");
-        assert!(last.bottom() < tabs, "{width}: {last:?}");
+        assert!(shot.window().contains_rect(last), "{width}: {last:?}");
         let first = shot.place_of(Role::Button, "Assemble stage");
         assert!(shot.window().contains_rect(first) && first.bottom() <= last.top(), "{width}: {first:?}");
         let eye = shot.place_of(Role::Button, "Show the picture after “Transform”");

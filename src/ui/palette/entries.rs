@@ -337,7 +337,7 @@ mod tests {
         assert_eq!(owner("fill_rule = inclusive"), Some(Stage::Rasterize));
         assert_eq!(owner("light.ambient = …"), Some(Stage::Shade));
         assert_eq!(owner("Choose upscaler: "), Some(Stage::Upscale));
-        assert_eq!(owner("Open tab: "), None);
+        assert_eq!(owner("Show panel: "), None);
         assert_eq!(assignment(&session, "fill-rule=inclusive").unwrap().owner, Some(Stage::Rasterize));
     }
 
@@ -355,7 +355,7 @@ mod tests {
     #[test]
     fn typed_pixels_triangles_and_vertices_are_destinations() {
         let mut session = session();
-        session.canvas_px = (320, 200);
+        session.state.size = PictureSize::Fixed(320, 200);
         let go = |typed: &str| destination(&session, typed).map(|entry| entry.action);
         assert_eq!(go("12,34"), Some(run(Command::Pick(Some((12, 34))))));
         for (typed, wanted) in [("tri 0", SearchTarget::Triangle(TriangleId(0))), ("v 2", SearchTarget::Vertex(0, 2))] {

@@ -217,7 +217,7 @@ mod tests {
         let scene = Arc::new(source.load().unwrap().scene);
         let home = scene.home;
         let mut session = Session::new(scene, source, Recipe::default(), home);
-        session.canvas_px = (64, 48);
+        session.state.size = PictureSize::Fixed(64, 48);
         session.probing.probe.runs = 3;
         probe_now(&mut session);
         let mut engine = crate::ui::engine::Engine::default();

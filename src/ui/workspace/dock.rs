@@ -170,7 +170,7 @@ fn fit(tiles: &mut Tiles<Panel>, id: TileId, size: Vec2) {
             }
         }
         Container::Linear(linear) => {
-            let dir = linear.dir;
+            let (dir, is_complete) = (linear.dir, linear.children.len() == children.len());
             let length = match dir {
                 LinearDir::Horizontal => size.x,
                 LinearDir::Vertical => size.y,
@@ -179,7 +179,8 @@ fn fit(tiles: &mut Tiles<Panel>, id: TileId, size: Vec2) {
             let grows = |child: &TileId| panels_in(tiles, *child).iter().any(|panel| panel.spec().grows);
             let parts: Vec<_> = children.iter().map(|child| (linear.shares[*child], grows(child))).collect();
             let points = sizes(&parts, room);
-            if let Some(Tile::Container(Container::Linear(linear))) = tiles.get_mut(id) {
+            // Sizes are kept while parts are hidden.
+            if is_complete && let Some(Tile::Container(Container::Linear(linear))) = tiles.get_mut(id) {
                 for (child, points) in children.iter().zip(&points) {
                     linear.shares.set_share(*child, *points);
                 }

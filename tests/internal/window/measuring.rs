@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use eframe::egui::{Key, Modifiers, PointerButton, Rect, Role, Vec2};
+use eframe::egui::{Key, Modifiers, PointerButton, Pos2, Rect, Role, Vec2};
 use egui_kittest::kittest::Queryable as _;
 use rasterscope::inspect::Stage;
 use rasterscope::measure::timing::summarize;
@@ -19,6 +19,7 @@ use super::bench::Bench;
 #[test]
 fn every_upscaler_gets_a_row_with_all_its_frames() {
     let mut bench = Bench::small("triangle");
+    bench.show_panel(Panel::FrameTime);
     bench.click("Measure all upscalers");
     assert_eq!(bench.session().measuring, None, "the measurement is complete");
     let series = bench.session().timings.series();
@@ -30,8 +31,10 @@ fn every_upscaler_gets_a_row_with_all_its_frames() {
         assert!(row_rect(&bench, upscaling).is_some(), "{}", upscaling.label());
     }
     assert!(bench.mentions("Measured · One triangle · 160 × 90 px · noise floor ±"));
+    bench.show_panel(Panel::Stages);
     bench.select(Stage::Cull);
     bench.choose("Culling", "None");
+    bench.show_panel(Panel::FrameTime);
     assert!(bench.mentions("Measured with a different scene, view, size or setting"));
     bench.click("Clear");
     assert!(!bench.session().timings.has_measurement());
@@ -40,6 +43,7 @@ fn every_upscaler_gets_a_row_with_all_its_frames() {
 /// Opens a window with a measurement of all upscalers on a picture of a few pixels.
 fn measured() -> Bench {
     let mut bench = Bench::small("triangle");
+    bench.show_panel(Panel::FrameTime);
     bench.session_mut().state.size = PictureSize::Fixed(48, 27);
     bench.session_mut().settle_silently();
     bench.rest();
@@ -124,7 +128,7 @@ fn frames_of_the_current_of_checked_and_of_hovered_rows_are_plotted() {
     bench.rest();
     bench.window.get_by_role_and_label(Role::CheckBox, &name).click();
     bench.rest();
-    bench.window.hover_at(bench.canvas().center());
+    bench.window.hover_at(Pos2::new(1.0, 1.0));
     bench.rest();
     assert!(plots(&bench, checked) && !plots(&bench, Upscaling::NATIVE));
     let name = row_name(&bench, hovered);
@@ -160,7 +164,8 @@ fn the_budget_line_names_the_best_method_within_it() {
 
 #[test]
 fn without_a_measurement_only_recent_methods_have_rows() {
-    let bench = Bench::small("triangle");
+    let mut bench = Bench::small("triangle");
+    bench.show_panel(Panel::FrameTime);
     assert!(row_rect(&bench, Upscaling::NATIVE).is_some());
     assert!(bench.mentions("errors not measured"));
     assert!(bench.window.query_by_role_and_label(Role::Button, "Show scale ×2").is_none());
@@ -169,6 +174,7 @@ fn without_a_measurement_only_recent_methods_have_rows() {
 #[test]
 fn a_cancelled_measurement_keeps_its_samples() {
     let mut bench = Bench::with_worker("chess", Worker::spawn(|| ()));
+    bench.show_panel(Panel::FrameTime);
     wait(&mut bench, "the first frame", |bench| bench.session().view.is_some());
     bench.click("Measure all upscalers");
     wait(&mut bench, "a sample", |bench| bench.session().timings.has_measurement());
@@ -198,6 +204,7 @@ fn wait(bench: &mut Bench, what: &str, done: impl Fn(&Bench) -> bool) {
 #[test]
 fn frame_times_are_paused_and_saved() {
     let mut bench = Bench::small("triangle");
+    bench.show_panel(Panel::FrameTime);
     let folder = tempfile::tempdir().unwrap();
     bench.session_mut().folder = folder.path().to_owned();
     bench.click("Pause recording frame times");

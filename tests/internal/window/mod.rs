@@ -24,3 +24,4 @@ mod stepping;
 mod tradeoff;
 mod watching;
 mod what_if;
+mod workspaces;

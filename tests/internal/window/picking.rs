@@ -6,6 +6,7 @@ use rasterscope::inspect::{Buffer, Stage};
 use rasterscope::pipeline::settings::{Choice as _, DepthFormat};
 use rasterscope::ui;
 use rasterscope::ui::engine::Shown;
+use rasterscope::ui::session::PictureSize;
 
 use super::bench::Bench;
 
@@ -71,6 +72,8 @@ fn a_click_picks_the_pixel_under_the_pointer() {
 #[test]
 fn at_the_canvas_s_own_size_picture_pixels_are_screen_pixels() {
     let mut bench = Bench::new("triangle");
+    bench.session_mut().state.size = PictureSize::MatchWindow;
+    bench.rest();
     let corner = bench.canvas().min;
     let (width, height) = bench.image().size();
     assert_eq!(bench.canvas().size().floor(), Vec2::new(width as f32, height as f32));

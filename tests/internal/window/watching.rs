@@ -34,6 +34,7 @@ fn a_watched_pixel_is_picked_by_a_click_and_removed() {
         bench.click("Watch this pixel  (Enter)");
     }
     assert_eq!(bench.session().watch.pixels, [(80, 45), (3, 4)]);
+    bench.show_panel(Panel::Watch);
     bench.click("80, 45");
     assert_eq!(bench.session().pick, Some((80, 45)));
     bench.click("Stop watching 80, 45");

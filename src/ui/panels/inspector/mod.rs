@@ -21,7 +21,6 @@ use crate::manual::Chapter;
 use crate::ui::checks;
 use crate::ui::command::Command;
 use crate::ui::format;
-use crate::ui::manual::manual_button;
 use crate::ui::overlays;
 use crate::ui::picked_point::PointVisibility;
 use crate::ui::session::Session;
@@ -30,7 +29,7 @@ use crate::ui::trace;
 use crate::ui::watch;
 use crate::ui::what_if;
 use crate::ui::widgets::{copy_button, empty_state, section_header, swatch, value_row};
-use crate::ui::workspace::{Panel, PanelContext, PanelSpec, PanelWidgets, WorkspaceChange, framed};
+use crate::ui::workspace::{PanelContext, PanelSpec, PanelWidgets, framed};
 
 /// Description of the panel.
 pub(crate) const PANEL: PanelSpec = PanelSpec {
@@ -62,7 +61,7 @@ impl Inspector {
         hovered: Option<(u32, u32)>,
         commands: &mut Vec<Command>,
     ) {
-        hover_line(ui, session, hovered, commands);
+        hover_line(ui, session, hovered);
         overlays::readout::ui(ui, session, hovered);
         ui.separator();
         let report = session.view.as_ref().and_then(|view| view.report.as_deref());
@@ -148,7 +147,7 @@ fn violating(session: &Session, report: &PixelReport) -> Option<Chosen> {
 }
 
 /// Draws the position of the pixel under the pointer, and the value of the shown quantity at that pixel.
-fn hover_line(ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>, commands: &mut Vec<Command>) {
+fn hover_line(ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>) {
     let here = hovered.and_then(|(x, y)| {
         let view = what_if::visible_view(ui, session)?;
         let color = view.picture.get(x, y)?;
@@ -156,7 +155,6 @@ fn hover_line(ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>, comma
     });
     ui.horizontal(|ui| {
         ui.set_height(theme::CONTROL_HEIGHT);
-        manual_button(ui, Chapter::InspectingAPixel, commands);
         ui.label(RichText::new("Pointer").color(tokens(ui).text_weak));
         if let Some((x, y, color, value)) = here {
             swatch(ui, to_color(color));
@@ -202,7 +200,6 @@ fn headline(ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
             });
             if crate::ui::widgets::icon_button(ui, Icon::Pin, "Watch this pixel  (Enter)").clicked() {
                 commands.push(Command::Watch(watch::WatchChange::Add(report.x, report.y)));
-                commands.push(Command::Workspace(WorkspaceChange::Panel(Panel::Watch)));
             }
             if crate::ui::widgets::icon_button(ui, Icon::X, "Clear the selection  (Esc)").clicked() {
                 commands.push(Command::Pick(None));
