@@ -941,7 +941,7 @@ mod workbench {
     fn a_pixel_outside_of_the_scenes_picture_is_refused_with_its_size() {
         let folder = folder();
         let args = ["screenshot", "triangle", "--size", "1000x640", "-o", "out.png", "--at"];
-        assert_failure(&run(&folder, &[&args[..], &["1000,5"]].concat()), 2, "--at 1000,5: the scene's picture is ");
+        assert_failure(&run(&folder, &[&args[..], &["1280,5"]].concat()), 2, "--at 1280,5: the scene's picture is ");
         assert!(is_empty(folder.path()));
         assert_success(&run(&folder, &[&args[..], &["5,5"]].concat()));
     }
