@@ -19,6 +19,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     help: "Picture, with every buffer, stage and overlay",
     chapter: Chapter::GettingStarted,
     grows: true,
+    titled: false,
     controls: None,
     content: ui,
 };

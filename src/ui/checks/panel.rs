@@ -23,6 +23,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     help: "Conditions that every fragment of a frame should satisfy, checked on demand",
     chapter: Chapter::Stability,
     grows: true,
+    titled: true,
     controls: Some(|ui, cx| controls(ui, cx.session, cx.commands)),
     content: |ui, cx| self::ui(ui, cx.session, cx.commands),
 };

@@ -21,6 +21,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     help: "Fate of every triangle and fragment, such as culled or visible; click a fate to select its triangles",
     chapter: Chapter::Stages,
     grows: false,
+    titled: true,
     controls: Some(|ui, cx| controls(ui, cx.session)),
     content: |ui, cx| self::ui(ui, cx.session, cx.commands),
 };

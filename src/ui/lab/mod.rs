@@ -40,6 +40,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     help: "Step-by-step algorithms for lines, circles, polygons, fills and sampling",
     chapter: Chapter::Lab,
     grows: true,
+    titled: false,
     controls: None,
     content: |ui, cx| self::ui(ui, &cx.session.lab, cx.commands),
 };

@@ -25,6 +25,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     help: "Scene from a second camera, with the frustum and the culled triangles",
     chapter: Chapter::Stages,
     grows: true,
+    titled: false,
     controls: None,
     content: |ui, cx| cx.widgets.mesh.ui(ui, cx.session, cx.widgets.is_synchronous, cx.commands),
 };

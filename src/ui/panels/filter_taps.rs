@@ -34,6 +34,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     help: "Samples from which the upscaler reconstructed the picked pixel, and its response to test signals",
     chapter: Chapter::ComparingUpscalers,
     grows: false,
+    titled: true,
     controls: None,
     content: |ui, cx| framed(ui, |ui| self::ui(ui, cx.session, cx.commands)),
 };

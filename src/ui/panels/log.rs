@@ -15,6 +15,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     help: "All messages, warnings and errors",
     chapter: Chapter::GettingStarted,
     grows: true,
+    titled: true,
     controls: None,
     content: |ui, cx| framed(ui, |ui| self::ui(ui, cx.session)),
 };

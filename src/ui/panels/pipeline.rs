@@ -32,6 +32,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     help: "Stages of the pipeline with their times and counts, and the settings of the selected stage",
     chapter: Chapter::Stages,
     grows: false,
+    titled: true,
     controls: None,
     content: |ui, cx| framed(ui, |ui| self::ui(ui, cx.session, cx.commands)),
 };

@@ -20,6 +20,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     help: "Frame time against the number of triangles, pixels, layers and threads",
     chapter: Chapter::ErrorAgainstTime,
     grows: true,
+    titled: true,
     controls: Some(|ui, cx| controls(ui, cx.session, cx.commands)),
     content: |ui, cx| self::ui(ui, cx.session),
 };

@@ -26,6 +26,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     help: "Parts of the pipeline that each draw runs or skips, and why",
     chapter: Chapter::SkippedWork,
     grows: true,
+    titled: true,
     controls: Some(|ui, cx| controls(ui, cx.session, cx.commands)),
     content: |ui, cx| scrolling(ui, |ui| self::ui(ui, cx.session)),
 };

@@ -27,6 +27,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     help: "Error and time of every rasterizer, arithmetic and depth format on ill-conditioned and extreme cases",
     chapter: Chapter::Stability,
     grows: true,
+    titled: true,
     controls: Some(|ui, cx| controls(ui, cx.session, cx.commands)),
     content: |ui, cx| self::ui(ui, cx.session, cx.commands),
 };

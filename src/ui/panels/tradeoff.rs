@@ -36,6 +36,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     help: "Error and time of each upscaler; click a point to compare that upscaler",
     chapter: Chapter::ErrorAgainstTime,
     grows: true,
+    titled: true,
     controls: Some(|ui, cx| controls(ui, cx.session, cx.commands)),
     content: |ui, cx| self::ui(ui, cx.session, cx.commands),
 };

@@ -31,6 +31,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     help: "Pixels that change if the camera or the vertices move by a few units in the last place",
     chapter: Chapter::Stability,
     grows: true,
+    titled: true,
     controls: Some(|ui, cx| controls(ui, cx.session, cx.commands)),
     content: |ui, cx| self::ui(ui, cx.session, cx.commands),
 };

@@ -22,6 +22,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     help: "Histogram and statistics of the shown values",
     chapter: Chapter::ReadingPlots,
     grows: false,
+    titled: true,
     controls: Some(|ui, cx| controls(ui, cx.session, cx.commands)),
     content: |ui, cx| self::ui(ui, cx.session, cx.commands),
 };

@@ -21,6 +21,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     help: "Every step from the corners of a triangle to the picked pixel, with numbers and rounding errors",
     chapter: Chapter::InspectingAPixel,
     grows: false,
+    titled: true,
     controls: None,
     content: |ui, cx| framed(ui, |ui| self::ui(ui, cx.session, cx.commands)),
 };

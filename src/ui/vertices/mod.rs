@@ -23,6 +23,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     help: "Vertices of the picked triangle, or of its object, at every stage",
     chapter: Chapter::Stages,
     grows: false,
+    titled: true,
     controls: Some(|ui, cx| controls(ui, cx.session, cx.commands)),
     content: |ui, cx| self::ui(ui, cx.session, cx.commands),
 };

@@ -19,6 +19,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     help: "Values of all buffers at the watched pixels, updated after every frame",
     chapter: Chapter::InspectingAPixel,
     grows: false,
+    titled: true,
     controls: Some(|ui, cx| controls(ui, cx.session, cx.commands)),
     content: |ui, cx| self::ui(ui, cx.session, cx.commands),
 };

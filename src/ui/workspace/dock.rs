@@ -134,13 +134,14 @@ impl Docks {
             None => !hides_panels || panel.spec().grows,
         };
         let panes: Vec<_> = dock.tree.tiles.iter().filter_map(|(id, tile)| pane(*id, tile)).collect();
-        for (id, panel) in panes {
-            dock.tree.set_visible(id, is_visible(panel));
+        for (id, panel) in &panes {
+            dock.tree.set_visible(*id, is_visible(*panel));
         }
         if let Some(root) = dock.tree.root {
             fit(&mut dock.tree.tiles, root, ui.available_size());
         }
-        dock.tree.ui(&mut Drawing { context, shown: &mut self.shown, maximized }, ui);
+        let untitled = panes.iter().filter(|(_, panel)| !panel.spec().titled).map(|(id, _)| *id).collect();
+        dock.tree.ui(&mut Drawing { context, shown: &mut self.shown, maximized, untitled }, ui);
     }
 }
 
@@ -223,6 +224,8 @@ struct Drawing<'a> {
     context: PanelContext<'a>,
     shown: &'a mut Vec<Panel>,
     maximized: Option<Panel>,
+    /// Tiles of the panels that need no title.
+    untitled: Vec<TileId>,
 }
 
 impl Behavior<Panel> for Drawing<'_> {
@@ -302,8 +305,17 @@ impl Behavior<Panel> for Drawing<'_> {
     }
 
     fn simplification_options(&self) -> SimplificationOptions {
-        // A single tab keeps its title, which is the handle for moving the panel.
-        SimplificationOptions { prune_single_child_tabs: false, ..SimplificationOptions::default() }
+        // Every panel keeps its title, which is the handle for moving it.
+        SimplificationOptions {
+            prune_single_child_tabs: false,
+            all_panes_must_have_tabs: true,
+            ..SimplificationOptions::default()
+        }
+    }
+
+    fn is_tab_bar_visible(&self, _tile: TileId, tabs: &egui_tiles::Tabs) -> bool {
+        // Panels without a title are alone in their area when they are neither moved nor maximized.
+        tabs.children.len() != 1 || !self.untitled.contains(&tabs.children[0])
     }
 
     fn resize_stroke(&self, style: &Style, state: ResizeState) -> Stroke {

@@ -126,7 +126,11 @@ impl Layout {
                 let panels: Vec<_> = tabs.children.iter().flat_map(|child| panels_in(tiles, *child)).collect();
                 let shown = tabs.active.and_then(|active| panels_in(tiles, active).first().copied());
                 let active = panels.iter().position(|panel| Some(*panel) == shown).unwrap_or(0);
-                Some(Self::Tabs { panels, active })
+                // The docking library puts every panel into tabs.
+                Some(match panels[..] {
+                    [only] if !only.spec().titled => Self::Panel(only),
+                    _ => Self::Tabs { panels, active },
+                })
             }
             Tile::Container(Container::Linear(linear)) => {
                 let part = |child: &TileId| {

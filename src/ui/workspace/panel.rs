@@ -27,6 +27,8 @@ pub(crate) struct PanelSpec {
     pub(crate) chapter: Chapter,
     /// Whether the panel takes the space that a larger window offers, instead of keeping its size.
     pub(crate) grows: bool,
+    /// Whether the panel has a title even if it is alone in its area. A panel with a toolbar of its own needs none.
+    pub(crate) titled: bool,
     /// Draws the controls in a row above the content; `None` if there are none.
     pub(crate) controls: Option<fn(&mut Ui, &mut PanelContext<'_>)>,
     /// Draws the content.

@@ -41,6 +41,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     help: "Frame time of each upscaler",
     chapter: Chapter::ErrorAgainstTime,
     grows: true,
+    titled: true,
     controls: Some(|ui, cx| controls(ui, cx.session, cx.commands)),
     content: |ui, cx| self::ui(ui, cx.session, cx.commands),
 };

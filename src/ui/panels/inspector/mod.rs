@@ -38,6 +38,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     help: "Explanation of the picked pixel: every fragment, which one won, and why",
     chapter: Chapter::InspectingAPixel,
     grows: false,
+    titled: true,
     controls: None,
     content: |ui, cx| {
         let PanelContext { session, widgets: PanelWidgets { canvas, inspector, .. }, commands } = cx;
