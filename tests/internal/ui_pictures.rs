@@ -158,7 +158,7 @@ fn two_runs_differ_only_in_live_numbers() {
     let (a, b) = (Shot::new("cubes", WINDOWS[0], egui::Theme::Dark), Shot::new("cubes", WINDOWS[0], egui::Theme::Dark));
     // Times appear in the menu bar and in the rows of the pipeline, where they determine the bars and the columns.
     let rows = a.place_of(Role::Button, "Assemble stage").union(a.place_of_text("Whole frame"));
-    let mut live = vec![rows];
+    let mut live = vec![rows.expand(2.0)];
     for (here, there) in [(&a, &b), (&b, &a)] {
         for (id, node, rect) in here.placed().filter(|(_, _, rect)| !rows.contains_rect(*rect)) {
             let same = there.placed().any(|(i, n, r)| i == id && n.value() == node.value() && r == rect);
