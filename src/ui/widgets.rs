@@ -35,7 +35,8 @@ pub(crate) fn row<R>(ui: &mut Ui, label: &str, tooltip: &str, add_control: impl 
     let mut control = ui.new_child(builder);
     let spacing = control.spacing_mut();
     spacing.combo_width = right.width();
-    spacing.slider_width = right.width() - spacing.interact_size.x - spacing.item_spacing.x;
+    // In a panel narrower than the number field, the slider has no width left.
+    spacing.slider_width = (right.width() - spacing.interact_size.x - spacing.item_spacing.x).max(0.0);
     control.name_inputs(label, add_control)
 }
 

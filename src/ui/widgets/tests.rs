@@ -156,3 +156,13 @@ fn every_status_has_an_icon_and_a_colour_of_its_own() {
         }
     }
 }
+
+#[test]
+fn a_slider_fits_into_a_panel_narrower_than_its_number() {
+    let mut headless = Headless::new(vec2(40.0, 300.0), 1.0, Theme::Dark);
+    let mut value = 0.5;
+    headless.pass(Vec::new(), |ui| {
+        row(ui, "Light", "", |ui| slider(ui, &mut value, 0.0..=1.0, "", 1));
+    });
+    assert_eq!(value, 0.5);
+}
