@@ -65,13 +65,13 @@ pub(crate) struct WorkbenchArgs {
     #[arg(long)]
     pub(crate) compare: Option<CompareArg>,
 
-    /// Workspace to show
+    /// Workspace of the window to show; by default, the one that the other options need
     #[arg(long, value_parser = workbench::workspace())]
-    pub(crate) workspace: Option<String>,
+    pub(crate) workspace: Option<workbench::Workspace>,
 
     /// Panel to show, in the first workspace that has it unless --workspace is given
     #[arg(long, value_parser = workbench::panel())]
-    pub(crate) panel: Option<String>,
+    pub(crate) panel: Option<workbench::Panel>,
 
     /// Intermediate value of the pipeline to show instead of the colour
     #[arg(long, value_name = "NUMBER", value_parser = parse::choice::<Intermediate>())]

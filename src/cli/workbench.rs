@@ -7,7 +7,7 @@
 
 use std::panic::{self, AssertUnwindSafe};
 
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::builder::TypedValueParser;
 
 use crate::chain::Recipe;
 use crate::image::{Image, Rgba8};
@@ -21,11 +21,12 @@ use crate::ui::place;
 use crate::ui::range;
 use crate::ui::watch;
 use crate::ui::what_if;
-use crate::ui::workspace::{Panel, Workspace};
 use crate::ui::{self, InitialView, ScreenshotRequest, WindowStart};
 
+pub(crate) use crate::ui::workspace::{Panel, Workspace};
+
 use super::failure::Failure;
-use super::parse::Either;
+use super::parse::{self, Either};
 use super::scene_args::{RequestedView, WARNED};
 use super::screenshot::{CompareArg, Open, ThemeArg, WorkbenchArgs};
 use super::seen_args::{SeenArgs, WindowArgs, moment};
@@ -60,8 +61,8 @@ pub(crate) fn draw(
         measure: look.measure,
         selected: look.at,
         compare: look.compare.map(comparison),
-        workspace: look.workspace.as_deref().and_then(Workspace::named),
-        panel: look.panel.as_deref().and_then(Panel::named),
+        workspace: look.workspace,
+        panel: look.panel,
         shown: look.number.map(Shown::Intermediate),
         moment: look.moment,
         fate: look.fate,
@@ -116,14 +117,14 @@ fn open_first(open: Open) -> Vec<Command> {
     }
 }
 
-/// Returns the parser for the name of a panel.
-pub(crate) fn panel() -> impl TypedValueParser<Value = String> {
-    PossibleValuesParser::new(Panel::ALL.iter().map(|panel| PossibleValue::new(panel.spec().id)))
+/// Returns the parser for the id of a panel.
+pub(crate) fn panel() -> impl TypedValueParser<Value = Panel> {
+    parse::choice()
 }
 
-/// Returns the parser for the name of a workspace.
-pub(crate) fn workspace() -> impl TypedValueParser<Value = String> {
-    PossibleValuesParser::new(Workspace::ALL.map(|workspace| PossibleValue::new(workspace.id())))
+/// Returns the parser for the id of a workspace.
+pub(crate) fn workspace() -> impl TypedValueParser<Value = Workspace> {
+    parse::choice()
 }
 
 fn initial_view(args: SeenArgs, pixel: Option<(u32, u32)>) -> InitialView {

@@ -26,13 +26,19 @@ pub(crate) fn window_costs(_view: RequestedView, _size: Viewport, _passes: usize
     Err(Failure::NoWindow(BUILT_WITHOUT.to_owned()))
 }
 
-/// Returns a parser that accepts any name, because there are no panels.
-pub(crate) fn panel() -> impl TypedValueParser<Value = String> {
+/// Id of a panel. Any text is accepted, because there are no panels.
+pub(crate) type Panel = String;
+
+/// Id of a workspace. Any text is accepted, because there are no workspaces.
+pub(crate) type Workspace = String;
+
+/// Returns the parser for the id of a panel.
+pub(crate) fn panel() -> impl TypedValueParser<Value = Panel> {
     StringValueParser::new()
 }
 
-/// Returns a parser that accepts any name, because there are no workspaces.
-pub(crate) fn workspace() -> impl TypedValueParser<Value = String> {
+/// Returns the parser for the id of a workspace.
+pub(crate) fn workspace() -> impl TypedValueParser<Value = Workspace> {
     StringValueParser::new()
 }
 

@@ -300,7 +300,8 @@ impl DrawPlan {
     }
 }
 
-/// What decides which parts of the pipeline a draw runs. Gathered once per draw, because every part asks for it.
+/// Inputs for deciding which parts of the pipeline a draw runs. They are gathered once per draw, because the decision
+/// for every part reads them.
 struct DrawFacts<'a> {
     mesh: &'a Mesh,
     material: &'a Material,

@@ -239,7 +239,7 @@ impl Session {
             recent: Vec::new(),
             folder: std::env::current_dir().unwrap_or_default(),
             hint_closed: false,
-            base_workspace: Workspace::default(),
+            base_workspace: Workspace::Inspect,
             first_pick: FirstPick::Due,
             camera_moved_at: f64::NEG_INFINITY,
             undo: Vec::new(),

@@ -10,7 +10,6 @@ pub(crate) use budget::BudgetWinner;
 pub(crate) use list::MethodList;
 pub(crate) use list::RowOrder;
 pub(crate) use list::TimingsChange;
-pub(crate) use list::TimingsPanel;
 
 use std::collections::{BTreeMap, VecDeque};
 

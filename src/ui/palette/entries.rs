@@ -134,7 +134,7 @@ pub(crate) fn all(session: &Session) -> Vec<PaletteEntry> {
         let is_selected = session.selected_stage == *stage;
         entry(EntryKind::Stage, title, Command::SelectStage(*stage)).with(help, is_selected)
     }));
-    entries.extend(Workspace::ALL.into_iter().map(|workspace| {
+    entries.extend(Workspace::ALL.iter().copied().map(|workspace| {
         let title = format!("Show workspace: {}", workspace.name());
         let command = Command::Workspace(WorkspaceChange::Show(workspace));
         entry(EntryKind::Panel, title, command).with(workspace.help(), workspace == session.workspace())

@@ -40,7 +40,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 /// Draws the switch between the workspaces.
 fn workspaces(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let current = session.workspace();
-    for (index, workspace) in Workspace::ALL.into_iter().enumerate() {
+    for (index, workspace) in Workspace::ALL.iter().copied().enumerate() {
         let button = ui.add(Button::selectable(workspace == current, workspace.name()));
         if button.on_hover_text(format!("{}  (Ctrl+{})", workspace.help(), index + 1)).clicked() {
             commands.push(Command::Workspace(WorkspaceChange::Show(workspace)));

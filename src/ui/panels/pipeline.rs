@@ -300,7 +300,7 @@ enum Detail {
     Count(StageCount),
     /// Reason why the frame skips the stage.
     Skipped(String),
-    /// Neither is known.
+    /// Neither the count nor a reason for skipping is known.
     Nothing,
 }
 

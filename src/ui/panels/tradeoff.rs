@@ -24,9 +24,9 @@ use crate::ui::method_colors::method_color;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, font_size, tokens};
 use crate::ui::ticks::log_marks;
-use crate::ui::timings::{TimingsChange, TimingsPanel, TradeOff};
+use crate::ui::timings::{TimingsChange, TradeOff};
 use crate::ui::widgets::empty_state;
-use crate::ui::workspace::PanelSpec;
+use crate::ui::workspace::{Panel, PanelSpec};
 use crate::upscale::Upscaling;
 
 /// Description of the panel.
@@ -148,7 +148,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         let in_plot = ui.vertical(|ui| plot(ui, &points, size, session, commands)).inner;
         let table = ScrollArea::both().id_salt("tradeoff table");
         let in_table = table.show(ui, |ui| table::ui(ui, &points, session, commands)).inner;
-        let change = session.timings.list.hover_change(TimingsPanel::ErrorTime, in_plot.or(in_table));
+        let change = session.timings.list.hover_change(Panel::ErrorTime, in_plot.or(in_table));
         commands.extend(change.map(Command::Timings));
     });
 }

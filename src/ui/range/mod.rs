@@ -34,8 +34,8 @@ pub(crate) struct Setting {
 pub(crate) struct RangeControl {
     /// Whether the card with the histogram is open on the canvas.
     pub(crate) open: bool,
-    /// Whether the panel with the histogram is open.
-    pub(crate) tab: bool,
+    /// Whether the panel “Histogram” is shown. Statistics are computed only then.
+    pub(crate) histogram_shown: bool,
     /// Whether histograms show the logarithm of their counts.
     pub(crate) log_counts: bool,
     /// Region of the picture whose statistics are shown separately.
@@ -52,8 +52,8 @@ pub(crate) struct RangeControl {
 pub(crate) enum RangeChange {
     /// Opens or closes the card with the histogram.
     Open(bool),
-    /// Records whether the panel with the histogram is open.
-    Tab(bool),
+    /// Records whether the panel “Histogram” is shown.
+    HistogramShown(bool),
     /// Sets whether histograms show the logarithm of their counts.
     LogCounts(bool),
     /// Sets the rule that determines the range.
@@ -92,7 +92,7 @@ impl RangeControl {
 
     /// Returns the statistics to compute for `shown`; `None` if none are needed.
     pub(crate) fn measures(&self, shown: Shown) -> Option<StatisticsRequest> {
-        let wanted = (self.open || self.tab) && kind(shown) != ValueKind::Names;
+        let wanted = (self.open || self.histogram_shown) && kind(shown) != ValueKind::Names;
         // sRGB values range from 0 to 255 in every picture.
         let codes = Range { low: 0.0, high: 255.0 };
         let whole = (kind(shown) == ValueKind::Colors).then_some(codes);
@@ -105,7 +105,7 @@ impl RangeControl {
         let display = &mut setting.display;
         match change {
             RangeChange::Open(open) => self.open = open,
-            RangeChange::Tab(open) => self.tab = open,
+            RangeChange::HistogramShown(open) => self.histogram_shown = open,
             RangeChange::LogCounts(log) => self.log_counts = log,
             RangeChange::Visible(region) => self.visible = region,
             RangeChange::DrawRegion(draws) => self.draws_region = draws,
@@ -194,7 +194,7 @@ mod tests {
         assert!(control.measures(DEPTH).is_some());
         assert_eq!(control.measures(Shown::Buffer(Buffer::TriangleId)), None, "identifiers have no range");
         control.apply(RangeChange::Open(false), DEPTH, None);
-        control.apply(RangeChange::Tab(true), DEPTH, None);
+        control.apply(RangeChange::HistogramShown(true), DEPTH, None);
         assert!(control.measures(DEPTH).is_some());
     }
 

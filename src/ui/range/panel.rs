@@ -99,8 +99,8 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
 
 /// Notifies the range control when the panel appears or disappears, because statistics are computed only while it is open.
 pub(crate) fn notify_open(is_open: bool, session: &Session, commands: &mut Vec<Command>) {
-    if session.range.tab != is_open {
-        commands.push(Command::Range(RangeChange::Tab(is_open)));
+    if session.range.histogram_shown != is_open {
+        commands.push(Command::Range(RangeChange::HistogramShown(is_open)));
     }
 }
 

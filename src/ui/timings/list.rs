@@ -4,9 +4,10 @@
 use std::collections::{BTreeSet, VecDeque};
 
 use super::TimingsView;
+use crate::ui::workspace::Panel;
 use crate::upscale::{Scale, Upscaling};
 
-/// Maximum number of checked rows. More lines in one plot would be hard to tell apart.
+/// Maximum number of checked rows, so that the lines of their plot can be told apart.
 pub(crate) const MAX_CHECKED: usize = 5;
 
 /// Order of the rows of the panel “Frame time”.
@@ -30,15 +31,6 @@ impl RowOrder {
     ];
 }
 
-/// Panel that lists the methods.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum TimingsPanel {
-    /// Panel “Frame time”.
-    FrameTime,
-    /// Panel “Error vs time”.
-    ErrorTime,
-}
-
 /// Change to the plots of frame times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum TimingsChange {
@@ -51,7 +43,7 @@ pub(crate) enum TimingsChange {
     /// Checks or unchecks the row of an upscaler.
     ToggleChecked(Upscaling),
     /// Sets the upscaler under the pointer in a panel; `None` if the pointer is on none.
-    Hover(TimingsPanel, Option<Upscaling>),
+    Hover(Panel, Option<Upscaling>),
     /// Sets the time budget, in milliseconds.
     Budget(f64),
 }
@@ -66,7 +58,7 @@ pub(crate) struct MethodList {
     hidden_scales: BTreeSet<Scale>,
     /// Upscalers whose rows are checked, oldest first.
     checked: VecDeque<Upscaling>,
-    hovered: Option<(TimingsPanel, Upscaling)>,
+    hovered: Option<(Panel, Upscaling)>,
 }
 
 impl MethodList {
@@ -92,7 +84,7 @@ impl MethodList {
 
     /// Returns the change that reports `upscaling` as the one under the pointer in `panel`; `None` if nothing changes.
     /// A panel without the pointer does not clear what another panel has reported.
-    pub(crate) fn hover_change(&self, panel: TimingsPanel, upscaling: Option<Upscaling>) -> Option<TimingsChange> {
+    pub(crate) fn hover_change(&self, panel: Panel, upscaling: Option<Upscaling>) -> Option<TimingsChange> {
         let reported = self.hovered.filter(|(by, _)| *by == panel || upscaling.is_some());
         let before = reported.map(|(_, before)| before);
         (before != upscaling).then_some(TimingsChange::Hover(panel, upscaling))
@@ -124,7 +116,7 @@ impl MethodList {
         self.checked.push_back(upscaling);
     }
 
-    pub(super) fn set_hovered(&mut self, panel: TimingsPanel, upscaling: Option<Upscaling>) {
+    pub(super) fn set_hovered(&mut self, panel: Panel, upscaling: Option<Upscaling>) {
         self.hovered = upscaling.map(|upscaling| (panel, upscaling));
     }
 }
@@ -163,16 +155,16 @@ mod tests {
         let mut list = MethodList::default();
         let [native, nearest] = [Upscaling::NATIVE, Upscaling::new("nearest", 2).unwrap()];
         assert!(list.plots_frames_of(native, native) && !list.plots_frames_of(nearest, native));
-        list.set_hovered(TimingsPanel::FrameTime, Some(nearest));
+        list.set_hovered(Panel::FrameTime, Some(nearest));
         assert!(!list.plots_frames_of(native, native) && list.plots_frames_of(nearest, native));
-        list.set_hovered(TimingsPanel::FrameTime, None);
+        list.set_hovered(Panel::FrameTime, None);
         list.toggle_checked(nearest);
         assert!(!list.plots_frames_of(native, native) && list.plots_frames_of(nearest, native));
     }
 
     #[test]
-    fn a_tab_clears_only_what_it_has_reported() {
-        use TimingsPanel::{ErrorTime, FrameTime};
+    fn a_panel_clears_only_what_it_has_reported() {
+        use Panel::{ErrorTime, FrameTime};
         let mut list = MethodList::default();
         let native = Some(Upscaling::NATIVE);
         assert_eq!(list.hover_change(FrameTime, None), None);

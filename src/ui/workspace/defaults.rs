@@ -3,6 +3,7 @@
 use super::Workspace;
 use super::layout::{Layout, Part};
 use super::panel::Panel;
+use crate::pipeline::settings::Choice as _;
 
 /// Default width of the stages, in points.
 const STAGES_WIDTH: f32 = 230.0;
@@ -73,7 +74,7 @@ impl Workspace {
     /// Returns the first workspace with a panel in its default layout.
     pub(super) fn of(panel: Panel) -> Self {
         let has = |workspace: &Self| workspace.default_layout().panels().contains(&panel);
-        Self::ALL.into_iter().find(has).unwrap_or_default()
+        Self::ALL.iter().copied().find(has).unwrap_or(Self::Inspect)
     }
 }
 

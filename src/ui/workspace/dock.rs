@@ -14,6 +14,7 @@ use egui_tiles::{Behavior, Container, LinearDir, ResizeState, SimplificationOpti
 use super::layout::{Layout, StoredLayout, StoredLayouts, panels_in};
 use super::panel::{Panel, PanelContext};
 use super::{Workspace, WorkspaceChange};
+use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
 use crate::ui::manual::manual_button;
 use crate::ui::theme::{Icon, space, tokens};
@@ -60,7 +61,10 @@ impl Docks {
                 hides_panels: kept.map_or(workspace.hides_panels(), |kept| kept.hides_panels),
             }
         };
-        Self { docks: Workspace::ALL.map(|workspace| (workspace, dock(workspace))).into(), ..Self::default() }
+        Self {
+            docks: Workspace::ALL.iter().map(|workspace| (*workspace, dock(*workspace))).collect(),
+            ..Self::default()
+        }
     }
 
     /// Returns the layouts to store: those that differ from the default.

@@ -9,8 +9,9 @@ use serde::{Deserialize, Serialize};
 
 use super::Workspace;
 use super::panel::Panel;
+use crate::pipeline::settings::Choice as _;
 
-/// Arrangement of panels.
+/// Arrangement of panels in a workspace: a tree of rows, columns and tabs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Layout {
@@ -167,7 +168,7 @@ mod tests {
 
     #[test]
     fn a_layout_survives_the_docking_library_and_its_text() {
-        for workspace in Workspace::ALL {
+        for workspace in Workspace::ALL.iter().copied() {
             let layout = workspace.default_layout();
             assert_eq!(Layout::of(&layout.tree(workspace)).as_ref(), Some(&layout));
             let text = serde_json::to_string(&layout).unwrap();

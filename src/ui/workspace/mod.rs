@@ -15,82 +15,30 @@ pub(crate) use dock::{Docks, framed, scrolling};
 pub(crate) use layout::StoredLayouts;
 pub(crate) use panel::{Panel, PanelContext, PanelSpec, PanelWidgets};
 
-use serde::{Deserialize, Serialize};
-
 use super::compare::{CompareChange, Mode};
 use super::lab::LabChange;
 use super::session::Session;
+use crate::pipeline::settings::{Choice, choice};
 
-/// Task of the user, with its own layout of panels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum Workspace {
-    /// Explaining a picture: stages, picture and pixel.
-    #[default]
-    Inspect,
-    /// Finding out what happens to triangles: picture, mesh view, vertices and fates.
-    Geometry,
-    /// Comparing pictures of several recipes.
-    Compare,
-    /// Measuring time and error.
-    Measure,
-    /// Finding ill-conditioned cases: stability report, probe and assertions.
-    Robustness,
-    /// Stepping through 2D algorithms.
-    Lab,
-}
-
-impl Workspace {
-    /// All workspaces, in the order of the switch and of their keys.
-    pub(crate) const ALL: [Self; 6] =
-        [Self::Inspect, Self::Geometry, Self::Compare, Self::Measure, Self::Robustness, Self::Lab];
-
-    /// Returns the identifier, for example for the command line.
-    pub(crate) fn id(self) -> &'static str {
-        match self {
-            Self::Inspect => "inspect",
-            Self::Geometry => "geometry",
-            Self::Compare => "compare",
-            Self::Measure => "measure",
-            Self::Robustness => "robustness",
-            Self::Lab => "lab",
-        }
-    }
-
-    /// Returns the workspace with this identifier, if there is one.
-    pub(crate) fn named(id: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|workspace| workspace.id() == id)
-    }
-
-    /// Returns the display name.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Inspect => "Inspect",
-            Self::Geometry => "Geometry",
-            Self::Compare => "Compare",
-            Self::Measure => "Measure",
-            Self::Robustness => "Robustness",
-            Self::Lab => "2D lab",
-        }
-    }
-
-    /// Returns the help text.
-    pub(crate) fn help(self) -> &'static str {
-        match self {
-            Self::Inspect => "Step through the stages, and explain any pixel of the picture",
-            Self::Geometry => "See the scene from outside, the vertices at every stage, and the fate of every triangle",
-            Self::Compare => "Compare pictures of several upscalers or settings, by eye and by number",
-            Self::Measure => "Measure frame times, errors, scaling and skipped work",
-            Self::Robustness => "Find ill-conditioned cases: stability report, probe and assertions",
-            Self::Lab => "Step through algorithms for lines, circles, polygons, fills and sampling",
-        }
+choice! {
+    /// Task of the user, with its own layout of panels.
+    #[derive(PartialOrd, Ord)]
+    pub(crate) Workspace {
+        Inspect = "inspect", "Inspect", "Step through the stages, and explain any pixel of the picture.";
+        Geometry = "geometry", "Geometry",
+            "See the scene from outside, the vertices at every stage, and the fate of every triangle.";
+        Compare = "compare", "Compare", "Compare pictures of several upscalers or settings, by eye and by number.";
+        Measure = "measure", "Measure", "Measure frame times, errors, scaling and skipped work.";
+        Robustness = "robustness", "Robustness",
+            "Find ill-conditioned cases: stability report, probe and assertions.";
+        Lab = "lab", "2D lab", "Step through algorithms for lines, circles, polygons, fills and sampling.";
     }
 }
 
 /// Change of the workspace or of its layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum WorkspaceChange {
-    /// Shows a workspace.
+    /// Switches to a workspace.
     Show(Workspace),
     /// Shows a panel, in the current workspace if it has the panel, otherwise in the first workspace that has it.
     Panel(Panel),

@@ -6,6 +6,7 @@ use eframe::egui::Ui;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 
 use crate::manual::Chapter;
+use crate::pipeline::settings::Choice;
 use crate::ui::canvas::CanvasView;
 use crate::ui::command::Command;
 use crate::ui::compare::tiles::TilesView;
@@ -19,9 +20,9 @@ use crate::ui::{checks, fates, lab, mesh_view, panels, picture_panel, probe, ran
 pub(crate) struct PanelSpec {
     /// Identifier in stored layouts and on the command line.
     pub(crate) id: &'static str,
-    /// Display name.
+    /// Name in titles, in the palette and in messages.
     pub(crate) name: &'static str,
-    /// Help text.
+    /// Tooltip of the title, without a full stop.
     pub(crate) help: &'static str,
     /// Chapter of the manual that describes the panel.
     pub(crate) chapter: Chapter,
@@ -31,15 +32,15 @@ pub(crate) struct PanelSpec {
     pub(crate) titled: bool,
     /// Draws the controls in a row above the content; `None` if there are none.
     pub(crate) controls: Option<fn(&mut Ui, &mut PanelContext<'_>)>,
-    /// Draws the content.
+    /// Draws the content of the panel into the remaining space.
     pub(crate) content: fn(&mut Ui, &mut PanelContext<'_>),
 }
 
-/// What a panel reads, and where it puts its commands.
+/// Inputs of a panel, and the list to which it appends commands.
 pub(crate) struct PanelContext<'a> {
-    /// State of the window.
+    /// Session that the panel reads.
     pub(crate) session: &'a Session,
-    /// State of the widgets.
+    /// Widget state of all panels.
     pub(crate) widgets: &'a mut PanelWidgets,
     /// Commands to run after the layout pass.
     pub(crate) commands: &'a mut Vec<Command>,
@@ -75,10 +76,23 @@ macro_rules! panels {
             $($(#[$doc])* $name,)+
         }
 
-        impl Panel {
-            /// All panels.
-            pub(crate) const ALL: &[Self] = &[$(Self::$name,)+];
+        impl Choice for Panel {
+            const ALL: &'static [Self] = &[$(Self::$name,)+];
 
+            fn id(self) -> &'static str {
+                self.spec().id
+            }
+
+            fn name(self) -> &'static str {
+                self.spec().name
+            }
+
+            fn help(self) -> &'static str {
+                self.spec().help
+            }
+        }
+
+        impl Panel {
             /// Returns the description of the panel.
             pub(crate) fn spec(self) -> &'static PanelSpec {
                 match self {
@@ -130,27 +144,16 @@ panels! {
     Lab = lab::PANEL,
 }
 
-impl Panel {
-    /// Returns the panel with this identifier, if there is one.
-    pub(crate) fn named(id: &str) -> Option<Self> {
-        Self::ALL.iter().copied().find(|panel| panel.spec().id == id)
-    }
-
-    /// Returns the display name.
-    pub(crate) fn name(self) -> &'static str {
-        self.spec().name
-    }
-}
-
 impl Serialize for Panel {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        self.spec().id.serialize(to)
+        self.id().serialize(to)
     }
 }
 
 impl<'de> Deserialize<'de> for Panel {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         let id = String::deserialize(from)?;
-        Self::named(&id).ok_or_else(|| D::Error::custom(format!("there is no panel “{id}”")))
+        let named = Self::ALL.iter().copied().find(|panel| panel.id() == id);
+        named.ok_or_else(|| D::Error::custom(format!("there is no panel “{id}”")))
     }
 }

@@ -2,6 +2,7 @@
 
 use eframe::egui::{Key, Modifiers, Role, Vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use rasterscope::pipeline::settings::Choice as _;
 use rasterscope::ui::command::Command;
 use rasterscope::ui::workspace::{Panel, Workspace, WorkspaceChange};
 
@@ -31,7 +32,7 @@ fn resize(bench: &mut Bench, window: Vec2) {
 fn keys_show_workspaces_and_every_panel_can_be_shown() {
     let mut bench = Bench::small("triangle");
     let keys = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6];
-    for (workspace, key) in Workspace::ALL.into_iter().zip(keys) {
+    for (workspace, key) in Workspace::ALL.iter().copied().zip(keys) {
         bench.press_with(Modifiers::COMMAND, key);
         assert_eq!(bench.session().workspace(), workspace);
     }
@@ -64,7 +65,7 @@ fn a_comparison_has_the_same_figures_in_every_mode_layout_and_window() {
     bench.press(Key::F9);
     assert!(shows(&bench, Panel::Stages), "the panels are shown");
     assert_eq!(figures(&bench), first);
-    for workspace in Workspace::ALL {
+    for workspace in Workspace::ALL.iter().copied() {
         change(&mut bench, WorkspaceChange::Show(workspace));
         change(&mut bench, WorkspaceChange::Show(Workspace::Compare));
         assert_eq!(figures(&bench), first, "{workspace:?}");
@@ -79,7 +80,7 @@ fn the_pick_and_the_picture_stay_in_every_workspace_and_window() {
     let point = bench.session().picked_point.clone().expect("a triangle is picked");
     for window in [Vec2::new(900.0, 560.0), Vec2::new(1920.0, 1080.0)] {
         resize(&mut bench, window);
-        for workspace in Workspace::ALL {
+        for workspace in Workspace::ALL.iter().copied() {
             change(&mut bench, WorkspaceChange::Show(workspace));
             assert_eq!((bench.session().pick, &bench.image()), (pick, &picture), "{workspace:?} {window}");
             let now = bench.session().picked_point.as_ref().expect("it is kept");

@@ -17,7 +17,8 @@ use crate::ui::command::Command;
 use crate::ui::panels::{budget_line, tradeoff};
 use crate::ui::session::Session;
 use crate::ui::theme::{RADIUS, font_size, space, tokens};
-use crate::ui::timings::{RowOrder, TimingsChange, TimingsPanel};
+use crate::ui::timings::{RowOrder, TimingsChange};
+use crate::ui::workspace::Panel;
 use crate::upscale::Upscaling;
 
 /// Minimum height of a row, in points.
@@ -35,7 +36,7 @@ const MARK: f32 = 3.0;
 /// List of rows with their time axis.
 #[derive(Clone, Copy)]
 pub(super) struct MethodListView<'a> {
-    /// Shown rows, sorted.
+    /// Rows that the filter shows, in display order.
     pub(super) rows: &'a [MethodRow],
     /// Axis of the times of all rows, shown or not.
     pub(super) axis: TimeAxis,
@@ -62,7 +63,7 @@ impl MethodListView<'_> {
             (hovered, bottom)
         });
         let (hovered, bottom) = scrolled.inner;
-        let change = self.session.timings.list.hover_change(TimingsPanel::FrameTime, hovered);
+        let change = self.session.timings.list.hover_change(Panel::FrameTime, hovered);
         commands.extend(change.map(Command::Timings));
         let bottom = bottom.clamp(header.bottom(), scrolled.inner_rect.bottom().max(header.bottom()));
         let plot = columns.plot_area(Rangef::new(header.bottom() - budget_line::GRIP_HEIGHT, bottom));
