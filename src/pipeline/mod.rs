@@ -269,6 +269,10 @@ struct ClipSpaceDraw<'a> {
     divides_by_w: bool,
 }
 
+/// Number of triangles that pass through the geometry stages together. The results of each stage then stay in the
+/// processor's cache until the next stage reads them.
+const BATCH: usize = 256;
+
 /// Runs the geometry stages of one draw, from clipping to culling.
 fn finish_draw<O: Observer>(
     draw: &ClipSpaceDraw<'_>,
@@ -277,26 +281,30 @@ fn finish_draw<O: Observer>(
     out: &mut Geometry,
     observer: &mut O,
 ) {
-    let transformed = Instant::now();
     let widening = clip::guard_band_widening(viewport.width, viewport.height);
-    let clipped = clip::clip(draw.vertices, draw.triangles, draw.first, draw.may_cross, widening, observer);
-    out.triangles_clipped += clipped.len();
-    let clipping_done = Instant::now();
-
     let depth_scale = out.depth_scale;
-    let projected: Vec<(TriangleId, [ScreenVertex; 3])> =
-        clipped.iter().map(|t| (t.id, viewport.project(t, &depth_scale))).collect();
-    let projected_at = Instant::now();
-
-    // Pieces of one triangle are adjacent.
     let mut triangles = std::mem::take(&mut out.triangles).into_vec();
-    for pieces in projected.chunk_by(|a, b| a.0 == b.0) {
-        set_up(pieces, draw, settings, &depth_scale, &mut triangles, observer);
+    triangles.reserve(draw.triangles.len());
+    let firsts = (draw.first.0..).step_by(BATCH).map(TriangleId);
+    for (batch, first) in draw.triangles.chunks(BATCH).zip(firsts) {
+        let transformed = Instant::now();
+        let clipped = clip::clip(draw.vertices, batch, first, draw.may_cross, widening, observer);
+        out.triangles_clipped += clipped.len();
+        let clipping_done = Instant::now();
+
+        let projected: Vec<(TriangleId, [ScreenVertex; 3])> =
+            clipped.iter().map(|t| (t.id, viewport.project(t, &depth_scale))).collect();
+        let projected_at = Instant::now();
+
+        // Pieces of one triangle are adjacent.
+        for pieces in projected.chunk_by(|a, b| a.0 == b.0) {
+            set_up(pieces, draw, settings, &depth_scale, &mut triangles, observer);
+        }
+        out.times.clip += clipping_done - transformed;
+        out.times.project += projected_at - clipping_done;
+        out.times.cull += projected_at.elapsed();
     }
     out.triangles = triangles.into();
-    out.times.clip += clipping_done - transformed;
-    out.times.project += projected_at - clipping_done;
-    out.times.cull += projected_at.elapsed();
 }
 
 /// Clips, projects and sets up triangles that are given in clip space, without a camera. Draws both front-facing and
