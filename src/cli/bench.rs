@@ -58,9 +58,14 @@ pub(crate) struct BenchArgs {
     #[arg(long, conflicts_with_all = ["threads", "lanes", "scrub"])]
     window: bool,
 
+    /// Measure the time from a change of the view to the picture and the explanation of the pixel in its middle instead;
+    /// --frames sets the number of answers
+    #[arg(long, conflicts_with_all = ["lanes", "scrub", "window"])]
+    answers: bool,
+
     /// Verify instead of timing: compare tiled execution bit for bit with classic execution, on every instruction set
     /// and with several numbers of threads; exit code 1 if they differ
-    #[arg(long, conflicts_with_all = ["lanes", "frames", "scrub", "window"])]
+    #[arg(long, conflicts_with_all = ["lanes", "frames", "scrub", "window", "answers"])]
     verify: bool,
 
     /// Print JSON instead of text
@@ -107,6 +112,12 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     let threads = args.threads.map_or(0, usize::from);
     let pool =
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| Failure::Threads(e.to_string()))?;
+    if args.answers {
+        let turn = Turn::by(args.turn);
+        let time = pool.install(|| bench_window::answers(view, size, turn, args.frames as usize))?;
+        let time = time.ok_or_else(interrupt::nothing)?;
+        return if args.json { output::print_json(&time) } else { output::print(&bench_window::answers_text(&time)) };
+    }
     let interrupted = interrupt::flag();
     let shot = FrameSequence { scene: &view.scene, camera: &view.camera, viewport: size, turn: Turn::by(args.turn) };
     let frames = BenchFrames { count: args.frames as usize, cancel: interrupted };

@@ -1,6 +1,8 @@
-//! `rasterscope bench --window`: measures the cost of drawing the window, without the rendered picture.
+//! `rasterscope bench --window` and `bench --answers`: the cost of drawing the window without the rendered picture, and
+//! the time from a request of the window to the picture and the explanation of the picked pixel.
 
-use crate::measure::window_cost::WindowCost;
+use crate::measure::motion::Turn;
+use crate::measure::window_cost::{AnswerTime, WindowCost};
 use crate::pipeline::viewport::Viewport;
 
 use super::failure::Failure;
@@ -33,4 +35,27 @@ pub(crate) fn table(costs: &[WindowCost], Viewport { width, height }: Viewport) 
         );
     }
     text
+}
+
+/// Times `count` answers about the pixel in the middle of the picture while the camera orbits by `turn` per answer.
+pub(crate) fn answers(
+    view: RequestedView,
+    size: Viewport,
+    turn: Turn,
+    count: usize,
+) -> Result<Option<AnswerTime>, Failure> {
+    workbench::answer_time(view, size, turn, count)
+}
+
+/// Formats the time of the answers as text.
+pub(crate) fn answers_text(time: &AnswerTime) -> String {
+    let AnswerTime { size: [width, height], pick: [x, y], explained, answer_ms: ms } = time;
+    let per_second = 1e3 / ms.median.max(1e-6);
+    format!(
+        "Picture of {width} × {height} px and explanation of pixel {x}, {y}: time per answer while the camera orbits\n\n\
+         milliseconds         median {:.3}   p10 {:.3}   p90 {:.3}\n\
+         per second           {per_second:.0}\n\
+         answers              {}, {explained} with an explanation\n",
+        ms.median, ms.p10, ms.p90, ms.n
+    )
 }

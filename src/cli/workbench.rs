@@ -11,7 +11,8 @@ use clap::builder::TypedValueParser;
 
 use crate::chain::Recipe;
 use crate::image::{Image, Rgba8};
-use crate::measure::window_cost::WindowCost;
+use crate::measure::motion::Turn;
+use crate::measure::window_cost::{AnswerTime, WindowCost};
 use crate::pipeline::viewport::Viewport;
 use crate::ui::command::Command;
 use crate::ui::compare::{CompareChange, Mode};
@@ -88,6 +89,16 @@ pub(crate) fn window_costs(view: RequestedView, size: Viewport, passes: usize) -
     Ok(ui::window_time::window_costs(&start(view, InitialView::default()), size, passes))
 }
 
+/// Times `count` answers of the renderer about the picked pixel while the camera orbits by `turn` per answer.
+pub(crate) fn answer_time(
+    view: RequestedView,
+    size: Viewport,
+    turn: Turn,
+    count: usize,
+) -> Result<Option<AnswerTime>, Failure> {
+    Ok(ui::answer_time::answer_time(&start(view, InitialView::default()), size, turn, count))
+}
+
 /// Returns the commands that open the range control and the overlay list, if requested.
 fn laid_over(look: &WorkbenchArgs) -> impl Iterator<Item = Command> {
     let range = look.range.then_some(Command::Range(range::RangeChange::Open(true)));
@@ -99,7 +110,7 @@ fn comparison(compare: CompareArg) -> CompareChange {
     match compare {
         CompareArg::Two => CompareChange::Count(2),
         CompareArg::Four => CompareChange::Count(4),
-        CompareArg::All => CompareChange::Every,
+        CompareArg::All => CompareChange::Every(None),
         CompareArg::Wipe => CompareChange::Mode(Mode::Wipe),
         CompareArg::Flip => CompareChange::Mode(Mode::Flip),
         CompareArg::Difference => CompareChange::Mode(Mode::Difference),

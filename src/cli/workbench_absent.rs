@@ -5,7 +5,8 @@ use clap::builder::{StringValueParser, TypedValueParser};
 
 use crate::chain::Recipe;
 use crate::image::{Image, Rgba8};
-use crate::measure::window_cost::WindowCost;
+use crate::measure::motion::Turn;
+use crate::measure::window_cost::{AnswerTime, WindowCost};
 use crate::pipeline::viewport::Viewport;
 
 use super::failure::Failure;
@@ -14,7 +15,7 @@ use super::screenshot::WorkbenchArgs;
 use super::seen_args::{SeenArgs, WindowArgs};
 
 const BUILT_WITHOUT: &str = "this program was built without the window (feature `ui`): \
-    `window`, `screenshot` and `bench --window` are not available";
+    `window`, `screenshot`, `bench --window` and `bench --answers` are not available";
 
 /// Returns an error, because there is no window to open.
 pub(crate) fn open(_view: RequestedView, _args: &WindowArgs) -> Result<(), String> {
@@ -23,6 +24,16 @@ pub(crate) fn open(_view: RequestedView, _args: &WindowArgs) -> Result<(), Strin
 
 /// Returns an error, because there is no window to measure.
 pub(crate) fn window_costs(_view: RequestedView, _size: Viewport, _passes: usize) -> Result<Vec<WindowCost>, Failure> {
+    Err(Failure::NoWindow(BUILT_WITHOUT.to_owned()))
+}
+
+/// Returns an error, because there is no window whose requests could be answered.
+pub(crate) fn answer_time(
+    _view: RequestedView,
+    _size: Viewport,
+    _turn: Turn,
+    _count: usize,
+) -> Result<Option<AnswerTime>, Failure> {
     Err(Failure::NoWindow(BUILT_WITHOUT.to_owned()))
 }
 

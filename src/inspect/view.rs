@@ -154,6 +154,9 @@ pub(crate) fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) ->
 /// Returns a picture of a buffer at full resolution. `range` is the value range of the colour map; `None` stands for
 /// [0, 1].
 pub(crate) fn picture(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, range: Option<Range>) -> Image<Rgba8> {
+    if buffer == Buffer::Color {
+        return frame.image().clone();
+    }
     let range = range.unwrap_or(Range { low: 0.0, high: 1.0 });
     let (width, height) = frame.image().size();
     let mut image = Image::from_fn(width, height, |x, y| match value(buffer, frame, buffers, x, y) {

@@ -1,4 +1,4 @@
-//! CPU cost of drawing the window's interface, as plain data.
+//! CPU cost of the window as plain data: of drawing its interface, and of answering its requests.
 
 use serde::Serialize;
 
@@ -20,4 +20,18 @@ pub(crate) struct WindowCost {
     pub(crate) vertices: usize,
     /// Largest number of texture bytes that a pass uploads to the graphics card.
     pub(crate) texture_bytes: usize,
+}
+
+/// Time from a request of the window to the finished picture and the explanation of the picked pixel, while the camera
+/// moves.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct AnswerTime {
+    /// Width and height of the picture, in pixels.
+    pub(crate) size: [u32; 2],
+    /// Column and row of the picked pixel.
+    pub(crate) pick: [u32; 2],
+    /// Number of timed answers that explain the pixel.
+    pub(crate) explained: usize,
+    /// Time per answer, in milliseconds.
+    pub(crate) answer_ms: Summary,
 }

@@ -180,6 +180,8 @@ const SEAMS_WAIT: Duration = Duration::from_millis(50);
 #[derive(Debug, Default)]
 pub(crate) struct Engine {
     last: Option<RenderedView>,
+    /// Earlier frame that the window may still hold. Its buffers are reused as soon as the window has dropped it.
+    earlier: Option<Arc<Frame>>,
     renderer: Renderer,
     seams: SeamSearch,
     survey: SurveyCache,
@@ -194,10 +196,7 @@ impl Engine {
         let whole = last.as_ref().filter(|view| view.is_whole_for(&request)).map(|view| view.frame.clone());
         let stale = |view: &mut RenderedView| !view.request.same_frame(&request) || view.is_unconverged();
         if let Some(view) = last.take_if(stale) {
-            // The frame is recycled only if no other view holds it.
-            if let Ok(frame) = Arc::try_unwrap(view.frame) {
-                self.renderer.recycle(frame);
-            }
+            self.retire(view.frame);
         }
         let fresh = last.is_none();
         let (frame, rasterized, kept_buffers, kept_captured, kept) = match last {
@@ -228,7 +227,9 @@ impl Engine {
         };
         looked.is_unfinished |= reads_seams && seams.is_none();
         let report = request.pick.and_then(|pick| {
-            let survey = self.survey.of(&request, &frame, seams.as_ref());
+            // Replaying the pixel needs both lists of triangles, which take most of the time.
+            let (_, survey) =
+                rayon::join(|| frame.geometry.triangles.len(), || self.survey.of(&request, &frame, seams.as_ref()));
             explain(&request.scene, &request.recipe, &frame, survey, pick).map(Arc::new)
         });
         let (picture, range) = (looked.picture.clone(), looked.range);
@@ -248,6 +249,18 @@ impl Engine {
         };
         self.last = Some(view.clone());
         view
+    }
+
+    /// Reuses the buffers of a replaced frame. If the window still holds it, which it does until it receives the next
+    /// view, the buffers of the frame before it are reused.
+    fn retire(&mut self, frame: Arc<Frame>) {
+        let free = match Arc::try_unwrap(frame) {
+            Ok(frame) => Some(frame),
+            Err(held) => self.earlier.replace(held).and_then(Arc::into_inner),
+        };
+        if let Some(frame) = free {
+            self.renderer.recycle(frame);
+        }
     }
 
     /// Returns the timeline for stepping through the drawing of the frame; `None` if the frame is complete and no pixel

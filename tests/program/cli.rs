@@ -1117,6 +1117,18 @@ fn every_triangle_and_fragment_is_counted_in_one_bin_and_the_sums_match() {
     assert_eq!(objects.iter().map(|object| sum(&object["fragments"])).sum::<u64>(), sum(&json["fragments"]));
 }
 
+#[cfg(feature = "ui")]
+#[test]
+fn bench_times_the_picture_and_the_explanation_of_a_pixel_while_the_camera_orbits() {
+    let args = ["bench", "cubes", "--answers", "--size", "64x48", "--frames", "3", "--threads", "1"];
+    let reported = run(&folder(), &args);
+    assert_success(&reported);
+    assert!(stdout(&reported).contains("explanation of pixel 32, 24"), "{}", stdout(&reported));
+    let json = run(&folder(), &[&args[..], &["--json"]].concat());
+    let json: serde_json::Value = serde_json::from_str(stdout(&json)).unwrap();
+    assert_eq!((json["answer_ms"]["n"].as_u64(), json["explained"].as_u64()), (Some(3), Some(3)));
+}
+
 #[test]
 fn bench_measures_stepping_to_triangles_and_fragments() {
     let args = ["bench", "cubes", "--scrub", "--size", "64x48", "--frames", "2"];
