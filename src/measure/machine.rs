@@ -1,6 +1,7 @@
 //! Conditions of a measurement: the machine, the build, and the system load. Times are meaningless without them.
 
 use serde::Serialize;
+use sysinfo::{CpuRefreshKind, RefreshKind, System};
 
 /// Machine, build, and system load during a measurement.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -25,10 +26,9 @@ pub(crate) struct Machine {
 impl Machine {
     /// Describes the machine and the build, with the current load as the load at the start of the measurement.
     pub(crate) fn at_start() -> Self {
-        let named = |line: &str| Some(line.strip_prefix("model name")?.split_once(':')?.1.trim().to_owned());
         Self {
             platform: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
-            processor: read("/proc/cpuinfo").and_then(|text| text.lines().find_map(named)),
+            processor: processor(),
             threads: std::thread::available_parallelism().map_or(1, usize::from),
             load_at_start: load_average(),
             load_at_end: None,
@@ -55,13 +55,16 @@ impl Machine {
     }
 }
 
-/// Returns the load average over the last minute; `None` where the system does not report it.
-fn load_average() -> Option<f64> {
-    read("/proc/loadavg")?.split_whitespace().next()?.parse().ok()
+/// Returns the model name of the processor; `None` where the system does not report it.
+fn processor() -> Option<String> {
+    let system = System::new_with_specifics(RefreshKind::nothing().with_cpu(CpuRefreshKind::nothing())).ok()?;
+    let name = system.cpus().first()?.brand().trim();
+    (!name.is_empty()).then(|| name.to_owned())
 }
 
-fn read(path: &str) -> Option<String> {
-    std::fs::read_to_string(path).ok()
+/// Returns the load average over the last minute; `None` where the system does not report it.
+fn load_average() -> Option<f64> {
+    System::load_average().ok().map(|load| load.one)
 }
 
 #[cfg(test)]

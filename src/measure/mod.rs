@@ -16,6 +16,8 @@ pub(crate) mod skipped_work;
 
 pub(crate) mod machine;
 
+pub(crate) mod other_programs;
+
 pub mod motion;
 
 pub(crate) mod noise;
