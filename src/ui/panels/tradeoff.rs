@@ -203,21 +203,21 @@ fn plot(
         PlacedPoint { point, at: response.transform.position_from_point(&PlotPoint::new(x, y)) }
     };
     let placed: Vec<_> = points.iter().map(placed).collect();
-    name_points(ui, &placed);
     let near = |pointer: Pos2| {
         let distance = |placed: &&PlacedPoint<'_>| placed.at.distance(pointer);
         let nearest = placed.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         nearest.filter(|placed| distance(placed) <= NEAR_POINTS).map(|placed| placed.point.upscaling)
     };
-    if response.response.clicked()
-        && let Some(upscaling) = response.response.interact_pointer_pos().and_then(near)
-    {
+    let budget_x = budget(ui, &response.transform, header, session, commands);
+    // Points lie above the budget line, so that those below it can be clicked.
+    let on_point = clicked_point(ui, &placed);
+    let beside_point = response.response.interact_pointer_pos().filter(|_| response.response.clicked()).and_then(near);
+    if let Some(upscaling) = on_point.or(beside_point) {
         let tile = usize::from(!ui.input(|i| i.modifiers.shift));
         choose(session, tile, upscaling, commands);
     }
-    let budget_x = budget(ui, &response.transform, header, session, commands);
     label_points(ui, &placed, session, *response.transform.frame(), budget_x);
-    response.response.hover_pos().and_then(near)
+    ui.input(|input| input.pointer.hover_pos()).filter(|at| response.response.rect.contains(*at)).and_then(near)
 }
 
 /// Whether the last measurement moved the camera.
@@ -300,15 +300,18 @@ fn label_points(ui: &Ui, points: &[PlacedPoint<'_>], session: &Session, frame: R
     }
 }
 
-/// Adds an accessible name for each plotted point, for screen readers.
-fn name_points(ui: &Ui, points: &[PlacedPoint<'_>]) {
+/// Makes each plotted point a button with an accessible name. Returns the upscaler whose point was clicked.
+fn clicked_point(ui: &Ui, points: &[PlacedPoint<'_>]) -> Option<Upscaling> {
+    let mut clicked = None;
     for PlacedPoint { point, at } in points {
         let rect = Rect::from_center_size(*at, egui::Vec2::splat(NEAR_POINTS));
         let label = point.upscaling.label();
-        let node = ui.interact(rect, ui.scope_id().with(&label), Sense::hover());
+        let node = ui.interact(rect, ui.scope_id().with(&label), Sense::click());
         let words = format!("Point: {label}, {}, FLIP {}", format::ms(point.ms.median), format::fixed(flip(point), 4));
-        node.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &words));
+        node.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &words));
+        clicked = clicked.or(node.clicked().then_some(point.upscaling));
     }
+    clicked
 }
 
 /// Returns the Pareto front as separate line segments, because the plot would fill the corners of a single polyline.

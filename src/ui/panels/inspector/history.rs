@@ -21,6 +21,9 @@ const LISTED_AT_AN_END: usize = 50;
 /// Maximum number of listed triangles that have no fragment at the pixel. The most relevant ones come first.
 const LISTED_ABSENT: usize = 60;
 
+/// Width of the colours before and after a fragment, in points, including the space around them.
+const CHANGE_WIDTH: f32 = 72.0;
+
 /// Selected entry and filters of the history.
 pub(super) struct HistoryView {
     /// Entry whose details are shown below the list; `None` means the visible fragment.
@@ -160,12 +163,15 @@ fn icon(kind: Kind) -> Icon {
 
 /// Draws the colour and depth of the sample before the first or after the last entry of the history.
 fn state_row(ui: &mut Ui, word: &str, help: &str, state: SampleState) {
-    ui.horizontal(|ui| {
+    // In a narrow panel, the depth moves to a second line.
+    ui.horizontal_wrapped(|ui| {
         chip(ui, Status::Neutral, word, help);
         swatch(ui, to_color(state.color));
-        let depth = state.depth.map_or(String::new(), |depth| format!("  z {}", format::f32_full(depth.value)));
-        let text = RichText::new(codes(state.color) + &depth).small().monospace().color(tokens(ui).text);
-        ui.add(Label::new(text).truncate());
+        let depth = state.depth.map(|depth| format!("z {}", format::f32_full(depth.value)));
+        for number in std::iter::once(codes(state.color)).chain(depth) {
+            let text = RichText::new(number).small().monospace().color(tokens(ui).text);
+            ui.add(Label::new(text).extend());
+        }
     });
 }
 
@@ -251,18 +257,34 @@ fn row(ui: &mut Ui, chosen: bool, row: &HistoryRow<'_>, commands: &mut Vec<Comma
 
 fn row_content(ui: &mut Ui, row: &HistoryRow<'_>, commands: &mut Vec<Command>) {
     ui.set_width(ui.available_width());
+    let mut shows_change = row.change.is_none();
     ui.horizontal(|ui| {
         chip(ui, row.status, row.word, "");
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             jump_button(ui, row, commands);
             select_button(ui, row, commands);
-            change(ui, row);
+            let font = egui::TextStyle::Body.resolve(ui.style());
+            let title = ui.painter().layout_no_wrap(row.title.clone(), font, Color32::WHITE).size().x;
+            if ui.available_width() >= title + CHANGE_WIDTH {
+                change(ui, row);
+                shows_change = true;
+            }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 ui.add(Label::new(RichText::new(&row.title).strong()).truncate());
             });
         });
     });
-    ui.add(Label::new(RichText::new(row.reason).small().color(tokens(ui).text)).wrap());
+    let reason = |ui: &mut Ui| {
+        ui.add(Label::new(RichText::new(row.reason).small().color(tokens(ui).text)).wrap());
+    };
+    if shows_change {
+        reason(ui);
+    } else {
+        ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
+            change(ui, row);
+            ui.with_layout(Layout::left_to_right(Align::Min), reason);
+        });
+    }
 }
 
 /// Draws a button that shows the frame as it was right after this triangle was drawn.
