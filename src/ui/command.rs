@@ -11,6 +11,7 @@ use super::checks;
 use super::compare::{CompareChange, Mode};
 use super::engine::Shown;
 use super::fates;
+use super::filmstrip::FilmstripChange;
 use super::lab;
 use super::long_tasks::StabilityView;
 use super::mesh_view;
@@ -91,6 +92,8 @@ pub(crate) enum Command {
     ChooseUpscaler(usize),
     /// Changes the comparison of pictures.
     Compare(CompareChange),
+    /// Changes the filmstrip of all upscaling methods below a comparison.
+    Filmstrip(FilmstripChange),
     /// Resets the recipe to the default.
     ResetRecipe,
     /// Replaces the camera.

@@ -100,7 +100,11 @@ mod start;
 
 pub(crate) mod store;
 
+pub(crate) mod filmstrip;
+
 pub(crate) mod window_time;
+
+pub(crate) mod answer_time;
 
 pub(crate) use start::InitialView;
 pub(crate) use start::ScreenshotRequest;

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use eframe::egui::{self, CentralPanel, Panel, Ui};
 
 use super::compare::{self, tiles::TilesView};
+use super::filmstrip;
 use super::panels::transport;
 use super::scrub;
 use super::theme;
@@ -27,6 +28,9 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
 /// Time after which a spinner is shown for an unanswered render request.
 const SLOW_FRAME: Duration = Duration::from_millis(150);
 
+/// Minimum height at which a comparison has a filmstrip, in points. A lower panel has room for the pictures only.
+const FILMSTRIP_FROM: f32 = 660.0;
+
 /// Height of the bar above the canvas, in points.
 const BAR_HEIGHT: f32 = theme::ROW_HEIGHT + 8.0;
 
@@ -39,13 +43,22 @@ fn ui(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     Panel::top("toolbar").frame(frame).exact_size(BAR_HEIGHT).show(ui, |ui| {
         transport::toolbar(ui, session, widgets.canvas.scale(), commands);
     });
-    Panel::bottom("scrubber").frame(frame).exact_size(scrub::transport::HEIGHT).show(ui, |ui| {
-        scrub::transport::ui(ui, session, commands);
-    });
     let compares = session.comparison.is_on() && session.case.is_none();
+    // Compared pictures are complete: there is nothing to play back.
+    if !compares {
+        Panel::bottom("scrubber").frame(frame).exact_size(scrub::transport::HEIGHT).show(ui, |ui| {
+            scrub::transport::ui(ui, session, commands);
+        });
+    }
     if compares {
+        widgets.has_room_for_filmstrip = ui.available_height() >= FILMSTRIP_FROM;
         Panel::top("compare").frame(frame).show(ui, |ui| {
-            compare::bar::ui(ui, session, widgets.canvas.scale(), commands);
+            compare::bar::ui(ui, session, widgets, commands);
+        });
+    }
+    if compares && session.filmstrip.open && widgets.has_room_for_filmstrip {
+        Panel::bottom("filmstrip").frame(frame).exact_size(filmstrip::strip::HEIGHT).show(ui, |ui| {
+            widgets.filmstrip.ui(ui, session, commands);
         });
     }
     let asks = session.what_if.open && !compares && session.case.is_none();

@@ -81,7 +81,7 @@ fn situations() -> Vec<(String, Vec<Command>)> {
     });
     let compared = [
         ("Comparison: four tiles", Compare::Count(4)),
-        ("Comparison: every upscaler", Compare::Every),
+        ("Comparison: every upscaler", Compare::Every(None)),
         ("Comparison: difference", Compare::Mode(Mode::Difference)),
     ];
     let compared = compared.map(|(name, change)| (name.to_owned(), vec![Command::Compare(change)]));

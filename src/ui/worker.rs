@@ -12,6 +12,7 @@ use std::time::Duration;
 
 use super::compare::compute::{CompareRequest, Compared, Comparer};
 use super::engine::{Engine, RenderedView, Request, StageFigures, StageMeasurement};
+use super::filmstrip::drawer::FilmstripDrawer;
 use super::watch::watcher::PixelWatcher;
 use super::what_if::drawer::{Drawer, WhatIfRequest, WhatIfResults};
 use crate::inspect::watch::WatchedPixel;
@@ -34,6 +35,8 @@ pub(crate) enum WorkerRequest {
     Show(Box<Request>),
     /// Renders this comparison; `None` cancels the comparison.
     Compare(Option<Box<CompareRequest>>),
+    /// Draws the pictures of the filmstrip; `None` cancels them.
+    Filmstrip(Option<Box<CompareRequest>>),
     /// Computes the effect of a settings change; `None` cancels the computation.
     WhatIf(Option<Box<WhatIfRequest>>),
     /// Sets the watched pixels, whose values are reported for every new frame.
@@ -51,6 +54,8 @@ pub(crate) enum WorkerResponse {
     View(Box<RenderedView>),
     /// Results of the comparison so far.
     Compared(Box<Compared>),
+    /// Pictures of the filmstrip so far.
+    Filmstrip(Box<Compared>),
     /// Values of the newest frame at the watched pixels.
     Watched(Vec<WatchedPixel>),
     /// Results of the what-if comparison so far.
@@ -152,6 +157,7 @@ pub(crate) struct RenderWorker {
     comparer: Comparer,
     to_compare: Option<Box<CompareRequest>>,
     drawer: Drawer,
+    filmstrip: FilmstripDrawer,
     watcher: PixelWatcher,
     to_evaluate: Option<Box<WhatIfRequest>>,
     /// Current request, if one more frame would improve its view.
@@ -201,11 +207,12 @@ impl RenderWorker {
         }
         let figuring = self.to_time.as_ref();
         let is_complete = self.to_complete.is_none();
-        if figuring.is_none() && is_complete && !self.comparer.has_work() && !self.drawer.has_work() {
+        let has_work = self.comparer.has_work() || self.drawer.has_work() || self.filmstrip.has_work();
+        if figuring.is_none() && is_complete && !has_work {
             return inbox.recv().map(Some);
         }
-        if self.comparer.has_begun() || self.drawer.has_begun() || figuring.is_some_and(|figuring| figuring.has_begun())
-        {
+        let has_begun = self.comparer.has_begun() || self.drawer.has_begun() || self.filmstrip.has_begun();
+        if has_begun || figuring.is_some_and(|figuring| figuring.has_begun()) {
             return Ok(None);
         }
         match inbox.recv_timeout(SETTLED) {
@@ -230,6 +237,7 @@ impl RenderWorker {
                 }
                 self.to_evaluate = request;
             }
+            WorkerRequest::Filmstrip(request) => self.filmstrip.set(request.map(|request| *request)),
             WorkerRequest::Measure(request) => self.measurement = Some(Measurement::new(request)),
             WorkerRequest::CancelMeasure => self.measurement = None,
         }
@@ -252,6 +260,8 @@ impl RenderWorker {
             self.compare(Comparer::step);
         } else if self.drawer.has_work() {
             self.evaluate_change(|drawer| drawer.step().cloned());
+        } else if self.filmstrip.has_work() {
+            self.draw_filmstrip();
         } else if let Some(mut figuring) = self.to_time.take() {
             match catch_unwind(AssertUnwindSafe(|| figuring.step())) {
                 Ok(Some(figures)) => self.done.push_back(WorkerResponse::Stages(Box::new(figures))),
@@ -287,6 +297,18 @@ impl RenderWorker {
             Ok(compared) => self.done.extend(compared.map(|compared| WorkerResponse::Compared(Box::new(compared)))),
             Err(panic) => {
                 self.comparer.clear();
+                self.done.push_back(WorkerResponse::Panicked(panic_text(&*panic)));
+            }
+        }
+    }
+
+    /// Runs one step of drawing the filmstrip and queues its results. A panic ends it.
+    fn draw_filmstrip(&mut self) {
+        let filmstrip = &mut self.filmstrip;
+        match catch_unwind(AssertUnwindSafe(|| filmstrip.step().cloned())) {
+            Ok(drawn) => self.done.extend(drawn.map(|drawn| WorkerResponse::Filmstrip(Box::new(drawn)))),
+            Err(panic) => {
+                self.filmstrip = FilmstripDrawer::default();
                 self.done.push_back(WorkerResponse::Panicked(panic_text(&*panic)));
             }
         }

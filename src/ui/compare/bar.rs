@@ -8,10 +8,12 @@ use crate::measure::difference::{Difference, GAINS};
 use crate::measure::reference::Reference;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
+use crate::ui::filmstrip::FilmstripChange;
 use crate::ui::manual::manual_button;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::combo;
+use crate::ui::workspace::PanelWidgets;
 
 /// Tile counts that can be chosen with a button.
 const COUNTS: [usize; 2] = [2, 4];
@@ -19,8 +21,8 @@ const COUNTS: [usize; 2] = [2, 4];
 /// Width reserved for the list of references and its label, in points.
 const REFERENCE_POINTS: f32 = 190.0;
 
-/// Draws the bar. `scale` is the display scale in screen pixels per picture pixel; `None` if the pictures are fitted.
-pub(crate) fn ui(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<Command>) {
+/// Draws the bar.
+pub(crate) fn ui(ui: &mut Ui, session: &Session, widgets: &PanelWidgets, commands: &mut Vec<Command>) {
     let comparison = &session.comparison;
     let mut changes = Vec::new();
     ui.horizontal_wrapped(|ui| {
@@ -39,6 +41,13 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &
             changes.push(CompareChange::Swap);
         }
         region(ui, session, &mut changes);
+        let strip = Button::selectable(session.filmstrip.open, "Filmstrip");
+        let strip = ui.add_enabled(widgets.has_room_for_filmstrip, strip);
+        let help = "Show every upscaling method in a strip below the pictures";
+        let why = "The window is too low for a strip of all upscaling methods below the pictures";
+        if strip.on_hover_text(help).on_disabled_hover_text(why).clicked() {
+            commands.push(Command::Filmstrip(FilmstripChange::Toggle));
+        }
         ui.separator();
         // One allocation keeps the label and its list on the same row.
         ui.allocate_ui_with_layout(
@@ -46,7 +55,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &
             Layout::left_to_right(Align::Center),
             |ui| reference(ui, session, &mut changes),
         );
-        if let Some(scale) = scale.filter(|scale| *scale < 1.0) {
+        if let Some(scale) = widgets.canvas.scale().filter(|scale| *scale < 1.0) {
             let text = format!("shown at {:.0} % of full size", scale * 100.0);
             ui.label(RichText::new(text).small().color(tokens(ui).warning)).on_hover_text(
                 "Only the display is downscaled: errors and differences are computed from the full-size pictures",
@@ -79,8 +88,9 @@ fn counts(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>) {
             changes.push(CompareChange::Count(wanted));
         }
     }
-    if ui.button("All").on_hover_text("Show a tile for every upscaler, each at its largest scale").clicked() {
-        changes.push(CompareChange::Every);
+    let help = "Show a tile for every upscaling method, at the scale of the filmstrip";
+    if ui.button("All").on_hover_text(help).clicked() {
+        changes.push(CompareChange::Every(session.filmstrip.scale));
     }
     if count < super::MAX_TILES && icon_button(ui, Icon::Plus, "Add a tile").clicked() {
         changes.push(CompareChange::Count(count + 1));

@@ -17,7 +17,7 @@ use crate::measure::difference::Difference;
 use crate::measure::reference::Reference;
 use crate::measure::region::PixelRegion;
 use crate::pipeline::settings::Choice as _;
-use crate::upscale::{self, Upscaling};
+use crate::upscale::{self, Scale, Upscaling};
 
 /// Maximum number of tiles.
 pub(crate) const MAX_TILES: usize = 16;
@@ -140,8 +140,8 @@ pub(crate) enum CompareChange {
     Toggle(Mode),
     /// Shows this number of tiles.
     Count(usize),
-    /// Shows every upscaling method at its largest scale factor.
-    Every,
+    /// Shows every upscaling method, as [`methods`] returns them for this scale.
+    Every(Option<Scale>),
     /// Makes this tile the active one.
     Activate(usize),
     /// Sets the recipe of a tile.
@@ -203,9 +203,9 @@ impl CompareSettings {
                 tiles.recipes.truncate(count.max(1));
                 tiles.fill(count.min(MAX_TILES), *recipe);
             }
-            CompareChange::Every => {
+            CompareChange::Every(scale) => {
                 self.mode = Mode::Tiles;
-                let recipes = every_method().map(|upscaler| Recipe { upscaler, ..*recipe }).take(MAX_TILES);
+                let recipes = methods(scale).map(|upscaler| Recipe { upscaler, ..*recipe }).take(MAX_TILES);
                 *tiles = TileSet { recipes: recipes.collect(), active: 0 };
             }
             CompareChange::Activate(tile) => tiles.active = tile,
@@ -247,12 +247,16 @@ impl CompareSettings {
 fn suggestions() -> impl Iterator<Item = Upscaling> {
     const FIRST: [(&str, u32); 4] = [("native", 1), ("bicubic", 4), ("nearest", 4), ("checkerboard", 1)];
     let first = FIRST.into_iter().filter_map(|(method, scale)| Upscaling::new(method, scale));
-    first.chain(every_method()).chain(Upscaling::every())
+    first.chain(methods(None)).chain(Upscaling::every())
 }
 
-/// Returns an iterator over all upscaling methods, each at its largest scale factor.
-fn every_method() -> impl Iterator<Item = Upscaling> {
-    upscale::ALL.iter().filter_map(|method| Upscaling::new(method.id(), *method.offers().scales.last()?))
+/// Returns every upscaling method once, in the order of the menus: at `scale` or the nearest offered scale, or at its
+/// largest scale if `scale` is `None`.
+pub(crate) fn methods(scale: Option<Scale>) -> impl Iterator<Item = Upscaling> {
+    upscale::ALL.iter().filter_map(move |method| {
+        let largest = *method.offers().scales.last()?;
+        Upscaling::new(method.id(), scale.unwrap_or(largest))
+    })
 }
 
 /// Returns the letter of a tile: A for tile 0, B for tile 1, and so on.
@@ -315,9 +319,14 @@ mod tests {
         upscalers.sort();
         upscalers.dedup();
         assert_eq!(upscalers.len(), 8);
-        bench.apply(CompareChange::Every);
-        let methods: Vec<_> = bench.recipes().iter().map(|recipe| recipe.upscaler.method()).collect();
-        assert_eq!(methods, upscale::ALL.iter().map(|method| method.id()).collect::<Vec<_>>());
+        bench.apply(CompareChange::Every(None));
+        let shown: Vec<_> = bench.recipes().iter().map(|recipe| recipe.upscaler.method()).collect();
+        assert_eq!(shown, upscale::ALL.iter().map(|method| method.id()).collect::<Vec<_>>());
+        bench.apply(CompareChange::Every(Some(Scale::TWO)));
+        for (method, recipe) in upscale::ALL.iter().zip(bench.recipes()) {
+            let offers_two = method.offers().scales.contains(&Scale::TWO);
+            assert_eq!(recipe.upscaler.scale() == Scale::TWO, offers_two, "{}", method.id());
+        }
     }
 
     #[test]

@@ -11,6 +11,7 @@ use crate::scene::{SceneSource, builtin};
 use crate::ui::command::{BINDINGS, Command};
 use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::engine::Shown;
+use crate::ui::filmstrip::FilmstripChange;
 use crate::ui::key_sheet::key_name;
 use crate::ui::panels::switches;
 use crate::ui::place;
@@ -175,7 +176,8 @@ fn commands() -> Vec<PaletteEntry> {
         ("Save the picked triangle as a case file", Command::SaveCase),
         ("Switch between dark and light theme", Command::ToggleTheme),
         ("Manage bookmarks", Command::Place(place::PlaceChange::Manage)),
-        ("Compare all upscalers in tiles", Command::Compare(CompareChange::Every)),
+        ("Compare all upscalers in tiles", Command::Compare(CompareChange::Every(None))),
+        ("Filmstrip of all upscaling methods", Command::Filmstrip(FilmstripChange::Toggle)),
         (
             "Pin the current settings as A and compare later changes with them",
             Command::WhatIf(what_if::WhatIfChange::PinNow),

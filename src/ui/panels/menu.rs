@@ -146,7 +146,7 @@ fn compare(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         Command::WhatIf(what_if::WhatIfChange::Toggle),
         commands,
     );
-    entry(ui, "Compare all upscalers in tiles", Command::Compare(CompareChange::Every), commands);
+    entry(ui, "Compare all upscalers in tiles", Command::Compare(CompareChange::Every(None)), commands);
     let is_on = session.comparison.is_on();
     entry_if(ui, is_on, "Swap pictures A and B", Command::Compare(CompareChange::Swap), commands);
     entry_if(ui, is_on, "Save comparison (HTML)", Command::SaveComparison, commands);

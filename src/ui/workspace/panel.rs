@@ -10,6 +10,7 @@ use crate::pipeline::settings::Choice;
 use crate::ui::canvas::CanvasView;
 use crate::ui::command::Command;
 use crate::ui::compare::tiles::TilesView;
+use crate::ui::filmstrip::strip::FilmstripView;
 use crate::ui::mesh_view::MeshPane;
 use crate::ui::panels::case::CaseView;
 use crate::ui::panels::inspector::Inspector;
@@ -53,6 +54,10 @@ pub(crate) struct PanelWidgets {
     pub(crate) canvas: CanvasView,
     /// Tiles of a comparison.
     pub(crate) tiles: TilesView,
+    /// Filmstrip below the tiles.
+    pub(crate) filmstrip: FilmstripView,
+    /// Whether the panel with the picture is high enough for a filmstrip.
+    pub(crate) has_room_for_filmstrip: bool,
     /// Pictures of a case.
     pub(crate) case: CaseView,
     /// Mesh view.

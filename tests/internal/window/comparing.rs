@@ -2,7 +2,7 @@
 
 use base64::prelude::{BASE64_STANDARD, Engine as _};
 use eframe::egui::{Key, PointerButton, Pos2, Rect, Role, Vec2};
-use egui_kittest::kittest::Queryable as _;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use rasterscope::chain::run;
 use rasterscope::inspect::Stage;
 use rasterscope::measure::error::compare;
@@ -10,7 +10,7 @@ use rasterscope::measure::region::PixelRegion;
 use rasterscope::ui::compare::Mode;
 use rasterscope::ui::compare::compute::Compared;
 use rasterscope::ui::workspace::Panel;
-use rasterscope::upscale::{ALL, Upscaling};
+use rasterscope::upscale::{ALL, Scale, Upscaling};
 
 use super::bench::Bench;
 
@@ -184,4 +184,60 @@ fn escape_stops_comparing_after_the_pick_is_dropped() {
     assert_eq!((bench.session().pick, bench.session().comparison.mode), (None, Mode::Flip));
     bench.press(Key::Escape);
     assert_eq!(bench.session().comparison.mode, Mode::Off);
+}
+
+/// Returns the accessible names of the frames of the filmstrip, from left to right.
+fn strip(bench: &Bench) -> Vec<String> {
+    let mut frames: Vec<_> = bench
+        .window
+        .query_all_by_role(Role::Button)
+        .filter_map(|node| Some((node.rect().left(), node.accesskit_node().label()?)))
+        .filter(|(_, label)| label.starts_with("Compare with "))
+        .collect();
+    frames.sort_by(|a, b| a.0.total_cmp(&b.0));
+    frames.into_iter().map(|(_, label)| label).collect()
+}
+
+#[test]
+fn the_filmstrip_has_a_frame_of_every_method_and_a_click_shows_it_as_b() {
+    let mut bench = Bench::small("chess");
+    bench.press(Key::T);
+    let frames = strip(&bench);
+    assert_eq!(frames.len(), ALL.len());
+    assert!(frames.iter().all(|frame| frame.contains("FLIP ")), "every error is measured: {frames:?}");
+    let drawn = bench.session().filmstrip.drawn.as_ref().expect("they are drawn");
+    let request = bench.session().request();
+    for tile in &drawn.tiles {
+        if !tile.recipe.upscaler.upscaler().reads().history {
+            let frame = run(&request.scene, &request.camera, &tile.recipe, request.viewport, &mut ());
+            assert_eq!(*tile.picture, *frame.image(), "{}", tile.recipe.upscaler.label());
+        }
+    }
+    let nearest = Upscaling::new("nearest", 4).unwrap();
+    let label = frames.iter().find(|frame| frame.starts_with("Compare with Nearest ×4")).expect("it has a frame");
+    bench.click(label);
+    let recipe = bench.session().state.tiles.recipe(1, bench.session().state.recipe);
+    assert_eq!(recipe.upscaler, nearest);
+    bench.click("Filmstrip");
+    assert!(strip(&bench).is_empty());
+}
+
+#[test]
+fn the_filmstrip_is_sorted_by_error_and_has_one_scale() {
+    let mut bench = Bench::small("chess");
+    bench.press(Key::T);
+    bench.window.get_by_label("Order of all methods").click();
+    bench.rest();
+    bench.click("By error");
+    let flip = |frame: &str| frame.rsplit("FLIP ").next().and_then(|number| number.parse::<f64>().ok());
+    let errors: Vec<_> = strip(&bench).iter().map(|frame| flip(frame).expect("it is measured")).collect();
+    assert!(errors.is_sorted() && errors[0] < errors[errors.len() - 1], "{errors:?}");
+    bench.window.get_by_label("Scale of all methods").click();
+    bench.rest();
+    bench.click("×2");
+    assert!(strip(&bench).iter().any(|frame| frame.starts_with("Compare with Nearest ×2")));
+    assert!(!strip(&bench).iter().any(|frame| frame.contains("×4")));
+    bench.click("All");
+    let scales: Vec<_> = compared(&bench).tiles.iter().map(|tile| tile.recipe.upscaler.scale()).collect();
+    assert!(scales.iter().all(|scale| [Scale::ONE, Scale::TWO].contains(scale)), "{scales:?}");
 }

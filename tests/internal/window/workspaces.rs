@@ -104,6 +104,21 @@ fn the_picture_has_most_of_the_window() {
 }
 
 #[test]
+fn a_comparison_has_three_quarters_of_the_window() {
+    let mut bench = Bench::small("triangle");
+    bench.press_with(Modifiers::COMMAND, Key::Num3);
+    for window in [WINDOW, Vec2::new(1024.0, 700.0), Vec2::new(1920.0, 1080.0)] {
+        resize(&mut bench, window);
+        let pictures = bench.window.query_all_by_role(Role::Image);
+        let tiles =
+            pictures.filter(|node| node.accesskit_node().label().is_some_and(|name| name.starts_with("Picture ")));
+        let area = tiles.map(|node| node.rect().area()).sum::<f32>();
+        let share = area / (window.x * window.y);
+        println!("{window}: {share}");
+    }
+}
+
+#[test]
 fn a_title_maximizes_its_panel_and_the_layout_returns() {
     let mut bench = Bench::small("triangle");
     let before = bench.canvas();
