@@ -2,6 +2,8 @@
 //! and exchanges messages with the renderer. It owns only the session, the worker and widget state; the session makes
 //! all decisions about the picture.
 
+mod idle_measurement;
+
 mod requests;
 
 mod keeping;
@@ -14,6 +16,7 @@ mod tasks;
 
 use eframe::egui::{self, CentralPanel, Context, Panel, Ui};
 
+use idle_measurement::IdleMeasurement;
 use opening::{Loading, OpeningCase, SLOW_LOAD};
 use saving::PendingExport;
 
@@ -57,6 +60,8 @@ pub(crate) struct Workbench {
     last_request: Option<Request>,
     /// Sequence number of the latest measurement of all upscalers; responses with another number are discarded.
     measurement: u64,
+    /// Decides when a measurement starts by itself.
+    idle: IdleMeasurement,
     loading: Option<Loading>,
     opening_case: Option<OpeningCase>,
     measuring_stability: Option<StabilityTask>,
@@ -69,6 +74,7 @@ pub(crate) struct Workbench {
     /// Layouts of the workspaces.
     docks: Docks,
     last_compare_request: Option<CompareRequest>,
+    last_filmstrip_request: Option<CompareRequest>,
     last_watch_request: Vec<(u32, u32)>,
     searching: Option<BackgroundTask<(), (SearchTarget, SearchResult)>>,
     checks: checks::Runner,
@@ -95,6 +101,7 @@ impl Workbench {
             worker,
             last_request: None,
             measurement: 0,
+            idle: IdleMeasurement::default(),
             loading: None,
             opening_case: None,
             measuring_stability: None,
@@ -104,6 +111,7 @@ impl Workbench {
             widgets: PanelWidgets { is_synchronous, ..PanelWidgets::default() },
             docks: Docks::new(&StoredLayouts::default()),
             last_compare_request: None,
+            last_filmstrip_request: None,
             last_watch_request: Vec::new(),
             searching: None,
             checks: checks::Runner::default(),
@@ -171,6 +179,7 @@ impl Workbench {
         }
         self.send_request(ui);
         self.send_compare_request(ui);
+        self.send_filmstrip_request(ui);
         self.checks.step(&mut self.session, ui.ctx(), self.widgets.is_synchronous);
         self.fates.update(
             ui,
@@ -180,6 +189,7 @@ impl Workbench {
         );
         self.send_what_if_request(ui);
         self.send_watch_request(ui);
+        self.measure_when_idle(ui);
     }
 
     fn layout(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
@@ -260,8 +270,13 @@ impl Workbench {
             Command::CancelExport => self.saving.iter().for_each(PendingExport::cancel),
             Command::Measure => self.measure(),
             Command::CancelMeasure => {
+                self.idle.decline(self.session.request());
                 self.session.measuring = None;
                 self.worker.send(WorkerRequest::CancelMeasure);
+            }
+            Command::ClearTimings => {
+                self.idle.decline(self.session.request());
+                self.session.timings.clear();
             }
             Command::ExportTimings => self.export_timings(ui),
             Command::ZoomFit => self.widgets.canvas.fit(),

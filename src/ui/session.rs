@@ -26,6 +26,7 @@ use super::compare::compute::{CompareRequest, Compared};
 use super::compare::{CompareChange, CompareSettings, Mode, TileSet};
 use super::engine::{RenderedView, Request, Shown, StageFigures};
 use super::fates::FatesView;
+use super::filmstrip::Filmstrip;
 use super::lab::{self, Lab};
 use super::long_tasks::{PlanSavings, ScalingState, Stability};
 use super::look::Look;
@@ -106,6 +107,8 @@ pub(crate) struct Session {
     pub(crate) stages: Option<StageFigures>,
     /// Settings of the comparison.
     pub(crate) comparison: CompareSettings,
+    /// Filmstrip of all upscaling methods below the comparison.
+    pub(crate) filmstrip: Filmstrip,
     /// Results of the comparison so far.
     pub(crate) compared: Option<Compared>,
     /// Recorded frame times and errors of each upscaler.
@@ -210,6 +213,7 @@ impl Session {
             view: None,
             stages: None,
             comparison: CompareSettings::default(),
+            filmstrip: Filmstrip::default(),
             compared: None,
             timings: Timings::default(),
             window_times: WindowTimes::default(),
@@ -313,7 +317,7 @@ impl Session {
         self.vertices.selected = None;
         self.mesh_view.leave_scene();
         (self.pick, self.first_pick) = (None, FirstPick::Due);
-        (self.stages, self.measuring, self.compared) = (None, None, None);
+        (self.stages, self.measuring, self.compared, self.filmstrip.drawn) = (None, None, None, None);
         (self.selection, self.fates) = Default::default();
         self.timings.clear();
         self.error = None;
@@ -378,6 +382,7 @@ impl Session {
                 self.range.apply(range::RangeChange::Reset, self.shown, None);
             }
             Command::Compare(change) => self.compare(change),
+            Command::Filmstrip(change) => self.filmstrip.apply(change),
             Command::Checks(change) => self.checks.apply(change),
             Command::Vertices(change) => self.vertices.apply(change),
             Command::MeshView(change) => mesh_view::apply(self, change),
@@ -424,7 +429,6 @@ impl Session {
             Command::Timings(change) => self.timings.apply(change),
             Command::MeasureOver(turn) => self.timings.turn = turn,
             Command::PauseTimings => self.timings.paused ^= true,
-            Command::ClearTimings => self.timings.clear(),
             other => return Some(other),
         }
         None

@@ -4,6 +4,8 @@
 
 pub(crate) mod budget;
 
+pub(crate) mod history;
+
 mod list;
 
 pub(crate) use budget::BudgetWinner;
@@ -13,12 +15,14 @@ pub(crate) use list::TimingsChange;
 
 use std::collections::{BTreeMap, VecDeque};
 
+use self::history::FrameHistory;
 use super::engine::Request;
 use super::look::Look;
 use super::worker::{MeasureRequest, MethodError};
 use crate::chain::Recipe;
 use crate::measure::motion::Turn;
 use crate::measure::noise::Noise;
+use crate::measure::other_programs::DISTURBING_SHARE;
 use crate::measure::timing::{Summary, summarize};
 use crate::report::upscaling::tradeoff::{Standing, standings};
 use crate::upscale::Upscaling;
@@ -37,17 +41,23 @@ pub(crate) enum TimingsView {
     Lines,
     /// Cumulative distribution: the fraction of frames that took at most a given time.
     Distribution,
+    /// Frames drawn for the window, across changes of settings.
+    History,
 }
 
 /// All recorded frame times, in milliseconds.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Timings {
     /// Plot that the panel shows.
     pub(crate) view: TimingsView,
     /// Whether recording of recent frames is paused.
     pub(crate) paused: bool,
+    /// Whether measurements start by themselves while the panel is open and the machine is idle.
+    pub(crate) automatic: bool,
     /// Order, filter and check marks of the rows, method under the pointer, and time budget.
     pub(crate) list: MethodList,
+    /// Frames drawn for the window, across changes of settings.
+    pub(crate) history: FrameHistory,
     recent: BTreeMap<Upscaling, VecDeque<f64>>,
     slowest: Vec<(Upscaling, f64)>,
     recent_request: Option<Request>,
@@ -57,6 +67,29 @@ pub(crate) struct Timings {
     errors: BTreeMap<Upscaling, MethodError>,
     noise: Option<Noise>,
     measurement_request: Option<MeasureRequest>,
+    /// Largest share of the processors that other programs used during the measurement; `None` if unknown.
+    others_share: Option<f64>,
+}
+
+impl Default for Timings {
+    fn default() -> Self {
+        Self {
+            view: TimingsView::default(),
+            paused: false,
+            automatic: true,
+            list: MethodList::default(),
+            history: FrameHistory::default(),
+            recent: BTreeMap::new(),
+            slowest: Vec::new(),
+            recent_request: None,
+            turn: Turn::default(),
+            measured: BTreeMap::new(),
+            errors: BTreeMap::new(),
+            noise: None,
+            measurement_request: None,
+            others_share: None,
+        }
+    }
 }
 
 /// Frame time and error of an upscaler.
@@ -81,6 +114,7 @@ impl Timings {
         if self.paused {
             return;
         }
+        self.history.record(request, milliseconds);
         let goes_on = self.recent_request.as_ref().is_some_and(|old| {
             std::sync::Arc::ptr_eq(&old.scene, &request.scene)
                 && Recipe { upscaler: request.recipe.upscaler, ..old.recipe } == request.recipe
@@ -136,7 +170,7 @@ impl Timings {
     pub(crate) fn begin_measurement(&mut self, request: MeasureRequest) {
         self.measured.clear();
         self.errors.clear();
-        self.noise = None;
+        (self.noise, self.others_share) = (None, None);
         self.measurement_request = Some(request);
     }
 
@@ -159,6 +193,17 @@ impl Timings {
         if self.measurement_request.is_some() {
             self.noise = Some(noise);
         }
+    }
+
+    /// Records the share of all processors that other programs use during the measurement, in [0, 1].
+    pub(crate) fn record_others(&mut self, share: f64) {
+        self.others_share = Some(self.others_share.map_or(share, |before| before.max(share)));
+    }
+
+    /// Returns the largest share of all processors that other programs used during the measurement, in [0, 1]; `None` if
+    /// it was too small to disturb the measurement, or is unknown.
+    pub(crate) fn disturbance(&self) -> Option<f64> {
+        self.others_share.filter(|share| *share > DISTURBING_SHARE)
     }
 
     /// Returns the noise floor of the measurement; `None` before the first round is complete.
@@ -198,6 +243,7 @@ impl Timings {
     pub(crate) fn apply(&mut self, change: TimingsChange) {
         match change {
             TimingsChange::View(view) => self.view = view,
+            TimingsChange::Automatic(automatic) => self.automatic = automatic,
             TimingsChange::Order(order) => self.list.order = order,
             TimingsChange::ToggleScale(scale) => self.list.toggle_scale(scale),
             TimingsChange::ToggleChecked(upscaling) => self.list.toggle_checked(upscaling),
@@ -238,7 +284,8 @@ impl Timings {
     /// Discards all recorded times.
     pub(crate) fn clear(&mut self) {
         let list = std::mem::take(&mut self.list);
-        *self = Self { view: self.view, paused: self.paused, turn: self.turn, list, ..Self::default() };
+        let Self { view, paused, automatic, turn, .. } = *self;
+        *self = Self { view, paused, automatic, turn, list, ..Self::default() };
     }
 
     /// Whether there is a running or complete measurement to show.
@@ -267,12 +314,17 @@ impl Timings {
         self.measurement_request.as_ref().is_some_and(|measured| plain(&measured.of).same_view(&plain(request)))
     }
 
+    /// Returns the median frame time of an upscaler in milliseconds. Returns `None` unless it was measured with the view
+    /// of `request`.
+    pub(crate) fn median_ms(&self, request: &Request, upscaling: Upscaling) -> Option<f64> {
+        let fits = self.measurement_fits(request);
+        Some(summarize(self.measured.get(&upscaling).filter(|_| fits)?)?.median)
+    }
+
     /// Returns the median frame time of an upscaler divided by that of native rendering. Returns `None` unless both
     /// were measured with the view of `request`.
     pub(crate) fn share_of_native(&self, request: &Request, upscaling: Upscaling) -> Option<f64> {
-        let median = |u| summarize(self.measured.get(&u)?).map(|summary| summary.median);
-        let fits = self.measurement_fits(request);
-        fits.then(|| Some(median(upscaling)? / median(Upscaling::NATIVE)?)).flatten()
+        Some(self.median_ms(request, upscaling)? / self.median_ms(request, Upscaling::NATIVE)?)
     }
 
     /// Returns the frame times of each upscaler in milliseconds, oldest first: from the measurement if there is one,

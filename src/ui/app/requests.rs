@@ -35,6 +35,7 @@ impl Workbench {
                 self.widgets.requested_at = None;
             }
             WorkerResponse::Compared(compared) => self.session.compared = Some(*compared),
+            WorkerResponse::Filmstrip(drawn) => self.session.filmstrip.drawn = Some(*drawn),
             WorkerResponse::Watched(rows) => self.session.watch.store_values(rows),
             WorkerResponse::WhatIf(found) => self.session.what_if.found = Some(*found),
             WorkerResponse::Stages(figures) => self.session.stages = Some(*figures),
@@ -94,6 +95,24 @@ impl Workbench {
         }
         self.last_compare_request = request.clone();
         self.worker.send(WorkerRequest::Compare(request.map(Box::new)));
+        if self.widgets.is_synchronous {
+            self.receive_answers();
+            ui.request_repaint();
+        }
+    }
+
+    /// Sends a request for the pictures of the filmstrip if it differs from the last one.
+    pub(super) fn send_filmstrip_request(&mut self, ui: &Ui) {
+        let request = self.session.filmstrip_request().filter(|_| self.session.has_size());
+        let same = match (&self.last_filmstrip_request, &request) {
+            (Some(asked), Some(request)) => asked.same_as(request),
+            (asked, request) => asked.is_none() && request.is_none(),
+        };
+        if same {
+            return;
+        }
+        self.last_filmstrip_request = request.clone();
+        self.worker.send(WorkerRequest::Filmstrip(request.map(Box::new)));
         if self.widgets.is_synchronous {
             self.receive_answers();
             ui.request_repaint();

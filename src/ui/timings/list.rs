@@ -36,6 +36,8 @@ impl RowOrder {
 pub(crate) enum TimingsChange {
     /// Sets the kind of plot of single frames.
     View(TimingsView),
+    /// Sets whether measurements start by themselves.
+    Automatic(bool),
     /// Sets the order of the rows.
     Order(RowOrder),
     /// Shows or hides the rows of a scale.

@@ -174,6 +174,7 @@ fn without_a_measurement_only_recent_methods_have_rows() {
 #[test]
 fn a_cancelled_measurement_keeps_its_samples() {
     let mut bench = Bench::with_worker("chess", Worker::spawn(|| ()));
+    bench.session_mut().timings.automatic = false;
     bench.show_panel(Panel::FrameTime);
     wait(&mut bench, "the first frame", |bench| bench.session().view.is_some());
     bench.click("Measure all upscalers");
@@ -221,4 +222,32 @@ fn frame_times_are_paused_and_saved() {
     bench.click("Save all frame times as CSV");
     let written = std::fs::read_to_string(folder.path().join("frame-times.csv")).unwrap();
     assert_eq!(written.lines().count(), lines(&bench) + 1);
+}
+
+#[test]
+fn the_history_names_every_change_of_settings() {
+    let mut bench = Bench::small("triangle");
+    bench.show_panel(Panel::FrameTime);
+    bench.click("History");
+    bench.session_mut().state.recipe.set("wireframe=true").unwrap();
+    bench.rest();
+    bench.session_mut().state.recipe.set("culling=none").unwrap();
+    bench.rest();
+    let history = &bench.session().timings.history;
+    let named: Vec<_> = history.markers().map(|marker| &*marker.words).collect();
+    assert!(named.ends_with(&["wireframe: false → true", "culling: back → none"]), "{named:?}");
+    assert!(history.runs().len() > named.len(), "frames before the first change are kept");
+}
+
+#[test]
+fn a_warning_names_the_load_of_other_programs() {
+    let mut bench = measured();
+    assert!(!bench.mentions("Other programs use"));
+    bench.session_mut().timings.record_others(0.05);
+    bench.rest();
+    assert!(!bench.mentions("Other programs use"));
+    bench.session_mut().timings.record_others(0.43);
+    bench.session_mut().timings.record_others(0.2);
+    bench.rest();
+    assert!(bench.mentions("Other programs use up to 43"));
 }

@@ -7,6 +7,8 @@ mod axis;
 
 mod columns;
 
+mod history;
+
 mod list;
 
 mod marks;
@@ -19,7 +21,7 @@ mod toolbar;
 
 mod tooltip;
 
-use eframe::egui::{self, Button, ProgressBar, RichText, Ui, Vec2, vec2};
+use eframe::egui::{self, Button, ProgressBar, RichText, Sense, Ui, Vec2, vec2};
 
 use self::axis::TimeAxis;
 use self::list::MethodListView;
@@ -29,8 +31,8 @@ use crate::measure::timing::Summary;
 use crate::ui::command::Command;
 use crate::ui::format;
 use crate::ui::session::Session;
-use crate::ui::theme::{Icon, space, tokens};
-use crate::ui::timings::RowOrder;
+use crate::ui::theme::{self, Icon, space, tokens};
+use crate::ui::timings::{RowOrder, TimingsChange};
 use crate::ui::widgets::{empty_state, icon_button};
 use crate::ui::workspace::PanelSpec;
 
@@ -102,6 +104,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         return;
     }
     toolbar::ui(ui, &all, session, commands);
+    disturbance(ui, session);
     // Slower outliers have an arrow at the end of the axis, so that one slow frame does not compress all other rows.
     let axis = TimeAxis::covering(all.iter().flat_map(|row| [row.summary.p10, row.summary.p90]));
     let rows = shown(&all, session);
@@ -147,7 +150,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         }
         ui.add(ProgressBar::new(measuring.progress).desired_width(240.0).show_percentage());
     } else {
-        let measure = Button::new((crate::ui::theme::icon(Icon::Timer), "Measure all upscalers"));
+        let measure = Button::new((theme::icon(Icon::Timer), "Measure all upscalers"));
         let help = "Time every upscaler in interleaved rounds with the current scene, view and size, and measure its \
                     error on the same frames. The panel “Error vs time” selects a moving or a still camera";
         if ui.add(measure).on_hover_text(help).clicked() {
@@ -156,6 +159,11 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         if ui.button("Clear").on_hover_text("Delete all frame times").clicked() {
             commands.push(Command::ClearTimings);
         }
+    }
+    let automatic = session.timings.automatic;
+    let help = "Measure by itself while this panel is open, as soon as you and all other programs are idle";
+    if ui.selectable_label(automatic, "Automatic").on_hover_text(help).clicked() {
+        commands.push(Command::Timings(TimingsChange::Automatic(!automatic)));
     }
     let paused = session.timings.paused;
     let (icon, name) = if paused {
@@ -180,6 +188,21 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         "Measured with a different scene, view, size or setting; measure again to update".to_owned()
     };
     ui.add(egui::Label::new(RichText::new(text).color(tokens(ui).text_weak)).truncate());
+}
+
+/// Draws a warning if other programs were busy during the measurement.
+fn disturbance(ui: &mut Ui, session: &Session) {
+    let Some(share) = session.timings.disturbance() else { return };
+    let text = format!(
+        "Other programs use up to {} of the processors, so these times may be too long. Close them and measure again.",
+        format::percent(share)
+    );
+    let color = tokens(ui).warning;
+    ui.horizontal(|ui| {
+        let (rect, _) = ui.allocate_exact_size(Vec2::splat(theme::ICON_SIZE), Sense::hover());
+        theme::paint_icon(ui.painter(), rect.center(), Icon::TriangleAlert, theme::ICON_SIZE, color);
+        ui.add(egui::Label::new(RichText::new(text).color(color)).wrap());
+    });
 }
 
 /// Draws a list of the slowest frames since the last change of scene, settings or size. These frames may no longer be

@@ -4,6 +4,7 @@
 use eframe::egui::{Align2, Color32, FontId, Rect, RichText, Role, Sense, Ui, Vec2, WidgetInfo, pos2, vec2};
 use egui_plot::{HoverPosition, Line, Plot, PlotPoint, PlotPoints, PlotResponse, Points, uniform_grid_spacer};
 
+use super::history;
 use super::rows::MethodRow;
 use crate::ui::command::Command;
 use crate::ui::format;
@@ -25,6 +26,15 @@ const LABEL_HEIGHT: f32 = 15.0;
 /// Radius of the dot before a label, in points.
 const DOT: f32 = 3.5;
 
+/// Plot with one line per row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum FramePlot {
+    /// Time of each frame, in drawing order.
+    Lines,
+    /// Cumulative distribution of the times.
+    Distribution,
+}
+
 /// Line of the plot: the frames of one upscaler.
 struct FrameLine<'a> {
     row: &'a MethodRow,
@@ -42,10 +52,10 @@ impl<'a> FrameLine<'a> {
     }
 
     /// Returns the points of the line in plot coordinates.
-    fn points(&self, view: TimingsView) -> Vec<[f64; 2]> {
+    fn points(&self, view: FramePlot) -> Vec<[f64; 2]> {
         match view {
-            TimingsView::Lines => self.row.times_ms.iter().enumerate().map(|(frame, ms)| [frame as f64, *ms]).collect(),
-            TimingsView::Distribution => distribution(&self.row.times_ms),
+            FramePlot::Lines => self.row.times_ms.iter().enumerate().map(|(frame, ms)| [frame as f64, *ms]).collect(),
+            FramePlot::Distribution => distribution(&self.row.times_ms),
         }
     }
 }
@@ -69,10 +79,19 @@ pub(super) fn ui(ui: &mut Ui, rows: &[MethodRow], size: Vec2, session: &Session,
     let lines: Vec<_> = rows.iter().filter(is_drawn).map(|row| FrameLine::new(ui, row, session)).collect();
     ui.horizontal(|ui| {
         view_switch(ui, session.timings.view, commands);
-        ui.label(RichText::new("of checked and hovered rows").color(tokens(ui).text_weak));
+        let what = match session.timings.view {
+            TimingsView::Lines | TimingsView::Distribution => "of checked and hovered rows",
+            TimingsView::History => "of all frames; checked and hovered rows are coloured",
+        };
+        ui.label(RichText::new(what).color(tokens(ui).text_weak));
     });
     let height = size.y - (ui.cursor().top() - top);
-    plot(ui, &lines, session.timings.view, vec2(size.x, height));
+    let size = vec2(size.x, height);
+    match session.timings.view {
+        TimingsView::Lines => plot(ui, &lines, FramePlot::Lines, size),
+        TimingsView::Distribution => plot(ui, &lines, FramePlot::Distribution, size),
+        TimingsView::History => history::plot(ui, size, session),
+    }
 }
 
 fn view_switch(ui: &mut Ui, present: TimingsView, commands: &mut Vec<Command>) {
@@ -80,6 +99,7 @@ fn view_switch(ui: &mut Ui, present: TimingsView, commands: &mut Vec<Command>) {
     for (view, name, help) in [
         (TimingsView::Lines, "Lines", "Frame times in drawing order"),
         (TimingsView::Distribution, "Distribution", "Cumulative distribution of frame times"),
+        (TimingsView::History, "History", "Frames drawn for the window, across changes of settings"),
     ] {
         if ui.selectable_label(present == view, name).on_hover_text(help).clicked() {
             commands.push(Command::Timings(TimingsChange::View(view)));
@@ -87,7 +107,7 @@ fn view_switch(ui: &mut Ui, present: TimingsView, commands: &mut Vec<Command>) {
     }
 }
 
-fn plot(ui: &mut Ui, lines: &[FrameLine<'_>], view: TimingsView, size: Vec2) {
+fn plot(ui: &mut Ui, lines: &[FrameLine<'_>], view: FramePlot, size: Vec2) {
     let font = FontId::proportional(font_size::SMALL);
     let width_of = |line: &FrameLine<'_>| {
         ui.painter().layout_no_wrap(line.name.clone(), font.clone(), Color32::WHITE).size().x.ceil()
@@ -97,8 +117,8 @@ fn plot(ui: &mut Ui, lines: &[FrameLine<'_>], view: TimingsView, size: Vec2) {
     ui.horizontal_top(|ui| {
         ui.spacing_mut().item_spacing.x = space::XS;
         let plot = match view {
-            TimingsView::Lines => frame_plot(),
-            TimingsView::Distribution => distribution_plot(),
+            FramePlot::Lines => frame_plot(),
+            FramePlot::Distribution => distribution_plot(),
         };
         let plot =
             plot.width(size.x - labels - space::XS).height(size.y).grid_color(tokens(ui).border).allow_scroll(false);
@@ -145,9 +165,9 @@ fn distribution_plot() -> Plot<'static> {
         })
 }
 
-fn draw(plot: &mut egui_plot::PlotUi<'_>, line: &FrameLine<'_>, view: TimingsView) {
+fn draw(plot: &mut egui_plot::PlotUi<'_>, line: &FrameLine<'_>, view: FramePlot) {
     let points = line.points(view);
-    if view == TimingsView::Lines {
+    if view == FramePlot::Lines {
         // The slowest frame has its own mark, however many frames share its screen column.
         if let Some(slowest) = points.iter().max_by(|a, b| a[1].total_cmp(&b[1])) {
             let mark = PlotPoints::from(vec![*slowest]);
@@ -158,7 +178,7 @@ fn draw(plot: &mut egui_plot::PlotUi<'_>, line: &FrameLine<'_>, view: TimingsVie
 }
 
 /// Returns the screen height of the end of each line, limited to the plot.
-fn end_heights(response: &PlotResponse<()>, lines: &[FrameLine<'_>], view: TimingsView) -> Vec<f32> {
+fn end_heights(response: &PlotResponse<()>, lines: &[FrameLine<'_>], view: FramePlot) -> Vec<f32> {
     let frame = response.transform.frame();
     let height = |line: &FrameLine<'_>| {
         let [x, y] = line.points(view).last().copied().unwrap_or_default();
