@@ -26,6 +26,7 @@ use super::vertices;
 use super::watch;
 use super::what_if;
 use super::workspace::{Workspace, WorkspaceChange};
+use crate::case::Options;
 use crate::chain::Recipe;
 use crate::inspect::Stage;
 use crate::inspect::outline::OutlineKind;
@@ -56,8 +57,10 @@ pub(crate) enum Command {
     CloseCase,
     /// Shows the part with this index of the open case.
     ShowPart(usize),
-    /// Opens the worst case of a cell of the stability report, and applies the settings of the cell's column. The
-    /// string is the case as JSON.
+    /// Sets the rasterizer and the arithmetic of the open case.
+    SetCaseOptions(Options),
+    /// Opens the worst case of a cell of the stability report, with the rasterizer and the arithmetic of the cell's
+    /// column. The string is the case as JSON.
     OpenWorst(ReportColumn, String),
     /// Saves the triangle visible at the picked pixel as a minimal case.
     SaveCase,

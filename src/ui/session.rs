@@ -412,6 +412,7 @@ impl Session {
                     open.part = part;
                 }
             }
+            Command::SetCaseOptions(options) => self.set_case_options(options),
             Command::OpenWorst(column, json) => self.open_worst(column, &json),
             Command::Fates(change) => self.fates.apply(change, &mut self.selection),
             Command::Select(selection) => self.fates.adopt_selection(selection, &mut self.selection),
