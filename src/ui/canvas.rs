@@ -22,6 +22,7 @@ use super::overlays::{self, marks};
 use super::probe;
 use super::range::plot::{legend_strip, short};
 use super::range::{self, card, region};
+use super::scrub::outline;
 use super::session::Session;
 use super::theme::{MARK_EDGE, ON_PIXEL, PIXEL_GRID, RADIUS, font_size, space, tokens};
 use super::vertices;
@@ -176,6 +177,7 @@ impl CanvasView {
         };
         numbers(&painter, placement, shown, ui.input(|i| i.modifiers.alt), value);
         marks::paint(&painter, placement, session, view);
+        outline::paint(&painter, placement, view);
         watch::markers(&painter, placement, session, (width, height), tokens(ui));
         self.region_drag.paint(ui, &painter, placement, session);
         if let Some((x, y)) = session.pick.filter(|(x, y)| *x < width && *y < height) {

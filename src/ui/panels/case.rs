@@ -6,12 +6,11 @@ mod evaluation;
 
 mod pictures;
 
-use std::sync::Arc;
 use std::time::Duration;
 
 use eframe::egui::{Label, ProgressBar, RichText, Role, ScrollArea, TextStyle, Ui, WidgetInfo};
 
-use crate::case::{Case, Control, Options};
+use crate::case::Control;
 use crate::report::comparison::{DisplayedResult, parts};
 use crate::ui::command::Command;
 use crate::ui::open_case::OpenCase;
