@@ -11,6 +11,7 @@ use eframe::egui::{
     TextureId, TextureOptions, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 
+use super::changed_layer::{self, ChangedLayer};
 use super::command::Command;
 use super::engine::{RenderedView, Shown};
 use super::fates::overlay::{SelectionLayer, badge};
@@ -79,6 +80,7 @@ pub(crate) struct CanvasView {
     /// State of selecting a region by dragging the pointer.
     region_drag: region::RegionDrag,
     selection: SelectionLayer,
+    changed: ChangedLayer,
 }
 
 impl CanvasView {
@@ -168,7 +170,12 @@ impl CanvasView {
         let texture = self.texture.show(ui, shown);
         let painter = ui.painter().with_clip_rect(placement.canvas);
         let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        painter.image(texture, placement.rect_of_all((width, height)), uv, Color32::WHITE);
+        let changes = what_if::marked_changes(ui, session);
+        let tint = if changes.is_some() { changed_layer::DIMMED } else { Color32::WHITE };
+        painter.image(texture, placement.rect_of_all((width, height)), uv, tint);
+        if let Some(changes) = changes {
+            self.changed.paint(ui, &painter, placement, changes);
+        }
         self.selection.paint(ui, &painter, placement, session);
         grid(&painter, placement, (width, height));
         let value = |x, y| match heat {

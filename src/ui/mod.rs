@@ -84,6 +84,8 @@ pub(crate) mod navigate;
 
 pub(crate) mod canvas;
 
+mod changed_layer;
+
 pub(crate) mod mesh_view;
 
 pub(crate) mod workspace;

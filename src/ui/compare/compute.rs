@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use crate::chain::{Recipe, Renderer};
 use crate::image::{Image, Rgba8};
+use crate::inspect::what_if::Changes;
 use crate::measure::against::{ErrorMetrics, figures, figures_within};
 use crate::measure::difference::{self, Difference};
 use crate::measure::reference::{ProgressiveRender, Reference};
@@ -80,6 +81,8 @@ pub struct DifferenceImage {
     pub values: Arc<Image<f32>>,
     /// Amplified differences, mapped to colours.
     pub picture: Arc<Image<Rgba8>>,
+    /// Pixels that differ; `None` unless the kind of difference is [`Difference::Changed`].
+    pub(crate) changes: Option<Arc<Changes>>,
 }
 
 /// Results computed so far for a [`CompareRequest`].
@@ -242,7 +245,11 @@ fn differing(
         None => Arc::new(difference::values(kind.0, &a.picture, &b.picture)?),
     };
     let picture = Arc::new(difference::picture(kind.0, kind.1, &values));
-    Some(DifferenceImage { kind, values, picture })
+    let changes = match kind.0 {
+        Difference::Changed => Changes::of_pictures(&a.picture, &b.picture).map(Arc::new),
+        Difference::Absolute | Difference::Signed | Difference::Squared | Difference::Flip => None,
+    };
+    Some(DifferenceImage { kind, values, picture, changes })
 }
 
 #[cfg(test)]

@@ -92,6 +92,7 @@ fn the_canvas_shows_a_b_or_the_changes_of_the_requested_view_only() {
     assert_eq!(*found.before.picture, *Engine::default().answer(plain).picture);
     for (show, picture) in [
         (Show::After, &view.picture),
+        (Show::Marked, &view.picture),
         (Show::Before, &found.before.picture),
         (Show::Changed, &Arc::new(found.changes.with_unchanged_dimmed(&view.picture))),
     ] {
