@@ -28,6 +28,7 @@ use super::what_if;
 use super::workspace::{Workspace, WorkspaceChange};
 use crate::case::Options;
 use crate::chain::Recipe;
+use crate::inspect::Remedy;
 use crate::inspect::Stage;
 use crate::inspect::outline::OutlineKind;
 use crate::inspect::range::RangeFit;
@@ -90,6 +91,8 @@ pub(crate) enum Command {
     CancelExport,
     /// Replaces the recipe.
     SetRecipe(Recipe),
+    /// Applies a remedy for the picked pixel to the settings or to the camera.
+    ApplyRemedy(Remedy),
     /// Selects the upscaler at this index of the registry.
     ChooseUpscaler(usize),
     /// Changes the comparison of pictures.

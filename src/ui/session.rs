@@ -365,6 +365,7 @@ impl Session {
             Command::WhatIf(change) => return self.change_what_if(change),
             Command::Watch(change) => self.change_watch(change),
             Command::SetRecipe(recipe) => self.state.recipe = recipe,
+            Command::ApplyRemedy(remedy) => remedy.apply(&mut self.state.recipe, &mut self.state.camera),
             Command::ChooseUpscaler(place) => {
                 let method = upscale::ALL.get(place).map(|u| u.id());
                 let chosen = self.state.recipe.upscaler;
