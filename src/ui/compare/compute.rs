@@ -315,6 +315,22 @@ mod tests {
     }
 
     #[test]
+    fn changed_pixels_are_counted_for_their_kind_of_difference() {
+        let mut comparer = Comparer::default();
+        let mut request = request(&[("native", 1), ("nearest", 4)]);
+        request.difference = Some((Difference::Absolute, 1));
+        assert!(finished(&mut comparer, request.clone()).difference.unwrap().changes.is_none());
+        request.difference = Some((Difference::Changed, 1));
+        let compared = finished(&mut comparer, request);
+        let pairs = compared.tiles[0].picture.pixels().iter().zip(compared.tiles[1].picture.pixels());
+        let differing = pairs.filter(|(a, b)| a != b).count() as u64;
+        let shown = compared.difference.unwrap();
+        assert_eq!(shown.changes.map(|changes| changes.count), Some(differing));
+        assert_eq!(shown.values.pixels().iter().filter(|value| **value == 1.0).count() as u64, differing);
+        assert!(differing > 0);
+    }
+
+    #[test]
     fn a_change_of_gain_reuses_the_difference_values() {
         let mut comparer = Comparer::default();
         let mut request = request(&[("native", 1), ("nearest", 4)]);

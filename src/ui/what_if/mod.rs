@@ -42,7 +42,7 @@ impl Show {
             "Changed pixels",
             "Mark changed pixels over the dimmed picture B, each large enough to be visible. Hold Shift to show A",
         ),
-        (Self::Changed, "Changed pixels only", "Show B with unchanged pixels in dark grey. Hold Shift to show A"),
+        (Self::Changed, "B, rest grey", "Show B with unchanged pixels in dark grey. Hold Shift to show A"),
         (Self::Before, "A", "Show A, the frame before the change"),
         (Self::After, "B", "Show B, the current frame. Hold Shift to show A"),
     ];

@@ -155,3 +155,19 @@ fn error_is_reported_first_and_time_after_all_rounds() {
     }
     assert!(pieces > super::drawer::ROUNDS);
 }
+
+#[test]
+fn changed_pixels_are_marked_only_in_their_view_and_not_while_a_is_held() {
+    let mut session = session("shared-edges");
+    set(&mut session, "fill_rule=inclusive");
+    find(&mut session);
+    let view = session.view.clone().unwrap();
+    assert_eq!(session.what_if.show, Show::Marked);
+    let marked = session.what_if.marked_changes(&view, false).map(|changes| changes.count);
+    assert_eq!(marked, session.what_if.found.as_ref().map(|found| found.changes.count));
+    assert!(session.what_if.marked_changes(&view, true).is_none());
+    for show in [Show::Changed, Show::Before, Show::After] {
+        session.apply(Command::WhatIf(WhatIfChange::Show(show)));
+        assert!(session.what_if.marked_changes(&view, false).is_none(), "{show:?}");
+    }
+}
