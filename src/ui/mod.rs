@@ -86,6 +86,8 @@ pub(crate) mod canvas;
 
 mod changed_layer;
 
+mod legend_strip;
+
 pub(crate) mod mesh_view;
 
 pub(crate) mod workspace;

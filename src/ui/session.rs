@@ -98,7 +98,7 @@ pub(crate) struct Session {
     pub(crate) picked_point: Option<PickedPoint>,
     /// Pointer mode of the canvas.
     pub(crate) pointer_mode: PointerMode,
-    /// Size of the canvas in screen pixels, as of the last frame.
+    /// Size of the canvas in screen pixels, including the legend strip below it, as of the last frame.
     pub(crate) canvas_px: (u32, u32),
     /// Newest view from the renderer.
     pub(crate) view: Option<RenderedView>,

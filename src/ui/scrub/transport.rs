@@ -25,8 +25,8 @@ const TRIANGLES_SHARE: f32 = 0.66;
 /// Minimum width for the numbers beside the sliders, in points.
 const NUMBERS_FROM: f32 = 360.0;
 
-/// Minimum width for the name of the last triangle, in points.
-const NAME_FROM: f32 = 480.0;
+/// Minimum width for the name of the last triangle, in points. In a narrower bar, only the strip above it shows the name.
+const NAME_FROM: f32 = 620.0;
 
 /// Width of the numbers, without and with the name of the last triangle, in points.
 const FIGURES: [f32; 2] = [118.0, 300.0];
@@ -151,15 +151,17 @@ fn figures(ui: &mut Ui, session: &Session, known: Option<&Timeline>) {
             "Until the last triangle is drawn, each pixel shows the sample at its centre, not the mean of its samples",
         );
     }
-    if let Some(name) = known.and_then(|known| last_drawn(session, known)) {
-        let help = format!("{name}: the last triangle drawn. It is outlined in the picture, and its object more faintly");
+    if let Some(name) = known.and_then(|_| last_drawn(session)) {
+        let help =
+            format!("{name}: the last triangle drawn. It is outlined in the picture, and its object more faintly");
         ui.add(egui::Label::new(RichText::new(name).color(tokens(ui).text)).truncate()).on_hover_text(help);
     }
 }
 
 /// Names the object, the triangle and the number of drawn fragments of the triangle that was drawn last; `None` before
 /// the first triangle and if the frame is complete.
-fn last_drawn(session: &Session, known: &Timeline) -> Option<String> {
+pub(crate) fn last_drawn(session: &Session) -> Option<String> {
+    let known = session.view.as_ref()?.timeline.as_ref()?;
     let last = known.last.as_ref().filter(|_| session.triangle_limit.is_some())?;
     let object = session.scene.instances.get(last.instance as usize)?;
     let all = known.fragments[0] as u64;
