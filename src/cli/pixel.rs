@@ -4,6 +4,7 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::inspect::remedy::remedies;
 use crate::inspect::{Survey, Trace, explain};
 use crate::measure::timing::summarize;
 use crate::scene::seams::Seams;
@@ -77,7 +78,10 @@ pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
     let DrawnFrame { scene, recipe, frame, .. } = args.frame.draw(moment(args.triangles, args.fragments))?;
     let mut survey = Survey::of(&scene, &recipe, &frame);
     survey.set_seams(Arc::new(Seams::of(&scene)));
-    let report = explain(&scene, &recipe, &frame, &survey, (x, y)).ok_or_else(outside)?;
+    let mut report = explain(&scene, &recipe, &frame, &survey, (x, y)).ok_or_else(outside)?;
+    if args.triangles.is_none() {
+        report.remedies = remedies(&scene, &recipe, &frame, &report);
+    }
     if !args.trace {
         return if args.json { output::print_json(&report) } else { output::print(&describe(&report)) };
     }

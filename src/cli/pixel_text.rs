@@ -12,6 +12,12 @@ use crate::pipeline::settings::{Arithmetic, Choice as _};
 /// Formats the whole report as text of several lines.
 pub(crate) fn describe(report: &PixelReport) -> String {
     let mut lines = vec![format!("pixel {}, {}: {}", report.x, report.y, color(report.color)), report.verdict.clone()];
+    lines.extend(
+        report
+            .remedies
+            .iter()
+            .map(|remedy| format!("Remedy: {} ({}). {}.", remedy.label(), remedy.change(), remedy.effect())),
+    );
     lines.push(format!("Cleared to {}.", state(report.clear)));
     if let Some(depth) = report.final_depth {
         lines.push(format!("Final depth in the buffer: {depth}."));

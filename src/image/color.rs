@@ -205,6 +205,9 @@ pub(crate) fn decode_rgb(srgb: Vec3) -> Vec3 {
     Vec3::new(decode(srgb.x), decode(srgb.y), decode(srgb.z))
 }
 
+/// Signal colour of marks on a picture, which hardly any picture contains: changed pixels, and the triangle drawn last.
+pub(crate) const SIGNAL: [u8; 4] = [0xFF, 0x2E, 0xD1, 0xFF];
+
 /// Returns the luma of a colour given as sRGB codes, with the Rec. 709 weights, in [0, 255].
 pub(crate) fn luma([r, g, b, _]: [u8; 4]) -> f32 {
     0.2126 * f32::from(r) + 0.7152 * f32::from(g) + 0.0722 * f32::from(b)

@@ -54,6 +54,8 @@ pub(crate) mod probe;
 
 pub(crate) mod range;
 
+pub(crate) mod remedy;
+
 pub(crate) mod scrub;
 
 pub(crate) mod selection;
@@ -88,6 +90,7 @@ pub(crate) use pixel::FragmentRecord;
 pub(crate) use pixel::PixelReport;
 pub use pixel::inspect;
 pub(crate) use place::InspectionState;
+pub(crate) use remedy::Remedy;
 pub(crate) use selection::TriangleSelection;
 pub use stages::Stage;
 pub use trace::Trace;

@@ -8,6 +8,7 @@ use self::recorder::FragmentRecorder;
 use super::depth::DepthRecord;
 use super::history::{Absent, SampleState};
 use super::hits::{Fault, fault_at};
+use super::remedy::Remedy;
 use super::verdict::verdict;
 use crate::antialias::{post, resolve};
 use crate::chain::{Frame, Recipe, samples};
@@ -213,6 +214,8 @@ pub struct PixelReport {
     pub(crate) wireframe: Option<TriangleId>,
     /// Crack or double hit along a shared edge at this pixel, if any; `None` for pixels that were not drawn.
     pub fault: Option<Fault>,
+    /// Changes that repair the pixel, as found by [`super::remedy::remedies`]; empty until they are searched for.
+    pub remedies: Vec<Remedy>,
 }
 
 impl PixelReport {
@@ -297,6 +300,7 @@ pub(super) fn replayed(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y:
         unfiltered: filtered.map(|_| upscaled),
         wireframe,
         fault: fault_at(frame, &recipe.pipeline, drawn_at.0, drawn_at.1).filter(|_| frame.is_drawn(x, y)),
+        remedies: Vec::new(),
     })
 }
 

@@ -8,6 +8,8 @@ mod flaw;
 
 mod order;
 
+pub(super) use order::is_blended_wrongly;
+
 use std::collections::BTreeSet;
 
 use super::history::Absent;
@@ -94,32 +96,77 @@ fn fragment_verdict(fragments: &[FragmentRecord], absent: &[Absent], comparison:
     let name = name(winner);
     let there = || fragments.iter().filter(|f| f.outcome != FragmentOutcome::AlphaRejected);
     let triangles = count_triangles(there());
-    let rivals = there().filter(|f| f.triangle != winner.triangle);
-    let closest = rivals.map(|f| (f.depth.steps_from(&winner.depth), f)).min_by_key(|(steps, _)| *steps);
-    let Some((closest, rival)) = closest else {
+    let Some((steps, rival)) = closest_rival(fragments, winner) else {
         let others = if there().count() < fragments.len() { " that passes the alpha test" } else { "" };
         return format!("Won by {name}, the only one here{others}.");
     };
-    match (winner.stored_depth, comparison, closest) {
-        (None, _, _) => format!("Won by {name}, drawn last of {triangles} (no depth test)."),
-        (_, DepthComparison::Always, _) => format!("Won by {name}, drawn last of {triangles} (every fragment passes)."),
-        (_, _, 0) => {
+    match Margin::of(winner, steps, comparison) {
+        Margin::NoTest => format!("Won by {name}, drawn last of {triangles} (no depth test)."),
+        Margin::AllPass => format!("Won by {name}, drawn last of {triangles} (every fragment passes)."),
+        Margin::Tie => {
             let rival = self::name(rival);
             format!("Depth tie: {name} and {rival} have exactly the same depth, so drawing order decides. {SEPARATE}")
         }
-        (_, _, Z_FIGHT_CODES) if winner.depth.code.is_some() => {
+        Margin::OneCode => {
             format!(
                 "Z-fight: {name} won by {Z_FIGHT_CODES} step of depth, the smallest difference that the buffer can \
                  store. {SEPARATE}"
             )
         }
-        (_, _, ulps @ 1..=Z_FIGHT_ULPS) if winner.depth.code.is_none() => {
-            let steps = if ulps == 1 { "step" } else { "steps" };
-            format!("Z-fight: {name} won by {ulps} ulp of depth, the smallest {steps} of a float. {SEPARATE}")
+        Margin::FewUlps => {
+            let unit = if steps == 1 { "step" } else { "steps" };
+            format!("Z-fight: {name} won by {steps} ulp of depth, the smallest {unit} of a float. {SEPARATE}")
         }
-        _ if triangles == 2 => format!("Won by {name} against one other."),
-        _ => format!("Won by {name} against {} others.", triangles - 1),
+        Margin::Clear if triangles == 2 => format!("Won by {name} against one other."),
+        Margin::Clear => format!("Won by {name} against {} others.", triangles - 1),
     }
+}
+
+/// Returns the fragment of another triangle whose depth is closest to that of the winner, and its distance in steps of
+/// the depth buffer. Fragments that failed the alpha test do not count.
+fn closest_rival<'a>(fragments: &'a [FragmentRecord], winner: &FragmentRecord) -> Option<(u32, &'a FragmentRecord)> {
+    let there = fragments.iter().filter(|f| f.outcome != FragmentOutcome::AlphaRejected);
+    let rivals = there.filter(|f| f.triangle != winner.triangle);
+    rivals.map(|f| (f.depth.steps_from(&winner.depth), f)).min_by_key(|(steps, _)| *steps)
+}
+
+/// Margin by which a fragment won the depth test against its closest rival.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Margin {
+    /// There is no depth test.
+    NoTest,
+    /// Every fragment passes the depth test.
+    AllPass,
+    /// Both depths are equal.
+    Tie,
+    /// The depths differ by [`Z_FIGHT_CODES`] code of an integer format.
+    OneCode,
+    /// The depths differ by at most [`Z_FIGHT_ULPS`] ulp of a float.
+    FewUlps,
+    /// The depths differ by more than rounding alone may cause.
+    Clear,
+}
+
+impl Margin {
+    /// Returns the margin of the winner over a rival `steps` steps of the depth buffer away.
+    fn of(winner: &FragmentRecord, steps: u32, comparison: DepthComparison) -> Self {
+        match (winner.stored_depth, comparison, steps) {
+            (None, _, _) => Self::NoTest,
+            (_, DepthComparison::Always, _) => Self::AllPass,
+            (_, _, 0) => Self::Tie,
+            (_, _, Z_FIGHT_CODES) if winner.depth.code.is_some() => Self::OneCode,
+            (_, _, 1..=Z_FIGHT_ULPS) if winner.depth.code.is_none() => Self::FewUlps,
+            _ => Self::Clear,
+        }
+    }
+}
+
+/// Whether rounding or drawing order decided which of two opaque fragments is visible.
+pub(super) fn is_depth_contested(fragments: &[FragmentRecord], comparison: DepthComparison) -> bool {
+    let winner = fragments.iter().find(|f| f.outcome == FragmentOutcome::Visible).filter(|winner| winner.covers_all());
+    let margin = winner
+        .and_then(|winner| closest_rival(fragments, winner).map(|(steps, _)| Margin::of(winner, steps, comparison)));
+    matches!(margin, Some(Margin::Tie | Margin::OneCode | Margin::FewUlps))
 }
 
 fn name(fragment: &FragmentRecord) -> String {

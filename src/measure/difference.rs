@@ -1,7 +1,7 @@
 //! Difference image of two images: per-pixel values, mapped to colours over an adjustable range.
 
 use super::flip;
-use crate::image::color::luma;
+use crate::image::color::{SIGNAL, luma};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::{Choice, choice};
 
@@ -13,6 +13,7 @@ choice! {
         Signed = "signed", "Signed", "The difference of luma, A − B, in sRGB codes: positive if A is lighter.";
         Squared = "squared", "Squared",
             "The mean of the squared differences of red, green and blue in sRGB codes, as in MSE and PSNR.";
+        Changed = "changed", "Changed pixels", "Whether red, green or blue differ at all: 1 if so, otherwise 0.";
         Flip = "flip", "FLIP", "The difference that is perceived when flipping between both pictures, 0 to 1.";
     }
 }
@@ -24,6 +25,11 @@ pub(crate) const GAINS: [u32; 9] = [1, 2, 4, 8, 16, 32, 64, 128, 256];
 const CODES: f64 = 255.0;
 
 impl Difference {
+    /// Whether a gain changes the difference image.
+    pub(crate) fn has_gain(self) -> bool {
+        self != Self::Changed
+    }
+
     /// Returns the values at the two ends of the colour map, in the unit of [`values`].
     pub(crate) fn range(self, gain: u32) -> (f64, f64) {
         let gain = f64::from(gain.max(1));
@@ -32,6 +38,7 @@ impl Difference {
             Self::Signed => (-CODES / gain, CODES / gain),
             Self::Squared => (0.0, CODES * CODES / gain),
             Self::Flip => (0.0, 1.0 / gain),
+            Self::Changed => (0.0, 1.0),
         }
     }
 
@@ -39,7 +46,11 @@ impl Difference {
     /// zero.
     pub fn color(self, share: f64) -> Rgba8 {
         let share = share.clamp(0.0, 1.0);
+        /// Colour of equal pixels.
+        const EQUAL: [u8; 3] = [24; 3];
         let [r, g, b] = match self {
+            Self::Changed if share > 0.0 => [SIGNAL[0], SIGNAL[1], SIGNAL[2]],
+            Self::Changed => EQUAL,
             // Orange where B is lighter, violet where A is lighter: the interface uses the same colours for A and B.
             Self::Signed => colorous::PURPLE_ORANGE.eval_continuous(1.0 - share).as_array(),
             Self::Absolute | Self::Squared => colorous::VIRIDIS.eval_continuous(share).as_array(),
@@ -81,6 +92,7 @@ fn value(kind: Difference, a: Rgba8, b: Rgba8) -> f32 {
     match kind {
         Difference::Signed => luma(a) - luma(b),
         Difference::Squared => steps.map(|step| f32::from(step).powi(2)).iter().sum::<f32>() / 3.0,
+        Difference::Changed => f32::from(u8::from(steps != [0; 3])),
         Difference::Absolute | Difference::Flip => steps.into_iter().max().map_or(0.0, f32::from),
     }
 }
@@ -108,6 +120,8 @@ mod tests {
         assert_eq!(value_of(Difference::Absolute, [10, 200, 7], [13, 190, 7]), 10.0);
         assert_eq!(value_of(Difference::Squared, [10, 200, 7], [13, 190, 7]), 109.0 / 3.0);
         assert!((value_of(Difference::Signed, [20; 3], [50; 3]) + 30.0).abs() < 1e-4, "B is lighter");
+        assert_eq!(value_of(Difference::Changed, [10, 200, 7], [10, 200, 8]), 1.0);
+        assert_eq!(value_of(Difference::Changed, [10, 200, 7], [10, 200, 7]), 0.0);
         assert!(value_of(Difference::Flip, [0; 3], [255; 3]) > 0.9);
         assert_eq!(values(Difference::Absolute, &one_pixel([0; 3]), &Image::filled(2, 1, [0; 4])), None);
     }

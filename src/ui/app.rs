@@ -171,7 +171,7 @@ impl Workbench {
             let nudges = matches!(command, Command::NudgePick(..));
             self.run(ui, command);
             if let Some(pixel) = self.session.pick.filter(|_| nudges) {
-                self.widgets.canvas.zoom.keep_in_view(pixel, self.session.canvas_px);
+                self.widgets.canvas.zoom.keep_in_view(pixel, self.widgets.visible_px);
             }
         }
         if !ui.input(|i| i.pointer.any_down()) {
@@ -282,14 +282,14 @@ impl Workbench {
             Command::ZoomFit => self.widgets.canvas.fit(),
             Command::ZoomOne => {
                 let viewport = self.session.viewport();
-                self.widgets.canvas.one_to_one((viewport.width, viewport.height), self.session.canvas_px);
+                self.widgets.canvas.one_to_one((viewport.width, viewport.height), self.widgets.visible_px);
             }
             Command::StepFault(step) => self.step_fault(step > 0),
             Command::Trace(_) => self.show_panel(workspace::Panel::Calculation),
             Command::WhatIf(what_if::WhatIfChange::Step(step)) => {
                 if let Some(pixel) = self.session.change_beside_pick(step > 0) {
                     self.session.pick = Some(pixel);
-                    self.widgets.canvas.bring_into_view(pixel, self.session.canvas_px);
+                    self.widgets.canvas.bring_into_view(pixel, self.widgets.visible_px);
                 }
             }
             Command::Overlays(overlays::OverlayChange::SaveTotals) => {
@@ -319,7 +319,7 @@ impl Workbench {
             Command::Place(place::PlaceChange::Manage) => self.dialog = Dialog::Bookmarks,
             Command::Place(place::PlaceChange::Find(SearchTarget::View(x, y, percent))) => {
                 let center = (x as f32 + 0.5, y as f32 + 0.5);
-                self.widgets.canvas.zoom.set_view(percent as f32 / 100.0, self.session.canvas_px, center);
+                self.widgets.canvas.zoom.set_view(percent as f32 / 100.0, self.widgets.visible_px, center);
             }
             Command::Place(place::PlaceChange::Find(wanted)) => self.search(ui, wanted),
             Command::Place(place::PlaceChange::Copy) => {
@@ -339,7 +339,7 @@ impl Workbench {
             self.session.shown = Shown::Buffer(Buffer::Hits);
         } else if let Some((x, y)) = self.session.fault_beside_pick(forwards) {
             self.session.pick = Some((x, y));
-            self.widgets.canvas.bring_into_view((x, y), self.session.canvas_px);
+            self.widgets.canvas.bring_into_view((x, y), self.widgets.visible_px);
         }
     }
 

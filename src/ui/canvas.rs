@@ -11,28 +11,24 @@ use eframe::egui::{
     TextureId, TextureOptions, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 
+use super::changed_layer::{self, ChangedLayer};
 use super::command::Command;
-use super::engine::{RenderedView, Shown};
-use super::fates::overlay::{SelectionLayer, badge};
-use super::fault_bar;
+use super::engine::RenderedView;
+use super::fates::overlay::SelectionLayer;
 use super::format;
-use super::look::kind;
 use super::navigate::navigate;
 use super::overlays::{self, marks};
-use super::probe;
-use super::range::plot::{legend_strip, short};
 use super::range::{self, card, region};
+use super::scrub::outline;
 use super::session::Session;
-use super::theme::{MARK_EDGE, ON_PIXEL, PIXEL_GRID, RADIUS, font_size, space, tokens};
+use super::theme::{MARK_EDGE, ON_PIXEL, PIXEL_GRID, font_size, tokens};
 use super::vertices;
 use super::watch;
 use super::what_if;
 use super::zoom::{Placement, Zoom};
 use crate::image::color::luma;
 use crate::image::{Image, Rgba8};
-use crate::inspect::Buffer;
-use crate::inspect::display::ValueKind;
-use crate::inspect::view::{Value, absence};
+use crate::inspect::view::Value;
 
 /// Minimum scale at which the pixel grid is drawn, in points per picture pixel.
 const GRID_FROM: f32 = 10.0;
@@ -78,6 +74,7 @@ pub(crate) struct CanvasView {
     /// State of selecting a region by dragging the pointer.
     region_drag: region::RegionDrag,
     selection: SelectionLayer,
+    changed: ChangedLayer,
 }
 
 impl CanvasView {
@@ -123,7 +120,6 @@ impl CanvasView {
         let placement = self.zoom.placement(ui, rect, view.picture.size());
         self.pick(&response, placement, view, commands);
         self.paint(ui, placement, session, view);
-        badge(ui, rect, session, commands);
         let vectors = placement.points_per_px >= marks::VECTORS_FROM;
         if vectors != session.overlays.vectors {
             commands.push(Command::Overlays(overlays::OverlayChange::Vectors(vectors)));
@@ -133,18 +129,8 @@ impl CanvasView {
         if visible != session.range.visible {
             commands.push(Command::Range(range::RangeChange::Visible(visible)));
         }
-        if session.probing.picture(view).is_some() {
-            probe::legend(ui, rect, &session.probing);
-        } else if session.range.open || session.shown != Shown::Buffer(Buffer::Color) {
-            let frame = if session.range.open {
-                card::ui(ui, rect, session, view, commands)
-            } else {
-                legend(ui, rect, session, view)
-            };
-            let hits = view.buffers.as_ref().and_then(|buffers| buffers.hits.as_ref());
-            if let Some(hits) = hits.filter(|_| view.request.shown == Shown::Buffer(Buffer::Hits)) {
-                fault_bar::ui(ui, frame, hits, commands);
-            }
+        if session.range.open && session.probing.picture(view).is_none() {
+            card::ui(ui, rect, session, view, commands);
         }
         response
     }
@@ -167,7 +153,12 @@ impl CanvasView {
         let texture = self.texture.show(ui, shown);
         let painter = ui.painter().with_clip_rect(placement.canvas);
         let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        painter.image(texture, placement.rect_of_all((width, height)), uv, Color32::WHITE);
+        let changes = what_if::marked_changes(ui, session);
+        let tint = if changes.is_some() { changed_layer::DIMMED } else { Color32::WHITE };
+        painter.image(texture, placement.rect_of_all((width, height)), uv, tint);
+        if let Some(changes) = changes {
+            self.changed.paint(ui, &painter, placement, changes);
+        }
         self.selection.paint(ui, &painter, placement, session);
         grid(&painter, placement, (width, height));
         let value = |x, y| match heat {
@@ -176,6 +167,7 @@ impl CanvasView {
         };
         numbers(&painter, placement, shown, ui.input(|i| i.modifiers.alt), value);
         marks::paint(&painter, placement, session, view);
+        outline::paint(&painter, placement, view);
         watch::markers(&painter, placement, session, (width, height), tokens(ui));
         self.region_drag.paint(ui, &painter, placement, session);
         if let Some((x, y)) = session.pick.filter(|(x, y)| *x < width && *y < height) {
@@ -237,37 +229,6 @@ fn value_lines(value: Value, bits: bool) -> String {
         Value::Weights(weights) => weights.map(float).join("\n"),
         Value::Triangle(id) => id.0.to_string(),
     }
-}
-
-/// Draws the legend in the lower-left corner: name and help text of the shown quantity, and a colour bar with its range
-/// if a colour map is used. Returns the rectangle of the legend.
-fn legend(ui: &Ui, canvas: Rect, session: &Session, view: &RenderedView) -> Rect {
-    let painter = ui.painter().with_clip_rect(canvas);
-    const WIDTH: f32 = 220.0;
-    const BAR: f32 = 8.0;
-    let shown = view.request.shown;
-    let missing = match shown.source() {
-        Shown::Buffer(buffer) => absence(buffer, &view.frame),
-        Shown::Stage(_) | Shown::Intermediate(_) => None,
-    };
-    let (name, help) = (shown.name(), missing.unwrap_or(shown.help()));
-    let small = FontId::proportional(font_size::SMALL);
-    let text = painter.layout(format!("{name}: {help}"), small, tokens(ui).text, WIDTH);
-    let range = view.range.filter(|_| kind(view.request.shown) == ValueKind::Numbers);
-    let bar_height = if range.is_some() { BAR + 20.0 } else { 0.0 };
-    let size = vec2(WIDTH, text.size().y + bar_height) + Vec2::splat(2.0 * space::S);
-    let frame = Rect::from_min_size(canvas.left_bottom() + vec2(space::S, -space::S - size.y), size);
-    painter.rect_filled(frame, RADIUS, tokens(ui).panel.gamma_multiply(0.92));
-    let inner = frame.shrink(space::S);
-    let text_height = text.size().y;
-    painter.galley(inner.min, text, tokens(ui).text);
-    let Some(range) = range else { return frame };
-    let bar = Rect::from_min_size(inner.min + vec2(0.0, text_height + 4.0), vec2(WIDTH, BAR));
-    legend_strip(ui, bar, view.request.shown, &session.range.setting(view.request.shown), range);
-    let mono = FontId::monospace(font_size::SMALL);
-    painter.text(bar.left_bottom() + vec2(0.0, 2.0), Align2::LEFT_TOP, short(range.low), mono.clone(), tokens(ui).text);
-    painter.text(bar.right_bottom() + vec2(0.0, 2.0), Align2::RIGHT_TOP, short(range.high), mono, tokens(ui).text);
-    frame
 }
 
 /// Draws a frame around a pixel, visible on any picture and at any scale.

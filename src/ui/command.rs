@@ -27,7 +27,9 @@ use super::vertices;
 use super::watch;
 use super::what_if;
 use super::workspace::{Workspace, WorkspaceChange};
+use crate::case::Options;
 use crate::chain::Recipe;
+use crate::inspect::Remedy;
 use crate::inspect::Stage;
 use crate::inspect::outline::OutlineKind;
 use crate::inspect::range::RangeFit;
@@ -57,8 +59,10 @@ pub(crate) enum Command {
     CloseCase,
     /// Shows the part with this index of the open case.
     ShowPart(usize),
-    /// Opens the worst case of a cell of the stability report, and applies the settings of the cell's column. The
-    /// string is the case as JSON.
+    /// Sets the rasterizer and the arithmetic of the open case.
+    SetCaseOptions(Options),
+    /// Opens the worst case of a cell of the stability report, with the rasterizer and the arithmetic of the cell's
+    /// column. The string is the case as JSON.
     OpenWorst(ReportColumn, String),
     /// Saves the triangle visible at the picked pixel as a minimal case.
     SaveCase,
@@ -88,6 +92,8 @@ pub(crate) enum Command {
     CancelExport,
     /// Replaces the recipe.
     SetRecipe(Recipe),
+    /// Applies a remedy for the picked pixel to the settings or to the camera.
+    ApplyRemedy(Remedy),
     /// Selects the upscaler at this index of the registry.
     ChooseUpscaler(usize),
     /// Changes the comparison of pictures.

@@ -18,6 +18,7 @@ use crate::image::{Image, Rgba8};
 use crate::inspect::bad_fragments::BadFragments;
 use crate::inspect::buffers::{Buffer, Buffers, capture};
 use crate::inspect::intermediate::{self, Captured};
+use crate::inspect::remedy;
 use crate::inspect::scrub::{Moment, Timeline};
 use crate::inspect::view::Range;
 use crate::inspect::{Intermediate, PixelReport, Stage, Survey, explain};
@@ -219,9 +220,9 @@ impl Engine {
         // Hit counts that were captured before the seams were found lack the faults along seams. When these faults are
         // added, the old picture is not reused.
         let kept = kept.filter(|_| had_seams || buffers.as_deref().is_some_and(Buffers::misses_seams));
+        let slow = if is_asked_again { SlowOverlays::Computed } else { SlowOverlays::Postponed };
         let mut looked = {
             let (buffers, captured) = (buffers.as_deref(), captured.as_deref());
-            let slow = if is_asked_again { SlowOverlays::Computed } else { SlowOverlays::Postponed };
             let source = ValueSource { frame: &frame, buffers, captured, stage: None, seams: seams.as_deref() };
             look::apply_look(&request, source, kept, slow)
         };
@@ -230,7 +231,12 @@ impl Engine {
             // Replaying the pixel needs both lists of triangles, which take most of the time.
             let (_, survey) =
                 rayon::join(|| frame.geometry.triangles.len(), || self.survey.of(&request, &frame, seams.as_ref()));
-            explain(&request.scene, &request.recipe, &frame, survey, pick).map(Arc::new)
+            explain(&request.scene, &request.recipe, &frame, survey, pick)
+        });
+        let report = report.map(|report| {
+            let (report, is_finished) = with_remedies(&request, &frame, report, slow);
+            looked.is_unfinished |= !is_finished;
+            Arc::new(report)
         });
         let (picture, range) = (looked.picture.clone(), looked.range);
         let timeline = self.timeline(&request, &frame, report.as_deref()).map(Arc::new);
@@ -272,6 +278,19 @@ impl Engine {
             _ => pixel.map(|pixel| timeline_of(request, frame, Some(pixel))),
         }
     }
+}
+
+/// Adds the remedies to a report on a pixel of a complete frame. Finding them draws frames, so the search is postponed
+/// together with slow overlays. Returns the report, and whether its remedies are known.
+fn with_remedies(request: &Request, frame: &Frame, mut report: PixelReport, slow: SlowOverlays) -> (PixelReport, bool) {
+    let is_whole = request.triangle_limit.is_none();
+    let is_finished = !is_whole
+        || slow == SlowOverlays::Computed
+        || !remedy::are_conceivable(&report, &request.recipe, &request.camera);
+    if is_whole && is_finished {
+        report.remedies = remedy::remedies(&request.scene, &request.recipe, frame, &report);
+    }
+    (report, is_finished)
 }
 
 /// Cached survey of all triangles of a frame, reused for all pixels and for every partially drawn state of that frame.

@@ -84,6 +84,10 @@ pub(crate) mod navigate;
 
 pub(crate) mod canvas;
 
+mod changed_layer;
+
+mod legend_strip;
+
 pub(crate) mod mesh_view;
 
 pub(crate) mod workspace;

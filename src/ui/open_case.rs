@@ -4,8 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::session::{Session, Severity};
-use crate::case::Case;
-use crate::pipeline::settings::Settings;
+use crate::case::{Case, Options};
 use crate::report::stability::column::ReportColumn;
 
 /// Case that is shown in place of the scene.
@@ -15,14 +14,14 @@ pub(crate) struct OpenCase {
     pub(crate) case: Arc<Case>,
     /// Index of the shown part of the case, such as one of its triangles.
     pub(crate) part: usize,
-    /// Settings to restore on closing; `None` if the case was opened with the current settings.
-    pub(crate) settings_before: Option<Settings>,
+    /// Rasterizer and arithmetic that only this case uses; `None` to use those of the recipe.
+    pub(crate) own_options: Option<Options>,
 }
 
 impl OpenCase {
     /// Opens a case at its first part.
     pub(crate) fn new(case: Arc<Case>) -> Self {
-        Self { case, part: 0, settings_before: None }
+        Self { case, part: 0, own_options: None }
     }
 }
 
@@ -36,29 +35,49 @@ impl Session {
         self.case = Some(OpenCase::new(case));
     }
 
-    /// Shows `json`, the worst case of a cell of the stability report, and applies the settings of the cell's column.
+    /// Shows `json`, the worst case of a cell of the stability report, with the rasterizer and the arithmetic of the
+    /// cell's column. The recipe stays as it is.
     pub(super) fn open_worst(&mut self, column: ReportColumn, json: &str) {
         let case = match Case::parse(json.as_bytes(), Path::new("worst case")) {
             Ok(case) => case,
             Err(error) => return self.report(Severity::Error, error.to_string()),
         };
         self.show_case(case);
-        let settings = &mut self.state.recipe.pipeline;
-        let before = *settings;
-        match column {
-            ReportColumn::Coverage(by) => (settings.rasterizer, settings.arithmetic) = (by.rasterizer, by.arithmetic),
-            ReportColumn::Weights(by) => settings.arithmetic = by.arithmetic,
-            ReportColumn::Depth(format) => settings.depth_format = format,
-        }
-        self.case.iter_mut().for_each(|open| open.settings_before = Some(before));
+        let of_recipe = self.recipe_options();
+        let own_options = match column {
+            ReportColumn::Coverage(by) => Some(Options { rasterizer: by.rasterizer, arithmetic: by.arithmetic }),
+            ReportColumn::Weights(by) => Some(Options { arithmetic: by.arithmetic, ..of_recipe }),
+            // The case itself contains the depth format.
+            ReportColumn::Depth(_) => None,
+        };
+        self.case.iter_mut().for_each(|open| open.own_options = own_options);
     }
 
-    /// Closes the open case and restores the settings that were in use before it was opened.
-    pub(super) fn close_case(&mut self) {
-        if let Some(OpenCase { settings_before: Some(before), .. }) = self.case.take() {
-            let Settings { rasterizer, arithmetic, depth_format, .. } = before;
-            self.state.recipe.pipeline =
-                Settings { rasterizer, arithmetic, depth_format, ..self.state.recipe.pipeline };
+    fn recipe_options(&self) -> Options {
+        let settings = &self.state.recipe.pipeline;
+        Options { rasterizer: settings.rasterizer, arithmetic: settings.arithmetic }
+    }
+
+    /// Returns the rasterizer and the arithmetic with which `open` is evaluated.
+    pub(crate) fn options_of(&self, open: &OpenCase) -> Options {
+        open.own_options.unwrap_or_else(|| self.recipe_options())
+    }
+
+    /// Sets the rasterizer and the arithmetic of the open case. Changes the recipe if the case has no options of its
+    /// own.
+    pub(super) fn set_case_options(&mut self, options: Options) {
+        match &mut self.case {
+            Some(OpenCase { own_options: Some(own), .. }) => *own = options,
+            Some(_) => {
+                let settings = &mut self.state.recipe.pipeline;
+                (settings.rasterizer, settings.arithmetic) = (options.rasterizer, options.arithmetic);
+            }
+            None => {}
         }
+    }
+
+    /// Closes the open case.
+    pub(super) fn close_case(&mut self) {
+        self.case = None;
     }
 }

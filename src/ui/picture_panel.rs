@@ -6,6 +6,7 @@ use eframe::egui::{self, CentralPanel, Panel, Ui};
 
 use super::compare::{self, tiles::TilesView};
 use super::filmstrip;
+use super::legend_strip;
 use super::panels::transport;
 use super::scrub;
 use super::theme;
@@ -65,16 +66,23 @@ fn ui(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     if asks {
         Panel::top("what-if").frame(frame).show(ui, |ui| what_if::bar::ui(ui, session, commands));
     }
-    CentralPanel::default().frame(theme::canvas_frame(ui)).show(ui, |ui| canvas(ui, cx, compares));
+    let is_single = !compares && session.case.is_none();
+    let strip = if is_single { legend_strip::show(ui, frame, session, commands) } else { 0.0 };
+    CentralPanel::default().frame(theme::canvas_frame(ui)).show(ui, |ui| canvas(ui, cx, compares, strip));
 }
 
-fn canvas(ui: &mut Ui, cx: &mut PanelContext<'_>, compares: bool) {
+/// Draws the canvas. `strip` is the height of the legend strip below it, in points. A picture that matches the window
+/// does not become smaller when the strip appears.
+fn canvas(ui: &mut Ui, cx: &mut PanelContext<'_>, compares: bool, strip: f32) {
     let PanelContext { session, widgets, commands } = cx;
-    let PanelWidgets { canvas, tiles, case, canvas_px, requested_at, is_synchronous, .. } = &mut **widgets;
+    let PanelWidgets { canvas, tiles, case, canvas_px, visible_px, requested_at, is_synchronous, .. } = &mut **widgets;
     let rect = ui.max_rect();
     let size = if compares { TilesView::picture_size(rect, session) } else { ui.available_size() };
-    let size = size * ui.pixels_per_point();
-    *canvas_px = (size.x.max(1.0) as u32, size.y.max(1.0) as u32);
+    let in_pixels = |size: egui::Vec2| {
+        let size = size * ui.pixels_per_point();
+        (size.x.max(1.0) as u32, size.y.max(1.0) as u32)
+    };
+    (*visible_px, *canvas_px) = (in_pixels(size), in_pixels(size + egui::vec2(0.0, strip)));
     if session.case.is_some() {
         case.ui(ui, session, *is_synchronous, commands);
     } else if compares {

@@ -99,7 +99,7 @@ pub(crate) struct Session {
     pub(crate) picked_point: Option<PickedPoint>,
     /// Pointer mode of the canvas.
     pub(crate) pointer_mode: PointerMode,
-    /// Size of the canvas in screen pixels, as of the last frame.
+    /// Size of the canvas in screen pixels, including the legend strip below it, as of the last frame.
     pub(crate) canvas_px: (u32, u32),
     /// Newest view from the renderer.
     pub(crate) view: Option<RenderedView>,
@@ -369,6 +369,7 @@ impl Session {
             Command::WhatIf(change) => return self.change_what_if(change),
             Command::Watch(change) => self.change_watch(change),
             Command::SetRecipe(recipe) => self.state.recipe = recipe,
+            Command::ApplyRemedy(remedy) => remedy.apply(&mut self.state.recipe, &mut self.state.camera),
             Command::ChooseUpscaler(place) => {
                 let method = upscale::ALL.get(place).map(|u| u.id());
                 let chosen = self.state.recipe.upscaler;
@@ -417,6 +418,7 @@ impl Session {
                     open.part = part;
                 }
             }
+            Command::SetCaseOptions(options) => self.set_case_options(options),
             Command::OpenWorst(column, json) => self.open_worst(column, &json),
             Command::Fates(change) => self.fates.apply(change, &mut self.selection),
             Command::Select(selection) => self.fates.adopt_selection(selection, &mut self.selection),

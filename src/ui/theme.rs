@@ -17,6 +17,8 @@ use eframe::egui::{
 };
 pub(crate) use lucide_icons::Icon;
 
+use crate::image::color;
+
 /// Spacing in points, on a grid of 4.
 pub(crate) mod space {
     /// Space between parts of one item, in points.
@@ -176,6 +178,9 @@ pub(crate) const PIXEL_GRID: Color32 = Color32::from_gray(0x80);
 
 /// Outline colour of marks on the picture, which makes them visible on any colour.
 pub(crate) const MARK_EDGE: Color32 = Color32::from_black_alpha(0xC8);
+
+/// Signal colour of marks on the picture.
+pub(crate) const SIGNAL: Color32 = Color32::from_rgb(color::SIGNAL[0], color::SIGNAL[1], color::SIGNAL[2]);
 
 const fn rgb(hex: u32) -> Color32 {
     let [_, red, green, blue] = hex.to_be_bytes();

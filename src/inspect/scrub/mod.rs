@@ -8,8 +8,11 @@ pub(crate) mod timeline;
 
 mod checkpoints;
 
+mod last_triangle;
+
 mod touches;
 
+pub(crate) use last_triangle::LastTriangle;
 pub(crate) use timeline::Timeline;
 pub(crate) use timeline::Unit;
 pub(crate) use touches::Touch;
@@ -28,6 +31,7 @@ use crate::pipeline::viewport::Viewport;
 use crate::pipeline::{Extent, Geometry, LastStage, draw, draw_samples, partial};
 use crate::scene::Scene;
 use checkpoints::Checkpoints;
+use last_triangle::silhouette;
 
 /// Memory budget for framebuffer checkpoints, in bytes: enough for 16 copies at 1920 × 1080.
 pub(crate) const BUDGET: usize = 256 << 20;
@@ -135,6 +139,27 @@ impl Scrubber {
     /// Returns the number of fragments of the rasterized triangle at index `place`; 0 past the last one.
     pub(crate) fn fragments_of(&self, place: usize) -> usize {
         partial::count(&self.samples_of(place))
+    }
+
+    /// Returns the triangle that was drawn last at a playback position; `None` before the first one. `scale` converts
+    /// positions in the drawn picture to pixels of the full picture. The silhouette of `known` is reused if that
+    /// triangle belongs to the same instance.
+    pub(crate) fn last_triangle(
+        &self,
+        moment: Moment,
+        scale: [f32; 2],
+        known: Option<LastTriangle>,
+    ) -> Option<LastTriangle> {
+        let triangles = &self.geometry.triangles;
+        let last = triangles.get(moment.triangles.checked_sub(1)?)?;
+        let instance = last.instance;
+        let outline = || Arc::new(silhouette(triangles.iter().filter(|t| t.instance == instance), scale));
+        Some(LastTriangle {
+            id: last.id,
+            instance,
+            corners_px: last.corners_px().map(|corner| last_triangle::scaled(corner, scale)),
+            silhouette: known.filter(|known| known.instance == instance).map_or_else(outline, |known| known.silhouette),
+        })
     }
 
     /// Returns the number of stored checkpoints and their total size in bytes.

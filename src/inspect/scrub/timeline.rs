@@ -1,6 +1,6 @@
 //! Steps forwards and backwards through the drawing of a frame.
 
-use super::{Moment, Touch};
+use super::{LastTriangle, Moment, Touch};
 use crate::pipeline::Geometry;
 use crate::pipeline::settings::{Choice, choice};
 
@@ -16,7 +16,7 @@ choice! {
 
 /// Data for stepping through the drawing of a frame: its draws, the fragments at the picked pixel, and the numbers of
 /// triangles and fragments.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Timeline {
     /// Number of rasterized triangles in the frame.
     pub(crate) triangles: usize,
@@ -24,6 +24,8 @@ pub(crate) struct Timeline {
     pub(crate) draws: Vec<(usize, u32)>,
     /// Fragment counts of the last drawn triangle, partial or complete, and of the next triangle.
     pub(crate) fragments: [usize; 2],
+    /// Triangle that was drawn last, partial or complete; `None` before the first triangle and for a complete frame.
+    pub(crate) last: Option<LastTriangle>,
     /// Fragments at the picked pixel, in drawing order.
     pub(crate) touches: Vec<Touch>,
 }
@@ -39,14 +41,6 @@ impl Timeline {
             }
         }
         Self { triangles: geometry.triangles.len(), draws, ..Self::default() }
-    }
-
-    /// Returns the index of the instance whose triangle was drawn last at a playback position; `None` before the first
-    /// triangle.
-    pub(crate) fn instance_at(&self, moment: Moment) -> Option<u32> {
-        let place = moment.triangles.checked_sub(1)?;
-        let after = self.draws.partition_point(|(start, _)| *start <= place);
-        self.draws[..after].last().map(|(_, instance)| *instance)
     }
 
     /// Returns the playback position one step after or before `now`. With `touching`, steps by triangle or fragment

@@ -177,7 +177,7 @@ impl Workbench {
 
     pub(super) fn handle_search_result(&mut self, (wanted, found): &(SearchTarget, SearchResult)) {
         if let Some(pixel) = self.session.apply_search_result(wanted, found) {
-            self.widgets.canvas.bring_into_view(pixel, self.session.canvas_px);
+            self.widgets.canvas.bring_into_view(pixel, self.widgets.visible_px);
         }
     }
 }

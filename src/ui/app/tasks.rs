@@ -87,7 +87,7 @@ impl Workbench {
         match probe::apply(&mut self.session, ui.ctx(), change) {
             probe::WindowAction::Nothing => {}
             probe::WindowAction::BringIntoView(pixel) => {
-                self.widgets.canvas.bring_into_view(pixel, self.session.canvas_px);
+                self.widgets.canvas.bring_into_view(pixel, self.widgets.visible_px);
             }
             probe::WindowAction::Write(case) => self.write_case(ui, &case),
         }

@@ -101,7 +101,7 @@ fn counts(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>) {
 fn difference(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>) {
     let mut kind = session.comparison.difference;
     ui.name_inputs("Difference to show", |ui| {
-        combo("difference", kind.name(), 84.0).show_ui(ui, |ui| {
+        combo("difference", kind.name(), 116.0).show_ui(ui, |ui| {
             for option in Difference::ALL {
                 ui.selectable_value(&mut kind, *option, option.name()).on_hover_text(option.help());
             }
@@ -111,13 +111,15 @@ fn difference(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>) 
         changes.push(CompareChange::Difference(kind));
     }
     let mut gain = session.comparison.gain;
-    ui.name_inputs("Gain", |ui| {
-        combo("gain", &format!("×{gain}"), 60.0).show_ui(ui, |ui| {
-            for option in GAINS {
-                ui.selectable_value(&mut gain, option, format!("×{option}"));
-            }
+    if kind.has_gain() {
+        ui.name_inputs("Gain", |ui| {
+            combo("gain", &format!("×{gain}"), 60.0).show_ui(ui, |ui| {
+                for option in GAINS {
+                    ui.selectable_value(&mut gain, option, format!("×{option}"));
+                }
+            });
         });
-    });
+    }
     if gain != session.comparison.gain {
         changes.push(CompareChange::Gain(gain));
     }

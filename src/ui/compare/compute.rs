@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use crate::chain::{Recipe, Renderer};
 use crate::image::{Image, Rgba8};
+use crate::inspect::what_if::Changes;
 use crate::measure::against::{ErrorMetrics, figures, figures_within};
 use crate::measure::difference::{self, Difference};
 use crate::measure::reference::{ProgressiveRender, Reference};
@@ -80,6 +81,8 @@ pub struct DifferenceImage {
     pub values: Arc<Image<f32>>,
     /// Amplified differences, mapped to colours.
     pub picture: Arc<Image<Rgba8>>,
+    /// Pixels that differ; `None` unless the kind of difference is [`Difference::Changed`].
+    pub(crate) changes: Option<Arc<Changes>>,
 }
 
 /// Results computed so far for a [`CompareRequest`].
@@ -242,7 +245,11 @@ fn differing(
         None => Arc::new(difference::values(kind.0, &a.picture, &b.picture)?),
     };
     let picture = Arc::new(difference::picture(kind.0, kind.1, &values));
-    Some(DifferenceImage { kind, values, picture })
+    let changes = match kind.0 {
+        Difference::Changed => Changes::of_pictures(&a.picture, &b.picture).map(Arc::new),
+        Difference::Absolute | Difference::Signed | Difference::Squared | Difference::Flip => None,
+    };
+    Some(DifferenceImage { kind, values, picture, changes })
 }
 
 #[cfg(test)]
@@ -305,6 +312,22 @@ mod tests {
         let third = finished(&mut comparer, next);
         assert!(!Arc::ptr_eq(&third.tiles[0].picture, &second.tiles[0].picture));
         assert_eq!(third.tiles[0].picture.size(), (50, 32));
+    }
+
+    #[test]
+    fn changed_pixels_are_counted_for_their_kind_of_difference() {
+        let mut comparer = Comparer::default();
+        let mut request = request(&[("native", 1), ("nearest", 4)]);
+        request.difference = Some((Difference::Absolute, 1));
+        assert!(finished(&mut comparer, request.clone()).difference.unwrap().changes.is_none());
+        request.difference = Some((Difference::Changed, 1));
+        let compared = finished(&mut comparer, request);
+        let pairs = compared.tiles[0].picture.pixels().iter().zip(compared.tiles[1].picture.pixels());
+        let differing = pairs.filter(|(a, b)| a != b).count() as u64;
+        let shown = compared.difference.unwrap();
+        assert_eq!(shown.changes.map(|changes| changes.count), Some(differing));
+        assert_eq!(shown.values.pixels().iter().filter(|value| **value == 1.0).count() as u64, differing);
+        assert!(differing > 0);
     }
 
     #[test]

@@ -9,6 +9,8 @@ mod layout;
 
 mod legend;
 
+use std::sync::Arc;
+
 use eframe::egui::{
     self, Align2, Color32, CursorIcon, FontId, Painter, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, Vec2,
     WidgetInfo, pos2,
@@ -23,8 +25,10 @@ use super::compute::{Compared, DifferenceImage, TileResult};
 use super::{CompareChange, Mode, letter};
 use crate::image::{Image, Rgba8};
 use crate::inspect::view::Value;
+use crate::inspect::what_if::Changes;
 use crate::measure::region::PixelRegion;
 use crate::ui::canvas::{PictureTexture, grid, marker, numbers};
+use crate::ui::changed_layer::{self, ChangedLayer};
 use crate::ui::command::Command;
 use crate::ui::navigate::navigate;
 use crate::ui::session::Session;
@@ -48,6 +52,7 @@ enum TileDrag {
 pub(crate) struct TilesView {
     textures: Vec<PictureTexture>,
     difference: PictureTexture,
+    changed: ChangedLayer,
     dragging: Option<TileDrag>,
 }
 
@@ -201,6 +206,8 @@ impl TilesView {
                 if shift || ctrl {
                     self.tile(ui, usize::from(shift), placement, whole, compared);
                     badge(ui, whole, usize::from(shift), if shift { "B" } else { "A" });
+                } else if let Some((changes, b)) = changed_pixels(compared) {
+                    self.changed(ui, placement, whole, changes, b);
                 } else if let Some(differing) = &compared.difference {
                     self.difference(ui, placement, whole, differing);
                 } else {
@@ -224,6 +231,17 @@ impl TilesView {
         numbers(&painter, placement, picture, ui.input(|i| i.modifiers.alt), |x, y| Value::Color(picture.at(x, y)));
     }
 
+    /// Marks changed pixels over the dimmed picture B.
+    fn changed(&mut self, ui: &Ui, placement: Placement, clip: Rect, changes: &Arc<Changes>, b: &TileResult) {
+        let texture = self.difference.show(ui, &b.picture);
+        let painter = ui.painter().with_clip_rect(clip);
+        let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        painter.image(texture, placement.rect_of_all(b.picture.size()), uv, changed_layer::DIMMED);
+        self.changed.paint(ui, &painter, placement, changes);
+        grid(&painter, placement, b.picture.size());
+        legend::changed(ui, clip, changes);
+    }
+
     fn difference(&mut self, ui: &Ui, placement: Placement, clip: Rect, differing: &DifferenceImage) {
         let picture: &Image<Rgba8> = &differing.picture;
         let texture = self.difference.show(ui, &differing.picture);
@@ -233,6 +251,11 @@ impl TilesView {
         numbers(&painter, placement, picture, bits, |x, y| Value::Number(differing.values.at(x, y)));
         legend(ui, clip, differing.kind);
     }
+}
+
+/// Returns the changed pixels and tile B if the difference image shows changed pixels.
+fn changed_pixels(compared: &Compared) -> Option<(&Arc<Changes>, &TileResult)> {
+    compared.difference.as_ref()?.changes.as_ref().zip(compared.tiles.get(1))
 }
 
 fn hover_id() -> egui::Id {

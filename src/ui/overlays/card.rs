@@ -1,4 +1,4 @@
-//! The overlay card in the upper right corner of the canvas: a list of overlays with opacity, order and legends.
+//! The overlay card in the upper right corner of the canvas: a list of overlays with opacity, order and totals.
 
 use eframe::egui::{Align, Button, Layout, Rect, RichText, ScrollArea, Sense, Slider, Ui, UiBuilder, WidgetInfo, vec2};
 
@@ -16,25 +16,22 @@ use crate::ui::widgets::icon_button;
 /// Width of the overlay card, in points.
 const WIDTH: f32 = 272.0;
 
-/// Width of the overlay card when it shows only legends, in points.
-const LEGEND_WIDTH: f32 = 216.0;
-
 /// Distance of the card from the top edge of the canvas, in points. Leaves space for the spinner of a busy renderer.
 const TOP: f32 = 36.0;
 
-/// Draws the list of overlays, or only the legends of the active ones while the list is closed.
+/// Draws the list of overlays if it is open.
 pub(crate) fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &RenderedView, commands: &mut Vec<Command>) {
     let overlays = &session.overlays;
-    if !overlays.open && overlays.layers.is_empty() {
+    if !overlays.open {
         return;
     }
-    let width = if overlays.open { WIDTH } else { LEGEND_WIDTH }.min(canvas.width() - 2.0 * space::S);
+    let width = WIDTH.min(canvas.width() - 2.0 * space::S);
     let height = (canvas.height() - TOP - space::S).max(ROW_HEIGHT);
     let corner = canvas.right_top() + vec2(-space::S - width, TOP);
     let place = Rect::from_min_size(corner, vec2(width, height));
     let mut changes = Vec::new();
     // The background is painted before the content is laid out, so it has the height of the content in the last pass.
-    let id = ui.scope_id().with(("overlays card", overlays.open));
+    let id = ui.scope_id().with("overlays card");
     let known: f32 = ui.data(|data| data.get_temp(id)).unwrap_or(0.0);
     let card = Rect::from_min_size(corner, vec2(width, known));
     ui.painter().rect_filled(card, RADIUS, tokens(ui).panel.gamma_multiply(0.94));
@@ -42,20 +39,10 @@ pub(crate) fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &RenderedVi
     let builder = UiBuilder::new().max_rect(place.shrink(space::S)).layout(Layout::top_down(Align::Min));
     let mut column = ui.new_child(builder);
     column.spacing_mut().item_spacing.y = 0.0;
-    if overlays.open {
-        title(&mut column, session, &mut changes, commands);
-    }
+    title(&mut column, session, &mut changes, commands);
     ScrollArea::vertical().id_salt("overlays").auto_shrink([false, true]).show(&mut column, |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
-        if overlays.open {
-            list(ui, session, view, &mut changes);
-        } else {
-            for sheet in view.look_result.sheets.iter().rev() {
-                ui.label(RichText::new(sheet.overlay.name()).small().strong()).on_hover_text(sheet.overlay.help());
-                legend::ui(ui, sheet, 2);
-                ui.add_space(space::XS);
-            }
-        }
+        list(ui, session, view, &mut changes);
     });
     let needed = column.min_rect().height() + 2.0 * space::S;
     if needed != known {
@@ -139,7 +126,7 @@ fn entry(ui: &mut Ui, overlay: Overlay, session: &Session, view: &RenderedView, 
         ui.indent("length", |ui| length(ui, layer, changes));
     }
     if let Some(sheet) = view.look_result.sheets.iter().find(|sheet| on && sheet.overlay == overlay) {
-        ui.indent("legend", |ui| legend::ui(ui, sheet, usize::MAX));
+        ui.indent("legend", |ui| legend::ui(ui, sheet));
         ui.add_space(space::XS);
     }
 }

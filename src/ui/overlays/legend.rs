@@ -1,10 +1,11 @@
 //! Legend and totals of an overlay.
 
-use eframe::egui::{Align, Align2, Color32, FontId, Layout, Rect, RichText, Sense, Ui, vec2};
+use eframe::egui::{Align, Align2, Color32, FontId, Label, Layout, Rect, RichText, Sense, Ui, vec2};
 
 use crate::image::Rgba8;
 use crate::inspect::overlays::{ColorScale, Sheet, SheetLegend, Total};
 use crate::ui::format;
+use crate::ui::legend_strip::ScaleLegend;
 use crate::ui::theme::{font_size, space, tokens};
 
 /// Height of the colour strip, in points.
@@ -13,8 +14,8 @@ const STRIP: f32 = 8.0;
 /// Side of the colour swatches of a legend, in points.
 const SQUARE: f32 = 9.0;
 
-/// Draws the legend of an overlay and at most `most_totals` of its totals, such as sums and maxima over all pixels.
-pub(crate) fn ui(ui: &mut Ui, sheet: &Sheet, most_totals: usize) {
+/// Draws the legend of an overlay and its totals, such as sums and maxima over all pixels, one below the other.
+pub(crate) fn ui(ui: &mut Ui, sheet: &Sheet) {
     if let Some(why) = &sheet.absence {
         ui.label(RichText::new(format!("Nothing to show: {why}")).small().color(tokens(ui).warning));
         return;
@@ -37,14 +38,46 @@ pub(crate) fn ui(ui: &mut Ui, sheet: &Sheet, most_totals: usize) {
             }
         }
     }
-    let of_kinds = |total: &&Total| match &sheet.key {
-        SheetLegend::Kinds(kinds) => !kinds.iter().any(|kind| kind.name == total.name),
-        SheetLegend::Lines | SheetLegend::Scale(_) => true,
-    };
-    for total in sheet.totals.iter().filter(of_kinds).take(most_totals) {
+    for total in other_totals(sheet) {
         let text = format!("{}: {}", total.name, amount(total));
         ui.label(RichText::new(text).small().color(tokens(ui).text_weak));
     }
+}
+
+/// Draws the legend of an overlay and at most `most_totals` of its totals, one beside the other.
+pub(crate) fn inline(ui: &mut Ui, sheet: &Sheet, most_totals: usize) {
+    let small = |ui: &mut Ui, text: String, color: Color32| {
+        ui.add(Label::new(RichText::new(text).small().color(color)).extend());
+    };
+    if let Some(why) = &sheet.absence {
+        small(ui, format!("Nothing to show: {why}"), tokens(ui).warning);
+        return;
+    }
+    match &sheet.key {
+        SheetLegend::Lines => {}
+        SheetLegend::Scale(scale) => {
+            let ends = [0.0, 1.0].map(|share| number(scale.number_at(share)));
+            ScaleLegend { ends }.ui(ui, |share| scale.color(scale.number_at(share)));
+        }
+        SheetLegend::Kinds(kinds) => {
+            for (kind, total) in kinds.iter().zip(&sheet.totals) {
+                let count = if kind.name == total.name { format!(" {}", amount(total)) } else { String::new() };
+                square(ui, kind.color);
+                small(ui, format!("{}{count}", kind.name), tokens(ui).text);
+            }
+        }
+    }
+    for total in other_totals(sheet).take(most_totals) {
+        small(ui, format!("{}: {}", total.name, amount(total)), tokens(ui).text_weak);
+    }
+}
+
+/// Returns the totals that do not count the pixels of a kind in the legend.
+fn other_totals(sheet: &Sheet) -> impl Iterator<Item = &Total> {
+    sheet.totals.iter().filter(|total| match &sheet.key {
+        SheetLegend::Kinds(kinds) => !kinds.iter().any(|kind| kind.name == total.name),
+        SheetLegend::Lines | SheetLegend::Scale(_) => true,
+    })
 }
 
 /// Formats a total with its unit.

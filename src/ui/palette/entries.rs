@@ -13,6 +13,7 @@ use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::engine::Shown;
 use crate::ui::filmstrip::FilmstripChange;
 use crate::ui::key_sheet::key_name;
+use crate::ui::legend_strip;
 use crate::ui::panels::switches;
 use crate::ui::place;
 use crate::ui::session::{PictureSize, Session};
@@ -109,9 +110,29 @@ impl PaletteEntry {
     }
 }
 
+/// Returns commands that depend on the picture: removals of what changes its look, remedies for the picked pixel, and
+/// views of the what-if comparison.
+fn of_the_picture(session: &Session) -> Vec<PaletteEntry> {
+    let removals = legend_strip::removals(session).into_iter();
+    let mut entries: Vec<_> = removals.map(|(name, command)| entry(EntryKind::Command, name, command)).collect();
+    let report = session.view.as_ref().and_then(|view| view.report.as_ref());
+    entries.extend(report.iter().flat_map(|report| &report.remedies).map(|remedy| {
+        let title = format!("Remedy for the picked pixel: {}", remedy.label());
+        entry(EntryKind::Command, title, Command::ApplyRemedy(*remedy)).with(remedy.effect(), false)
+    }));
+    if session.what_if.open {
+        entries.extend(what_if::Show::ALL.map(|(show, name, help)| {
+            let command = Command::WhatIf(what_if::WhatIfChange::Show(show));
+            entry(EntryKind::Command, format!("What changed: {name}"), command).with(help, session.what_if.show == show)
+        }));
+    }
+    entries
+}
+
 /// Returns all entries for the current state of `session`.
 pub(crate) fn all(session: &Session) -> Vec<PaletteEntry> {
     let mut entries = commands();
+    entries.extend(of_the_picture(session));
     entries.extend(bookmarks(session));
     entries.extend(scenes(session));
     entries.extend(Buffer::ALL.iter().map(|buffer| {

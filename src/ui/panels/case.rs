@@ -1,19 +1,19 @@
 //! The view of an open test case. It shows two enlarged pictures side by side: the pixels covered by the tested
-//! rasterizer, and the exact result. Pixels that differ are coloured. The recipe selects the rasterizer and its
-//! arithmetic. A background thread evaluates the case; until it is done, the last result stays visible.
+//! rasterizer, and the exact result. Pixels that differ are coloured. A worst case of the stability report has a
+//! rasterizer and an arithmetic of its own; any other case uses those of the recipe. A background thread evaluates the case; until it is done, the last result stays visible.
 
 mod evaluation;
 
 mod pictures;
 
-use std::sync::Arc;
 use std::time::Duration;
 
 use eframe::egui::{Label, ProgressBar, RichText, Role, ScrollArea, TextStyle, Ui, WidgetInfo};
 
-use crate::case::{Case, Control, Options};
+use crate::case::Control;
 use crate::report::comparison::{DisplayedResult, parts};
 use crate::ui::command::Command;
+use crate::ui::open_case::OpenCase;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, space, tokens};
 use crate::ui::widgets::{combo, icon_button};
@@ -54,13 +54,12 @@ impl CaseView {
     /// Draws the session's open case. If `waits` is `true`, the case is evaluated synchronously before it is drawn.
     pub(crate) fn ui(&mut self, ui: &mut Ui, session: &Session, waits: bool, commands: &mut Vec<Command>) {
         let Some(open) = &session.case else { return };
-        let settings = &session.state.recipe.pipeline;
-        let options = Options { rasterizer: settings.rasterizer, arithmetic: settings.arithmetic };
+        let options = session.options_of(open);
         self.request_evaluation(ui, EvaluationRequest { case: open.case.clone(), part: open.part, options }, waits);
         ui.add_space(space::XS);
         ui.horizontal_wrapped(|ui| {
             ui.add_space(space::S);
-            self.bar(ui, session, &open.case, open.part, commands);
+            self.bar(ui, session, open, commands);
         });
         match &self.evaluation {
             Some(Evaluation { shown: DisplayedResult::Text(lines), .. }) => text(ui, lines),
@@ -89,7 +88,9 @@ impl CaseView {
         }
     }
 
-    fn bar(&mut self, ui: &mut Ui, session: &Session, case: &Arc<Case>, part: usize, commands: &mut Vec<Command>) {
+    fn bar(&mut self, ui: &mut Ui, session: &Session, open: &OpenCase, commands: &mut Vec<Command>) {
+        let OpenCase { case, part, .. } = open;
+        let part = *part;
         if icon_button(ui, Icon::X, "Close the case  (Esc)").clicked() {
             commands.push(Command::CloseCase);
         }
@@ -104,15 +105,15 @@ impl CaseView {
                 commands.push(Command::ShowPart((part + 1).min(parts - 1)));
             }
         }
-        let mut recipe = session.state.recipe;
-        choose(ui, "Rasterizer of the case", &mut recipe.pipeline.rasterizer);
-        choose(ui, "Arithmetic of the case", &mut recipe.pipeline.arithmetic);
-        if recipe != session.state.recipe {
-            commands.push(Command::SetRecipe(recipe));
+        let mut options = session.options_of(open);
+        choose(ui, "Rasterizer of the case", &mut options.rasterizer);
+        choose(ui, "Arithmetic of the case", &mut options.arithmetic);
+        if options != session.options_of(open) {
+            commands.push(Command::SetCaseOptions(options));
         }
         if let Some(running) = &self.running {
             if running.since.elapsed() >= SLOW_ANSWER {
-                self.progress(ui, session, commands);
+                self.progress(ui, commands);
             }
             return;
         }
@@ -121,7 +122,7 @@ impl CaseView {
 
     /// Draws the progress of the evaluation. Cancelling restores the last evaluation, or closes the case if there is
     /// none.
-    fn progress(&self, ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    fn progress(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let Some(running) = &self.running else { return };
         let cancelled = ui.button("Cancel").on_hover_text("Stop the evaluation and keep the last result").clicked();
         ui.add(ProgressBar::new(running.progress.unwrap_or(0.0)).desired_width(200.0).show_percentage());
@@ -130,9 +131,7 @@ impl CaseView {
         }
         match &self.evaluation {
             Some(Evaluation { request: EvaluationRequest { part, options, .. }, .. }) => {
-                let mut recipe = session.state.recipe;
-                (recipe.pipeline.rasterizer, recipe.pipeline.arithmetic) = (options.rasterizer, options.arithmetic);
-                commands.extend([Command::ShowPart(*part), Command::SetRecipe(recipe)]);
+                commands.extend([Command::ShowPart(*part), Command::SetCaseOptions(*options)]);
             }
             None => commands.push(Command::CloseCase),
         }

@@ -29,14 +29,8 @@ const PLOT_HEIGHT: f32 = 78.0;
 /// Width of the number field for the minimum or maximum of the range, in points.
 const FIELD: f32 = 84.0;
 
-/// Draws the range card. Returns its rectangle, in points.
-pub(crate) fn ui(
-    ui: &mut Ui,
-    canvas: Rect,
-    session: &Session,
-    view: &RenderedView,
-    commands: &mut Vec<Command>,
-) -> Rect {
+/// Draws the range card.
+pub(crate) fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &RenderedView, commands: &mut Vec<Command>) {
     let control = &session.range;
     let shown = view.request.shown;
     let kind = kind(shown);
@@ -71,7 +65,6 @@ pub(crate) fn ui(
         }
     }
     commands.extend(changes.into_iter().map(Command::Range));
-    card
 }
 
 /// Draws a row of the card with a height of [`ROW_HEIGHT`] points.

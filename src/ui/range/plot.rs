@@ -199,12 +199,8 @@ fn tooltip(response: Response, bars: Rect, histograms: &[Histogram], kind: Value
     });
 }
 
-/// Draws a strip with the colours of a range, from its lower bound on the left to its upper bound on the right.
-pub(crate) fn legend_strip(ui: &Ui, rect: Rect, shown: Shown, setting: &Setting, range: Range) {
-    for point in 0..rect.width() as u32 {
-        let share = point as f32 / (rect.width() - 1.0).max(1.0);
-        let [r, g, b, _] = setting.display.legend_color(buffer_of(shown), range, share);
-        let column = Rect::from_min_size(rect.min + vec2(point as f32, 0.0), vec2(1.0, rect.height()));
-        ui.painter().rect_filled(column, 0.0, Color32::from_rgb(r, g, b));
-    }
+/// Returns a function that gives the colour of a position in a range: 0 at the lower bound, 1 at the upper bound.
+pub(crate) fn legend_colors(shown: Shown, setting: &Setting, range: Range) -> impl Fn(f32) -> Rgba8 + use<> {
+    let (display, buffer) = (setting.display, buffer_of(shown));
+    move |share| display.legend_color(buffer, range, share)
 }

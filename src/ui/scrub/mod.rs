@@ -1,6 +1,8 @@
 //! Playback of how the frame was drawn: by stage, object, triangle or fragment, step by step or continuously. It can be
 //! limited to triangles and fragments at the picked pixel.
 
+pub(crate) mod outline;
+
 pub(crate) mod reel;
 
 pub(crate) mod transport;

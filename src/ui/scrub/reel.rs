@@ -13,7 +13,7 @@ pub(crate) struct Reel {
     request: Request,
     complete_frame: Arc<Frame>,
     scrubber: Scrubber,
-    /// Timeline of the frame without fragment counts, because these depend on the current moment.
+    /// Timeline at the last moment, without fragment counts.
     timeline: Timeline,
     /// Pixel whose fragments the timeline lists.
     touched: Option<(u32, u32)>,
@@ -57,6 +57,11 @@ impl Reel {
     /// pixel.
     pub(crate) fn timeline(&mut self, moment: Moment, pixel: Option<(u32, u32)>) -> Timeline {
         let Self { request: of, complete_frame: whole, scrubber, timeline, touched } = self;
+        let scale = [
+            whole.viewport.width as f32 / whole.raster.width.max(1) as f32,
+            whole.viewport.height as f32 / whole.raster.height.max(1) as f32,
+        ];
+        timeline.last = scrubber.last_triangle(moment, scale, timeline.last.take());
         if *touched != pixel {
             let area = (whole.sampling.grid(), whole.raster);
             let of_pixel =

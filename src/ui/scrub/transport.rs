@@ -25,11 +25,11 @@ const TRIANGLES_SHARE: f32 = 0.66;
 /// Minimum width for the numbers beside the sliders, in points.
 const NUMBERS_FROM: f32 = 360.0;
 
-/// Minimum width for the name of the object, in points.
+/// Minimum width for the name of the last triangle, in points. In a narrower bar, only the strip above it shows the name.
 const NAME_FROM: f32 = 620.0;
 
-/// Width of the numbers, without and with the name of the object, in points.
-const FIGURES: [f32; 2] = [118.0, 240.0];
+/// Width of the numbers, without and with the name of the last triangle, in points.
+const FIGURES: [f32; 2] = [118.0, 300.0];
 
 /// Maximum number of ticks on the triangle slider; more would merge into a band.
 const MAX_TICKS: usize = 400;
@@ -139,8 +139,7 @@ fn touching(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     }
 }
 
-/// Draws the number of drawn triangles and, if the timeline is given, the name of the object that the last one belongs
-/// to, right-aligned.
+/// Draws the number of drawn triangles and, if the timeline is given, the name of the last one, right-aligned.
 fn figures(ui: &mut Ui, session: &Session, known: Option<&Timeline>) {
     let (moment, all) = (session.moment(), session.triangle_count());
     let text = format!("{} / {}", format::count(moment.triangles as u64), format::count(all as u64));
@@ -152,11 +151,26 @@ fn figures(ui: &mut Ui, session: &Session, known: Option<&Timeline>) {
             "Until the last triangle is drawn, each pixel shows the sample at its centre, not the mean of its samples",
         );
     }
-    let instance = known.and_then(|known| known.instance_at(moment));
-    if let Some(object) = instance.and_then(|instance| session.scene.instances.get(instance as usize)) {
-        let name = RichText::new(&object.name).color(tokens(ui).text_weak);
-        ui.add(egui::Label::new(name).truncate()).on_hover_text("Object of the last triangle drawn");
+    if let Some(name) = known.and_then(|_| last_drawn(session)) {
+        let help =
+            format!("{name}: the last triangle drawn. It is outlined in the picture, and its object more faintly");
+        ui.add(egui::Label::new(RichText::new(name).color(tokens(ui).text)).truncate()).on_hover_text(help);
     }
+}
+
+/// Names the object, the triangle and the number of drawn fragments of the triangle that was drawn last; `None` before
+/// the first triangle and if the frame is complete.
+pub(crate) fn last_drawn(session: &Session) -> Option<String> {
+    let known = session.view.as_ref()?.timeline.as_ref()?;
+    let last = known.last.as_ref().filter(|_| session.triangle_limit.is_some())?;
+    let object = session.scene.instances.get(last.instance as usize)?;
+    let all = known.fragments[0] as u64;
+    let fragments = match session.moment().fragments {
+        Some(drawn) => format!("{} of {} fragments", format::count(drawn as u64), format::count(all)),
+        None if all == 1 => "1 fragment".to_owned(),
+        None => format!("{} fragments", format::count(all)),
+    };
+    Some(format!("{}, triangle {}, {fragments}", object.name, format::count(last.id.0.into())))
 }
 
 fn triangles(ui: &mut Ui, session: &Session, known: Option<&Arc<Timeline>>, width: f32, commands: &mut Vec<Command>) {

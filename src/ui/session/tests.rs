@@ -1,7 +1,8 @@
 use super::*;
-use crate::case::Case;
-use crate::pipeline::settings::DepthFormat;
+use crate::case::{Case, Options};
+use crate::pipeline::settings::{Arithmetic, Rasterizer};
 use crate::report::stability::column::ReportColumn;
+use crate::report::stability::subject::Configuration;
 use crate::ui::engine::Engine;
 use crate::ui::place::Bookmark;
 
@@ -50,17 +51,29 @@ fn comparison_shows_finished_pictures_and_ends_when_a_buffer_or_stage_is_shown()
 }
 
 #[test]
-fn the_settings_of_a_case_are_reset_when_another_case_opens() {
+fn a_worst_case_has_its_own_settings_and_leaves_the_recipe_alone() {
     let mut session = session();
+    session.state.recipe.pipeline.arithmetic = Arithmetic::F64;
+    session.settle_silently();
     let before = session.state.recipe;
     let json = r#"{"id":"d","kind":"depth","mapping":"standard","format":"f32","near":1,"far":3,"z":[1,2]}"#;
-    let open = |format| Command::OpenWorst(ReportColumn::Depth(format), json.to_owned());
-    session.apply(open(DepthFormat::Unorm16));
-    session.apply(open(DepthFormat::WBuffer));
-    assert_eq!(session.state.recipe.pipeline.depth_format, DepthFormat::WBuffer);
-    session.state.recipe.wireframe = true;
+    let by = Configuration { rasterizer: Rasterizer::ScanlinePublished, arithmetic: Arithmetic::F32 };
+    let options = |session: &Session| session.options_of(session.case.as_ref().unwrap());
+    session.apply(Command::OpenWorst(ReportColumn::Coverage(by), json.to_owned()));
+    session.settle(0.0);
+    assert_eq!(options(&session), Options { rasterizer: by.rasterizer, arithmetic: by.arithmetic });
+    assert!(session.state.recipe == before && !session.can_undo());
+    let changed = Options { rasterizer: Rasterizer::Tiled, arithmetic: Arithmetic::Exact };
+    session.apply(Command::SetCaseOptions(changed));
+    assert_eq!((options(&session), session.state.recipe), (changed, before));
+    session.apply(Command::CloseCase);
+    session.settle(1.0);
+    assert!(session.state.recipe == before && !session.can_undo());
+
     session.show_case(Case::parse(json.as_bytes(), "d.json".as_ref()).unwrap());
-    assert_eq!(session.state.recipe, Recipe { wireframe: true, ..before }, "other changes stay");
+    assert_eq!(options(&session).arithmetic, Arithmetic::F64, "a case from a file uses the recipe");
+    session.apply(Command::SetCaseOptions(changed));
+    assert_eq!(session.state.recipe.pipeline.arithmetic, Arithmetic::Exact);
 }
 
 fn move_camera(session: &mut Session, now: f64) {

@@ -237,7 +237,8 @@ pub(crate) fn label(ui: &Ui, canvas: Rect, session: &Session) {
         _ if held => ("A, before the change", tokens(ui).a),
         Show::Before => ("A, before the change", tokens(ui).a),
         Show::After => ("B, current frame", tokens(ui).b),
-        Show::Changed => ("B, changed pixels only", tokens(ui).b),
+        Show::Changed => ("B, unchanged pixels grey", tokens(ui).b),
+        Show::Marked => ("Changed pixels over B", tokens(ui).b),
     };
     let painter = ui.painter().with_clip_rect(canvas);
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(font_size::TITLE), color);

@@ -8,6 +8,8 @@ pub(crate) mod bar;
 
 pub(crate) mod drawer;
 
+use std::sync::Arc;
+
 use eframe::egui::Ui;
 
 use super::command::Command;
@@ -15,13 +17,16 @@ use super::engine::{RenderedView, Request};
 use super::session::Session;
 use crate::chain::Recipe;
 use crate::inspect::fields;
+use crate::inspect::what_if::Changes;
 use drawer::{WhatIfRequest, WhatIfResults};
 
 /// Picture of a what-if comparison that the canvas shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Show {
-    /// Picture B, with unchanged pixels dimmed.
+    /// Picture B dimmed, with changed pixels in the signal colour.
     #[default]
+    Marked,
+    /// Picture B, with unchanged pixels dimmed.
     Changed,
     /// Picture B, the current state.
     After,
@@ -31,8 +36,13 @@ pub(crate) enum Show {
 
 impl Show {
     /// All options, each with its name and help text.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
-        (Self::Changed, "Changed pixels only", "Show B with unchanged pixels in dark grey. Hold Shift to show A"),
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 4] = [
+        (
+            Self::Marked,
+            "Changed pixels",
+            "Mark changed pixels over the dimmed picture B, each large enough to be visible. Hold Shift to show A",
+        ),
+        (Self::Changed, "B, rest grey", "Show B with unchanged pixels in dark grey. Hold Shift to show A"),
         (Self::Before, "A", "Show A, the frame before the change"),
         (Self::After, "B", "Show B, the current frame. Hold Shift to show A"),
     ];
@@ -122,8 +132,14 @@ impl WhatIf {
             _ if held => &found.before,
             Show::Before => &found.before,
             Show::Changed => &found.marked,
-            Show::After => view,
+            Show::After | Show::Marked => view,
         }
+    }
+
+    /// Returns the changed pixels if the canvas marks them; `None` while `held` is `true`.
+    pub(crate) fn marked_changes(&self, view: &RenderedView, held: bool) -> Option<&Arc<Changes>> {
+        let is_marked = self.show == Show::Marked && !held;
+        self.current(view).filter(|_| is_marked).map(|found| &found.changes)
     }
 }
 
@@ -135,6 +151,12 @@ pub(crate) fn visible_view<'a>(ui: &Ui, session: &'a Session) -> Option<&'a Rend
         return Some(view);
     }
     Some(session.what_if.visible_view(view, ui.input(|input| input.modifiers.shift)))
+}
+
+/// Returns the changed pixels that the canvas marks over the picture; `None` if it marks none.
+pub(crate) fn marked_changes<'a>(ui: &Ui, session: &'a Session) -> Option<&'a Arc<Changes>> {
+    let view = session.view.as_ref().filter(|_| !session.comparison.is_on())?;
+    session.what_if.marked_changes(view, ui.input(|input| input.modifiers.shift))
 }
 
 impl Session {

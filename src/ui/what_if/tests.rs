@@ -92,6 +92,7 @@ fn the_canvas_shows_a_b_or_the_changes_of_the_requested_view_only() {
     assert_eq!(*found.before.picture, *Engine::default().answer(plain).picture);
     for (show, picture) in [
         (Show::After, &view.picture),
+        (Show::Marked, &view.picture),
         (Show::Before, &found.before.picture),
         (Show::Changed, &Arc::new(found.changes.with_unchanged_dimmed(&view.picture))),
     ] {
@@ -153,4 +154,20 @@ fn error_is_reported_first_and_time_after_all_rounds() {
         assert_eq!(reported, !drawer.has_work());
     }
     assert!(pieces > super::drawer::ROUNDS);
+}
+
+#[test]
+fn changed_pixels_are_marked_only_in_their_view_and_not_while_a_is_held() {
+    let mut session = session("shared-edges");
+    set(&mut session, "fill_rule=inclusive");
+    find(&mut session);
+    let view = session.view.clone().unwrap();
+    assert_eq!(session.what_if.show, Show::Marked);
+    let marked = session.what_if.marked_changes(&view, false).map(|changes| changes.count);
+    assert_eq!(marked, session.what_if.found.as_ref().map(|found| found.changes.count));
+    assert!(session.what_if.marked_changes(&view, true).is_none());
+    for show in [Show::Changed, Show::Before, Show::After] {
+        session.apply(Command::WhatIf(WhatIfChange::Show(show)));
+        assert!(session.what_if.marked_changes(&view, false).is_none(), "{show:?}");
+    }
 }

@@ -66,6 +66,8 @@ pub(crate) struct PanelWidgets {
     pub(crate) inspector: Inspector,
     /// Size of the canvas in screen pixels, as of the last frame that showed it.
     pub(crate) canvas_px: (u32, u32),
+    /// Size of the visible canvas in screen pixels, without the legend strip.
+    pub(crate) visible_px: (u32, u32),
     /// Time at which the oldest unanswered render request was sent; `None` if all requests are answered.
     pub(crate) requested_at: Option<Instant>,
     /// Whether pictures are drawn synchronously, as in screenshots and tests.

@@ -21,6 +21,7 @@ mod ranges;
 mod scrubbing;
 mod settings;
 mod stepping;
+mod strip;
 mod tradeoff;
 mod watching;
 mod what_if;

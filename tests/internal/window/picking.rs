@@ -3,7 +3,7 @@
 use eframe::egui::{Key, Modifiers, PointerButton, Vec2};
 use rasterscope::chain::Recipe;
 use rasterscope::inspect::{Buffer, Stage};
-use rasterscope::pipeline::settings::{Choice as _, DepthFormat};
+use rasterscope::pipeline::settings::{Choice as _, Culling, DepthFormat};
 use rasterscope::ui;
 use rasterscope::ui::engine::Shown;
 use rasterscope::ui::session::PictureSize;
@@ -156,4 +156,20 @@ fn a_pixel_is_picked_by_its_coordinates() {
     bench.press(Key::Enter);
     assert_eq!(bench.session().pick, Some((12, 34)));
     assert!(!bench.says("Go to"));
+}
+
+#[test]
+fn a_remedy_is_applied_by_its_button_and_undone() {
+    let mut bench = Bench::small("triangle");
+    let place = bench.place_of((84, 44));
+    bench.click_at(place);
+    assert!(!bench.mentions("Turn culling off"));
+    bench.session_mut().state.recipe.pipeline.culling = Culling::Front;
+    bench.rest();
+    assert!(bench.mentions("Background: triangle 0"));
+    bench.click("Turn culling off");
+    assert_eq!(bench.session().state.recipe.pipeline.culling, Culling::None);
+    assert!(bench.mentions("Won by triangle 0") && !bench.mentions("Turn culling off"));
+    bench.press_with(Modifiers::COMMAND, Key::Z);
+    assert_eq!(bench.session().state.recipe.pipeline.culling, Culling::Front);
 }

@@ -45,6 +45,29 @@ fn the_slider_of_fragments_draws_the_last_triangle_in_part() {
 }
 
 #[test]
+fn the_bar_names_the_last_triangle_and_its_fragments() {
+    let mut bench = Bench::small("cubes");
+    bench.press(Key::Home);
+    assert!(!bench.mentions(" fragments"));
+    for _ in 0..3 {
+        bench.press(Key::Period);
+    }
+    let session = bench.session();
+    let view = bench.view();
+    let last = view.timeline.as_ref().unwrap().last.clone().unwrap();
+    let drawn = view.frame.geometry.triangles.last().unwrap().id;
+    assert_eq!(last.id, drawn);
+    let object = &session.scene.instances[last.instance as usize].name;
+    let fragments = view.timeline.as_ref().unwrap().fragments[0];
+    let name = format!("{object}, triangle {}, {fragments} fragments", last.id.0);
+    assert!(bench.says(&name), "{name}");
+    bench.press_with(Modifiers::SHIFT, Key::Comma);
+    assert!(bench.mentions(&format!(", {} of {fragments} fragments", fragments - 1)));
+    bench.press(Key::End);
+    assert!(!bench.mentions(&format!(" of {fragments} fragments")));
+}
+
+#[test]
 fn space_plays_and_stops() {
     let mut bench = Bench::small("shared-edges");
     bench.session_mut().apply(Command::Scrub(ScrubChange::Speed(4.0)));

@@ -3,6 +3,7 @@
 use eframe::egui::{Align2, Color32, FontId, Rect, Ui, Vec2, vec2};
 
 use super::small;
+use crate::inspect::what_if::Changes;
 use crate::measure::difference::Difference;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::format;
@@ -31,4 +32,19 @@ pub(super) fn legend(ui: &Ui, picture: Rect, (kind, gain): (Difference, u32)) {
     let number = |value: f64| format::fixed(value, if high >= 10.0 { 0 } else { 3 });
     painter.text(bar.left_bottom() + vec2(0.0, 2.0), Align2::LEFT_TOP, number(low), mono.clone(), tokens(ui).text);
     painter.text(bar.right_bottom() + vec2(0.0, 2.0), Align2::RIGHT_TOP, number(high), mono, tokens(ui).text);
+}
+
+/// Draws the number of changed pixels in the lower left corner of the picture.
+pub(super) fn changed(ui: &Ui, picture: Rect, changes: &Changes) {
+    let words = match changes.count {
+        0 => "No pixel differs between A and B".to_owned(),
+        1 => "1 pixel differs between A and B, marked over the dimmed B".to_owned(),
+        count => format!("{} pixels differ between A and B, marked over the dimmed B", format::count(count)),
+    };
+    let painter = ui.painter().with_clip_rect(picture);
+    let text = painter.layout_no_wrap(words, small(), tokens(ui).text);
+    let size = text.size() + Vec2::splat(2.0 * space::S);
+    let frame = Rect::from_min_size(picture.left_bottom() + vec2(space::S, -space::S - size.y), size);
+    painter.rect_filled(frame, RADIUS, tokens(ui).panel.gamma_multiply(0.92));
+    painter.galley(frame.shrink(space::S).min, text, tokens(ui).text);
 }

@@ -9,7 +9,7 @@ mod history;
 
 mod numbers;
 
-use eframe::egui::{self, Color32, Label, RichText, ScrollArea, Sense, Ui, Vec2};
+use eframe::egui::{self, Button, Color32, Label, RichText, ScrollArea, Sense, Ui, Vec2};
 
 use self::diagram::{SampleLocation, triangle_diagram, weights};
 use self::history::{Chosen, HistoryView};
@@ -208,7 +208,24 @@ fn headline(ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
         });
     });
     ui.add(Label::new(RichText::new(&report.verdict).color(tokens(ui).text_strong)).wrap().selectable(true));
+    remedies(ui, report, commands);
     ui.add_space(theme::space::XS);
+}
+
+/// Draws a button for each remedy of the pixel.
+fn remedies(ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
+    if report.remedies.is_empty() {
+        return;
+    }
+    ui.horizontal_wrapped(|ui| {
+        for remedy in &report.remedies {
+            let button = Button::new((theme::icon(Icon::Wrench), remedy.label()));
+            let help = format!("{}. Changes {}; Ctrl+Z undoes it", remedy.effect(), remedy.change());
+            if ui.add(button).on_hover_text(help).clicked() {
+                commands.push(Command::ApplyRemedy(*remedy));
+            }
+        }
+    });
 }
 
 /// Draws a note if the pixel does not show the picked point because another surface hides it.

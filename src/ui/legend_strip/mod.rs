@@ -1,0 +1,127 @@
+//! Strip below the picture with everything that changes how the picture looks: overlays, shown quantity, heat map,
+//! selection, triangle limit and mirroring. Each has a chip that removes it and, where it has colours, a legend.
+//!
+//! The strip takes no space while there is nothing to list.
+
+mod chips;
+
+mod scale;
+
+pub(crate) use scale::ScaleLegend;
+
+use eframe::egui::{Button, Frame, Id, Label, Panel, RichText, ScrollArea, Ui, WidgetInfo};
+
+use super::command::Command;
+use super::engine::{RenderedView, Shown};
+use super::fault_bar;
+use super::look::kind;
+use super::overlays::legend;
+use super::probe;
+use super::range::plot::{legend_colors, short};
+use super::scrub::transport::last_drawn;
+use super::session::Session;
+use super::theme::{self, CONTROL_HEIGHT, Icon, ROW_HEIGHT, space, tokens};
+use super::what_if;
+use crate::inspect::Buffer;
+use crate::inspect::display::ValueKind;
+use crate::inspect::view::absence;
+use chips::Chip;
+
+/// Maximum height of the strip without scrolling, in points.
+const MAX_HEIGHT: f32 = 4.0 * ROW_HEIGHT;
+
+/// Maximum number of totals in the legend of an overlay.
+const TOTALS: usize = 2;
+
+/// Draws the strip at the bottom of `ui` if it has content. Returns its height, in points; 0 without content.
+pub(crate) fn show(ui: &mut Ui, frame: Frame, session: &Session, commands: &mut Vec<Command>) -> f32 {
+    let chips = chips::active(session);
+    if chips.is_empty() {
+        return 0.0;
+    }
+    // A panel does not grow with a scrolled content, so it gets the height that the content had in the last pass.
+    let id = Id::unique("height of the legend strip");
+    let known: f32 = ui.data(|data| data.get_temp(id)).unwrap_or(CONTROL_HEIGHT);
+    let margin = frame.total_margin().sum().y;
+    let panel = Panel::bottom("legends").frame(frame).resizable(false).exact_size(known.min(MAX_HEIGHT) + margin);
+    let response = panel.show(ui, |ui| {
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            ui.horizontal_wrapped(|ui| {
+                ui.spacing_mut().item_spacing.y = space::XS;
+                for chip in chips {
+                    draw(ui, chip, session, commands);
+                    ui.add_space(space::S);
+                }
+            });
+            let needed = ui.min_rect().height();
+            if needed != known {
+                ui.data_mut(|data| data.insert_temp(id, needed));
+                ui.request_repaint();
+            }
+        });
+    });
+    response.response.rect.height()
+}
+
+/// Returns what each chip removes, as an instruction, and the command for it.
+pub(crate) fn removals(session: &Session) -> Vec<(String, Command)> {
+    chips::active(session).into_iter().map(|chip| (chip.name(session), chip.remove())).collect()
+}
+
+/// Draws a chip and its legend.
+fn draw(ui: &mut Ui, chip: Chip, session: &Session, commands: &mut Vec<Command>) {
+    let text = chip.label(session);
+    let button = ui.add(Button::new((text.as_str(), theme::icon(Icon::X))).min_size([0.0, CONTROL_HEIGHT].into()));
+    let name = chip.name(session);
+    button.widget_info(|| WidgetInfo::labeled(eframe::egui::Role::Button, true, &name));
+    if button.on_hover_text(format!("{}. Click: {}", chip.help(session), chip.removal())).clicked() {
+        commands.push(chip.remove());
+    }
+    let Some(view) = what_if::visible_view(ui, session) else { return };
+    match chip {
+        Chip::Shown => shown(ui, session, view, commands),
+        Chip::Overlay(overlay) => {
+            if let Some(sheet) = view.look_result.sheets.iter().find(|sheet| sheet.overlay == overlay) {
+                legend::inline(ui, sheet, TOTALS);
+            }
+        }
+        Chip::Probe => probe::legend(ui, &session.probing),
+        Chip::Marks if !session.overlays.vectors => {
+            note(ui, "zoom in to see sample points and edges");
+        }
+        Chip::TriangleLimit => {
+            if let Some(name) = last_drawn(session) {
+                let help = "Last triangle drawn. It is outlined in the picture, and its object more faintly";
+                ui.add(Label::new(RichText::new(name).color(tokens(ui).text)).extend()).on_hover_text(help);
+            }
+        }
+        Chip::Marks | Chip::Selection | Chip::Mirrored => {}
+    }
+}
+
+/// Draws the legend of the shown quantity: its colours, or the reason why it has no values.
+fn shown(ui: &mut Ui, session: &Session, view: &RenderedView, commands: &mut Vec<Command>) {
+    let shown = view.request.shown;
+    let missing = match shown.source() {
+        Shown::Buffer(buffer) => absence(buffer, &view.frame),
+        Shown::Stage(_) | Shown::Intermediate(_) => None,
+    };
+    if let Some(missing) = missing {
+        ui.add(Label::new(RichText::new(missing).small().color(tokens(ui).warning)).extend());
+        return;
+    }
+    let range = view.range.filter(|_| kind(shown) == ValueKind::Numbers && !session.range.open);
+    if let Some(range) = range {
+        let colors = legend_colors(shown, &session.range.setting(shown), range);
+        ScaleLegend { ends: [short(range.low), short(range.high)] }.ui(ui, colors);
+    }
+    let hits = view.buffers.as_ref().and_then(|buffers| buffers.hits.as_ref());
+    if let Some(hits) = hits.filter(|_| shown == Shown::Buffer(Buffer::Hits)) {
+        fault_bar::ui(ui, hits, commands);
+    }
+}
+
+/// Draws a note in small, weak text.
+pub(crate) fn note(ui: &mut Ui, text: &str) -> eframe::egui::Response {
+    ui.add(Label::new(RichText::new(text).small().color(tokens(ui).text_weak)).extend())
+}
