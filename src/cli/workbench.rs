@@ -16,6 +16,7 @@ use crate::pipeline::viewport::Viewport;
 use crate::ui::command::Command;
 use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::engine::Shown;
+use crate::ui::onboarding::OnboardingChange;
 use crate::ui::overlays;
 use crate::ui::place;
 use crate::ui::range;
@@ -114,6 +115,8 @@ fn open_first(open: Open) -> Vec<Command> {
         Open::Bookmarks => {
             vec![Command::Place(place::PlaceChange::Bookmark), Command::Place(place::PlaceChange::Manage)]
         }
+        Open::StartCard => vec![Command::Onboarding(OnboardingChange::OpenCard)],
+        Open::Coach => vec![Command::Onboarding(OnboardingChange::StartCoach)],
     }
 }
 

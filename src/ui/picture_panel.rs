@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use eframe::egui::{self, CentralPanel, Panel, Ui};
 
 use super::compare::{self, tiles::TilesView};
+use super::onboarding;
 use super::panels::transport;
 use super::scrub;
 use super::theme;
@@ -17,6 +18,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     id: "picture",
     name: "Picture",
     help: "Picture, with every buffer, stage and overlay",
+    synonyms: &[],
     chapter: Chapter::GettingStarted,
     grows: true,
     titled: false,
@@ -57,7 +59,7 @@ fn ui(ui: &mut Ui, cx: &mut PanelContext<'_>) {
 
 fn canvas(ui: &mut Ui, cx: &mut PanelContext<'_>, compares: bool) {
     let PanelContext { session, widgets, commands } = cx;
-    let PanelWidgets { canvas, tiles, case, canvas_px, requested_at, is_synchronous, .. } = &mut **widgets;
+    let PanelWidgets { canvas, tiles, case, thumbnails, canvas_px, requested_at, is_synchronous, .. } = &mut **widgets;
     let rect = ui.max_rect();
     let size = if compares { TilesView::picture_size(rect, session) } else { ui.available_size() };
     let size = size * ui.pixels_per_point();
@@ -69,6 +71,10 @@ fn canvas(ui: &mut Ui, cx: &mut PanelContext<'_>, compares: bool) {
     } else {
         canvas.ui(ui, session, commands);
         what_if::bar::label(ui, rect, session);
+    }
+    if session.case.is_none() {
+        onboarding::card::ui(ui, rect, session, thumbnails, commands);
+        onboarding::coach::ui(ui, rect, session, commands);
     }
     drop_hint(ui);
     busy_mark(ui, *requested_at);

@@ -325,6 +325,14 @@ pub(crate) fn icon_button(ui: &mut Ui, icon: Icon, name: &str) -> Response {
     .inner
 }
 
+/// Adds a button “…” with a menu of the controls that have no room in their bar. `name` is the tooltip and the
+/// accessible name of the button.
+pub(crate) fn overflow_menu(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
+    let button = Button::new(theme::icon(Icon::Ellipsis)).frame_when_inactive(false);
+    let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, content);
+    response.on_hover_text(name).widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
+}
+
 /// Adds a button that copies `text` to the clipboard and briefly confirms the copy. Its tooltip is “Copy” followed by
 /// `what`.
 pub(crate) fn copy_button(ui: &mut Ui, what: &str, text: impl FnOnce() -> String) -> Response {

@@ -200,7 +200,7 @@ fn tabbing_through_the_fields_changes_nothing() {
         (Stage::Upscale, "antialias.method=jittered"),
         (Stage::Depth, "depth_bias.slope=0.123456789"),
     ] {
-        let mut bench = Bench::small("chess");
+        let mut bench = Bench::small("cubes");
         bench.session_mut().state.recipe.set(change).unwrap();
         bench.session_mut().state.recipe.antialias.seed = 0x1234_5678;
         bench.session_mut().settle_silently();
@@ -208,7 +208,8 @@ fn tabbing_through_the_fields_changes_nothing() {
         let recipe = bench.session().state.recipe;
         let mut fields = 0;
         for _ in 0..120 {
-            bench.press(Key::Tab);
+            bench.window.key_press(Key::Tab);
+            bench.window.run_steps(2);
             fields += usize::from(bench.window.ctx.text_edit_focused());
             assert_eq!(bench.session().state.recipe, recipe, "{change}");
         }
