@@ -169,6 +169,12 @@ impl Recipe {
         keys
     }
 
+    /// Returns other words, in lower case, for a setting or for one of its values; `assignment` is `key=value`.
+    pub(crate) fn synonyms(assignment: &str) -> Vec<&'static str> {
+        let matching = SYNONYMS.iter().filter(|(start, _)| assignment.starts_with(start));
+        matching.flat_map(|(_, words)| words.iter().copied()).collect()
+    }
+
     /// Checks the numeric ranges that the types of the settings do not enforce. Returns an error message if a number is
     /// out of range.
     pub(crate) fn check(&self) -> Result<(), String> {
@@ -190,6 +196,24 @@ impl Recipe {
         self.post.check()
     }
 }
+
+/// Other words for the settings whose assignment `key=value` starts with the first string.
+const SYNONYMS: &[(&str, &[&str])] = &[
+    ("address=", &["wrap", "texture wrap", "tiling"]),
+    ("antialias.method=", &["aa", "antialiasing", "supersampling", "ssaa"]),
+    ("antialias.method=multisample", &["msaa"]),
+    ("alpha=", &["premultiplied alpha"]),
+    ("background", &["clear color", "sky"]),
+    ("culling=", &["backface", "back face"]),
+    ("depth_bias", &["polygon offset"]),
+    ("depth_test=", &["depth compare", "zfunc"]),
+    ("filter=", &["mipmap", "mip", "sampler"]),
+    ("fill_rule=", &["top left rule"]),
+    ("light.ambient", &["brightness"]),
+    ("light.direction", &["sun"]),
+    ("rasterizer=", &["scanline"]),
+    ("wireframe=true", &["wireframe", "wire", "lines"]),
+];
 
 /// Returns the dotted key of an assignment `key=value`, with each `-` replaced by `_`.
 fn key_of(assignment: &str) -> String {

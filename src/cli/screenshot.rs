@@ -180,6 +180,10 @@ pub(crate) enum Open {
     Palette,
     /// List of bookmarks, which contains one bookmark
     Bookmarks,
+    /// Start card with examples, for new users
+    StartCard,
+    /// First step of the introduction on the live picture
+    Coach,
 }
 
 fn moment(text: &str) -> Result<Moment, String> {

@@ -17,6 +17,7 @@ use crate::pipeline::viewport::Viewport;
 use crate::ui::command::Command;
 use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::engine::Shown;
+use crate::ui::onboarding::OnboardingChange;
 use crate::ui::overlays;
 use crate::ui::place;
 use crate::ui::range;
@@ -125,6 +126,8 @@ fn open_first(open: Open) -> Vec<Command> {
         Open::Bookmarks => {
             vec![Command::Place(place::PlaceChange::Bookmark), Command::Place(place::PlaceChange::Manage)]
         }
+        Open::StartCard => vec![Command::Onboarding(OnboardingChange::OpenCard)],
+        Open::Coach => vec![Command::Onboarding(OnboardingChange::StartCoach)],
     }
 }
 

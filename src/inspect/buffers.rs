@@ -17,13 +17,14 @@ use crate::scene::{Scene, TriangleId};
 choice! {
     /// A quantity that can be displayed instead of the colour.
     pub Buffer {
-        Color = "color", "Colour", "The finished picture.";
-        Depth = "depth", "Depth", "The depth buffer at the end of the frame.";
+        Color = "color", "Colour", "The finished picture.", also ["final", "color buffer", "framebuffer"];
+        Depth = "depth", "Depth", "The depth buffer at the end of the frame.", also ["zbuffer", "z-buffer", "depth buffer"];
         TriangleId = "triangle-id", "Triangle id", "The triangle that won each sample, one colour per triangle.";
         Lambda = "lambda", "Barycentric: linear", "Screen-space weights of the winning triangle: λ0 red, λ1 green, λ2 blue.";
         PerspectiveLambda = "perspective-lambda", "Barycentric: perspective-correct", "Weights of attributes in the winning triangle; equal to the linear ones if interpolation is affine.";
         Overdraw = "overdraw", "Overdraw",
-            "Number of triangles that cover each sample, whether or not they pass the depth test.";
+            "Number of triangles that cover each sample, whether or not they pass the depth test.",
+            also ["heatmap", "fill rate"];
         Shaded = "shaded", "Times shaded", "Number of times each sample was shaded: work that the depth test did not save.";
         Hits = "hits", "Hit count", "Number of triangles that cover each sample, without depth test. Cracks along shared edges are blue, double hits orange.";
     }

@@ -14,7 +14,7 @@ pub(crate) fn is_black([r, g, b, _]: Rgba8) -> bool {
 }
 
 /// A built-in scene with settings that produce a black spot, and a question about it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BlackPixelLesson {
     /// Id of the built-in scene.
     pub(crate) scene: &'static str,
@@ -23,10 +23,8 @@ pub(crate) struct BlackPixelLesson {
     /// Settings that differ from the default recipe, as `key=value` assignments.
     pub(crate) settings: &'static [&'static str],
     /// Position of the black spot, as fractions of the picture's width and height.
-    #[cfg_attr(not(test), expect(dead_code, reason = "tests pick the spot and check its verdict"))]
     pub(crate) place: [f32; 2],
     /// Part of the pixel's verdict that names the cause of the black spot.
-    #[cfg_attr(not(test), expect(dead_code, reason = "tests pick the spot and check its verdict"))]
     pub(crate) cause: &'static str,
 }
 
@@ -79,7 +77,6 @@ impl BlackPixelLesson {
     }
 
     /// Returns the black pixel nearest to the lesson's spot; `None` if no pixel is black.
-    #[cfg(test)]
     pub(crate) fn black_pixel(&self, frame: &crate::chain::Frame) -> Option<(u32, u32)> {
         let (width, height) = (frame.viewport.width, frame.viewport.height);
         let [x, y] = [self.place[0] * width as f32, self.place[1] * height as f32].map(|at| at as u32);

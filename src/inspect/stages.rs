@@ -23,7 +23,7 @@ choice! {
     /// Pipeline stage whose result can be displayed.
     pub Stage {
         Assemble = "assemble", "Assemble", "Corners of all triangles that reach into the view, as dots. Clipped triangles are shown by the corners of their pieces.";
-        Transform = "transform", "Transform", "Vertices from model through world and view to clip space: the edges of all triangles that reach into the view, front- and back-facing.";
+        Transform = "transform", "Transform", "Vertices from model through world and view to clip space: the edges of all triangles that reach into the view, front- and back-facing.", also ["fov", "field of view", "camera", "projection"];
         Clip = "clip", "Clip", "Triangles outside the view are removed; pieces of triangles clipped at the near plane, the far plane or the guard band are orange.";
         Project = "project", "Project", "Edges and corners after the division by w, scaled to pixels and snapped to 1/256 px.";
         Cull = "cull", "Cull", "Triangles to rasterize are white, culled ones red. Zero-area triangles are not shown.";

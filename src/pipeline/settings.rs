@@ -21,11 +21,18 @@ pub trait Choice: Copy + PartialEq + 'static {
 
     /// Returns the help text that tooltips and the command line show.
     fn help(self) -> &'static str;
+
+    /// Returns other words for the alternative, in lower case, by which the palette finds it.
+    fn synonyms(self) -> &'static [&'static str] {
+        &[]
+    }
 }
 
-/// Declares an enum of alternatives with id, name and help, and implements [`Choice`] for it.
+/// Declares an enum of alternatives with id, name, help and optional synonyms, and implements [`Choice`] for it.
 macro_rules! choice {
-    ($(#[$meta:meta])* $visibility:vis $enum:ident { $($variant:ident = $id:literal, $name:literal, $help:literal;)+ }) => {
+    ($(#[$meta:meta])* $visibility:vis $enum:ident {
+        $($variant:ident = $id:literal, $name:literal, $help:literal $(, also [$($synonym:literal),+])?;)+
+    }) => {
         $(#[$meta])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
         $visibility enum $enum {
@@ -45,6 +52,10 @@ macro_rules! choice {
 
             fn help(self) -> &'static str {
                 match self { $(Self::$variant => $help),+ }
+            }
+
+            fn synonyms(self) -> &'static [&'static str] {
+                match self { $(Self::$variant => &[$($($synonym),+)?]),+ }
             }
         }
     };

@@ -18,7 +18,7 @@ use eframe::egui::{self, CentralPanel, Context, Panel, Ui};
 
 use idle_measurement::IdleMeasurement;
 use opening::{Loading, OpeningCase, SLOW_LOAD};
-use saving::PendingExport;
+use saving::{FolderTask, PendingExport};
 
 use super::checks;
 use super::command::{BINDINGS, Command};
@@ -32,16 +32,19 @@ use super::layout;
 use super::long_tasks::{SavingsTask, ScalingTask, StabilityTask};
 use super::manual::ManualWindow;
 use super::navigate::FLYING_KEYS;
+use super::onboarding::Observed;
 use super::overlays;
 use super::palette::Palette;
 use super::panels::dialogs::{Dialog, OpenDialog};
 use super::panels::{menu, message};
 use super::place;
 use super::range;
+use super::save_as::{Destination, SaveItem};
 use super::session::{PointerMode, Session, Severity, WindowState};
 use super::store::Store;
 use super::task::BackgroundTask;
 use super::theme;
+use super::thumbnails::Thumbnails;
 use super::what_if;
 use super::worker::{Worker, WorkerRequest};
 use super::workspace::{self, Docks, PanelContext, PanelWidgets, StoredLayouts, WorkspaceChange};
@@ -69,6 +72,8 @@ pub(crate) struct Workbench {
     measuring_scaling: Option<ScalingTask>,
     /// Exports that background threads are writing to files.
     saving: Vec<PendingExport>,
+    /// Task that opens the folder of a saved file.
+    opening_folder: Option<FolderTask>,
     /// State of the widgets in the panels.
     widgets: PanelWidgets,
     /// Layouts of the workspaces.
@@ -108,7 +113,12 @@ impl Workbench {
             measuring_savings: None,
             measuring_scaling: None,
             saving: Vec::new(),
-            widgets: PanelWidgets { is_synchronous, ..PanelWidgets::default() },
+            opening_folder: None,
+            widgets: PanelWidgets {
+                is_synchronous,
+                thumbnails: Thumbnails::new(is_synchronous),
+                ..PanelWidgets::default()
+            },
             docks: Docks::new(&StoredLayouts::default()),
             last_compare_request: None,
             last_filmstrip_request: None,
@@ -169,11 +179,17 @@ impl Workbench {
         self.layout(ui, &mut commands);
         for command in commands {
             let nudges = matches!(command, Command::NudgePick(..));
+            self.session.onboarding.observe_command(&command);
             self.run(ui, command);
             if let Some(pixel) = self.session.pick.filter(|_| nudges) {
                 self.widgets.canvas.zoom.keep_in_view(pixel, self.widgets.visible_px);
             }
         }
+        self.session.onboarding.observe(Observed {
+            zoom: self.widgets.canvas.scale(),
+            shows_stage: matches!(self.session.shown, Shown::Stage(_)),
+            compares: self.session.comparison.is_on(),
+        });
         if !ui.input(|i| i.pointer.any_down()) {
             self.session.settle(ui.input(|i| i.time));
         }
@@ -195,7 +211,9 @@ impl Workbench {
     fn layout(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let frame = theme::panel_frame(ui);
         let tight = frame.inner_margin(egui::Margin::symmetric(theme::space::S as i8, 2));
-        Panel::top("menu").frame(tight).show(ui, |ui| menu::ui(ui, &self.session, commands));
+        Panel::top("menu")
+            .frame(tight)
+            .show(ui, |ui| menu::ui(ui, &self.session, &mut self.widgets.thumbnails, commands));
         Panel::bottom("message").frame(tight).exact_size(MESSAGE_HEIGHT).show(ui, |ui| {
             message::ui(ui, &self.session, self.slow_open(), commands);
         });
@@ -243,8 +261,12 @@ impl Workbench {
             Command::ShowFileDialog => self.dialog = Dialog::Open(OpenDialog::default()),
             Command::Open(path) => self.open(ui, SceneSource::File(path, TrMeaning::Auto)),
             Command::Reopen(path, tr) => self.open(ui, SceneSource::File(path, tr)),
+            Command::OpenLesson(lesson) => self.open_lesson(ui, lesson),
             Command::OpenBuiltin(id) => self.open(ui, SceneSource::named(id.into())),
-            Command::SaveCase => self.save_case(ui),
+            Command::SaveAs(item) => self.ask_where_to_save(ui, item),
+            Command::SaveTo(item, path) => self.save_item(ui, item, Destination::File(path)),
+            Command::OpenFolder(file) => self.open_folder(ui, &file),
+            Command::SaveCase => self.save_item(ui, SaveItem::Case, Destination::Automatic),
             Command::RunStability => self.measure_stability(ui),
             Command::Probe(change) => self.probe(ui, change),
             Command::MeasurePlan => self.measure_plan(ui),
@@ -278,7 +300,7 @@ impl Workbench {
                 self.idle.decline(self.session.request());
                 self.session.timings.clear();
             }
-            Command::ExportTimings => self.export_timings(ui),
+            Command::ExportTimings => self.save_item(ui, SaveItem::FrameTimes, Destination::Automatic),
             Command::ZoomFit => self.widgets.canvas.fit(),
             Command::ZoomOne => {
                 let viewport = self.session.viewport();
@@ -293,19 +315,18 @@ impl Workbench {
                 }
             }
             Command::Overlays(overlays::OverlayChange::SaveTotals) => {
-                self.save(ui, ("overlays", "csv"), overlays::save::totals(&self.session));
+                self.save_overlay_totals(ui);
             }
-            Command::Lab(lab::LabChange::Save(end)) => self.save_drawing(ui, end),
+            Command::Lab(lab::LabChange::Save(end)) => {
+                self.save_item(ui, SaveItem::LabDrawing(end), Destination::Automatic);
+            }
             Command::Lab(lab::LabChange::Picture(path)) => self.session.open_picture(&path),
-            Command::SaveData => {
-                if let Some(view) = what_if::visible_view(ui, &self.session) {
-                    let (stem, encode) = range::save::data(view.clone());
-                    self.save(ui, (stem, "pfm"), encode);
-                }
+            Command::SaveData => self.save_item(ui, SaveItem::Values, Destination::Automatic),
+            Command::SavePicture => self.save_item(ui, SaveItem::Picture, Destination::Automatic),
+            Command::SaveComparison => self.save_item(ui, SaveItem::Comparison, Destination::Automatic),
+            Command::SaveOutline(kind, end) => {
+                self.save_item(ui, SaveItem::Outline(kind, end), Destination::Automatic);
             }
-            Command::SavePicture => self.save_picture(ui),
-            Command::SaveComparison => self.save_comparison(ui),
-            Command::SaveOutline(kind, end) => self.save_outline(ui, kind, end),
             Command::CopyPicture => self.copy_picture(ui),
             Command::ToggleTheme => {
                 let dark = ui.visuals().dark_mode;
@@ -346,6 +367,9 @@ impl Workbench {
     fn escape(&mut self) {
         if self.manual.is_open() {
             self.manual.close();
+            return;
+        }
+        if self.session.onboarding.escape() {
             return;
         }
         if self.session.case.is_some() {

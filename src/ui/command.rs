@@ -15,10 +15,12 @@ use super::filmstrip::FilmstripChange;
 use super::lab;
 use super::long_tasks::StabilityView;
 use super::mesh_view;
+use super::onboarding::OnboardingChange;
 use super::overlays;
 use super::place;
 use super::probe;
 use super::range;
+use super::save_as::SaveItem;
 use super::scrub;
 use super::session::{PictureSize, PointerMode};
 use super::timings::TimingsChange;
@@ -31,6 +33,7 @@ use crate::case::Options;
 use crate::chain::Recipe;
 use crate::inspect::Remedy;
 use crate::inspect::Stage;
+use crate::inspect::lesson::BlackPixelLesson;
 use crate::inspect::outline::OutlineKind;
 use crate::inspect::range::RangeFit;
 use crate::inspect::scrub::Unit;
@@ -53,6 +56,8 @@ pub(crate) enum Command {
     Reopen(PathBuf, TrMeaning),
     /// Opens a built-in scene by id.
     OpenBuiltin(String),
+    /// Opens the scene of a lesson with its settings, and picks its black spot.
+    OpenLesson(&'static BlackPixelLesson),
     /// Mirrors the scene along the z axis.
     MirrorZ,
     /// Closes the open case.
@@ -129,8 +134,8 @@ pub(crate) enum Command {
     StepTriangle(i64),
     /// Sets the pointer mode.
     SetPointerMode(PointerMode),
-    /// Switches to the other pointer mode.
-    TogglePointerMode,
+    /// Sets the pointer mode, or returns to the default mode if this one is already on.
+    TogglePointerMode(PointerMode),
     /// Fits the picture into the canvas.
     ZoomFit,
     /// Shows the picture at 1:1: one picture pixel per screen pixel.
@@ -149,6 +154,12 @@ pub(crate) enum Command {
     ExportTimings,
     /// Clears all frame times.
     ClearTimings,
+    /// Asks for a path, and saves this item there.
+    SaveAs(SaveItem),
+    /// Saves an item at this path, and replaces an existing file.
+    SaveTo(SaveItem, PathBuf),
+    /// Opens the folder of a saved file with the desktop's file manager.
+    OpenFolder(PathBuf),
     /// Saves the picture on the canvas as PNG.
     SavePicture,
     /// Saves the compared pictures and their errors as an HTML page.
@@ -171,8 +182,8 @@ pub(crate) enum Command {
     CloseNotice,
     /// Dismisses the error bar.
     CloseError,
-    /// Dismisses the hint for new users.
-    CloseHint,
+    /// Changes the introduction for new users.
+    Onboarding(OnboardingChange),
     /// Switches between the dark and the light theme.
     ToggleTheme,
     /// Sets the scale of the whole interface; 1 is the default.
@@ -183,7 +194,7 @@ pub(crate) enum Command {
     OpenManual(Option<Chapter>),
     /// Shows the dialog for going to a pixel, triangle, vertex or object.
     ShowPixelDialog,
-    /// Performs the first applicable action: closes the manual, closes the case, clears the selection, clears the pick,
+    /// Performs the first applicable action: closes the manual, closes the introduction, closes the case, clears the selection, clears the pick,
     /// hides the probe's heat map, ends the comparison, or shows the colour buffer of the complete frame.
     Escape,
     /// Changes the overlays.
@@ -227,10 +238,12 @@ pub(crate) struct KeyBinding {
     pub(crate) command: fn() -> Command,
     /// Description for tooltips and the key sheet.
     pub(crate) description: &'static str,
+    /// Other words for the command, in lower case, by which the palette finds it.
+    pub(crate) synonyms: &'static [&'static str],
 }
 
 const fn bind(modifiers: Modifiers, key: Key, command: fn() -> Command, what: &'static str) -> KeyBinding {
-    KeyBinding { key, modifiers, command, description: what }
+    KeyBinding { key, modifiers, command, description: what, synonyms: &[] }
 }
 
 /// Modifier keys Ctrl + Shift.
@@ -247,6 +260,11 @@ const fn show(key: Key, command: fn() -> Command) -> KeyBinding {
 }
 
 impl KeyBinding {
+    /// Returns the binding with other words for its command, in lower case, by which the palette finds it.
+    const fn also(self, synonyms: &'static [&'static str]) -> Self {
+        Self { synonyms, ..self }
+    }
+
     /// Whether the key works while a widget other than a text field has the keyboard focus: function keys, and keys with
     /// Ctrl or Alt.
     pub(crate) fn works_beside_focus(&self) -> bool {
@@ -276,18 +294,21 @@ impl KeyBinding {
 /// Key map of the window. Among the bindings of one key, those with more modifiers come first, so that the first match
 /// is the most specific.
 pub(crate) const BINDINGS: &[KeyBinding] = &[
-    bind(Modifiers::COMMAND, Key::O, || Command::ShowFileDialog, "Open a model or a case"),
+    bind(Modifiers::COMMAND, Key::O, || Command::ShowFileDialog, "Open a model or a case").also(&["import", "load"]),
     bind(
-        Modifiers::COMMAND.plus(Modifiers::SHIFT),
+        Modifiers::COMMAND.plus(Modifiers::ALT),
         Key::S,
         || Command::SaveData,
         "Save the exact values of the shown buffer as floats (PFM)",
     ),
-    bind(Modifiers::COMMAND, Key::S, || Command::SavePicture, "Save the picture as PNG"),
+    bind(CONTROL_SHIFT, Key::S, || Command::SaveAs(SaveItem::Picture), "Save the picture as PNG under a chosen name")
+        .also(&["export", "save as"]),
+    bind(Modifiers::COMMAND, Key::S, || Command::SavePicture, "Save the picture as PNG")
+        .also(&["screenshot", "capture"]),
     bind(CONTROL_SHIFT, Key::C, || Command::Place(place::PlaceChange::Copy), "Copy the view as a command"),
     bind(Modifiers::COMMAND, Key::C, || Command::CopyPicture, "Copy the picture"),
     bind(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z, || Command::Redo, "Redo the last undone change"),
-    bind(Modifiers::COMMAND, Key::Z, || Command::Undo, "Undo the last change"),
+    bind(Modifiers::COMMAND, Key::Z, || Command::Undo, "Undo the last change").also(&["undo", "revert"]),
     bind(Modifiers::COMMAND, Key::G, || Command::ShowPixelDialog, "Go to a pixel, triangle, vertex or object"),
     bind(CONTROL_SHIFT, Key::P, || Command::OpenPalette, "Find anything"),
     bind(Modifiers::COMMAND, Key::B, || Command::Place(place::PlaceChange::Bookmark), "Bookmark the current view"),
@@ -325,7 +346,8 @@ pub(crate) const BINDINGS: &[KeyBinding] = &[
         || Command::Place(place::PlaceChange::Forward),
         "Go forward to the next view",
     ),
-    bind(Modifiers::NONE, Key::F, || Command::ZoomFit, "Fit the picture into the canvas"),
+    bind(Modifiers::NONE, Key::F, || Command::ZoomFit, "Fit the picture into the canvas")
+        .also(&["zoom", "zoom to fit"]),
     bind(Modifiers::NONE, Key::Num0, || Command::ZoomOne, "Show one picture pixel per screen pixel"),
     bind(Modifiers::NONE, Key::OpenBracket, || Command::StepStage(-1), "Select the previous stage"),
     bind(Modifiers::NONE, Key::CloseBracket, || Command::StepStage(1), "Select the next stage"),
@@ -388,6 +410,13 @@ pub(crate) const BINDINGS: &[KeyBinding] = &[
         || Command::Range(range::RangeChange::Fit(RangeFit::All)),
         "Fit the value range to all values of the picture",
     ),
+    bind(
+        Modifiers::SHIFT,
+        Key::R,
+        || Command::Range(range::RangeChange::DrawRegion(true)),
+        "Draw a rectangle, to show the statistics of its pixels",
+    )
+    .also(&["crop", "region", "selection", "average"]),
     bind(Modifiers::NONE, Key::Home, || Command::LimitTriangles(Some(0)), "Go to the start, before the first triangle"),
     bind(Modifiers::NONE, Key::End, || Command::LimitTriangles(None), "Go to the end, after the last triangle"),
     bind(Modifiers::SHIFT, Key::ArrowLeft, || Command::NudgePick(-10, 0), "Pick the pixel 10 px to the left"),
@@ -488,8 +517,22 @@ pub(crate) const BINDINGS: &[KeyBinding] = &[
         || Command::MeshView(mesh_view::MeshViewChange::Toggle),
         "Show or hide the mesh view",
     ),
-    bind(Modifiers::NONE, Key::C, || Command::TogglePointerMode, "Turn camera mode on or off"),
-    bind(Modifiers::NONE, Key::H, || Command::ResetCamera, "Return to the scene's home view"),
+    bind(
+        Modifiers::NONE,
+        Key::C,
+        || Command::TogglePointerMode(PointerMode::Camera),
+        "Turn camera mode on or off: dragging orbits, the wheel dollies, W A S D Q E fly",
+    )
+    .also(&["fly", "wasd", "first person"]),
+    bind(
+        Modifiers::NONE,
+        Key::P,
+        || Command::TogglePointerMode(PointerMode::Pan),
+        "Turn pan mode on or off: dragging pans the picture",
+    )
+    .also(&["pan", "hand tool", "scroll"]),
+    bind(Modifiers::NONE, Key::H, || Command::ResetCamera, "Return to the scene's home view")
+        .also(&["home", "reset camera"]),
     bind(Modifiers::NONE, Key::Enter, || Command::Watch(watch::WatchChange::AddPick), "Watch the picked pixel"),
     bind(
         Modifiers::NONE,
@@ -497,23 +540,27 @@ pub(crate) const BINDINGS: &[KeyBinding] = &[
         || Command::Escape,
         "Clear the selection; without one, stop comparing; otherwise show the finished picture",
     ),
-    bind(Modifiers::SHIFT, Key::Slash, || Command::ToggleKeys, "Show all keys and mouse gestures"),
+    bind(Modifiers::SHIFT, Key::Slash, || Command::ToggleKeys, "Show all keys and mouse gestures").also(&[
+        "shortcuts",
+        "hotkeys",
+        "controls",
+    ]),
     bind(Modifiers::NONE, Key::Questionmark, || Command::ToggleKeys, "Show all keys and mouse gestures"),
-    bind(Modifiers::NONE, Key::F1, || Command::OpenManual(None), "Open and search the manual"),
+    bind(Modifiers::NONE, Key::F1, || Command::OpenManual(None), "Open and search the manual").also(&["help", "docs"]),
 ];
 
 /// Mouse gestures and their effects, for the key sheet.
 pub(crate) const MOUSE: &[(&str, &str)] = &[
     ("Click", "Pick a pixel and explain it"),
     ("Right-drag", "Inspect pixels while dragging"),
+    ("Drag", "Orbit the camera around its target"),
     ("Wheel", "Zoom at the pointer"),
-    ("Drag", "Pan the picture"),
-    ("Middle-drag", "Orbit the camera around its target"),
+    ("Middle-drag; P, then drag", "Pan the picture"),
     ("Shift + middle-drag", "Pan the camera"),
     ("Ctrl + wheel", "Dolly the camera"),
     ("Tab over the picture", "Hide or show the panels"),
     ("Hold Alt", "Show pixel values as raw bits in hexadecimal"),
-    ("Shift + drag", "Show statistics of a rectangle of the picture"),
+    ("Shift + drag; Shift + R, then drag", "Show statistics of a rectangle of the picture"),
     ("Hold Shift while comparing", "Show the other picture"),
     ("What changed: hold Shift", "Show the picture before the change"),
     ("Comparing: R, then drag", "Measure the errors in a rectangle"),

@@ -69,15 +69,18 @@ impl Topic {
             Command::NudgePick(..) | Command::Pick(_) | Command::Watch(_) | Command::StepFault(_) | Command::Escape => {
                 Self::Pixel
             }
-            Command::ZoomFit | Command::ZoomOne | Command::SavePicture | Command::SaveData | Command::CopyPicture => {
-                Self::Picture
-            }
+            Command::ZoomFit
+            | Command::ZoomOne
+            | Command::SaveAs(_)
+            | Command::SavePicture
+            | Command::SaveData
+            | Command::CopyPicture => Self::Picture,
             Command::StepStage(_) | Command::Show(_) => Self::Stages,
             Command::StepTriangle(_) | Command::LimitTriangles(_) | Command::Scrub(_) => Self::Making,
             Command::Range(_) | Command::Overlays(_) => Self::Showing,
             Command::Trace(_) => Self::Arithmetic,
             Command::ShowFileDialog
-            | Command::TogglePointerMode
+            | Command::TogglePointerMode(_)
             | Command::ResetCamera
             | Command::FitCamera
             | Command::MeshView(_) => Self::Scene,

@@ -94,6 +94,12 @@ pub(crate) mod workspace;
 
 pub(crate) mod panels;
 
+pub(crate) mod onboarding;
+
+pub(crate) mod thumbnails;
+
+pub(crate) mod save_as;
+
 pub(crate) mod palette;
 
 pub mod key_sheet;

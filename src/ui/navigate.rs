@@ -34,19 +34,23 @@ pub(crate) fn navigate(
     let delta = response.drag_delta();
     let camera_mode = session.pointer_mode == PointerMode::Camera;
     let shift = ui.input(|i| i.modifiers.shift);
-    let turning = response.dragged_by(egui::PointerButton::Middle)
-        || camera_mode && drag_is_free && response.dragged_by(egui::PointerButton::Primary);
-    if turning && delta != Vec2::ZERO {
+    let middle = response.dragged_by(egui::PointerButton::Middle);
+    let primary = drag_is_free && response.dragged_by(egui::PointerButton::Primary);
+    if (middle || primary) && delta != Vec2::ZERO {
         let mut camera = session.state.camera;
         if shift {
             let height = height_px as f32 * placement.points_per_px;
             camera.pan(glam::Vec2::new(delta.x / height, delta.y / height));
+            commands.push(Command::SetCamera(camera));
+        } else if middle || session.pointer_mode == PointerMode::Pan {
+            zoom.pan(ui, placement, delta);
         } else {
             camera.orbit(delta.x * ORBIT_RATE, delta.y * ORBIT_RATE);
+            commands.push(Command::SetCamera(camera));
         }
-        commands.push(Command::SetCamera(camera));
-    } else if drag_is_free && response.dragged_by(egui::PointerButton::Primary) && delta != Vec2::ZERO {
-        zoom.pan(ui, placement, delta);
+    }
+    if response.hovered() && session.pointer_mode == PointerMode::Pan {
+        ui.set_cursor_icon(if primary { egui::CursorIcon::Grabbing } else { egui::CursorIcon::Grab });
     }
     if let Some(pointer) = response.hover_pos() {
         wheel(ui, pointer, placement, zoom, session, commands);

@@ -7,6 +7,7 @@ use eframe::egui::{self, CentralPanel, Panel, Ui};
 use super::compare::{self, tiles::TilesView};
 use super::filmstrip;
 use super::legend_strip;
+use super::onboarding;
 use super::panels::transport;
 use super::scrub;
 use super::theme;
@@ -19,6 +20,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     id: "picture",
     name: "Picture",
     help: "Picture, with every buffer, stage and overlay",
+    synonyms: &[],
     chapter: Chapter::GettingStarted,
     grows: true,
     titled: false,
@@ -75,7 +77,8 @@ fn ui(ui: &mut Ui, cx: &mut PanelContext<'_>) {
 /// does not become smaller when the strip appears.
 fn canvas(ui: &mut Ui, cx: &mut PanelContext<'_>, compares: bool, strip: f32) {
     let PanelContext { session, widgets, commands } = cx;
-    let PanelWidgets { canvas, tiles, case, canvas_px, visible_px, requested_at, is_synchronous, .. } = &mut **widgets;
+    let PanelWidgets { canvas, tiles, case, thumbnails, canvas_px, visible_px, requested_at, is_synchronous, .. } =
+        &mut **widgets;
     let rect = ui.max_rect();
     let size = if compares { TilesView::picture_size(rect, session) } else { ui.available_size() };
     let in_pixels = |size: egui::Vec2| {
@@ -90,6 +93,10 @@ fn canvas(ui: &mut Ui, cx: &mut PanelContext<'_>, compares: bool, strip: f32) {
     } else {
         canvas.ui(ui, session, commands);
         what_if::bar::label(ui, rect, session);
+    }
+    if session.case.is_none() {
+        onboarding::card::ui(ui, rect, session, thumbnails, commands);
+        onboarding::coach::ui(ui, rect, session, commands);
     }
     drop_hint(ui);
     busy_mark(ui, *requested_at);

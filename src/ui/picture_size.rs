@@ -1,10 +1,11 @@
 //! Menu in the toolbar for the size of the picture: presets, a custom size, or the size of the canvas.
 
-use eframe::egui::{DragValue, RichText, Ui};
+use eframe::egui::{RichText, Ui};
 
 use super::command::Command;
 use super::session::{PictureSize, Session};
 use super::theme::tokens;
+use super::widgets::integer_field;
 use crate::pipeline::viewport::{MAX_SIDE_PX, Viewport};
 
 /// Selectable sizes in pixels, each with its help text.
@@ -54,7 +55,7 @@ fn custom(ui: &mut Ui, Viewport { mut width, mut height }: Viewport, size: &mut 
     ui.horizontal(|ui| {
         ui.label("Custom");
         let field = |ui: &mut Ui, side: &mut u32, name: &str| {
-            let field = DragValue::new(side).range(1..=MAX_SIDE_PX).update_while_editing(false);
+            let field = integer_field(side).range(1..=MAX_SIDE_PX).update_while_editing(false);
             let response = ui.add(field);
             ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));
             response.changed()

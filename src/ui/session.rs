@@ -31,6 +31,7 @@ use super::lab::{self, Lab};
 use super::long_tasks::{PlanSavings, ScalingState, Stability};
 use super::look::Look;
 use super::mesh_view::{self, MeshView};
+use super::onboarding::Onboarding;
 use super::open_case::OpenCase;
 use super::overlays::Overlays;
 use super::picked_point::PickedPoint;
@@ -47,6 +48,7 @@ use super::window_time::WindowTimes;
 use super::workspace::Workspace;
 use crate::chain::{Frame, Recipe};
 use crate::image::file;
+use crate::inspect::lesson::BlackPixelLesson;
 use crate::inspect::scrub::{Moment, Unit};
 use crate::inspect::{Buffer, Stage, TriangleSelection};
 use crate::pipeline::viewport::Viewport;
@@ -165,8 +167,12 @@ pub(crate) struct Session {
     pub(crate) recent: Vec<PathBuf>,
     /// Folder for exported pictures and cases: the working directory at startup.
     pub(crate) folder: PathBuf,
-    /// Whether the user has closed the introductory hint above the canvas.
-    pub(crate) hint_closed: bool,
+    /// Start card and coach for new users.
+    pub(crate) onboarding: Onboarding,
+    /// Lesson whose scene is being opened.
+    pub(crate) opening_lesson: Option<&'static BlackPixelLesson>,
+    /// Lesson of the scene on screen; its black spot is picked automatically.
+    lesson: Option<&'static BlackPixelLesson>,
     /// Workspace that is shown unless the 2D lab, a comparison or the mesh view is open.
     pub(in crate::ui) base_workspace: Workspace,
     first_pick: FirstPick,
@@ -208,7 +214,7 @@ impl Session {
             scrub: Scrub::default(),
             pick: None,
             picked_point: None,
-            pointer_mode: PointerMode::Inspect,
+            pointer_mode: PointerMode::default(),
             canvas_px: (0, 0),
             view: None,
             stages: None,
@@ -242,7 +248,9 @@ impl Session {
             log: VecDeque::new(),
             recent: Vec::new(),
             folder: std::env::current_dir().unwrap_or_default(),
-            hint_closed: false,
+            onboarding: Onboarding::default(),
+            opening_lesson: None,
+            lesson: None,
             base_workspace: Workspace::Inspect,
             first_pick: FirstPick::Due,
             camera_moved_at: f64::NEG_INFINITY,
@@ -310,6 +318,8 @@ impl Session {
         self.state.camera = scene.home;
         (self.offered_picture, self.notice) = (None, None);
         self.close_case();
+        let is_shown = |lesson: &&BlackPixelLesson| source.name() == Path::new(lesson.scene);
+        self.lesson = self.opening_lesson.take().filter(is_shown);
         self.scene = Arc::new(scene);
         self.source = source;
         self.mirrored = false;
@@ -326,6 +336,12 @@ impl Session {
         self.undo.clear();
         self.redo.clear();
         self.settled = self.state.clone();
+        if let Some(lesson) = self.lesson {
+            // Undo restores the settings from before the lesson.
+            self.state.recipe = lesson.recipe();
+            self.shown = Shown::Buffer(Buffer::Color);
+            self.show_workspace(Workspace::Inspect);
+        }
     }
 
     /// Returns the newest view from the renderer if it shows the current scene, otherwise `None`.
@@ -334,7 +350,7 @@ impl Session {
     }
 
     /// Picks a pixel automatically if the user has not picked one, or if the pick is outside the picture. Chooses the
-    /// pixel nearest to [`FIRST_PICK`] that shows a triangle.
+    /// black spot of the lesson, or otherwise the pixel nearest to [`FIRST_PICK`] that shows a triangle.
     pub(crate) fn pick_by_itself(&mut self) {
         let Some(view) = self.view_of_scene() else { return };
         let viewport = view.frame.viewport;
@@ -350,7 +366,8 @@ impl Session {
         if is_wanted {
             let Viewport { width, height } = viewport;
             let place = ((width as f32 * FIRST_PICK.0) as u32, (height as f32 * FIRST_PICK.1) as u32);
-            let pick = nearest_drawn(&view.frame, place).unwrap_or(place);
+            let spot = self.lesson.and_then(|lesson| lesson.black_pixel(&view.frame));
+            let pick = spot.or_else(|| nearest_drawn(&view.frame, place)).unwrap_or(place);
             (self.pick, self.first_pick) = (Some(pick), FirstPick::Made(pick, viewport));
         } else if !matches!((self.first_pick, self.pick), (FirstPick::Made(own, _), Some(pick)) if own == pick) {
             self.first_pick = FirstPick::Done;
@@ -409,7 +426,7 @@ impl Session {
             }
             Command::Scrub(change) => return self.scrub(change).and_then(|command| self.apply(command)),
             Command::SetPointerMode(mode) => self.pointer_mode = mode,
-            Command::TogglePointerMode => self.pointer_mode = self.pointer_mode.other(),
+            Command::TogglePointerMode(mode) => self.pointer_mode = self.pointer_mode.toggled(mode),
             Command::Undo => self.travel(true),
             Command::Redo => self.travel(false),
             Command::CloseCase => self.close_case(),
@@ -427,7 +444,7 @@ impl Session {
             Command::CloseOffer => self.offered_picture = None,
             Command::CloseNotice => self.notice = None,
             Command::CloseError => self.error = None,
-            Command::CloseHint => self.hint_closed = true,
+            Command::Onboarding(change) => self.onboarding.apply(change),
             Command::Timings(change) => self.timings.apply(change),
             Command::MeasureOver(turn) => self.timings.turn = turn,
             Command::PauseTimings => self.timings.paused ^= true,

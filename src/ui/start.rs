@@ -282,7 +282,10 @@ pub(crate) fn resumed(start: WindowStart, preferences: &Preferences, patience: D
 pub(crate) fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -> Workbench {
     let mut session = Session::new(start.scene, start.source, start.recipe, start.camera);
     session.recent = preferences.recent;
-    session.hint_closed = preferences.hint_closed;
+    session.onboarding.seen = preferences.seen;
+    if start.resume {
+        session.onboarding.begin();
+    }
     session.places.bookmarks = preferences.bookmarks;
     session.watch.pixels = preferences.watched;
     session.watch.pixels.truncate(watch::MAX_PIXELS);

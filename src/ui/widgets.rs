@@ -45,8 +45,7 @@ pub(crate) fn row<R>(ui: &mut Ui, label: &str, tooltip: &str, add_control: impl 
 /// The value can be selected with the mouse. Returns the response of the value, for example for a context menu.
 pub(crate) fn value_row(ui: &mut Ui, label: &str, value: &str, tooltip: &str) -> Response {
     let text = RichText::new(value).text_style(TextStyle::Monospace);
-    let font = TextStyle::Monospace.resolve(ui.style());
-    let value_width = ui.painter().layout_no_wrap(value.to_owned(), font, Color32::WHITE).size().x;
+    let value_width = monospace_width(ui, value);
     let (row, label_width) = allocate_row(ui, |width| (width - value_width - space::S).max(0.0));
     row_label(ui, Rect::from_min_size(row.min, vec2(label_width, row.height())), label, tooltip);
     let right = row.with_min_x(row.left() + label_width);
@@ -93,9 +92,18 @@ pub(crate) fn choice<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, options: &
     *value != before
 }
 
-fn text_width(ui: &Ui, text: &str) -> f32 {
-    let font = TextStyle::Button.resolve(ui.style());
-    ui.painter().layout_no_wrap(text.to_owned(), font, Color32::WHITE).size().x
+/// Returns the width of a text in a button, in points.
+pub(crate) fn text_width(ui: &Ui, text: &str) -> f32 {
+    width_in(ui, text, &TextStyle::Button)
+}
+
+/// Returns the width of a text in the monospace font, in points.
+pub(crate) fn monospace_width(ui: &Ui, text: &str) -> f32 {
+    width_in(ui, text, &TextStyle::Monospace)
+}
+
+fn width_in(ui: &Ui, text: &str, style: &TextStyle) -> f32 {
+    ui.painter().layout_no_wrap(text.to_owned(), style.resolve(ui.style()), Color32::WHITE).size().x
 }
 
 fn segments<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, options: &[(T, &str, &str)], segment: Vec2) {
@@ -152,29 +160,59 @@ pub(crate) fn figure(ui: &mut Ui, text: &str, width: f32, color: Color32) -> Res
     response
 }
 
+/// Returns a number field whose text is `text(value)`. A field that is only focused, for example with Tab, leaves the
+/// value unchanged, even if the text is rounded or the value is out of range.
+pub(crate) fn number_field<'a, N: egui::emath::Numeric>(
+    value: &'a mut N,
+    text: impl Fn(f64) -> String + 'a,
+) -> DragValue<'a> {
+    let parser = edited(text(value.to_f64()));
+    DragValue::new(value)
+        .clamp_existing_to_range(false)
+        .custom_formatter(move |value, _| text(value))
+        .custom_parser(parser)
+}
+
+/// Returns a number field for an integer. It changes `value` only on user input.
+pub(crate) fn integer_field<N: egui::emath::Numeric>(value: &mut N) -> DragValue<'_> {
+    number_field(value, |value| format!("{value:.0}"))
+}
+
+/// Returns a parser of typed numbers, with or without a unit, that rejects `shown`, the text of the unedited field. The
+/// toolkit parses the text whenever a field loses the focus, so it would replace an exact value by its rounded text.
+fn edited(shown: String) -> impl Fn(&str) -> Option<f64> {
+    move |typed| {
+        let number: String = typed.chars().filter(|letter| !letter.is_whitespace()).collect();
+        let number = number.trim_end_matches(|letter: char| letter.is_alphabetic() || "°%".contains(letter));
+        (typed != shown).then(|| number.replace('−', "-").replace(',', ".").parse().ok()).flatten()
+    }
+}
+
 /// Adds a slider that changes `value` only on user input: out-of-range values stay, and only the text is rounded to
 /// `decimals`. Returns whether the value changed.
 pub(crate) fn slider(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>, suffix: &str, decimals: usize) -> bool {
-    let text = move |value: f64, _| super::format::fixed(value, decimals);
-    let slider = Slider::new(value, range).clamping(SliderClamping::Edits).suffix(suffix).custom_formatter(text);
-    ui.add(slider).changed()
+    let text = move |value: f64| super::format::fixed(value, decimals);
+    let parser = edited(text(f64::from(*value)));
+    let slider = Slider::new(value, range).clamping(SliderClamping::Edits).suffix(suffix);
+    ui.add(slider.custom_formatter(move |value, _| text(value)).custom_parser(parser)).changed()
 }
 
 /// Adds a number field that changes `value` only on user input. Dragging by one point changes the value by 2 %. Returns
 /// whether the value changed.
 pub(crate) fn drag(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>) -> bool {
     let speed = f64::from(*value) * 0.02;
-    let text = |value: f64, _| format!("{}", value as f32);
-    let drag = DragValue::new(value).speed(speed).range(range).clamp_existing_to_range(false).custom_formatter(text);
-    ui.add(drag).changed()
+    ui.add(number_field(value, exact).speed(speed).range(range)).changed()
 }
 
 /// Adds a number field that accepts any finite number and changes `value` only on user input. Dragging by one point
 /// changes the value by `step`. Returns whether the value changed.
 pub(crate) fn drag_by(ui: &mut Ui, value: &mut f32, step: f64) -> bool {
-    let range = f32::MIN..=f32::MAX;
-    let text = |value: f64, _: RangeInclusive<usize>| format!("{}", value as f32);
-    ui.add(DragValue::new(value).speed(step).range(range).custom_formatter(text)).changed()
+    ui.add(number_field(value, exact).speed(step).range(f32::MIN..=f32::MAX)).changed()
+}
+
+/// Formats a single-precision number with all digits that distinguish it from other numbers.
+fn exact(value: f64) -> String {
+    (value as f32).to_string()
 }
 
 /// Adds the title of a group of rows, with space above it. `add_actions` adds small controls at the right end, from
@@ -285,6 +323,14 @@ pub(crate) fn icon_button(ui: &mut Ui, icon: Icon, name: &str) -> Response {
         ui.add(button).on_hover_text(name)
     })
     .inner
+}
+
+/// Adds a button “…” with a menu of the controls that have no room in their bar. `name` is the tooltip and the
+/// accessible name of the button.
+pub(crate) fn overflow_menu(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
+    let button = Button::new(theme::icon(Icon::Ellipsis)).frame_when_inactive(false);
+    let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, content);
+    response.on_hover_text(name).widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
 }
 
 /// Adds a button that copies `text` to the clipboard and briefly confirms the copy. Its tooltip is “Copy” followed by

@@ -115,6 +115,16 @@ fn only_the_window_names_its_toolkit() {
 }
 
 #[test]
+fn number_fields_are_made_by_the_widgets() {
+    // A field of the toolkit itself rounds its value when it loses the focus.
+    let is_widgets = |path: &Path| path.with_extension("").starts_with("ui/widgets");
+    for source in sources().iter().filter(|source| !is_widgets(&source.path)) {
+        let found = source.code().find(|(_, line)| line.contains("DragValue::new("));
+        assert_eq!(found, None, "in {}", source.path.display());
+    }
+}
+
+#[test]
 fn sources_contain_no_markers_of_unfinished_work() {
     let marks = UNFINISHED.map(|halves| halves.concat());
     for source in sources() {

@@ -9,6 +9,7 @@ use eframe::egui::Ui;
 use super::Workbench;
 use crate::case::{Case, CaseError, Control, Options};
 use crate::image::file::is_named_picture;
+use crate::inspect::lesson::BlackPixelLesson;
 use crate::pipeline::settings::Settings;
 use crate::scene::obj::Loaded;
 use crate::scene::{LoadControl, SceneError, SceneSource};
@@ -47,7 +48,18 @@ fn opened_case(path: &Path, options: Options, control: &Control<'_>) -> Option<R
 }
 
 impl Workbench {
+    /// Opens the scene of a lesson.
+    pub(super) fn open_lesson(&mut self, ui: &Ui, lesson: &'static BlackPixelLesson) {
+        self.open_for(ui, SceneSource::named(lesson.scene.into()), Some(lesson));
+    }
+
+    /// Opens a scene, a case or a picture.
     pub(super) fn open(&mut self, ui: &Ui, source: SceneSource) {
+        self.open_for(ui, source, None);
+    }
+
+    fn open_for(&mut self, ui: &Ui, source: SceneSource, lesson: Option<&'static BlackPixelLesson>) {
+        self.session.opening_lesson = lesson;
         // The most recent request replaces a case that is still being opened.
         self.opening_case = None;
         if let SceneSource::File(path, _) = &source

@@ -15,6 +15,10 @@ use crate::lab::drawing::encode_recording;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::compare::export::ComparisonPage;
 use crate::ui::engine::Request;
+use crate::ui::overlays;
+use crate::ui::panels::dialogs::Dialog;
+use crate::ui::range;
+use crate::ui::save_as::{Destination, SaveDialog, SaveItem};
 use crate::ui::session::{Notice, Severity};
 use crate::ui::task::{BackgroundTask, TaskStatus};
 use crate::ui::what_if;
@@ -36,70 +40,155 @@ impl PendingExport {
     }
 }
 
+/// File to write, without its content.
+struct SavedFile {
+    /// Name without its extension, for [`Destination::Automatic`].
+    stem: String,
+    extension: &'static str,
+    destination: Destination,
+}
+
+impl SavedFile {
+    /// Writes `bytes` to the destination, in `folder` if it is automatic. Returns the path of the file.
+    ///
+    /// # Errors
+    /// Returns a message that names the file if it cannot be written.
+    fn write(&self, folder: &Path, bytes: &[u8]) -> Result<PathBuf, String> {
+        let Self { stem, extension, destination } = self;
+        let unwritable = |path: &Path, error| format!("{}: cannot write it: {error}", path.display());
+        match destination {
+            Destination::Automatic => disk::write_new(folder, stem, extension, bytes)
+                .map_err(|error| unwritable(&folder.join(format!("{stem}.{extension}")), error)),
+            Destination::File(path) => match disk::write(path, bytes) {
+                Ok(()) => Ok(path.clone()),
+                Err(error) => Err(unwritable(path, error)),
+            },
+        }
+    }
+}
+
+/// Task that opens a folder with the desktop's file manager. Its result is an error message on failure.
+pub(super) type FolderTask = BackgroundTask<(), Result<(), String>>;
+
 impl Workbench {
-    /// Writes all frame times to a CSV file in the current folder.
-    pub(super) fn export_timings(&mut self, ui: &Ui) {
-        let table = self.session.timings.csv();
-        self.save(ui, ("frame-times", "csv"), move || Ok(table.into_bytes()));
-    }
-
-    /// Writes the triangle visible at the picked pixel to a case file in the current folder.
-    pub(super) fn save_case(&mut self, ui: &Ui) {
-        let Some(view) = &self.session.view else { return };
-        let visible = view.report.as_ref().and_then(|report| Some((report.drawn_at, report.visible()?.submission)));
-        let Some(([x, y], submission)) = visible else {
-            self.session.report(Severity::Error, "No triangle to save as a case: pick a pixel that shows a triangle");
-            return;
+    /// Asks for a path at which to save `item`, with the system's file dialog if there is one. Reports an error instead
+    /// if there is nothing to save.
+    pub(super) fn ask_where_to_save(&mut self, ui: &Ui, item: SaveItem) {
+        let savable = match item {
+            SaveItem::Case => self.minimal_case().map(drop),
+            SaveItem::Comparison => ComparisonPage::of(&self.session).map(drop),
+            _ => Ok(()),
         };
-        let settings = &view.request.recipe.pipeline;
-        let triangle = &view.frame.geometry.triangles[submission];
-        let minimal = MinimalCase::new(triangle, (x, y), view.frame.raster, settings, &view.request.scene.name);
-        self.write_case(ui, &minimal);
-    }
-
-    pub(super) fn write_case(&mut self, ui: &Ui, minimal: &MinimalCase) {
-        let text = minimal.to_json();
-        self.save(ui, (&minimal.id, "json"), move || Ok(text.into_bytes()));
-    }
-
-    /// Writes the picture on the canvas to a PNG file in the current folder.
-    pub(super) fn save_picture(&mut self, ui: &Ui) {
-        let Some(picture) = self.shown_picture(ui) else { return };
-        self.save(ui, ("picture", "png"), move || encode_png(&picture).map_err(|error| error.to_string()));
-    }
-
-    /// Writes the compared pictures with their errors to an HTML page in the current folder.
-    pub(super) fn save_comparison(&mut self, ui: &Ui) {
-        match ComparisonPage::of(&self.session) {
-            Ok(page) => self.save(ui, ("comparison", "html"), move || {
-                page.html().map(String::into_bytes).map_err(|error| error.to_string())
-            }),
+        match savable {
+            Ok(()) => {
+                let mut dialog = SaveDialog::new(item, &self.session);
+                if !self.widgets.is_synchronous {
+                    dialog.browse(ui);
+                }
+                self.dialog = Dialog::Save(dialog);
+            }
             Err(reason) => self.session.report(Severity::Error, reason),
         }
     }
 
-    /// Writes a vector drawing of the current scene to a file in the current folder. `end` is the file name extension,
-    /// which selects the format.
-    pub(super) fn save_outline(&mut self, ui: &Ui, kind: OutlineKind, end: &'static str) {
+    /// Saves `item` to `destination`.
+    pub(super) fn save_item(&mut self, ui: &Ui, item: SaveItem, destination: Destination) {
+        let file = SavedFile { stem: item.stem(&self.session).to_owned(), extension: item.extension(), destination };
+        match item {
+            SaveItem::Picture => {
+                let Some(picture) = self.shown_picture(ui) else { return };
+                self.save(ui, file, move || encode_png(&picture).map_err(|error| error.to_string()));
+            }
+            SaveItem::Values => {
+                if let Some(view) = what_if::visible_view(ui, &self.session).cloned() {
+                    self.save(ui, file, move || Ok(range::save::encoded(&view)));
+                }
+            }
+            SaveItem::Outline(kind, extension) => self.save_outline(ui, file, kind, extension),
+            SaveItem::Case => match self.minimal_case() {
+                Ok(minimal) => self.write_case(ui, &minimal, file.destination),
+                Err(reason) => self.session.report(Severity::Error, reason),
+            },
+            SaveItem::Comparison => match ComparisonPage::of(&self.session) {
+                Ok(page) => {
+                    self.save(ui, file, move || page.html().map(String::into_bytes).map_err(|error| error.to_string()));
+                }
+                Err(reason) => self.session.report(Severity::Error, reason),
+            },
+            SaveItem::FrameTimes => {
+                let table = self.session.timings.csv();
+                self.save(ui, file, move || Ok(table.into_bytes()));
+            }
+            SaveItem::LabDrawing(extension) => {
+                let lab = &self.session.lab;
+                let (page, recording, step) = (lab.page, lab.recording.clone(), lab.step);
+                self.save(ui, file, move || {
+                    encode_recording(Path::new(page.id()).with_extension(extension).as_path(), &recording, step)
+                        .map_err(|error| error.to_string())
+                });
+            }
+        }
+    }
+
+    /// Returns the triangle visible at the picked pixel as a case.
+    ///
+    /// # Errors
+    /// Returns an error if the picked pixel shows no triangle.
+    fn minimal_case(&self) -> Result<MinimalCase, &'static str> {
+        const NONE: &str = "No triangle to save as a case: pick a pixel that shows a triangle";
+        let view = self.session.view.as_ref().ok_or(NONE)?;
+        let visible = view.report.as_ref().and_then(|report| Some((report.drawn_at, report.visible()?.submission)));
+        let ([x, y], submission) = visible.ok_or(NONE)?;
+        let settings = &view.request.recipe.pipeline;
+        let triangle = &view.frame.geometry.triangles[submission];
+        Ok(MinimalCase::new(triangle, (x, y), view.frame.raster, settings, &view.request.scene.name))
+    }
+
+    /// Saves a case as a JSON file.
+    pub(super) fn write_case(&mut self, ui: &Ui, minimal: &MinimalCase, destination: Destination) {
+        let text = minimal.to_json();
+        let extension = SaveItem::Case.extension();
+        let file = SavedFile { stem: minimal.id.clone(), extension, destination };
+        self.save(ui, file, move || Ok(text.into_bytes()));
+    }
+
+    /// Saves a vector drawing of the current scene, in the format with this file name extension.
+    fn save_outline(&mut self, ui: &Ui, file: SavedFile, kind: OutlineKind, extension: &'static str) {
         let Request { scene, camera, recipe, viewport, .. } = self.session.request();
-        self.save_cancellable(ui, (kind.id(), end), move |progress, cancel| {
+        self.save_cancellable(ui, file, move |progress, cancel| {
             let request = OutlineRequest { scene: &scene, camera: &camera, recipe: &recipe, viewport, kind };
             let drawing = outline(&request, OutlineControl { progress, cancel })?;
-            let path = Path::new(kind.id()).with_extension(end);
+            let path = Path::new(kind.id()).with_extension(extension);
             let encoded = drawing::file::encode(&path, &drawing, 1.0).map_err(|error| error.to_string());
             (!cancel.load(Ordering::Relaxed)).then_some(encoded)
         });
     }
 
-    /// Writes a drawing of the current step of the open 2D lab page to a file in the current folder. `end` is the file
-    /// name extension, which selects the format.
-    pub(super) fn save_drawing(&mut self, ui: &Ui, end: &'static str) {
-        let lab = &self.session.lab;
-        let (page, recording, step) = (lab.page, lab.recording.clone(), lab.step);
-        self.save(ui, (page.id(), end), move || {
-            encode_recording(Path::new(page.id()).with_extension(end).as_path(), &recording, step)
-                .map_err(|error| error.to_string())
-        });
+    /// Writes the totals of all overlays to a new CSV file in the current folder.
+    pub(super) fn save_overlay_totals(&mut self, ui: &Ui) {
+        let file = SavedFile { stem: "overlays".to_owned(), extension: "csv", destination: Destination::Automatic };
+        self.save(ui, file, overlays::save::totals(&self.session));
+    }
+
+    /// Opens the folder of a saved file with the desktop's file manager, in a background thread because some openers
+    /// block until the file manager is closed.
+    pub(super) fn open_folder(&mut self, ui: &Ui, file: &Path) {
+        let folder = file.parent().unwrap_or(file).to_owned();
+        self.opening_folder = Some(BackgroundTask::start(ui.ctx().clone(), move |_: &(dyn Fn(()) + Sync), _| {
+            let failure = |error| format!("Cannot open the folder {}: {error}", folder.display());
+            Some(open::that(&folder).map_err(failure))
+        }));
+    }
+
+    /// Reports an error if a folder could not be opened.
+    pub(super) fn poll_opened_folder(&mut self) {
+        let Some(opening) = &self.opening_folder else { return };
+        if let TaskStatus::Ended(outcome) = opening.poll(&mut None) {
+            self.opening_folder = None;
+            if let Some(Err(error)) = outcome.map(|outcome| *outcome) {
+                self.session.report(Severity::Error, error);
+            }
+        }
     }
 
     pub(super) fn saved(&mut self, outcome: Result<PathBuf, String>) {
@@ -127,32 +216,24 @@ impl Workbench {
         }
     }
 
-    /// Writes a new file to the current folder. Encoding a large picture takes a while, so this happens in a background
-    /// thread unless the window is synchronous. The file appears under its name only once it is complete. `name`
-    /// consists of the file stem and the extension.
-    pub(super) fn save(
-        &mut self,
-        ui: &Ui,
-        name: (&str, &'static str),
-        encode: impl FnOnce() -> Result<Vec<u8>, String> + Send + 'static,
-    ) {
-        self.save_cancellable(ui, name, |_, _| Some(encode()));
+    /// Writes a file. Encoding a large picture takes a while, so this happens in a background thread unless the window
+    /// is synchronous. The file appears under its name only once it is complete.
+    fn save(&mut self, ui: &Ui, file: SavedFile, encode: impl FnOnce() -> Result<Vec<u8>, String> + Send + 'static) {
+        self.save_cancellable(ui, file, |_, _| Some(encode()));
     }
 
-    /// Writes a new file like [`Self::save`], but shows progress and can be cancelled. `encode` may report its
-    /// completed fraction, from 0 to 1, and returns `None` if cancelled.
+    /// Writes a file like [`Self::save`], but shows progress and can be cancelled. `encode` may report its completed
+    /// fraction, from 0 to 1, and returns `None` if cancelled.
     fn save_cancellable(
         &mut self,
         ui: &Ui,
-        (stem, extension): (&str, &'static str),
+        file: SavedFile,
         encode: impl FnOnce(&(dyn Fn(f32) + Sync), &AtomicBool) -> Option<Result<Vec<u8>, String>> + Send + 'static,
     ) {
-        let (folder, stem) = (self.session.folder.clone(), stem.to_owned());
+        let folder = self.session.folder.clone();
         let save = move |progress: &(dyn Fn(f32) + Sync), cancel: &AtomicBool| {
             let encoded = encode(progress, cancel)?;
-            let written = |bytes: Vec<u8>| disk::write_new(&folder, &stem, extension, &bytes);
-            let unwritable = |error| format!("{}.{extension}: cannot write it: {error}", folder.join(&stem).display());
-            Some(encoded.and_then(|bytes| written(bytes).map_err(unwritable)))
+            Some(encoded.and_then(|bytes| file.write(&folder, &bytes)))
         };
         if self.widgets.is_synchronous {
             let outcome = save(&|_| {}, &AtomicBool::new(false));

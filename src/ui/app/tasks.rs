@@ -10,6 +10,7 @@ use crate::measure::skipped_work::savings;
 use crate::report::stability::sweep::{self, StabilityPlan, StabilityProgress, SweepStage};
 use crate::ui::engine::Request;
 use crate::ui::probe;
+use crate::ui::save_as::Destination;
 use crate::ui::session::Severity;
 use crate::ui::task::{BackgroundTask, TaskStatus};
 use crate::ui::workspace::Panel;
@@ -89,7 +90,7 @@ impl Workbench {
             probe::WindowAction::BringIntoView(pixel) => {
                 self.widgets.canvas.bring_into_view(pixel, self.widgets.visible_px);
             }
-            probe::WindowAction::Write(case) => self.write_case(ui, &case),
+            probe::WindowAction::Write(case) => self.write_case(ui, &case, Destination::Automatic),
         }
     }
 }

@@ -21,6 +21,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     id: "assertions",
     name: "Assertions",
     help: "Conditions that every fragment of a frame should satisfy, checked on demand",
+    synonyms: &[],
     chapter: Chapter::Stability,
     grows: true,
     titled: true,

@@ -19,6 +19,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     id: "triangle-fates",
     name: "Triangle fates",
     help: "Fate of every triangle and fragment, such as culled or visible; click a fate to select its triangles",
+    synonyms: &[],
     chapter: Chapter::Stages,
     grows: false,
     titled: true,

@@ -23,6 +23,7 @@ use eframe::egui::{self, CentralPanel, Panel, ScrollArea, Ui, Vec2};
 
 use super::command::Command;
 use super::manual::manual_button;
+use super::save_as::SaveItem;
 use super::scrub;
 use super::theme::{self, ROW_HEIGHT, space};
 use crate::image::{Image, Rgba8, file};
@@ -38,6 +39,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     id: "lab",
     name: "2D lab",
     help: "Step-by-step algorithms for lines, circles, polygons, fills and sampling",
+    synonyms: &[],
     chapter: Chapter::Lab,
     grows: true,
     titled: false,
@@ -163,13 +165,17 @@ impl Lab {
             Command::Scrub(scrub::ScrubChange::Play(_)) => LabChange::TogglePlay,
             Command::ZoomFit => LabChange::View(None),
             Command::SavePicture => LabChange::Save("png"),
+            Command::SaveAs(SaveItem::Picture) => return Some(Command::SaveAs(SaveItem::LabDrawing("png"))),
+            Command::SaveAs(SaveItem::Values | SaveItem::Outline(..) | SaveItem::Case | SaveItem::Comparison) => {
+                return None;
+            }
             Command::Escape => LabChange::Play(0),
             Command::NudgePick(..)
             | Command::ChooseUpscaler(_)
             | Command::StepStage(_)
             | Command::Scrub(_)
             | Command::StepFault(_)
-            | Command::TogglePointerMode
+            | Command::TogglePointerMode(_)
             | Command::ResetCamera
             | Command::ShowPixelDialog
             | Command::CopyPicture

@@ -23,6 +23,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     id: "mesh-view",
     name: "Mesh view",
     help: "Scene from a second camera, with the frustum and the culled triangles",
+    synonyms: &[],
     chapter: Chapter::Stages,
     grows: true,
     titled: false,

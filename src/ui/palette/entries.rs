@@ -2,10 +2,11 @@
 //! stages, panels, upscalers, bookmarks and recent files. Each list comes from the table that the rest of the window
 //! uses.
 
+use super::fuzzy::{self, FuzzyMatch};
 use crate::chain::Recipe;
 use crate::inspect::find::SearchTarget;
 use crate::inspect::outline::OutlineKind;
-use crate::inspect::{Buffer, Intermediate, Stage, fields};
+use crate::inspect::{Buffer, Intermediate, Stage, fields, lesson};
 use crate::pipeline::settings::Choice as _;
 use crate::scene::{SceneSource, builtin};
 use crate::ui::command::{BINDINGS, Command};
@@ -14,8 +15,10 @@ use crate::ui::engine::Shown;
 use crate::ui::filmstrip::FilmstripChange;
 use crate::ui::key_sheet::key_name;
 use crate::ui::legend_strip;
+use crate::ui::onboarding::OnboardingChange;
 use crate::ui::panels::switches;
 use crate::ui::place;
+use crate::ui::save_as::SaveItem;
 use crate::ui::session::{PictureSize, Session};
 use crate::ui::what_if;
 use crate::ui::workspace::{Panel, Workspace, WorkspaceChange};
@@ -74,6 +77,8 @@ pub(crate) struct PaletteEntry {
     pub(crate) kind: EntryKind,
     /// Title, shown in the list and matched by the search.
     pub(crate) title: String,
+    /// Other words for the entry, in lower case, by which the search also finds it.
+    pub(crate) synonyms: Vec<&'static str>,
     /// Tooltip of the entry; empty for none.
     pub(crate) help: String,
     /// Name of the key that triggers the same action; empty if there is none.
@@ -92,6 +97,7 @@ fn entry(kind: EntryKind, title: impl Into<String>, command: Command) -> Palette
     PaletteEntry {
         kind,
         title: title.into(),
+        synonyms: Vec::new(),
         help: String::new(),
         key,
         is_current: false,
@@ -103,6 +109,28 @@ fn entry(kind: EntryKind, title: impl Into<String>, command: Command) -> Palette
 impl PaletteEntry {
     fn with(self, help: impl Into<String>, holds: bool) -> Self {
         Self { help: help.into(), is_current: holds, ..self }
+    }
+
+    /// Matches a query against the title and the synonyms. A query that equals a synonym is the best match.
+    pub(crate) fn fit(&self, query: &str) -> Option<FuzzyMatch> {
+        /// Score of a query that equals a synonym, larger than that of any title.
+        const SYNONYM: i32 = 10_000;
+        let (title, typed) = (fuzzy::fit(query, &self.title), query.trim().to_lowercase());
+        let score = |word: &&str| match () {
+            () if **word == *typed => Some(SYNONYM),
+            () if !typed.is_empty() && word.starts_with(&typed) => fuzzy::fit(&typed, word).map(|fit| fit.score),
+            () => None,
+        };
+        let synonym = self.synonyms.iter().filter_map(score).max();
+        match (title, synonym) {
+            (Some(title), Some(score)) => Some(FuzzyMatch { score: title.score.max(score), ..title }),
+            (None, Some(score)) => Some(FuzzyMatch { score, letters: Vec::new() }),
+            (title, None) => title,
+        }
+    }
+
+    fn also(self, synonyms: impl IntoIterator<Item = &'static str>) -> Self {
+        Self { synonyms: synonyms.into_iter().collect(), ..self }
     }
 
     fn owned_by(self, owner: Option<Stage>) -> Self {
@@ -138,7 +166,9 @@ pub(crate) fn all(session: &Session) -> Vec<PaletteEntry> {
     entries.extend(Buffer::ALL.iter().map(|buffer| {
         let shown = Shown::Buffer(*buffer);
         let title = format!("Show buffer: {}", buffer.name());
-        entry(EntryKind::Buffer, title, Command::Show(shown)).with(buffer.help(), session.shown == shown)
+        entry(EntryKind::Buffer, title, Command::Show(shown))
+            .with(buffer.help(), session.shown == shown)
+            .also(buffer.synonyms().iter().copied())
     }));
     entries.extend(Intermediate::ALL.iter().map(|number| {
         let shown = Shown::Intermediate(*number);
@@ -154,7 +184,9 @@ pub(crate) fn all(session: &Session) -> Vec<PaletteEntry> {
         let title = format!("Select stage: {}", stage.name());
         let help = "Show the switches of this stage in the pipeline panel";
         let is_selected = session.selected_stage == *stage;
-        entry(EntryKind::Stage, title, Command::SelectStage(*stage)).with(help, is_selected)
+        entry(EntryKind::Stage, title, Command::SelectStage(*stage))
+            .with(help, is_selected)
+            .also(stage.synonyms().iter().copied())
     }));
     entries.extend(Workspace::ALL.iter().copied().map(|workspace| {
         let title = format!("Show workspace: {}", workspace.name());
@@ -165,6 +197,7 @@ pub(crate) fn all(session: &Session) -> Vec<PaletteEntry> {
         let title = format!("Show panel: {}", panel.name());
         entry(EntryKind::Panel, title, Command::Workspace(WorkspaceChange::Panel(*panel)))
             .with(panel.spec().help, false)
+            .also(panel.synonyms().iter().copied())
     }));
     entries.extend(upscale::ALL.iter().enumerate().map(|(place, upscaler)| {
         let chosen = session.state.recipe.upscaler.method() == upscaler.id();
@@ -187,33 +220,42 @@ fn commands() -> Vec<PaletteEntry> {
             Command::ChooseUpscaler(_) | Command::OpenPalette | Command::Place(place::PlaceChange::Jump(_))
         );
         if !is_elsewhere && !entries.iter().any(|known| known.title == binding.description) {
-            entries.push(entry(EntryKind::Command, binding.description, command));
+            let synonyms = binding.synonyms.iter().copied();
+            entries.push(entry(EntryKind::Command, binding.description, command).also(synonyms));
         }
     }
-    let keyless = [
-        ("Fit the scene into the view", Command::FitCamera),
-        ("Mirror the scene along z", Command::MirrorZ),
-        ("Reset all settings", Command::ResetRecipe),
-        ("Save the picked triangle as a case file", Command::SaveCase),
-        ("Switch between dark and light theme", Command::ToggleTheme),
-        ("Manage bookmarks", Command::Place(place::PlaceChange::Manage)),
-        ("Compare all upscalers in tiles", Command::Compare(CompareChange::Every(None))),
-        ("Filmstrip of all upscaling methods", Command::Filmstrip(FilmstripChange::Toggle)),
-        (
+    let keyless = |title: &str, command| entry(EntryKind::Command, title, command);
+    entries.extend([
+        keyless("Fit the scene into the view", Command::FitCamera).also(["frame all"]),
+        keyless("Mirror the scene along z", Command::MirrorZ).also(["handedness", "flip z"]),
+        keyless("Reset all settings", Command::ResetRecipe).also(["reset", "defaults"]),
+        keyless("Save the picked triangle as a case file", Command::SaveCase),
+        keyless("Switch between dark and light theme", Command::ToggleTheme).also(["dark mode", "light mode"]),
+        keyless("Manage bookmarks", Command::Place(place::PlaceChange::Manage)),
+        keyless("Compare all upscalers in tiles", Command::Compare(CompareChange::Every(None))),
+        keyless("Filmstrip of all upscaling methods", Command::Filmstrip(FilmstripChange::Toggle)).also(["thumbnails"]),
+        keyless(
             "Pin the current settings as A and compare later changes with them",
             Command::WhatIf(what_if::WhatIfChange::PinNow),
         ),
-        ("Restore the settings from before the last change", Command::WhatIf(what_if::WhatIfChange::Revert)),
-        ("Save the compared pictures and their errors as an HTML page", Command::SaveComparison),
-        ("Stop comparing", Command::Compare(CompareChange::Mode(Mode::Off))),
-        ("Measure all upscalers", Command::Measure),
-        ("Measure the savings of skipped work", Command::MeasurePlan),
-        ("Measure scaling", Command::MeasureScaling),
-        ("Run the stability report", Command::RunStability),
-        ("Save all frame times as CSV", Command::ExportTimings),
-        ("Match the picture size to the window", Command::SetSize(PictureSize::MatchWindow)),
-    ];
-    entries.extend(keyless.map(|(title, command)| entry(EntryKind::Command, title, command)));
+        keyless("Restore the settings from before the last change", Command::WhatIf(what_if::WhatIfChange::Revert)),
+        keyless("Save the compared pictures and their errors as an HTML page", Command::SaveComparison),
+        keyless("Stop comparing", Command::Compare(CompareChange::Mode(Mode::Off))),
+        keyless("Measure all upscalers", Command::Measure).also(["profile"]),
+        keyless("Measure the savings of skipped work", Command::MeasurePlan),
+        keyless("Measure scaling", Command::MeasureScaling),
+        keyless("Run the stability report", Command::RunStability),
+        keyless("Save all frame times as CSV", Command::ExportTimings).also(["csv"]),
+        keyless("Match the picture size to the window", Command::SetSize(PictureSize::MatchWindow))
+            .also(["resolution"]),
+        keyless("Show the start card", Command::Onboarding(OnboardingChange::OpenCard)).also(["welcome", "examples"]),
+        keyless("Start the introduction in four steps", Command::Onboarding(OnboardingChange::StartCoach))
+            .also(["tutorial", "tour", "coach"]),
+    ]);
+    for item in SaveItem::LISTED.into_iter().filter(|item| *item != SaveItem::Picture) {
+        let title = format!("Save {} as…", item.name());
+        entries.push(entry(EntryKind::Command, title, Command::SaveAs(item)));
+    }
     for kind in OutlineKind::ALL {
         for end in ["svg", "pdf"] {
             let title = format!("Save scene as drawing: {}, {}", kind.name(), end.to_uppercase());
@@ -240,7 +282,11 @@ fn scenes(session: &Session) -> impl Iterator<Item = PaletteEntry> {
         let holds = matches!(&session.source, SceneSource::File(shown, _) if shown == path);
         entry(EntryKind::Scene, format!("Open {}", path.display()), Command::Open(path.clone())).with("", holds)
     });
-    builtins.chain(files)
+    let lessons = lesson::ALL.iter().map(|lesson| {
+        let title = format!("Why is this pixel black? {}", lesson.question);
+        entry(EntryKind::Scene, title, Command::OpenLesson(lesson))
+    });
+    builtins.chain(files).chain(lessons)
 }
 
 /// Returns one entry for every value of each setting that has a finite set of values, and one entry for each other
@@ -257,7 +303,8 @@ fn settings(session: &Session) -> Vec<PaletteEntry> {
             // Skips values that the recipe rejects.
             if changed.set(&format!("{key}={choice}")).is_ok() {
                 let set = entry(EntryKind::Setting, format!("{key} = {choice}"), Command::SetRecipe(changed));
-                entries.push(set.with("", *choice == present).owned_by(owner));
+                let synonyms = Recipe::synonyms(&format!("{key}={choice}"));
+                entries.push(set.with("", *choice == present).also(synonyms).owned_by(owner));
             }
         }
         if choices.is_empty() {
@@ -267,6 +314,7 @@ fn settings(session: &Session) -> Vec<PaletteEntry> {
             entries.push(PaletteEntry {
                 kind: EntryKind::Setting,
                 title,
+                synonyms: Recipe::synonyms(&format!("{key}=")),
                 help,
                 key: String::new(),
                 is_current: false,
@@ -297,103 +345,4 @@ pub(crate) fn destination(session: &Session, typed: &str) -> Option<PaletteEntry
 }
 
 #[cfg(test)]
-mod tests {
-    use std::sync::Arc;
-
-    use super::*;
-    use crate::scene::TriangleId;
-
-    fn run(command: Command) -> Action {
-        Action::Run(Box::new(command))
-    }
-
-    fn session() -> Session {
-        let source = SceneSource::named("triangle".into());
-        let scene = source.load().unwrap().scene;
-        let home = scene.home;
-        Session::new(Arc::new(scene), source, Recipe::default(), home)
-    }
-
-    #[test]
-    fn everything_with_a_name_has_an_entry() {
-        let entries = all(&session());
-        let offers = |kind: EntryKind, name: &str| entries.iter().any(|e| e.kind == kind && e.title.contains(name));
-        for binding in BINDINGS {
-            let elsewhere = ["Choose an upscaler", "Go to a bookmark", "Find anything"];
-            assert!(
-                offers(EntryKind::Command, binding.description) || elsewhere.contains(&binding.description),
-                "{}",
-                binding.description
-            );
-        }
-        for scene in builtin::ALL {
-            assert!(offers(EntryKind::Scene, scene.title));
-        }
-        assert!(Buffer::ALL.iter().all(|buffer| offers(EntryKind::Buffer, buffer.name())));
-        assert!(Stage::ALL.iter().all(|stage| offers(EntryKind::Stage, stage.name())));
-        assert!(upscale::ALL.iter().all(|upscaler| offers(EntryKind::Upscaler, upscaler.name())));
-        assert!(Panel::ALL.iter().all(|panel| offers(EntryKind::Panel, panel.name())));
-        assert!(Recipe::keys().iter().all(|(key, _)| offers(EntryKind::Setting, &format!("{key} = "))));
-    }
-
-    #[test]
-    fn setting_entries_set_their_value_and_mark_the_current_one() {
-        let session = session();
-        let entries = all(&session);
-        let find = |title: &str| entries.iter().find(|entry| entry.title == title).unwrap();
-        let mut wanted = session.state.recipe;
-        wanted.set("fill_rule=inclusive").unwrap();
-        assert_eq!(find("fill_rule = inclusive").action, run(Command::SetRecipe(wanted)));
-        assert!(find("fill_rule = top-left").is_current && !find("fill_rule = inclusive").is_current);
-        for (key, _) in Recipe::keys() {
-            let of_key = entries.iter().filter(|entry| entry.title.starts_with(&format!("{key} = ")));
-            let holding = of_key.filter(|entry| entry.is_current || matches!(entry.action, Action::Type(_)));
-            assert_eq!(holding.count(), 1, "{key} has exactly one value");
-        }
-    }
-
-    #[test]
-    fn entries_of_settings_select_the_stage_with_their_switch() {
-        let session = session();
-        let entries = all(&session);
-        let owner = |start: &str| entries.iter().find(|entry| entry.title.starts_with(start)).unwrap().owner;
-        assert_eq!(owner("fill_rule = inclusive"), Some(Stage::Rasterize));
-        assert_eq!(owner("light.ambient = …"), Some(Stage::Shade));
-        assert_eq!(owner("Choose upscaler: "), Some(Stage::Upscale));
-        assert_eq!(owner("Show panel: "), None);
-        assert_eq!(assignment(&session, "fill-rule=inclusive").unwrap().owner, Some(Stage::Rasterize));
-    }
-
-    #[test]
-    fn a_number_is_typed_as_key_and_value() {
-        let session = session();
-        let typed = assignment(&session, "light.ambient=0.5").unwrap();
-        let Action::Run(command) = typed.action else { panic!("it is a command") };
-        let Command::SetRecipe(recipe) = *command else { panic!("it sets the recipe") };
-        assert_eq!(recipe.pipeline.light.ambient, 0.5);
-        assert_eq!(assignment(&session, "light.ambient=7"), None);
-        assert_eq!(assignment(&session, "light"), None);
-    }
-
-    #[test]
-    fn typed_pixels_triangles_and_vertices_are_destinations() {
-        let mut session = session();
-        session.state.size = PictureSize::Fixed(320, 200);
-        let go = |typed: &str| destination(&session, typed).map(|entry| entry.action);
-        assert_eq!(go("12,34"), Some(run(Command::Pick(Some((12, 34))))));
-        for (typed, wanted) in [("tri 0", SearchTarget::Triangle(TriangleId(0))), ("v 2", SearchTarget::Vertex(0, 2))] {
-            assert_eq!(go(typed), Some(run(Command::Place(place::PlaceChange::Find(wanted)))), "{typed}");
-        }
-        assert_eq!(go("320,0"), None);
-        assert_eq!(go(&session.scene.instances[0].name.clone()), None);
-    }
-
-    #[test]
-    fn entries_show_their_keys() {
-        let entries = all(&session());
-        let undo = entries.iter().find(|entry| entry.action == run(Command::Undo)).unwrap();
-        assert_eq!(undo.key, "Ctrl + Z");
-        let second = entries.iter().find(|entry| entry.action == run(Command::ChooseUpscaler(1))).unwrap();
-        assert_eq!(second.key, "2");
-    }
-}
+mod tests;

@@ -125,7 +125,7 @@ impl Palette {
             return;
         }
         let fits = self.entries.iter().enumerate().filter_map(|(place, entry)| {
-            let fit = fuzzy::fit(&self.query, &entry.title)?;
+            let fit = entry.fit(&self.query)?;
             Some((fit.score, place, fit.letters))
         });
         let mut found: Vec<_> = fits.collect();

@@ -1,9 +1,11 @@
-//! Tests of the palette with several input events in one pass.
+//! Tests of the palette: synonyms, and several input events in one pass.
 
 use std::sync::Arc;
 
 use eframe::egui::{Event, Modifiers, PointerButton, Pos2, Theme, Vec2};
 
+use super::Palette;
+use super::entries::all;
 use crate::chain::Recipe;
 use crate::scene::SceneSource;
 use crate::ui::app::Workbench;
@@ -11,6 +13,54 @@ use crate::ui::command::Command;
 use crate::ui::headless::Headless;
 use crate::ui::session::Session;
 use crate::ui::worker::Worker;
+
+/// Returns the title of the entry that the palette lists first for a query.
+fn first(session: &Session, query: &str) -> String {
+    let mut palette = Palette::new(session, query);
+    palette.search(session);
+    palette.at(0).map(|(entry, _)| entry.title.clone()).unwrap_or_default()
+}
+
+#[test]
+fn synonyms_find_their_entry_first() {
+    let source = SceneSource::named("chess".into());
+    let scene = source.load().unwrap().scene;
+    let home = scene.home;
+    let session = Session::new(Arc::new(scene), source, Recipe::default(), home);
+    for (typed, title) in [
+        ("zbuffer", "Show buffer: Depth"),
+        ("depth buffer", "Show buffer: Depth"),
+        ("wrap", "address = "),
+        ("export", "Save the picture as PNG under a chosen name"),
+        ("screenshot", "Save the picture as PNG"),
+        ("fps", "Show panel: Frame time"),
+        ("crop", "Draw a rectangle"),
+        ("msaa", "antialias.method = multisample"),
+        ("AA", "antialias.method = "),
+        ("wireframe", "wireframe = true"),
+        ("reset", "Reset all settings"),
+        ("fov", "Select stage: Transform"),
+        ("undo", "Undo the last change"),
+        ("zoom", "Fit the picture into the canvas"),
+        ("pan", "Turn pan mode on or off"),
+        ("dark mode", "Switch between dark and light theme"),
+        ("tutorial", "Start the introduction in four steps"),
+        ("ssim", "Show panel: Error"),
+        ("help", "Open and search the manual"),
+        ("import", "Open a model"),
+    ] {
+        let found = first(&session, typed);
+        assert!(found.starts_with(title), "{typed}: {found}");
+    }
+    // Every synonym finds its entry first, or another entry with the same synonym.
+    for entry in all(&session) {
+        for word in &entry.synonyms {
+            let found = first(&session, word);
+            let owners = all(&session).into_iter().filter(|other| other.synonyms.contains(word));
+            assert!(owners.into_iter().any(|owner| owner.title == found), "{word}: {found}");
+        }
+    }
+}
 
 #[test]
 fn a_list_may_empty_while_its_scroll_bar_is_pressed() {

@@ -1,21 +1,17 @@
-//! Modal dialogs: opening a model, going to a pixel, the key sheet, the command palette, and the list of bookmarks.
+//! Modal dialogs: opening a model, saving, going to a pixel, the key sheet, the command palette, and the list of bookmarks.
 
 use std::path::PathBuf;
-use std::sync::mpsc::{Receiver, channel};
-use std::time::{Duration, Instant};
 
 use eframe::egui::{Frame, Id, Key, Modal, RichText, TextEdit, Ui};
 
+use super::system_dialog::{Answer, SystemDialog};
 use crate::ui::command::Command;
 use crate::ui::key_sheet;
 use crate::ui::palette::Palette;
 use crate::ui::place::{bookmarks, go_to as go_to_wanted};
+use crate::ui::save_as::SaveDialog;
 use crate::ui::session::Session;
 use crate::ui::theme::tokens;
-
-/// If the system's file dialog ends without a file within this time, the program assumes that the system could not show
-/// it. No user closes a dialog this fast.
-const FASTEST_PERSON: Duration = Duration::from_millis(400);
 
 /// The open dialog, with the text typed into it.
 #[derive(Default)]
@@ -25,6 +21,8 @@ pub(crate) enum Dialog {
     Closed,
     /// Dialog for opening a model.
     Open(OpenDialog),
+    /// Dialog for choosing the path of a saved file.
+    Save(SaveDialog),
     /// Dialog for going to a pixel, triangle, object or vertex, with the typed text.
     Pixel(String),
     /// Key sheet, with its filter text.
@@ -39,7 +37,7 @@ pub(crate) enum Dialog {
 #[derive(Default)]
 pub(crate) struct OpenDialog {
     path: String,
-    browsing: Option<(Receiver<Option<PathBuf>>, Instant)>,
+    browsing: Option<SystemDialog>,
     hint: Option<&'static str>,
 }
 
@@ -49,6 +47,7 @@ impl Dialog {
         let stays = match self {
             Self::Closed => true,
             Self::Open(dialog) => dialog.ui(ui, session, commands),
+            Self::Save(dialog) => dialog.ui(ui, commands),
             Self::Pixel(text) => go_to(ui, text, session, commands),
             Self::Keys(filter) => modal_of_width(ui, "Keys and mouse", key_sheet::width(ui), |ui| {
                 key_sheet::ui(ui, filter);
@@ -69,7 +68,7 @@ impl Dialog {
 }
 
 /// Shows `content` as a dialog; `content` returns `true` to close it. Returns whether the dialog stays open.
-fn modal(ui: &Ui, title: &str, content: impl FnOnce(&mut Ui) -> bool) -> bool {
+pub(crate) fn modal(ui: &Ui, title: &str, content: impl FnOnce(&mut Ui) -> bool) -> bool {
     /// Width of a dialog that contains little text and one field, in points.
     const WIDTH: f32 = 440.0;
     modal_of_width(ui, title, WIDTH, content)
@@ -133,34 +132,31 @@ impl OpenDialog {
         stays
     }
 
-    /// Opens the system's file dialog in a background thread, because it blocks until it is closed.
     fn browse(&mut self, ui: &Ui) {
-        let (sender, receiver) = channel();
-        let context = ui.ctx().clone();
         self.hint = None;
-        self.browsing = Some((receiver, Instant::now()));
-        std::thread::spawn(move || {
-            let file = rfd::FileDialog::new()
+        self.browsing = Some(SystemDialog::open(ui, || {
+            rfd::FileDialog::new()
                 .add_filter("Models and cases", &["obj", "OBJ", "json"])
                 .add_filter("Pictures, for the 2D lab", &["png", "jpg", "jpeg", "bmp", "gif", "tif", "tiff", "tga"])
-                .pick_file();
-            // Sending fails if the window is already closed.
-            drop(sender.send(file));
-            context.request_repaint();
-        });
+                .pick_file()
+        }));
     }
 
+    /// Returns the file that was chosen in the system's file dialog, if any.
     fn poll(&mut self) -> Option<PathBuf> {
-        let (receiver, since) = self.browsing.as_ref()?;
-        let answer = receiver.try_recv().ok()?;
-        if answer.is_none() && since.elapsed() < FASTEST_PERSON {
-            self.hint = Some(
-                "This system has no file dialog: it needs a desktop portal or zenity. Type the path, or drop the file \
-                 on the window.",
-            );
-        }
+        let answer = self.browsing.as_ref()?.poll()?;
         self.browsing = None;
-        answer
+        match answer {
+            Answer::Chosen(path) => Some(path),
+            Answer::Cancelled => None,
+            Answer::Unavailable => {
+                self.hint = Some(
+                    "This system has no file dialog: it needs a desktop portal or zenity. Type the path, or drop the \
+                     file on the window.",
+                );
+                None
+            }
+        }
     }
 }
 

@@ -32,6 +32,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     id: "filter-taps",
     name: "Filter taps",
     help: "Samples from which the upscaler reconstructed the picked pixel, and its response to test signals",
+    synonyms: &[],
     chapter: Chapter::ComparingUpscalers,
     grows: false,
     titled: true,

@@ -13,6 +13,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     id: "log",
     name: "Log",
     help: "All messages, warnings and errors",
+    synonyms: &[],
     chapter: Chapter::GettingStarted,
     grows: true,
     titled: true,

@@ -1,50 +1,67 @@
-//! The menu bar, with statistics of the frame at its right end.
+//! The menu bar, with statistics of the frame at its right end. What does not fit moves into a menu at its end.
 
-use eframe::egui::{self, Button, Layout, MenuBar, RichText, ScrollArea, Ui};
+use eframe::egui::{self, Button, Color32, Layout, MenuBar, RichText, ScrollArea, Ui};
 
+use super::scene_menu;
 use crate::chain::Recipe;
+use crate::inspect::Buffer;
 use crate::inspect::outline::OutlineKind;
-use crate::inspect::{Buffer, lesson};
 use crate::pipeline::settings::Choice as _;
-use crate::scene::builtin;
 use crate::ui::command::{BINDINGS, Command};
 use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::engine::Shown;
 use crate::ui::format;
 use crate::ui::key_sheet::key_name;
+use crate::ui::onboarding::OnboardingChange;
 use crate::ui::place;
+use crate::ui::save_as::SaveItem;
 use crate::ui::session::Session;
-use crate::ui::theme::{Icon, tokens};
+use crate::ui::theme::{CONTROL_HEIGHT, Icon, space, tokens};
+use crate::ui::thumbnails::Thumbnails;
 use crate::ui::what_if;
-use crate::ui::widgets::icon_button;
+use crate::ui::widgets::{icon_button, monospace_width, overflow_menu, text_width};
 use crate::ui::workspace::{Workspace, WorkspaceChange};
 
 /// Selectable interface scales, as factors of the default size.
 const SCALES: [f32; 6] = [0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
 
+/// Width of the theme switch and of the menu at the end of the bar, with the space beside them, in points.
+const END_POINTS: f32 = 2.0 * (CONTROL_HEIGHT + space::S);
+
 /// Draws the menu bar.
-pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, session: &Session, thumbnails: &mut Thumbnails, commands: &mut Vec<Command>) {
     MenuBar::new().ui(ui, |ui| {
         ui.menu_button("File", |ui| file(ui, session, commands));
         ui.menu_button("Edit", |ui| edit(ui, session, commands));
-        ui.menu_button("Scene", |ui| scene(ui, commands));
+        ui.menu_button("Scene", |ui| scene_menu::ui(ui, thumbnails, commands));
         ui.menu_button("View", |ui| view(ui, session, commands));
         ui.menu_button("Go", |ui| place::menu::ui(ui, session, commands));
         ui.menu_button("Help", |ui| help(ui, commands));
         ui.separator();
-        workspaces(ui, session, commands);
-        ui.with_layout(Layout::right_to_left(egui::Align::Center), |ui| figures(ui, session, commands));
+        let hidden = workspaces(ui, session, END_POINTS, commands);
+        ui.with_layout(Layout::right_to_left(egui::Align::Center), |ui| right_end(ui, &hidden, session, commands));
     });
 }
 
-/// Draws the switch between the workspaces.
-fn workspaces(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let current = session.workspace();
-    for (index, workspace) in Workspace::ALL.iter().copied().enumerate() {
-        let button = ui.add(Button::selectable(workspace == current, workspace.name()));
-        if button.on_hover_text(format!("{}  (Ctrl+{})", workspace.help(), index + 1)).clicked() {
-            commands.push(Command::Workspace(WorkspaceChange::Show(workspace)));
-        }
+/// Draws the buttons of the workspaces that fit beside `reserved` points. Returns the others.
+fn workspaces(ui: &mut Ui, session: &Session, reserved: f32, commands: &mut Vec<Command>) -> Vec<Workspace> {
+    let mut room = ui.available_width() - reserved;
+    let mut fits = |ui: &Ui, workspace: &Workspace| {
+        room -= text_width(ui, workspace.name()) + 2.0 * ui.spacing().button_padding.x + ui.spacing().item_spacing.x;
+        room >= 0.0
+    };
+    let count = Workspace::ALL.iter().take_while(|workspace| fits(ui, workspace)).count();
+    let (shown, hidden) = Workspace::ALL.split_at(count);
+    shown.iter().for_each(|workspace| workspace_button(ui, *workspace, session, commands));
+    hidden.to_vec()
+}
+
+fn workspace_button(ui: &mut Ui, workspace: Workspace, session: &Session, commands: &mut Vec<Command>) {
+    let number = Workspace::ALL.iter().position(|other| *other == workspace).map_or(0, |index| index + 1);
+    let button = ui.add(Button::selectable(workspace == session.workspace(), workspace.name()));
+    if button.on_hover_text(format!("{}  (Ctrl+{number})", workspace.help())).clicked() {
+        commands.push(Command::Workspace(WorkspaceChange::Show(workspace)));
+        ui.close();
     }
 }
 
@@ -82,6 +99,13 @@ fn file(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ui.separator();
     entry(ui, "Save picture", Command::SavePicture, commands);
     entry(ui, "Save exact values (PFM)", Command::SaveData, commands);
+    ui.menu_button("Save as", |ui| {
+        for item in SaveItem::LISTED {
+            let name = item.name();
+            let enabled = item != SaveItem::Comparison || session.comparison.is_on();
+            entry_if(ui, enabled, &format!("Save {name} as…"), Command::SaveAs(item), commands);
+        }
+    });
     ui.menu_button("Save as drawing", |ui| {
         for kind in OutlineKind::ALL {
             for end in ["svg", "pdf"] {
@@ -107,32 +131,6 @@ fn edit(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     entry_if(ui, session.can_redo(), "Redo", Command::Redo, commands);
     ui.separator();
     entry_if(ui, session.state.recipe != Recipe::default(), "Reset all settings", Command::ResetRecipe, commands);
-}
-
-fn scene(ui: &mut Ui, commands: &mut Vec<Command>) {
-    ui.menu_button("Why is this pixel black?", |ui| lessons(ui, commands));
-    ui.separator();
-    for scene in builtin::ALL {
-        if ui.button(scene.title).on_hover_text(scene.summary).clicked() {
-            commands.push(Command::OpenBuiltin(scene.id.to_owned()));
-            ui.close();
-        }
-    }
-}
-
-/// Draws a menu entry for each lesson. The entry opens a scene with a black spot and applies the settings that produce
-/// the spot.
-fn lessons(ui: &mut Ui, commands: &mut Vec<Command>) {
-    for lesson in lesson::ALL {
-        if ui
-            .button(lesson.question)
-            .on_hover_text("Open a small scene. Click its black spot: the inspector names the cause")
-            .clicked()
-        {
-            commands.extend([Command::OpenBuiltin(lesson.scene.to_owned()), Command::SetRecipe(lesson.recipe())]);
-            ui.close();
-        }
-    }
 }
 
 fn compare(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
@@ -199,6 +197,9 @@ const NOTICES_WIDTH: f32 = 620.0;
 const NOTICES_HEIGHT: f32 = 420.0;
 
 fn help(ui: &mut Ui, commands: &mut Vec<Command>) {
+    entry(ui, "Start card", Command::Onboarding(OnboardingChange::OpenCard), commands);
+    entry(ui, "Introduction in four steps", Command::Onboarding(OnboardingChange::StartCoach), commands);
+    ui.separator();
     entry(ui, "Manual", Command::OpenManual(None), commands);
     entry(ui, "Keys and mouse", Command::ToggleKeys, commands);
     entry(ui, "Find anything…", Command::OpenPalette, commands);
@@ -210,32 +211,56 @@ fn help(ui: &mut Ui, commands: &mut Vec<Command>) {
     ui.weak(concat!("Rasterscope ", env!("CARGO_PKG_VERSION")));
 }
 
-/// Draws the number of fragments with NaN or infinite values if there is enough space.
-fn bad_numbers(ui: &mut Ui, session: &Session) {
-    /// Minimum free width for the number of fragments with NaN or infinite values and the triangle count, in points.
-    const ROOM: f32 = 260.0;
-    let Some(figures) = session.stages.filter(|_| ui.available_width() >= ROOM) else { return };
-    let color = if figures.bad > 0 { tokens(ui).warning } else { tokens(ui).text };
-    let text = RichText::new(format!("{} NaN", format::count(figures.bad))).monospace().color(color);
-    ui.label(text).on_hover_text(
-        "Fragments of this frame with NaN or infinite depth or weights. The overlay “NaN, infinite, negative” marks \
-         them  (O)",
-    );
-    ui.label(RichText::new("·").color(tokens(ui).text_weak));
+/// Number about the current frame.
+struct Figure {
+    text: String,
+    color: Color32,
+    help: &'static str,
 }
 
-/// Draws statistics of the frame, such as its time and triangle count, and the theme switch.
-fn figures(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+/// Draws the right end of the bar from right to left: the theme switch, statistics of the frame, and a menu with the
+/// `hidden` workspaces and the statistics that do not fit.
+fn right_end(ui: &mut Ui, hidden: &[Workspace], session: &Session, commands: &mut Vec<Command>) {
     let theme_icon = if ui.visuals().dark_mode { Icon::Sun } else { Icon::Moon };
     if icon_button(ui, theme_icon, "Switch between dark and light theme").clicked() {
         commands.push(Command::ToggleTheme);
     }
-    let Some(view) = session.view.as_ref().filter(|_| !session.lab.open) else { return };
-    let drawn = (
+    let figures = figures(ui, session);
+    let spacing = 2.0 * ui.spacing().item_spacing.x + text_width(ui, "·");
+    let mut room = ui.available_width() - CONTROL_HEIGHT - space::S;
+    let mut fits = |figure: &Figure| {
+        room -= monospace_width(ui, &figure.text) + spacing;
+        room >= 0.0
+    };
+    let count = figures.iter().take_while(|figure| fits(figure)).count();
+    let (shown, others) = figures.split_at(count);
+    if !hidden.is_empty() || !others.is_empty() {
+        overflow_menu(ui, "More of the menu bar", |ui| {
+            hidden.iter().for_each(|workspace| workspace_button(ui, *workspace, session, commands));
+            others.iter().for_each(|figure| show_figure(ui, figure));
+        });
+    }
+    for (index, figure) in shown.iter().enumerate() {
+        if index > 0 {
+            ui.label(RichText::new("·").color(tokens(ui).text_weak));
+        }
+        show_figure(ui, figure);
+    }
+}
+
+fn show_figure(ui: &mut Ui, figure: &Figure) {
+    ui.label(RichText::new(&figure.text).monospace().color(figure.color)).on_hover_text(figure.help);
+}
+
+/// Returns statistics of the frame, most important first.
+fn figures(ui: &Ui, session: &Session) -> Vec<Figure> {
+    let Some(view) = session.view.as_ref().filter(|_| !session.lab.open) else { return Vec::new() };
+    let color = tokens(ui).text;
+    let figure = |text, help| Figure { text, color, help };
+    let mut figures = vec![figure(
         format!("{} drawn", format::percent(view.frame.drawn_share())),
         "Share of the picture's pixels that are rasterized and shaded",
-    );
-    let mut figures = vec![drawn];
+    )];
     // With a triangle limit, the picture is drawn twice, and the time would describe neither of the two frames.
     let warm_ms = session.timings.warm_median_ms(view.request.recipe.upscaler).or_else(|| {
         let frame = session.stages.as_ref()?.times.frame;
@@ -243,30 +268,20 @@ fn figures(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
     if let Some(ms) = warm_ms.filter(|_| view.request.triangle_limit.is_none()) {
         let fps = "Frames per second if frames were drawn continuously; a frame is drawn only if something changes";
-        figures.push((format!("{:.0} fps", 1e3 / ms.max(1e-3)), fps));
-        figures.push((format::ms(ms), "Median frame time with warm caches, from planning to the finished picture"));
+        figures.push(figure(format!("{:.0} fps", 1e3 / ms.max(1e-3)), fps));
+        let help = "Median frame time with warm caches, from planning to the finished picture";
+        figures.push(figure(format::ms(ms), help));
     }
-    /// Minimum free width for a figure, in points.
-    const FIGURE_ROOM: f32 = 110.0;
-    for (text, help) in figures {
-        if ui.available_width() < FIGURE_ROOM {
-            return;
-        }
-        ui.label(RichText::new(text).monospace().color(tokens(ui).text)).on_hover_text(help);
-        ui.label(RichText::new("·").color(tokens(ui).text_weak));
+    if let Some(stages) = session.stages {
+        figures.push(Figure {
+            text: format!("{} NaN", format::count(stages.bad)),
+            color: if stages.bad > 0 { tokens(ui).warning } else { color },
+            help: "Fragments of this frame with NaN or infinite depth or weights. The overlay “NaN, infinite, \
+                   negative” marks them  (O)",
+        });
     }
-    bad_numbers(ui, session);
-    if ui.available_width() < FIGURE_ROOM {
-        return;
-    }
-    ui.label(
-        RichText::new(format!(
-            "{} {}",
-            format::count(view.rasterized as u64),
-            if view.rasterized == 1 { "triangle" } else { "triangles" }
-        ))
-        .monospace()
-        .color(tokens(ui).text),
-    )
-    .on_hover_text("Number of rasterized triangles, after clipping and culling");
+    let count = format::count(view.rasterized as u64);
+    let noun = if view.rasterized == 1 { "triangle" } else { "triangles" };
+    figures.push(figure(format!("{count} {noun}"), "Number of rasterized triangles, after clipping and culling"));
+    figures
 }

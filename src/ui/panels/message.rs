@@ -12,9 +12,6 @@ use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::icon_button;
 use crate::ui::workspace::{Panel, WorkspaceChange};
 
-const HINT: &str = "Click a pixel to explain it on the right. Wheel: zoom. Middle-drag: orbit the camera. [ and ]: \
-                    select a stage. ?: all keys.";
-
 const LAB_HINT: &str = "Step with , and . or play with K; drag the blue rings. Wheel: zoom. L: back to the pipeline.";
 
 /// Opacity of the error colour behind the line, in [0, 1].
@@ -52,8 +49,6 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, 
             show_notice(ui, notice, commands);
         } else if session.lab.open {
             line(ui, Icon::Lightbulb, tokens(ui).accent, LAB_HINT, None, commands);
-        } else if !session.hint_closed {
-            line(ui, Icon::Lightbulb, tokens(ui).accent, HINT, Some(Command::CloseHint), commands);
         } else if let Some(words) = session.what_if.unseen_change(&session.state.recipe) {
             let text = format!("{words}.  Press X to show the effect of this change.");
             line(ui, Icon::Diff, tokens(ui).accent, &text, None, commands);
@@ -68,6 +63,9 @@ fn show_notice(ui: &mut Ui, notice: &Notice, commands: &mut Vec<Command>) {
     let close = Some(Command::CloseNotice);
     match notice {
         Notice::Saved(path) => {
+            if ui.button("Open folder").on_hover_text("Show the saved file in the file manager").clicked() {
+                commands.push(Command::OpenFolder(path.clone()));
+            }
             let text = format!("Saved {}", path.display());
             line(ui, Icon::Check, tokens(ui).passed, &text, close, commands);
         }

@@ -20,6 +20,8 @@ pub(crate) mod pipeline;
 
 pub(crate) mod skipped_work;
 
+mod scene_menu;
+
 pub(crate) mod scaling;
 mod smooth;
 
@@ -27,7 +29,11 @@ pub(crate) mod stability;
 
 pub(crate) mod switches;
 
+pub(crate) mod system_dialog;
+
 pub(crate) mod tradeoff;
+
+mod tools;
 
 pub(crate) mod transport;
 

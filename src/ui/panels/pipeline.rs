@@ -30,6 +30,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     id: "stages",
     name: "Stages",
     help: "Stages of the pipeline with their times and counts, and the settings of the selected stage",
+    synonyms: &[],
     chapter: Chapter::Stages,
     grows: false,
     titled: true,

@@ -18,6 +18,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     id: "scaling",
     name: "Scaling",
     help: "Frame time against the number of triangles, pixels, layers and threads",
+    synonyms: &[],
     chapter: Chapter::ErrorAgainstTime,
     grows: true,
     titled: true,

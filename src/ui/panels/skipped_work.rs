@@ -24,6 +24,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     id: "skipped-work",
     name: "Skipped work",
     help: "Parts of the pipeline that each draw runs or skips, and why",
+    synonyms: &[],
     chapter: Chapter::SkippedWork,
     grows: true,
     titled: true,

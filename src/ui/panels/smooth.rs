@@ -1,14 +1,14 @@
 //! Settings of the last pipeline stage: anti-aliasing of drawn pixels, the upscaler that reconstructs the other pixels,
 //! and the post filter.
 
-use eframe::egui::{DragValue, Grid, Ui};
+use eframe::egui::{Grid, Ui};
 
 use super::pick;
 use super::switches::note;
 use crate::antialias::settings::{AntialiasMethod, Antialiasing, PostFilter, PostFilterKind};
 use crate::chain::Recipe;
 use crate::ui::theme::space;
-use crate::ui::widgets::{choice, row, slider};
+use crate::ui::widgets::{choice, integer_field, number_field, row, slider};
 use crate::upscale::{self, Upscaling};
 
 /// Draws the anti-aliasing settings.
@@ -25,7 +25,7 @@ pub(super) fn antialias(ui: &mut Ui, antialias: &mut Antialiasing) {
     }
     if antialias.method == AntialiasMethod::Jittered {
         row(ui, "Seed", "Different seeds give different sample positions", |ui| {
-            ui.add(DragValue::new(&mut antialias.seed))
+            ui.add(integer_field(&mut antialias.seed))
         });
     }
     row(ui, "Averaged values", "Values that are averaged into a pixel: linear light or sRGB codes", |ui| {
@@ -135,7 +135,8 @@ fn mask(ui: &mut Ui, post: &mut PostFilter) {
         ui.spacing_mut().button_padding.x = 0.0;
         for row in post.mask.chunks_mut(5) {
             for weight in row {
-                ui.add(DragValue::new(weight).speed(SPEED).range(-100.0..=100.0).max_decimals(3));
+                let text = |value: f64| ((value * 1e3).round() / 1e3).to_string();
+                ui.add(number_field(weight, text).speed(SPEED).range(-100.0..=100.0));
             }
             ui.end_row();
         }

@@ -25,6 +25,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     id: "stability",
     name: "Stability",
     help: "Error and time of every rasterizer, arithmetic and depth format on ill-conditioned and extreme cases",
+    synonyms: &[],
     chapter: Chapter::Stability,
     grows: true,
     titled: true,

@@ -34,6 +34,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     id: "error-time",
     name: "Error vs time",
     help: "Error and time of each upscaler; click a point to compare that upscaler",
+    synonyms: &["pareto", "quality", "psnr", "ssim", "flip"],
     chapter: Chapter::ErrorAgainstTime,
     grows: true,
     titled: true,

@@ -29,6 +29,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     id: "probe",
     name: "Probe",
     help: "Pixels that change if the camera or the vertices move by a few units in the last place",
+    synonyms: &[],
     chapter: Chapter::Stability,
     grows: true,
     titled: true,

@@ -1,6 +1,6 @@
 //! The panel “Probe”: settings on the left, unstable triangles on the right.
 
-use eframe::egui::{self, Button, DragValue, ProgressBar, RichText, ScrollArea, Ui};
+use eframe::egui::{self, Button, ProgressBar, RichText, ScrollArea, Ui};
 
 use super::ProbeChange;
 use crate::inspect::probe::{Changed, Fragile, Heat, ProbeResult};
@@ -10,7 +10,7 @@ use crate::ui::format;
 use crate::ui::panels::pick;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, ROW_HEIGHT, tokens};
-use crate::ui::widgets::{Status, chip, empty_state, figure, icon_button, row, value_row};
+use crate::ui::widgets::{Status, chip, empty_state, figure, icon_button, integer_field, row, value_row};
 
 /// Width of the column of settings, in points.
 const SETTINGS_POINTS: f32 = 270.0;
@@ -78,10 +78,10 @@ fn settings(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         pick(ui, &mut probe.what)
     });
     let help = "Maximum displacement, in units in the last place; 1 is the smallest step of a float";
-    row(ui, "Jitter, ulp", help, |ui| ui.add(DragValue::new(&mut probe.ulps).range(0..=MAX_SETTINGS.0).speed(0.1)));
+    row(ui, "Jitter, ulp", help, |ui| ui.add(integer_field(&mut probe.ulps).range(0..=MAX_SETTINGS.0).speed(0.1)));
     let help = "Number of times that the view is drawn; more runs give finer results but take longer";
-    row(ui, "Runs", help, |ui| ui.add(DragValue::new(&mut probe.runs).range(1..=MAX_SETTINGS.1).speed(0.5)));
-    row(ui, "Seed", "The same seed gives the same jitter", |ui| ui.add(DragValue::new(&mut probe.seed).speed(0.1)));
+    row(ui, "Runs", help, |ui| ui.add(integer_field(&mut probe.runs).range(1..=MAX_SETTINGS.1).speed(0.5)));
+    row(ui, "Seed", "The same seed gives the same jitter", |ui| ui.add(integer_field(&mut probe.seed).speed(0.1)));
     if probe != session.probing.probe {
         commands.push(Command::Probe(ProbeChange::Set(probe)));
     }

@@ -2,7 +2,7 @@
 //! handles, and the range controls.
 
 use eframe::egui::{
-    self, Align, Button, DragValue, Label, Layout, Rect, Response, RichText, Ui, UiBuilder, Vec2, WidgetInfo, vec2,
+    self, Align, Button, Label, Layout, Rect, Response, RichText, Ui, UiBuilder, Vec2, WidgetInfo, vec2,
 };
 
 use super::plot::HistogramPlot;
@@ -18,7 +18,7 @@ use crate::ui::look::kind;
 use crate::ui::manual::manual_button;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, RADIUS, ROW_HEIGHT, space, tokens};
-use crate::ui::widgets::{combo, icon_button};
+use crate::ui::widgets::{combo, icon_button, number_field};
 
 /// Width of the range card, in points.
 const WIDTH: f32 = 320.0;
@@ -117,8 +117,7 @@ fn field(ui: &mut Ui, name: &str, value: f32, range: Range) -> Option<f32> {
     const POINTS: f64 = 300.0;
     let mut number = f64::from(value);
     let speed = ((f64::from(range.high) - f64::from(range.low)) / POINTS).max(f64::from(f32::MIN_POSITIVE));
-    let text = |value: f64, _| format!("{}", value as f32);
-    let drag = DragValue::new(&mut number).speed(speed).custom_formatter(text);
+    let drag = number_field(&mut number, |value| (value as f32).to_string()).speed(speed);
     let response = ui.add_sized(vec2(FIELD, theme::CONTROL_HEIGHT), drag);
     response.widget_info(|| WidgetInfo::labeled(egui::Role::SpinButton, true, name));
     let changed = response.on_hover_text(format!("{name}: drag, or click and type")).changed();

@@ -20,6 +20,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     id: "histogram",
     name: "Histogram",
     help: "Histogram and statistics of the shown values",
+    synonyms: &["levels", "exposure"],
     chapter: Chapter::ReadingPlots,
     grows: false,
     titled: true,

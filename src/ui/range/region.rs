@@ -26,9 +26,9 @@ impl RegionDrag {
         session: &Session,
         commands: &mut Vec<Command>,
     ) -> bool {
-        // In camera mode, dragging with Shift pans.
-        let inspects = session.pointer_mode == PointerMode::Inspect;
-        let wanted = session.range.draws_region || inspects && ui.input(|i| i.modifiers.shift_only());
+        // In camera mode, dragging with Shift pans the camera.
+        let is_free = session.pointer_mode != PointerMode::Camera;
+        let wanted = session.range.draws_region || is_free && ui.input(|i| i.modifiers.shift_only());
         if !wanted && self.corners.is_none() {
             return false;
         }

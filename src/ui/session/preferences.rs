@@ -12,6 +12,7 @@ use crate::disk::stored_path::StoredPath;
 use crate::inspect::InspectionState;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::Camera;
+use crate::ui::onboarding::Seen;
 use crate::ui::place::Bookmark;
 use crate::ui::watch;
 use crate::ui::workspace::StoredLayouts;
@@ -42,24 +43,22 @@ impl PictureSize {
     }
 }
 
-/// Pointer mode of the canvas.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+/// Pointer mode of the canvas: what dragging with the left button and the wheel do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum PointerMode {
-    /// Dragging pans the picture, the wheel zooms.
+    /// Dragging orbits the camera, the wheel zooms the picture.
     #[default]
-    Inspect,
-    /// Dragging orbits the camera, the wheel dollies, W A S D fly.
+    Orbit,
+    /// Dragging pans the picture, the wheel zooms it.
+    Pan,
+    /// Dragging orbits the camera, the wheel dollies, W A S D Q E fly.
     Camera,
 }
 
 impl PointerMode {
-    /// Returns the other mode.
-    pub(crate) fn other(self) -> Self {
-        match self {
-            Self::Inspect => Self::Camera,
-            Self::Camera => Self::Inspect,
-        }
+    /// Returns `mode`, or the default mode if `mode` is already on.
+    pub(crate) fn toggled(self, mode: Self) -> Self {
+        if self == mode { Self::default() } else { mode }
     }
 }
 
@@ -112,8 +111,8 @@ pub(crate) struct Preferences {
     /// Recently opened files, newest first.
     #[serde(serialize_with = "all_stored", deserialize_with = "all_restored")]
     pub(crate) recent: Vec<PathBuf>,
-    /// Whether the user has closed the introductory hint above the canvas.
-    pub(crate) hint_closed: bool,
+    /// Parts of the introduction for new users that the user has closed.
+    pub(crate) seen: Seen,
     /// Theme, scale, size and layout of the window.
     #[serde(flatten)]
     pub(crate) window: WindowState,
@@ -168,7 +167,7 @@ impl Preferences {
             camera: latest(&self.camera, &base.camera, &theirs.camera),
             size: latest(&self.size, &base.size, &theirs.size),
             recent,
-            hint_closed: self.hint_closed || theirs.hint_closed,
+            seen: self.seen.merged(theirs.seen),
             window: self.window.merged(&base.window, &theirs.window),
             bookmarks: merged_list(&self.bookmarks, &base.bookmarks, &theirs.bookmarks),
             watched,
@@ -237,7 +236,7 @@ impl Session {
             camera: Some(if mirrored { camera.mirrored_z() } else { camera }),
             size: self.state.size,
             recent: self.recent.clone(),
-            hint_closed: self.hint_closed,
+            seen: self.onboarding.seen,
             window: window.clone(),
             bookmarks: self.places.bookmarks.clone(),
             watched: self.watch.pixels.clone(),

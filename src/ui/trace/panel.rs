@@ -19,6 +19,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     id: "calculation",
     name: "Calculation",
     help: "Every step from the corners of a triangle to the picked pixel, with numbers and rounding errors",
+    synonyms: &[],
     chapter: Chapter::InspectingAPixel,
     grows: false,
     titled: true,

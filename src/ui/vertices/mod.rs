@@ -21,6 +21,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     id: "vertices",
     name: "Vertices",
     help: "Vertices of the picked triangle, or of its object, at every stage",
+    synonyms: &["vertex buffer", "mesh table"],
     chapter: Chapter::Stages,
     grows: false,
     titled: true,

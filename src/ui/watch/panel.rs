@@ -17,6 +17,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     id: "watch",
     name: "Watch",
     help: "Values of all buffers at the watched pixels, updated after every frame",
+    synonyms: &["pin"],
     chapter: Chapter::InspectingAPixel,
     grows: false,
     titled: true,

@@ -15,6 +15,7 @@ use crate::ui::mesh_view::MeshPane;
 use crate::ui::panels::case::CaseView;
 use crate::ui::panels::inspector::Inspector;
 use crate::ui::session::Session;
+use crate::ui::thumbnails::Thumbnails;
 use crate::ui::{checks, fates, lab, mesh_view, panels, picture_panel, probe, range, trace, vertices, watch};
 
 /// Description of a panel, declared in the file of the panel.
@@ -25,6 +26,8 @@ pub(crate) struct PanelSpec {
     pub(crate) name: &'static str,
     /// Tooltip of the title, without a full stop.
     pub(crate) help: &'static str,
+    /// Other words for the panel, in lower case, by which the palette finds it.
+    pub(crate) synonyms: &'static [&'static str],
     /// Chapter of the manual that describes the panel.
     pub(crate) chapter: Chapter,
     /// Whether the panel takes the space that a larger window offers, instead of keeping its size.
@@ -64,6 +67,8 @@ pub(crate) struct PanelWidgets {
     pub(crate) mesh: MeshPane,
     /// Inspector of the picked pixel.
     pub(crate) inspector: Inspector,
+    /// Small pictures of the built-in scenes.
+    pub(crate) thumbnails: Thumbnails,
     /// Size of the canvas in screen pixels, as of the last frame that showed it.
     pub(crate) canvas_px: (u32, u32),
     /// Size of the visible canvas in screen pixels, without the legend strip.
@@ -96,6 +101,10 @@ macro_rules! panels {
 
             fn help(self) -> &'static str {
                 self.spec().help
+            }
+
+            fn synonyms(self) -> &'static [&'static str] {
+                self.spec().synonyms
             }
         }
 

@@ -1,8 +1,7 @@
-//! Tests of the key sheet, the hint, the theme and the tabs, and that an idle window draws nothing.
+//! Tests of the key sheet, the theme and the tabs, and that an idle window draws nothing.
 
 use eframe::egui::{Key, Modifiers};
 use rasterscope::ui::command::{BINDINGS, MOUSE};
-use rasterscope::ui::session::WindowState;
 use rasterscope::ui::workspace::Panel;
 
 use super::bench::Bench;
@@ -44,16 +43,6 @@ fn one_button_switches_between_dark_and_light() {
     assert_ne!(dark(&bench), before);
     bench.click("Switch between dark and light theme");
     assert_eq!(dark(&bench), before);
-}
-
-#[test]
-fn the_hint_is_closed_for_good() {
-    let mut bench = Bench::small("triangle");
-    assert!(bench.mentions("Click a pixel"));
-    bench.click("Close this message");
-    assert!(bench.session().hint_closed);
-    assert!(!bench.mentions("Click a pixel to explain it"));
-    assert!(bench.session().preferences(&WindowState::default()).hint_closed);
 }
 
 #[test]

@@ -40,22 +40,46 @@ fn one_to_one_puts_each_pixel_on_one_point() {
 }
 
 #[test]
-fn dragging_moves_the_picture_and_not_the_scene() {
+fn dragging_pans_the_picture_in_pan_mode_and_with_the_middle_button() {
+    for (key, button) in [(Some(Key::P), PointerButton::Primary), (None, PointerButton::Middle)] {
+        let mut bench = Bench::small("triangle");
+        let camera = bench.session().state.camera;
+        key.into_iter().for_each(|key| bench.press(key));
+        let place = bench.place_of((50, 50));
+        bench.drag(button, place, Vec2::new(40.0, -30.0));
+        bench.click_at(place + Vec2::new(40.0, -30.0));
+        assert_eq!(bench.session().pick, Some((50, 50)), "{button:?}");
+        assert_eq!(bench.session().state.camera, camera);
+    }
+}
+
+#[test]
+fn a_click_picks_and_does_not_orbit() {
     let mut bench = Bench::small("triangle");
     let camera = bench.session().state.camera;
-    let place = bench.place_of((50, 50));
-    bench.drag(PointerButton::Primary, place, Vec2::new(40.0, -30.0));
-    bench.click_at(place + Vec2::new(40.0, -30.0));
-    assert_eq!(bench.session().pick, Some((50, 50)));
+    let place = bench.place_of((70, 40));
+    // Pressing and releasing slightly apart is a click.
+    bench.drag(PointerButton::Primary, place, Vec2::new(1.0, 1.0));
+    assert_eq!((bench.session().pick, bench.session().state.camera), (Some((70, 40)), camera));
+}
+
+#[test]
+fn a_rectangle_is_drawn_after_its_key() {
+    let mut bench = Bench::small("triangle");
+    let camera = bench.session().state.camera;
+    bench.press_with(Modifiers::SHIFT, Key::R);
+    let (from, to) = (bench.place_of((20, 10)), bench.place_of((60, 40)));
+    bench.drag(PointerButton::Primary, from, to - from);
+    let region = bench.session().range.region.expect("a rectangle is selected");
+    assert_eq!((region.left, region.top, region.right, region.bottom), (20, 10, 61, 41));
     assert_eq!(bench.session().state.camera, camera);
 }
 
 #[test]
-fn in_camera_mode_dragging_orbits_and_h_returns_to_the_home_view() {
+fn dragging_orbits_and_h_returns_to_the_home_view() {
     let mut bench = Bench::small("cubes");
     let (home, picture) = (bench.session().state.camera, bench.image());
-    bench.press(Key::C);
-    assert_eq!(bench.session().pointer_mode, PointerMode::Camera);
+    assert_eq!(bench.session().pointer_mode, PointerMode::Orbit);
     let from = bench.canvas().center();
     bench.drag(PointerButton::Primary, from, Vec2::new(60.0, 20.0));
     let turned = bench.session().state.camera;
@@ -67,8 +91,6 @@ fn in_camera_mode_dragging_orbits_and_h_returns_to_the_home_view() {
     bench.press(Key::H);
     assert_eq!(bench.session().state.camera, home);
     assert_eq!(bench.image(), picture);
-    bench.press(Key::C);
-    assert_eq!(bench.session().pointer_mode, PointerMode::Inspect);
 }
 
 #[test]
@@ -76,7 +98,7 @@ fn a_whole_drag_of_the_camera_is_one_step_of_undo() {
     let mut bench = Bench::small("triangle");
     let home = bench.session().state.camera;
     let from = bench.canvas().center();
-    bench.drag(PointerButton::Middle, from, Vec2::new(-50.0, 10.0));
+    bench.drag(PointerButton::Primary, from, Vec2::new(-50.0, 10.0));
     assert_ne!(bench.session().state.camera, home);
     bench.press_with(Modifiers::COMMAND, Key::Z);
     assert_eq!(bench.session().state.camera, home);
@@ -98,10 +120,16 @@ fn the_wheel_dollies_in_camera_mode_and_with_ctrl() {
 }
 
 #[test]
-fn the_buttons_of_the_pointer_modes_select_the_mode() {
+fn buttons_and_keys_select_the_pointer_mode() {
     let mut bench = Bench::small("triangle");
-    bench.click("Camera mode");
-    assert_eq!(bench.session().pointer_mode, PointerMode::Camera);
-    bench.click("Inspect mode");
-    assert_eq!(bench.session().pointer_mode, PointerMode::Inspect);
+    for (button, key, mode) in [("Camera mode", Key::C, PointerMode::Camera), ("Pan mode", Key::P, PointerMode::Pan)] {
+        bench.click(button);
+        assert_eq!(bench.session().pointer_mode, mode);
+        bench.click("Orbit mode");
+        assert_eq!(bench.session().pointer_mode, PointerMode::Orbit);
+        bench.press(key);
+        assert_eq!(bench.session().pointer_mode, mode);
+        bench.press(key);
+        assert_eq!(bench.session().pointer_mode, PointerMode::Orbit);
+    }
 }

@@ -82,8 +82,6 @@ fn a_bad_file_is_named_and_the_scene_stays() {
         assert!(bench.session().recent.is_empty());
         assert_eq!(bench.session().log.back().map(|line| line.level), Some(Severity::Error));
 
-        bench.session_mut().hint_closed = true;
-        bench.rest();
         bench.click("Close this message");
         assert_eq!(bench.session().error, None);
         assert!(!bench.says(&error));

@@ -1,6 +1,7 @@
 //! Tests of the rows of the pipeline panel: an option chosen there is drawn, and can be undone.
 
-use eframe::egui::{Key, Modifiers};
+use eframe::egui::{Event, Key, Modifiers, Role};
+use egui_kittest::kittest::Queryable as _;
 use rasterscope::chain::Recipe;
 use rasterscope::inspect::Stage;
 use rasterscope::pipeline::background::Background;
@@ -189,4 +190,44 @@ fn the_picture_size_is_chosen_in_the_toolbar() {
     bench.click("320 × 180");
     bench.click("Match window");
     assert_eq!(bench.image().size(), bench.session().canvas_px);
+}
+
+#[test]
+fn tabbing_through_the_fields_changes_nothing() {
+    for (stage, change) in [
+        (Stage::Shade, "light.direction=0.3,0.7,0.2"),
+        (Stage::Shade, "light.ambient=0.123456789"),
+        (Stage::Upscale, "antialias.method=jittered"),
+        (Stage::Depth, "depth_bias.slope=0.123456789"),
+    ] {
+        let mut bench = Bench::small("cubes");
+        bench.session_mut().state.recipe.set(change).unwrap();
+        bench.session_mut().state.recipe.antialias.seed = 0x1234_5678;
+        bench.session_mut().settle_silently();
+        bench.select(stage);
+        let recipe = bench.session().state.recipe;
+        let mut fields = 0;
+        for _ in 0..120 {
+            bench.window.key_press(Key::Tab);
+            bench.window.run_steps(2);
+            fields += usize::from(bench.window.ctx.text_edit_focused());
+            assert_eq!(bench.session().state.recipe, recipe, "{change}");
+        }
+        assert!(fields > 0, "{change}: a number field was focused");
+        let bits = |recipe: &Recipe| recipe.pipeline.light.direction.to_array().map(f32::to_bits);
+        assert_eq!(bits(&bench.session().state.recipe), bits(&recipe));
+    }
+}
+
+#[test]
+fn typed_numbers_are_taken_over() {
+    let mut bench = Bench::small("triangle");
+    bench.select(Stage::Shade);
+    let field = bench.window.get_all_by_role_and_label(Role::SpinButton, "Ambient").next().unwrap();
+    field.focus();
+    bench.rest();
+    bench.press_with(Modifiers::COMMAND, Key::A);
+    bench.window.event(Event::Text("0,75".to_owned()));
+    bench.press(Key::Tab);
+    assert_eq!(bench.session().state.recipe.pipeline.light.ambient, 0.75);
 }

@@ -41,6 +41,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     id: "frame-time",
     name: "Frame time",
     help: "Frame time of each upscaler",
+    synonyms: &["fps", "performance", "benchmark"],
     chapter: Chapter::ErrorAgainstTime,
     grows: true,
     titled: true,

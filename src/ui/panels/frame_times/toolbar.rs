@@ -2,13 +2,14 @@
 
 use std::collections::BTreeSet;
 
-use eframe::egui::{Button, DragValue, Response, RichText, Role, Ui, WidgetInfo};
+use eframe::egui::{Button, Response, RichText, Role, Ui, WidgetInfo};
 
 use super::rows::MethodRow;
 use crate::ui::command::Command;
 use crate::ui::session::Session;
 use crate::ui::theme::{CONTROL_HEIGHT, space, tokens};
 use crate::ui::timings::{RowOrder, TimingsChange, budget};
+use crate::ui::widgets::number_field;
 use crate::upscale::Upscaling;
 
 /// Width that the buttons of all scales need, in points. If less is left of the first line, they are on the second.
@@ -73,11 +74,7 @@ fn budget_field(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     weak(ui, "Budget");
     let mut ms = session.timings.budget_ms();
     let speed = ms * 0.02;
-    let field = DragValue::new(&mut ms)
-        .speed(speed)
-        .range(budget::MIN_MS..=budget::MAX_MS)
-        .custom_formatter(|ms, _| budget::text(ms))
-        .custom_parser(|text| text.trim_end_matches("ms").trim().replace(',', ".").parse().ok());
+    let field = number_field(&mut ms, budget::text).speed(speed).range(budget::MIN_MS..=budget::MAX_MS);
     let response = ui.name_inputs("Time budget of a frame", |ui| ui.add(field));
     let help = "Time budget of a frame: the method with the lowest error within it gets a star. Drag the number or the \
                 vertical line";

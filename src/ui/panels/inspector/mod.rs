@@ -36,6 +36,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     id: "pixel",
     name: "Pixel",
     help: "Explanation of the picked pixel: every fragment, which one won, and why",
+    synonyms: &["inspector", "pixel history"],
     chapter: Chapter::InspectingAPixel,
     grows: false,
     titled: true,

@@ -1,0 +1,245 @@
+//! Tools of the bar above the canvas. Tools that do not fit move into a menu at the end of the bar.
+
+use eframe::egui::{self, Button, RichText, Ui, WidgetInfo};
+
+use crate::ui::command::Command;
+use crate::ui::compare::{CompareChange, Mode};
+use crate::ui::mesh_view;
+use crate::ui::overlays;
+use crate::ui::picture_size;
+use crate::ui::range;
+use crate::ui::session::{PointerMode, Session};
+use crate::ui::theme::{self, CONTROL_HEIGHT, Icon, space, tokens};
+use crate::ui::what_if;
+use crate::ui::widgets::{icon_button, overflow_menu};
+
+/// Tool of the bar above the canvas.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Tool {
+    PictureSize,
+    Overlays,
+    PointerModes,
+    Fit,
+    OneToOne,
+    Tiles,
+    MeshView,
+    WhatIf,
+    Range,
+    ZoomFactor,
+}
+
+/// Tools at the left end of the bar, from left to right.
+pub(super) const LEFT: [Tool; 5] = [Tool::Tiles, Tool::WhatIf, Tool::MeshView, Tool::Range, Tool::Overlays];
+
+/// Tools at the right end of the bar, from right to left.
+const RIGHT: [Tool; 5] = [Tool::PointerModes, Tool::OneToOne, Tool::Fit, Tool::ZoomFactor, Tool::PictureSize];
+
+/// Pointer modes, each with its icon, name and help text.
+const POINTER_MODES: [(PointerMode, Icon, &str, &str); 3] = [
+    (
+        PointerMode::Orbit,
+        Icon::Rotate3d,
+        "Orbit mode",
+        "drag to orbit the camera, scroll to zoom, middle-drag to pan the picture, click to pick a pixel",
+    ),
+    (PointerMode::Pan, Icon::Hand, "Pan mode", "drag to pan the picture, scroll to zoom  (P)"),
+    (
+        PointerMode::Camera,
+        Icon::Video,
+        "Camera mode",
+        "drag to orbit the camera, scroll to dolly, W A S D Q E to fly  (C)",
+    ),
+];
+
+/// Inputs of the tools, and the list to which they append commands.
+pub(super) struct ToolContext<'a> {
+    pub(super) session: &'a Session,
+    /// Display scale in screen pixels per picture pixel; `None` if the picture is fitted to the canvas.
+    pub(super) scale: Option<f32>,
+    pub(super) commands: &'a mut Vec<Command>,
+}
+
+impl Tool {
+    /// All tools, in the order in which they keep their place in a narrow bar.
+    const BY_PRIORITY: [Self; 10] = [
+        Self::PictureSize,
+        Self::Overlays,
+        Self::PointerModes,
+        Self::Fit,
+        Self::OneToOne,
+        Self::Tiles,
+        Self::MeshView,
+        Self::WhatIf,
+        Self::Range,
+        Self::ZoomFactor,
+    ];
+
+    /// Returns the tools that fit into `width` points, beside the menu with the others.
+    pub(super) fn fitting(width: f32) -> Vec<Self> {
+        let mut room = width - CONTROL_HEIGHT - space::S;
+        let mut fits = |tool: &Self| {
+            room -= tool.width();
+            room >= 0.0
+        };
+        // Stops at the first tool without room, so that the order of priority holds for any width.
+        Self::BY_PRIORITY.into_iter().take_while(|tool| fits(tool)).collect()
+    }
+
+    /// Returns the width of tools and of the menu with the others, including the space beside them, in points.
+    pub(super) fn width_of_all(tools: &[Self]) -> f32 {
+        CONTROL_HEIGHT + space::S + tools.iter().map(|tool| tool.width()).sum::<f32>()
+    }
+
+    /// Returns the width of the tool in the bar including the space beside it, in points. Generous estimate.
+    fn width(self) -> f32 {
+        const ICON: f32 = CONTROL_HEIGHT + space::S;
+        match self {
+            Self::PictureSize => 108.0,
+            Self::Overlays => ICON + 2.0 * space::L,
+            Self::PointerModes => 3.0 * ICON + 2.0 * space::L,
+            Self::ZoomFactor => 56.0,
+            Self::Fit | Self::OneToOne | Self::Tiles | Self::MeshView | Self::WhatIf | Self::Range => ICON,
+        }
+    }
+
+    /// Returns icon, name and command of a tool that is a plain button.
+    fn button(self, session: &Session) -> Option<(Icon, &'static str, Command)> {
+        Some(match self {
+            Self::Fit => (Icon::Maximize, "Fit the picture into the canvas  (F)", Command::ZoomFit),
+            Self::OneToOne => (Icon::Square, "Show one picture pixel per screen pixel  (0)", Command::ZoomOne),
+            Self::Tiles => (
+                Icon::Columns2,
+                "Compare pictures side by side  (T)",
+                Command::Compare(CompareChange::Toggle(Mode::Tiles)),
+            ),
+            Self::MeshView => (
+                Icon::Box,
+                "Show the mesh view: the scene from a second camera  (M)",
+                Command::MeshView(mesh_view::MeshViewChange::Toggle),
+            ),
+            Self::WhatIf => (
+                Icon::Diff,
+                "Show the effect of the last change of a setting  (X)",
+                Command::WhatIf(what_if::WhatIfChange::Toggle),
+            ),
+            Self::Range => (
+                Icon::ChartColumn,
+                "Show the range controls and the histogram over the picture",
+                Command::Range(range::RangeChange::Open(!session.range.open)),
+            ),
+            Self::PictureSize | Self::Overlays | Self::PointerModes | Self::ZoomFactor => return None,
+        })
+    }
+
+    /// Draws the tool in the bar.
+    pub(super) fn show(self, ui: &mut Ui, cx: &mut ToolContext<'_>) {
+        if let Some((icon, name, command)) = self.button(cx.session) {
+            if icon_button(ui, icon, name).clicked() {
+                cx.commands.push(command);
+            }
+            return;
+        }
+        match self {
+            Self::PictureSize => picture_size::menu(ui, cx.session, cx.commands),
+            Self::Overlays => overlays_button(ui, cx, ""),
+            Self::PointerModes => {
+                // The bar is laid out from right to left.
+                for mode in POINTER_MODES.into_iter().rev() {
+                    pointer_mode(ui, cx, mode, false);
+                }
+                ui.separator();
+            }
+            Self::ZoomFactor => {
+                ui.label(RichText::new(zoom_text(cx.scale)).monospace().color(tokens(ui).text_weak))
+                    .on_hover_text("Zoom. To set it, press Ctrl+G and type, for example, 800% 12,34");
+            }
+            _ => {}
+        }
+    }
+
+    /// Draws the tool as an entry of the menu.
+    fn entry(self, ui: &mut Ui, cx: &mut ToolContext<'_>) {
+        if let Some((icon, name, command)) = self.button(cx.session) {
+            if ui.button((theme::icon(icon), name)).clicked() {
+                cx.commands.push(command);
+                ui.close();
+            }
+            return;
+        }
+        match self {
+            Self::Overlays => overlays_button(ui, cx, "Overlays  (O)"),
+            Self::PointerModes => {
+                for mode in POINTER_MODES {
+                    pointer_mode(ui, cx, mode, true);
+                }
+            }
+            Self::ZoomFactor => {
+                ui.label(RichText::new(format!("Zoom: {}", zoom_text(cx.scale))).color(tokens(ui).text_weak));
+            }
+            _ => self.show(ui, cx),
+        }
+    }
+}
+
+fn zoom_text(scale: Option<f32>) -> String {
+    scale.map_or_else(|| "fit".to_owned(), |scale| format!("{:.0} %", scale * 100.0))
+}
+
+/// Draws the right end of the bar from right to left: the tools among `shown`, and the menu with all others.
+pub(super) fn right_end(ui: &mut Ui, shown: &[Tool], cx: &mut ToolContext<'_>) {
+    let hidden: Vec<_> = RIGHT.into_iter().rev().chain(LEFT).filter(|tool| !shown.contains(tool)).collect();
+    if !hidden.is_empty() {
+        overflow_menu(ui, "More tools of the picture", |ui| hidden.iter().for_each(|tool| tool.entry(ui, cx)));
+    }
+    RIGHT.iter().filter(|tool| shown.contains(tool)).for_each(|tool| tool.show(ui, cx));
+}
+
+fn overlays_button(ui: &mut Ui, cx: &mut ToolContext<'_>, words: &str) {
+    let (open, count) = (cx.session.overlays.open, cx.session.overlays.count());
+    let name = if count > 0 { format!("Overlays ({count})") } else { "Overlays".to_owned() };
+    let text = match count {
+        0 => words.to_owned(),
+        _ if words.is_empty() => count.to_string(),
+        _ => format!("{words}  {count}"),
+    };
+    let help = "edges, counts, sizes and faults over the picture, each with a legend  (O)";
+    let button = Button::selectable(open, (theme::icon(Icon::Layers), text));
+    let response = ui.add(button).on_hover_text(format!("{name}: {help}"));
+    response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, open, &name));
+    if response.clicked() {
+        cx.commands.push(Command::Overlays(overlays::OverlayChange::ToggleOpen));
+        ui.close();
+    }
+}
+
+fn pointer_mode(
+    ui: &mut Ui,
+    cx: &mut ToolContext<'_>,
+    (mode, icon, name, help): (PointerMode, Icon, &str, &str),
+    with_name: bool,
+) {
+    let words = if with_name { name } else { "" };
+    let button = Button::new((theme::icon(icon), words)).selected(cx.session.pointer_mode == mode);
+    let response = ui.add(button).on_hover_text(format!("{name}: {help}"));
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, name));
+    if response.clicked() {
+        cx.commands.push(Command::SetPointerMode(mode));
+        ui.close();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_tool_has_one_place_and_one_priority() {
+        for tool in Tool::BY_PRIORITY {
+            let places = LEFT.iter().chain(&RIGHT).filter(|other| **other == tool);
+            assert_eq!(places.count(), 1, "{tool:?}");
+        }
+        assert_eq!(LEFT.len() + RIGHT.len(), Tool::BY_PRIORITY.len());
+        assert_eq!(Tool::fitting(2000.0).len(), Tool::BY_PRIORITY.len());
+        assert!(Tool::fitting(20.0).is_empty());
+    }
+}

@@ -1,0 +1,113 @@
+//! “Save as…”: what the window can save, and the dialog that asks for the path.
+
+mod dialog;
+
+pub(crate) use dialog::SaveDialog;
+
+use std::path::{Path, PathBuf};
+
+use super::engine::Shown;
+use super::session::Session;
+use crate::inspect::outline::OutlineKind;
+use crate::pipeline::settings::Choice as _;
+
+/// Content that the window can save to a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SaveItem {
+    /// Picture on the canvas, as PNG.
+    Picture,
+    /// Exact values on the canvas, as PFM.
+    Values,
+    /// Vector drawing of the scene, in the format with this file name extension.
+    Outline(OutlineKind, &'static str),
+    /// Triangle visible at the picked pixel, as a case file.
+    Case,
+    /// Compared pictures with their errors, as an HTML page.
+    Comparison,
+    /// All frame times, as CSV.
+    FrameTimes,
+    /// Drawing of the current page of the 2D lab, in the format with this file name extension.
+    LabDrawing(&'static str),
+}
+
+impl SaveItem {
+    /// Items with an entry “Save … as…” in the menu “File” and in the palette.
+    pub(crate) const LISTED: [Self; 5] = [Self::Picture, Self::Values, Self::Case, Self::Comparison, Self::FrameTimes];
+
+    /// Returns the display name, which continues “Save …”.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Picture => "picture",
+            Self::Values => "exact values (PFM)",
+            Self::Outline(..) | Self::LabDrawing(_) => "drawing",
+            Self::Case => "triangle as case file",
+            Self::Comparison => "comparison (HTML)",
+            Self::FrameTimes => "frame times (CSV)",
+        }
+    }
+
+    /// Returns the file name extension, which names the format.
+    pub(crate) fn extension(self) -> &'static str {
+        match self {
+            Self::Picture => "png",
+            Self::Values => "pfm",
+            Self::Outline(_, extension) | Self::LabDrawing(extension) => extension,
+            Self::Case => "json",
+            Self::Comparison => "html",
+            Self::FrameTimes => "csv",
+        }
+    }
+
+    /// Returns the suggested file name without its extension.
+    pub(crate) fn stem(self, session: &Session) -> &'static str {
+        match self {
+            Self::Picture => "picture",
+            Self::Values => match session.shown {
+                Shown::Buffer(buffer) => buffer.id(),
+                Shown::Stage(stage) => stage.id(),
+                Shown::Intermediate(number) => number.id(),
+            },
+            Self::Outline(kind, _) => kind.id(),
+            Self::Case => "triangle",
+            Self::Comparison => "comparison",
+            Self::FrameTimes => "frame-times",
+            Self::LabDrawing(_) => session.lab.page.id(),
+        }
+    }
+
+    /// Returns the path for a typed name: relative to `folder`, with the extension of this item.
+    fn path(self, typed: &str, folder: &Path) -> PathBuf {
+        let path = folder.join(typed.trim());
+        let has_extension = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(self.extension()));
+        if has_extension {
+            return path;
+        }
+        let mut name = path.into_os_string();
+        name.push(".");
+        name.push(self.extension());
+        name.into()
+    }
+}
+
+/// Place of a saved file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Destination {
+    /// New file in the current folder: the first free one of `stem.extension`, `stem-2.extension` …
+    Automatic,
+    /// This file, which is replaced if it exists.
+    File(PathBuf),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_get_the_extension_of_the_format() {
+        let path = |typed: &str| SaveItem::Picture.path(typed, "/pictures".as_ref());
+        assert_eq!(path(" a "), Path::new("/pictures/a.png"));
+        assert_eq!(path("a.PNG"), Path::new("/pictures/a.PNG"));
+        assert_eq!(path("b/a.jpg"), Path::new("/pictures/b/a.jpg.png"));
+        assert_eq!(path("/tmp/a.png"), Path::new("/tmp/a.png"));
+    }
+}

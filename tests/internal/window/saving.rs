@@ -1,0 +1,82 @@
+//! Tests of “Save as…” and of the notice about a saved file.
+
+use eframe::egui::{Event, Key, Modifiers};
+use egui_kittest::kittest::Queryable as _;
+use rasterscope::image::file;
+use rasterscope::ui::command::Command;
+use rasterscope::ui::save_as::SaveItem;
+
+use super::bench::Bench;
+
+/// Opens the dialog for saving an item, and replaces the suggested path.
+fn ask(bench: &mut Bench, item: SaveItem, path: &str) {
+    bench.window.state_mut().queue(vec![Command::SaveAs(item)]);
+    bench.rest();
+    assert!(bench.says(&format!("Save {}", item.name())), "the dialog is open");
+    bench.press_with(Modifiers::COMMAND, Key::A);
+    bench.window.event(Event::Text(path.to_owned()));
+    bench.rest();
+}
+
+#[test]
+fn the_picture_is_saved_under_a_typed_path() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut bench = Bench::small("triangle");
+    bench.session_mut().folder = folder.path().to_owned();
+    bench.press_with(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    assert!(bench.says("Save picture"));
+    bench.press_with(Modifiers::COMMAND, Key::A);
+    let path = folder.path().join("chosen.png");
+    bench.window.event(Event::Text(folder.path().join("chosen").to_str().unwrap().to_owned()));
+    bench.press(Key::Enter);
+    assert_eq!(bench.session().error, None);
+    assert_eq!(file::read(&path).unwrap(), bench.image());
+    assert!(!bench.says("Save picture") && bench.says(&format!("Saved {}", path.display())));
+    assert!(bench.window.query_by_label("Open folder").is_some());
+}
+
+#[test]
+fn every_item_suggests_a_name_and_is_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut bench = Bench::small("triangle");
+    bench.session_mut().folder = folder.path().to_owned();
+    bench.press(Key::T);
+    for item in SaveItem::LISTED {
+        bench.window.state_mut().queue(vec![Command::SaveAs(item)]);
+        bench.rest();
+        bench.click("Save");
+        assert_eq!(bench.session().error, None, "{item:?}");
+        let name = format!("{}.{}", item.stem(bench.session()), item.extension());
+        assert!(std::fs::metadata(folder.path().join(&name)).is_ok_and(|file| file.len() > 0), "{name}");
+    }
+}
+
+#[test]
+fn an_existing_file_is_replaced_only_after_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("taken.png");
+    std::fs::write(&path, "old").unwrap();
+    let mut bench = Bench::small("triangle");
+    ask(&mut bench, SaveItem::Picture, path.to_str().unwrap());
+    assert!(bench.says(&format!("{} exists and is replaced.", path.display())));
+    bench.click("Cancel");
+    assert_eq!(std::fs::read(&path).unwrap(), b"old");
+    ask(&mut bench, SaveItem::Picture, path.to_str().unwrap());
+    bench.click("Replace");
+    assert_eq!(file::read(&path).unwrap(), bench.image());
+}
+
+#[test]
+fn a_missing_folder_or_triangle_is_named() {
+    let mut bench = Bench::small("triangle");
+    ask(&mut bench, SaveItem::Picture, "/nowhere/a.png");
+    assert!(bench.says("The folder /nowhere does not exist."));
+    bench.press(Key::Enter);
+    assert!(bench.says("Save picture"), "the dialog stays open");
+    bench.press(Key::Escape);
+    bench.session_mut().pick = None;
+    bench.rest();
+    bench.window.state_mut().queue(vec![Command::SaveAs(SaveItem::Case)]);
+    bench.rest();
+    assert!(bench.session().error.as_ref().is_some_and(|error| error.contains("pick a pixel")));
+}
