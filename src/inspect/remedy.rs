@@ -143,7 +143,9 @@ fn candidates(report: &PixelReport, recipe: &Recipe, camera: &Camera) -> Vec<Vec
         groups.push(vec![Remedy::ReversedDepth]);
     }
     let is_absent = |cause| report.absent.iter().any(|absent| absent.cause == cause);
-    if is_absent(Cause::BackFacing) || is_absent(Cause::FrontFacing) {
+    let is_background = report.visible().is_none();
+    // Elsewhere, a culled triangle is usually the back of what is visible.
+    if is_background && (is_absent(Cause::BackFacing) || is_absent(Cause::FrontFacing)) {
         groups.push(vec![Remedy::NoCulling]);
     }
     if is_absent(Cause::NearPlane) {

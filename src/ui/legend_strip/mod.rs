@@ -9,7 +9,7 @@ mod scale;
 
 pub(crate) use scale::ScaleLegend;
 
-use eframe::egui::{Button, Frame, Id, Label, Panel, RichText, ScrollArea, Ui, WidgetInfo};
+use eframe::egui::{Button, Frame, Label, Panel, RichText, Ui, WidgetInfo};
 
 use super::command::Command;
 use super::engine::{RenderedView, Shown};
@@ -20,15 +20,12 @@ use super::probe;
 use super::range::plot::{legend_colors, short};
 use super::scrub::transport::last_drawn;
 use super::session::Session;
-use super::theme::{self, CONTROL_HEIGHT, Icon, ROW_HEIGHT, space, tokens};
+use super::theme::{self, CONTROL_HEIGHT, Icon, space, tokens};
 use super::what_if;
 use crate::inspect::Buffer;
 use crate::inspect::display::ValueKind;
 use crate::inspect::view::absence;
 use chips::Chip;
-
-/// Maximum height of the strip without scrolling, in points.
-const MAX_HEIGHT: f32 = 4.0 * ROW_HEIGHT;
 
 /// Maximum number of totals in the legend of an overlay.
 const TOTALS: usize = 2;
@@ -39,24 +36,12 @@ pub(crate) fn show(ui: &mut Ui, frame: Frame, session: &Session, commands: &mut 
     if chips.is_empty() {
         return 0.0;
     }
-    // A panel does not grow with a scrolled content, so it gets the height that the content had in the last pass.
-    let id = Id::unique("height of the legend strip");
-    let known: f32 = ui.data(|data| data.get_temp(id)).unwrap_or(CONTROL_HEIGHT);
-    let margin = frame.total_margin().sum().y;
-    let panel = Panel::bottom("legends").frame(frame).resizable(false).exact_size(known.min(MAX_HEIGHT) + margin);
-    let response = panel.show(ui, |ui| {
-        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            ui.horizontal_wrapped(|ui| {
-                ui.spacing_mut().item_spacing.y = space::XS;
-                for chip in chips {
-                    draw(ui, chip, session, commands);
-                    ui.add_space(space::S);
-                }
-            });
-            let needed = ui.min_rect().height();
-            if needed != known {
-                ui.data_mut(|data| data.insert_temp(id, needed));
-                ui.request_repaint();
+    let response = Panel::bottom("legends").frame(frame).resizable(false).show(ui, |ui| {
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing.y = space::XS;
+            for chip in chips {
+                draw(ui, chip, session, commands);
+                ui.add_space(space::S);
             }
         });
     });

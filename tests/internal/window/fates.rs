@@ -20,7 +20,7 @@ fn a_bin_selects_its_members_until_it_is_dropped() {
     let selection = bench.session().selection.clone();
     assert_eq!((selection.len() as u64, selection.label()), (count, "depth failed"));
     assert_eq!(bench.session().fates.members.len() as u64, count);
-    assert!(bench.says(&format!("{count} triangles: depth failed")));
+    assert!(bench.mentions(&format!("Clear the selection: {count} triangles: depth failed")));
     bench.press(Key::Escape);
     assert!(bench.session().selection.is_empty() && !bench.session().fates.is_filtering());
 }
