@@ -60,7 +60,8 @@ fn ui(ui: &mut Ui, cx: &mut PanelContext<'_>) {
         });
     }
     if compares && session.filmstrip.open && widgets.has_room_for_filmstrip {
-        Panel::bottom("filmstrip").frame(frame).exact_size(filmstrip::strip::HEIGHT).show(ui, |ui| {
+        let tight = frame.inner_margin(egui::Margin::symmetric(theme::space::S as i8, filmstrip::strip::MARGIN));
+        Panel::bottom("filmstrip").frame(tight).exact_size(filmstrip::strip::HEIGHT).show(ui, |ui| {
             widgets.filmstrip.ui(ui, session, commands);
         });
     }

@@ -27,10 +27,13 @@ const PICTURE: Vec2 = vec2(128.0, 46.0);
 const LINE: f32 = 13.0;
 
 /// Width of the column with the settings, in points.
-const SETTINGS_WIDTH: f32 = 96.0;
+const SETTINGS_WIDTH: f32 = 108.0;
 
-/// Height of the strip, in points: pictures, two lines of text, and the margin of its panel.
-pub(crate) const HEIGHT: f32 = PICTURE.y + 2.0 * LINE + 8.0;
+/// Margin above and below the strip, in points.
+pub(crate) const MARGIN: i8 = 3;
+
+/// Height of the strip, in points: pictures, two lines of text, and margins.
+pub(crate) const HEIGHT: f32 = PICTURE.y + 2.0 * LINE + 2.0 * MARGIN as f32 + 2.0;
 
 /// Texture of one frame, with the picture and the part of it that the texture shows.
 #[derive(Default)]
