@@ -9,7 +9,7 @@
 //! file in the same folder and flushed to the disk; then the file is renamed to the output. The output name therefore
 //! always refers to the complete old file or to the complete new file, never to a part.
 
-pub(crate) mod stored_path;
+pub mod stored_path;
 
 use std::collections::BTreeSet;
 use std::fs::{File, OpenOptions};
@@ -80,7 +80,7 @@ pub fn protect_inputs() {
 
 /// Records the file at `path` as an input, which [`write()`] then refuses to replace. Has no effect unless
 /// [`protect_inputs`] was called.
-pub(crate) fn note_input(path: &Path) {
+pub fn note_input(path: &Path) {
     let mut inputs = lock_inputs();
     if let (Some(inputs), Ok(path)) = (inputs.as_mut(), path.canonicalize()) {
         inputs.insert(path);
@@ -105,7 +105,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
 ///
 /// # Errors
 /// Returns the same errors as [`write()`], and errors of `produce`. An existing file is then unchanged.
-pub(crate) fn write_by(path: &Path, produce: impl FnOnce(&mut dyn io::Write) -> io::Result<()>) -> io::Result<()> {
+pub fn write_by(path: &Path, produce: impl FnOnce(&mut dyn io::Write) -> io::Result<()>) -> io::Result<()> {
     match Destination::of(path)? {
         Destination::Direct(path) => {
             let mut file = OpenOptions::new().write(true).open(path)?;
@@ -135,7 +135,7 @@ pub(crate) fn write_by(path: &Path, produce: impl FnOnce(&mut dyn io::Write) -> 
 ///
 /// # Errors
 /// Returns an error if the file cannot be written.
-pub(crate) fn write_new(folder: &Path, stem: &str, extension: &str, bytes: &[u8]) -> io::Result<PathBuf> {
+pub fn write_new(folder: &Path, stem: &str, extension: &str, bytes: &[u8]) -> io::Result<PathBuf> {
     let numbered = |number: u32| match number {
         1 => folder.join(format!("{stem}.{extension}")),
         _ => folder.join(format!("{stem}-{number}.{extension}")),
@@ -158,7 +158,7 @@ pub(crate) fn write_new(folder: &Path, stem: &str, extension: &str, bytes: &[u8]
 ///
 /// # Errors
 /// Returns the same errors as [`write()`]. Does not detect a disk that becomes full later.
-pub(crate) fn check_writable(path: &Path) -> io::Result<()> {
+pub fn check_writable(path: &Path) -> io::Result<()> {
     match Destination::of(path)? {
         Destination::Direct(path) => OpenOptions::new().write(true).open(path).map(drop),
         Destination::Replaced(path) => {
@@ -174,7 +174,7 @@ pub(crate) fn check_writable(path: &Path) -> io::Result<()> {
 ///
 /// # Errors
 /// Returns an error if the file cannot be opened, or if other processes hold the lock for two seconds.
-pub(crate) fn lock(path: &Path) -> io::Result<File> {
+pub fn lock(path: &Path) -> io::Result<File> {
     const TRIES: u32 = 100;
     let file = OpenOptions::new().create(true).truncate(false).write(true).open(path)?;
     for _ in 0..TRIES {

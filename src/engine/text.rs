@@ -11,7 +11,7 @@ use std::path::Path;
 const MAX_MESSAGE_CHARS: usize = 200;
 
 /// Returns `text` with control characters, line separators and bidirectional controls replaced by U+FFFD.
-pub(crate) fn clean(text: &str) -> Cow<'_, str> {
+pub fn clean(text: &str) -> Cow<'_, str> {
     if text.contains(is_unsafe) {
         Cow::Owned(text.chars().map(|c| if is_unsafe(c) { char::REPLACEMENT_CHARACTER } else { c }).collect())
     } else {
@@ -20,7 +20,7 @@ pub(crate) fn clean(text: &str) -> Cow<'_, str> {
 }
 
 /// Returns `text` as one clean line: runs of white space and line ends become single spaces.
-pub(crate) fn one_line(text: &str) -> String {
+pub fn one_line(text: &str) -> String {
     let words: Vec<_> = text.split_whitespace().map(clean).collect();
     words.join(" ")
 }
@@ -35,7 +35,7 @@ pub(crate) fn message(text: &str) -> String {
 }
 
 /// Returns a path as clean text on one line, for display.
-pub(crate) fn path(path: &Path) -> String {
+pub fn path(path: &Path) -> String {
     one_line(&path.display().to_string())
 }
 

@@ -59,7 +59,7 @@ impl Pattern {
     ///
     /// # Examples
     /// ```
-    /// use rasterscope::antialias::pattern::Pattern;
+    /// use rasterscope_engine::antialias::pattern::Pattern;
     ///
     /// let offsets = Pattern::Regular { side: 2 }.offsets(0, 0);
     /// assert_eq!(offsets, [[0.25, 0.25], [0.75, 0.25], [0.25, 0.75], [0.75, 0.75]]);

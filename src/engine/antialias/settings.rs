@@ -87,7 +87,7 @@ impl Default for Antialiasing {
 
 impl Antialiasing {
     /// Returns whether each pixel has a single sample, at its centre.
-    pub(crate) fn is_off(self) -> bool {
+    pub fn is_off(self) -> bool {
         self.method == AntialiasMethod::None
     }
 
@@ -146,7 +146,7 @@ choice! {
 impl PostFilterKind {
     /// Returns the maximum strength of the filter, or `None` if the filter has no strength. The maximum follows from
     /// the size of the largest mask or, for sharpening, from the range of useful values.
-    pub(crate) fn max_strength(self) -> Option<f32> {
+    pub fn max_strength(self) -> Option<f32> {
         let reach = MAX_REACH as f32;
         match self {
             Self::None | Self::Fxaa | Self::Custom => None,
@@ -178,12 +178,12 @@ pub struct PostFilter {
     /// standard deviation of a Gaussian blur in px, the amount of sharpening, or the length of a motion blur in px.
     pub strength: f32,
     /// Direction of a motion blur, in degrees clockwise from pointing right.
-    pub(crate) angle_degrees: f32,
+    pub angle_degrees: f32,
     /// Weights of a custom mask of 5 × 5 pixels, row by row from the top. A 3 × 3 mask lies in the centre, surrounded
     /// by zeros.
-    pub(crate) mask: MaskWeights,
+    pub mask: MaskWeights,
     /// Colour space in which the filter works. FXAA always finds edges in sRGB codes.
-    pub(crate) light: ColorSpace,
+    pub light: ColorSpace,
 }
 
 impl Default for PostFilter {
@@ -203,12 +203,12 @@ pub(crate) fn centred_in_5x5(weights: [f32; 9]) -> MaskWeights {
 
 impl PostFilter {
     /// Returns whether no filter is selected.
-    pub(crate) fn is_off(&self) -> bool {
+    pub fn is_off(&self) -> bool {
         self.filter == PostFilterKind::None
     }
 
     /// Returns the settings with another filter and the strength clamped to that filter's range.
-    pub(crate) fn with_filter(self, filter: PostFilterKind) -> Self {
+    pub fn with_filter(self, filter: PostFilterKind) -> Self {
         let strength = filter.max_strength().map_or(self.strength, |most| self.strength.clamp(0.0, most));
         Self { filter, strength, ..self }
     }

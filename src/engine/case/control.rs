@@ -45,7 +45,7 @@ impl<'a> Control<'a> {
     ///
     /// `progress` receives the completed fraction of the work, in [0, 1], which never decreases. After `stop` is set,
     /// evaluation ends within a few milliseconds.
-    pub(crate) fn new(progress: &'a dyn Fn(f32), stop: &'a AtomicBool) -> Self {
+    pub fn new(progress: &'a dyn Fn(f32), stop: &'a AtomicBool) -> Self {
         Self { progress, stop, reported: Cell::new(0) }
     }
 

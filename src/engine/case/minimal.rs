@@ -13,9 +13,9 @@ const SIDE_PX: u32 = 64;
 /// A `tri_coverage` case of one triangle, with a note on its origin. Fields that the kind does not define, such as
 /// `note`, are ignored when the case is read.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(crate) struct MinimalCase {
+pub struct MinimalCase {
     /// Identifier of the case, built from triangle and pixel.
-    pub(crate) id: String,
+    pub id: String,
     kind: &'static str,
     class: &'static str,
     note: String,
@@ -36,7 +36,7 @@ impl MinimalCase {
     /// The picture of the case is a window around `pixel` of at most [`SIDE_PX`] pixels per side. The triangle is
     /// shifted by whole pixels into the coordinates of this window. If the shift would round a coordinate, the case has
     /// the full picture instead.
-    pub(crate) fn new(
+    pub fn new(
         triangle: &ScreenTriangle,
         pixel: (u32, u32),
         viewport: Viewport,
@@ -73,7 +73,7 @@ impl MinimalCase {
     }
 
     /// Returns the content of the case file, as indented JSON.
-    pub(crate) fn to_json(&self) -> String {
+    pub fn to_json(&self) -> String {
         // Corners of drawn triangles and all numbers in the settings are finite, so serialization cannot fail.
         serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
     }

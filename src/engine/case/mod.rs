@@ -40,14 +40,14 @@ pub(crate) use distance_line::DistanceLine;
 pub(crate) use distance_line::DistanceLineAnswer;
 pub(crate) use ellipse::Ellipse;
 pub(crate) use ellipse::EllipseAnswer;
-pub(crate) use file::CaseError;
+pub use file::CaseError;
 pub(crate) use json::Exactly;
 pub(crate) use json::Float;
 pub(crate) use json::Point;
 pub(crate) use json::Real;
 pub(crate) use line::Line;
 pub(crate) use line::LineAnswer;
-pub(crate) use minimal::MinimalCase;
+pub use minimal::MinimalCase;
 pub(crate) use poly_fill::PolyFill;
 pub(crate) use poly_fill::PolyFillAnswer;
 pub(crate) use real_line::RealLine;
@@ -93,7 +93,7 @@ impl Case {
     ///
     /// Returns an error if the path is not a regular file of at most 16 MiB, or if its content is not JSON, has an
     /// unknown kind, or has fields that do not match the kind.
-    pub(crate) fn read(path: &Path) -> Result<Self, CaseError> {
+    pub fn read(path: &Path) -> Result<Self, CaseError> {
         file::read(path)
     }
 
@@ -236,7 +236,7 @@ pub enum Answer {
 /// ```
 /// use std::path::Path;
 ///
-/// use rasterscope::case::{Answer, Case, Control, Options, answer};
+/// use rasterscope_engine::case::{Answer, Case, Control, Options, answer};
 ///
 /// let json = br#"{"id": "diagonal", "kind": "line", "p0": [0, 0], "p1": [2, 2], "last_pixel": true}"#;
 /// let case = Case::parse(json, Path::new("diagonal.json"))?;
@@ -268,18 +268,18 @@ pub fn answer(case: &Case, options: Options, control: &Control<'_>) -> Result<An
 
 /// Content of a result file.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(crate) struct CaseResult {
+pub struct CaseResult {
     /// Identifier of the case.
     pub(crate) id: String,
     /// Answer, or the reason why there is none.
     #[serde(flatten)]
-    pub(crate) outcome: CaseOutcome,
+    pub outcome: CaseOutcome,
 }
 
 /// Outcome of a case: the answer, or the reason why there is none.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
-pub(crate) enum CaseOutcome {
+pub enum CaseOutcome {
     /// Answer to a supported case.
     Answered(Answer),
     /// The request is not supported.
@@ -290,7 +290,7 @@ pub(crate) enum CaseOutcome {
 }
 
 /// Evaluates a case and returns the content of its result file; `None` if it was cancelled.
-pub(crate) fn solve(case: &Case, options: Options, control: &Control<'_>) -> Option<CaseResult> {
+pub fn solve(case: &Case, options: Options, control: &Control<'_>) -> Option<CaseResult> {
     let outcome = match answer(case, options, control) {
         Ok(answer) => CaseOutcome::Answered(answer),
         Err(Unanswered::Refused(refusal)) => CaseOutcome::Refused { error: refusal.to_string() },

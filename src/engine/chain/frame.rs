@@ -60,18 +60,18 @@ pub struct Frame {
     /// G-buffer at full resolution; `None` unless the upscaler reads it and the depth test is on.
     pub(crate) gbuffer: Option<Arc<GBuffer>>,
     /// Preceding frame as history; `None` unless the upscaler reads history and a preceding frame exists.
-    pub(crate) history: Option<Arc<History>>,
+    pub history: Option<Arc<History>>,
     /// Geometry of the frame: the list of rasterized triangles, computed on first access.
     pub geometry: LazyGeometry,
     /// Draw plans, one per instance.
     pub plans: Arc<Vec<DrawPlan>>,
     /// Size of the full picture, in pixels.
-    pub(crate) viewport: Viewport,
+    pub viewport: Viewport,
     /// Size, in pixels, of the picture to which `geometry` and `drawn` belong: the full picture, or a smaller one of
     /// the same view.
     pub raster: Viewport,
     /// Positions of the drawn samples in the full picture.
-    pub(crate) sampling: Sampling,
+    pub sampling: Sampling,
     /// Triangles for the wireframe, with corners in pixels of the full picture; `None` unless the wireframe is drawn
     /// and `geometry` belongs to a smaller picture.
     pub(super) outlines: Option<TriangleList>,
@@ -106,7 +106,7 @@ impl Frame {
 
     /// Returns whether the next frame of the same view may improve, because the upscaler's history has not converged
     /// yet.
-    pub(crate) fn is_converging(&self, recipe: &Recipe) -> bool {
+    pub fn is_converging(&self, recipe: &Recipe) -> bool {
         let before =
             self.history.as_ref().filter(|past| past.camera == self.camera).map_or(0, |past| past.still_frames);
         self.gbuffer.is_some() && before + 1 < recipe.upscaler.upscaler().converges_after(recipe.upscaler)
@@ -145,18 +145,18 @@ impl Frame {
     }
 
     /// Returns the fraction of the picture's pixels that were drawn, in [0, 1].
-    pub(crate) fn drawn_share(&self) -> f64 {
+    pub fn drawn_share(&self) -> f64 {
         let Viewport { width, height } = self.viewport;
         self.drawn_pixels() as f64 / (f64::from(width) * f64::from(height))
     }
 
     /// Returns the number of drawn pixels.
-    pub(crate) fn drawn_pixels(&self) -> u64 {
+    pub fn drawn_pixels(&self) -> u64 {
         self.drawn.grid.drawn_pixels(self.raster.width, self.raster.height)
     }
 
     /// Returns whether a pixel of the full picture was drawn, rather than filled in by the upscaler.
-    pub(crate) fn is_drawn(&self, x: u32, y: u32) -> bool {
+    pub fn is_drawn(&self, x: u32, y: u32) -> bool {
         matches!(self.sampling, Sampling::Grid(grid) if grid.sample_at(x, y).is_some())
     }
 
@@ -172,7 +172,7 @@ impl Frame {
     }
 
     /// Returns the pixel of the full picture that contains a sample of the framebuffer.
-    pub(crate) fn pixel_of(&self, sample: (u32, u32)) -> (u32, u32) {
+    pub fn pixel_of(&self, sample: (u32, u32)) -> (u32, u32) {
         self.sampling.pixel(sample, (self.viewport.width, self.viewport.height))
     }
 
@@ -198,13 +198,13 @@ impl Frame {
     }
 
     /// Returns the mapping between view distances and stored depths of the frame.
-    pub(crate) fn depth_scale(&self) -> &DepthScale {
+    pub fn depth_scale(&self) -> &DepthScale {
         &self.drawn.depth_scale
     }
 
     /// Returns the frame as it looks at an intermediate point of drawing. `drawn` holds the samples drawn up to that
     /// point, one per pixel, and `geometry` the triangles drawn up to that point.
-    pub(crate) fn at_moment(&self, recipe: &Recipe, drawn: Framebuffer, geometry: Geometry) -> Self {
+    pub fn at_moment(&self, recipe: &Recipe, drawn: Framebuffer, geometry: Geometry) -> Self {
         let Finished { picture, unfiltered, .. } = {
             let triangles = || self.outlines.as_ref().unwrap_or(&geometry.triangles);
             finish(recipe, &self.as_drawn(&drawn.color), self.viewport, Spare::default(), triangles)

@@ -11,15 +11,16 @@ pub mod samples;
 #[cfg(test)]
 mod tests;
 mod view;
-pub(crate) mod whole;
+pub mod whole;
 
-pub(crate) use frame::Frame;
+pub use frame::Frame;
 pub(crate) use frame::FrameTimes;
 pub use recipe::Recipe;
-pub(crate) use recipe::SetError;
+pub use recipe::SetError;
 pub use renderer::KeepDepth;
 pub use renderer::Renderer;
-pub(crate) use renderer::execution;
+pub use renderer::execution;
 pub(crate) use run::prepare_again;
 pub(crate) use run::redraw;
 pub use run::run;
+pub use run::run_unobserved;

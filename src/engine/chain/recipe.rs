@@ -83,8 +83,8 @@ impl Recipe {
     ///
     /// # Examples
     /// ```
-    /// use rasterscope::chain::Recipe;
-    /// use rasterscope::pipeline::settings::Shading;
+    /// use rasterscope_engine::chain::Recipe;
+    /// use rasterscope_engine::pipeline::settings::Shading;
     ///
     /// let mut recipe = Recipe::default();
     /// recipe.set("shading=gouraud")?;
@@ -130,8 +130,8 @@ impl Recipe {
     ///
     /// # Examples
     /// ```
-    /// use rasterscope::chain::Recipe;
-    /// use rasterscope::upscale::Scale;
+    /// use rasterscope_engine::chain::Recipe;
+    /// use rasterscope_engine::upscale::Scale;
     ///
     /// let mut recipe = Recipe::default();
     /// recipe.set_all(&["upscaler.scale=4", "upscaler.method=bicubic"])?;
@@ -157,7 +157,7 @@ impl Recipe {
     ///
     /// # Examples
     /// ```
-    /// use rasterscope::chain::Recipe;
+    /// use rasterscope_engine::chain::Recipe;
     ///
     /// let keys = Recipe::keys();
     /// let (_, values) = keys.iter().find(|(key, _)| key == "light.ambient").unwrap();
@@ -171,7 +171,7 @@ impl Recipe {
 
     /// Checks the numeric ranges that the types of the settings do not enforce. Returns an error message if a number is
     /// out of range.
-    pub(crate) fn check(&self) -> Result<(), String> {
+    pub fn check(&self) -> Result<(), String> {
         let light = &self.pipeline.light;
         if !light.direction.is_finite() || light.direction == glam::Vec3::ZERO {
             return Err("the direction of the light must be finite and not zero".to_owned());

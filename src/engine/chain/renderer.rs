@@ -28,9 +28,9 @@ use crate::upscale::{GBuffer, History, UpscaleInputs};
 /// ```
 /// use std::sync::Arc;
 ///
-/// use rasterscope::chain::{KeepDepth, Recipe, Renderer};
-/// # use rasterscope::pipeline::viewport::Viewport;
-/// # use rasterscope::scene::builtin;
+/// use rasterscope_engine::chain::{KeepDepth, Recipe, Renderer};
+/// # use rasterscope_engine::pipeline::viewport::Viewport;
+/// # use rasterscope_engine::scene::builtin;
 ///
 /// let scene = Arc::new(builtin::by_id("cubes").unwrap().build());
 /// let (recipe, viewport) = (Recipe::default(), Viewport { width: 64, height: 36 });
@@ -282,7 +282,7 @@ impl Renderer {
 
 /// Returns the execution that is used for a scene and a recipe. If it is not the execution that the recipe selects, the
 /// second value is the reason.
-pub(crate) fn execution(scene: &Scene, recipe: &Recipe) -> (Execution, Option<&'static str>) {
+pub fn execution(scene: &Scene, recipe: &Recipe) -> (Execution, Option<&'static str>) {
     match recipe.execution {
         Execution::Classic => (Execution::Classic, None),
         Execution::Tiled => match tiled::obstacle(scene, &recipe.pipeline) {

@@ -24,10 +24,10 @@ use crate::upscale::{History, UpscaleInputs};
 ///
 /// # Examples
 /// ```
-/// use rasterscope::chain::{Recipe, run};
-/// use rasterscope::pipeline::observe::Counters;
-/// # use rasterscope::pipeline::viewport::Viewport;
-/// # use rasterscope::scene::builtin;
+/// use rasterscope_engine::chain::{Recipe, run};
+/// use rasterscope_engine::pipeline::observe::Counters;
+/// # use rasterscope_engine::pipeline::viewport::Viewport;
+/// # use rasterscope_engine::scene::builtin;
 ///
 /// let scene = builtin::by_id("interpenetrating").unwrap().build();
 /// let (recipe, viewport) = (Recipe::default(), Viewport { width: 64, height: 36 });
@@ -46,6 +46,12 @@ pub fn run<O: Observer>(
     observer: &mut O,
 ) -> Frame {
     run_after((None, Spare::default()), scene, camera, recipe, viewport, observer)
+}
+
+/// Draws a frame as [`run`] does, without an observer. Not generic, so that it is compiled with the optimisations of this
+/// crate, whichever crate calls it.
+pub fn run_unobserved(scene: &Scene, camera: &Camera, recipe: &Recipe, viewport: Viewport) -> Frame {
+    run(scene, camera, recipe, viewport, &mut ())
 }
 
 /// Draws a frame as [`run`] does, after a preceding frame of the same scene and recipe, and reuses spare buffers.

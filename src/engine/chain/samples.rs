@@ -168,7 +168,7 @@ pub(crate) fn places(antialias: Antialiasing, (x, y): (u32, u32)) -> Vec<[f64; 2
 /// follow the low-discrepancy pattern; a single sample lies at the pixel's centre. The samples are averaged in linear
 /// light.
 #[derive(Debug)]
-pub(crate) struct ProgressiveRender {
+pub struct ProgressiveRender {
     scene: Arc<Scene>,
     camera: Camera,
     recipe: Recipe,
@@ -198,7 +198,7 @@ impl ProgressiveRender {
     }
 
     /// Draws the next sample of every pixel; returns `false` if none is left.
-    pub(crate) fn step(&mut self) -> bool {
+    pub fn step(&mut self) -> bool {
         let Some(place) = self.places.get(self.mean.samples() as usize) else { return false };
         let seen = raster_camera(&self.camera, Sampling::Grid(SampleGrid::FULL), self.viewport, *place);
         let frame = self.renderer.render(&self.scene, &seen, &self.recipe, self.viewport, KeepDepth::No);
@@ -208,7 +208,7 @@ impl ProgressiveRender {
     }
 
     /// Returns the mean of the samples drawn so far.
-    pub(crate) fn picture(&self) -> Image<Rgba8> {
+    pub fn picture(&self) -> Image<Rgba8> {
         self.mean.picture()
     }
 }

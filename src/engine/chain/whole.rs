@@ -13,7 +13,7 @@ use crate::scene::Scene;
 /// Optional part of drawing a frame that concerns the frame as a whole, not a single draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum FramePart {
+pub enum FramePart {
     /// Rasterizing and shading every pixel of the picture.
     EveryPixel,
     /// Drawing a full-resolution G-buffer (object and distance per pixel), unless the preceding frame had the same
@@ -33,7 +33,7 @@ pub(crate) enum FramePart {
 
 impl FramePart {
     /// All parts, in the order of the stages.
-    pub(crate) const ALL: [Self; 7] = [
+    pub const ALL: [Self; 7] = [
         Self::EveryPixel,
         Self::Surfaces,
         Self::AntiAliasing,
@@ -44,7 +44,7 @@ impl FramePart {
     ];
 
     /// Returns the display name.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::EveryPixel => "Every pixel",
             Self::Surfaces => "Full-size G-buffer",
@@ -57,7 +57,7 @@ impl FramePart {
     }
 
     /// Returns whether a frame runs the part, with the reason if it does not.
-    pub(crate) fn step(self, scene: &Scene, recipe: &Recipe, keep_depth: KeepDepth) -> PlanStep {
+    pub fn step(self, scene: &Scene, recipe: &Recipe, keep_depth: KeepDepth) -> PlanStep {
         let (native, depth_test) = (recipe.upscaler.is_native(), recipe.pipeline.depth_test);
         let tiled = execution(scene, recipe).0 == Execution::Tiled;
         PlanStep::unless(match self {

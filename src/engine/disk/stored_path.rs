@@ -8,7 +8,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Path that can be serialised even if it is not UTF-8.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct StoredPath(pub(crate) PathBuf);
+pub struct StoredPath(pub PathBuf);
 
 /// JSON representation of a path: text, or bytes if it is not UTF-8.
 #[derive(Deserialize, Serialize)]

@@ -79,7 +79,7 @@ pub enum DrawingFileError {
 }
 
 /// Returns the format given by the extension of a file name.
-pub(crate) fn format_of(path: &Path) -> Result<DrawingFormat, DrawingFileError> {
+pub fn format_of(path: &Path) -> Result<DrawingFormat, DrawingFileError> {
     let end = path.extension().map(|end| end.to_string_lossy().to_lowercase()).unwrap_or_default();
     let known = EXTENSIONS.iter().find(|(known, _)| *known == end);
     known.map(|(_, format)| *format).ok_or_else(|| DrawingFileError::UnknownFormat { path: path.to_owned() })
@@ -91,8 +91,8 @@ pub(crate) fn format_of(path: &Path) -> Result<DrawingFormat, DrawingFileError> 
 /// # Examples
 /// ```
 /// use glam::DVec2;
-/// use rasterscope::drawing::Drawing;
-/// use rasterscope::drawing::file::write;
+/// use rasterscope_engine::drawing::Drawing;
+/// use rasterscope_engine::drawing::file::write;
 ///
 /// let mut drawing = Drawing { size: DVec2::new(64.0, 36.0), background: [255; 3], shapes: Vec::new() };
 /// drawing.square(8.0, 8.0, 16.0, [200, 30, 30]);
@@ -109,7 +109,7 @@ pub fn write(path: &Path, drawing: &Drawing, scale: f64) -> Result<(), DrawingFi
 }
 
 /// Returns the bytes of the file that [`write()`] would write to `path`.
-pub(crate) fn encode(path: &Path, drawing: &Drawing, scale: f64) -> Result<Vec<u8>, DrawingFileError> {
+pub fn encode(path: &Path, drawing: &Drawing, scale: f64) -> Result<Vec<u8>, DrawingFileError> {
     Ok(match format_of(path)? {
         DrawingFormat::Svg => svg::text(drawing, scale).into_bytes(),
         DrawingFormat::Pdf => pdf::bytes(drawing, scale),
@@ -142,7 +142,7 @@ pub(crate) fn encode_animation(
 }
 
 /// Writes the encoded bytes of a drawing to a file.
-pub(crate) fn save(path: &Path, bytes: &[u8]) -> Result<(), DrawingFileError> {
+pub fn save(path: &Path, bytes: &[u8]) -> Result<(), DrawingFileError> {
     disk::write(path, bytes).map_err(|source| DrawingFileError::Unwritable { path: path.to_owned(), source })
 }
 

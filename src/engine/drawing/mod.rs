@@ -105,7 +105,7 @@ pub struct Drawing {
 
 impl Drawing {
     /// Returns the number of shapes, counting each region of a partition as one.
-    pub(crate) fn shape_count(&self) -> usize {
+    pub fn shape_count(&self) -> usize {
         let count = |shape: &Shape| if let Shape::Partition(regions) = shape { regions.len() } else { 1 };
         self.shapes.iter().map(count).sum()
     }

@@ -35,7 +35,7 @@ const REFLECTIONS: u8 = 8;
 ///
 /// # Examples
 /// ```
-/// use rasterscope::flat2d::circle::midpoint_circle;
+/// use rasterscope_engine::flat2d::circle::midpoint_circle;
 ///
 /// let pixels: Vec<_> = midpoint_circle((10, 10), 3).collect();
 /// assert_eq!(pixels.len(), 16);

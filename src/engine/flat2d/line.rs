@@ -38,7 +38,7 @@ pub struct MidpointLine {
 ///
 /// # Examples
 /// ```
-/// use rasterscope::flat2d::line::midpoint_line;
+/// use rasterscope_engine::flat2d::line::midpoint_line;
 ///
 /// let pixels: Vec<_> = midpoint_line((0, 0), (4, 2)).collect();
 /// assert_eq!(pixels, [(0, 0), (1, 0), (2, 1), (3, 1), (4, 2)]);

@@ -143,8 +143,8 @@ pub struct PolygonFill {
 /// # Examples
 /// ```
 /// use glam::DVec2;
-/// use rasterscope::flat2d::PixelSpan;
-/// use rasterscope::flat2d::polygon::{Corners, FillParameters, InsideRule, SamplePoint, fill};
+/// use rasterscope_engine::flat2d::PixelSpan;
+/// use rasterscope_engine::flat2d::polygon::{Corners, FillParameters, InsideRule, SamplePoint, fill};
 ///
 /// let outline = [(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)].map(DVec2::from).to_vec();
 /// let hole = [(1.0, 1.0), (3.0, 1.0), (3.0, 3.0), (1.0, 3.0)].map(DVec2::from).to_vec();

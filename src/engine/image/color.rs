@@ -174,7 +174,7 @@ pub fn decode(srgb: f32) -> f32 {
 ///
 /// # Examples
 /// ```
-/// use rasterscope::image::color::{decode, decode_byte, encode, quantize};
+/// use rasterscope_engine::image::color::{decode, decode_byte, encode, quantize};
 ///
 /// // Half of the light has sRGB code 188, not 128.
 /// assert_eq!(quantize(encode(0.5)), 188);
@@ -206,7 +206,7 @@ pub(crate) fn decode_rgb(srgb: Vec3) -> Vec3 {
 }
 
 /// Returns the luma of a colour given as sRGB codes, with the Rec. 709 weights, in [0, 255].
-pub(crate) fn luma([r, g, b, _]: [u8; 4]) -> f32 {
+pub fn luma([r, g, b, _]: [u8; 4]) -> f32 {
     0.2126 * f32::from(r) + 0.7152 * f32::from(g) + 0.0722 * f32::from(b)
 }
 

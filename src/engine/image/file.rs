@@ -130,7 +130,7 @@ fn undecodable(path: &Path, kind: &'static str, reason: &str) -> ImageFileError 
 }
 
 /// Returns whether a path has the extension of a known image format.
-pub(crate) fn is_named_picture(path: &Path) -> bool {
+pub fn is_named_picture(path: &Path) -> bool {
     path.extension().and_then(ImageFormat::from_extension).is_some()
 }
 
@@ -178,8 +178,8 @@ fn to_rgba(decoded: DynamicImage) -> Image<Rgba8> {
 ///
 /// # Examples
 /// ```
-/// use rasterscope::image::Image;
-/// use rasterscope::image::file::{encode_png, read, write_png};
+/// use rasterscope_engine::image::Image;
+/// use rasterscope_engine::image::file::{encode_png, read, write_png};
 ///
 /// let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("gradient.png");

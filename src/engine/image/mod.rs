@@ -4,7 +4,7 @@ pub mod color;
 
 pub mod file;
 
-pub(crate) mod pfm;
+pub mod pfm;
 
 /// Four 8-bit channels: red, green, blue (sRGB codes) and alpha (straight, not premultiplied).
 pub type Rgba8 = [u8; 4];
@@ -41,7 +41,7 @@ impl<T: Copy> Image<T> {
     ///
     /// # Examples
     /// ```
-    /// use rasterscope::image::Image;
+    /// use rasterscope_engine::image::Image;
     ///
     /// let image = Image::from_fn(64, 36, |x, y| x + 100 * y);
     /// assert_eq!(image.size(), (64, 36));
@@ -63,7 +63,7 @@ impl<T: Copy> Image<T> {
     }
 
     /// Returns the height in pixels.
-    pub(crate) fn height(&self) -> u32 {
+    pub fn height(&self) -> u32 {
         self.height
     }
 
@@ -99,7 +99,7 @@ impl<T: Copy> Image<T> {
     }
 
     /// Returns row `y`, from left to right. Panics if it lies outside the picture.
-    pub(crate) fn row(&self, y: u32) -> &[T] {
+    pub fn row(&self, y: u32) -> &[T] {
         let start = y as usize * self.width as usize;
         &self.pixels[start..start + self.width as usize]
     }
@@ -110,12 +110,12 @@ impl<T: Copy> Image<T> {
     }
 
     /// Returns all values as a mutable slice, row by row.
-    pub(crate) fn pixels_mut(&mut self) -> &mut [T] {
+    pub fn pixels_mut(&mut self) -> &mut [T] {
         &mut self.pixels
     }
 
     /// Returns a picture of the same size with `f` applied to every value.
-    pub(crate) fn map<U>(&self, f: impl FnMut(T) -> U) -> Image<U> {
+    pub fn map<U>(&self, f: impl FnMut(T) -> U) -> Image<U> {
         Image { width: self.width, height: self.height, pixels: self.pixels.iter().copied().map(f).collect() }
     }
 
@@ -133,7 +133,7 @@ impl<T: Copy> Image<T> {
 
 impl Image<Rgba8> {
     /// Returns the pixels as bytes, four per pixel.
-    pub(crate) fn as_bytes(&self) -> &[u8] {
+    pub fn as_bytes(&self) -> &[u8] {
         self.pixels.as_flattened()
     }
 }

@@ -11,7 +11,7 @@ use crate::disk;
 
 /// Picture with one or three 32-bit floats per pixel, to be written as PFM.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Floats {
+pub enum Floats {
     /// Image with one float per pixel.
     One(Image<f32>),
     /// Image with three floats per pixel.
@@ -20,7 +20,7 @@ pub(crate) enum Floats {
 
 impl Floats {
     /// Encodes the picture as the bytes of a PFM file.
-    pub(crate) fn encode(&self) -> Vec<u8> {
+    pub fn encode(&self) -> Vec<u8> {
         match self {
             Self::One(image) => encode("Pf", image, |value| [value].to_vec()),
             Self::Three(image) => encode("PF", image, |values| values.to_vec()),
@@ -39,7 +39,7 @@ fn encode<T: Copy>(magic: &str, image: &Image<T>, numbers: impl Fn(T) -> Vec<f32
 }
 
 /// Writes a picture as a PFM file. Replaces an existing file; creates no folders.
-pub(crate) fn write_pfm(path: &Path, floats: &Floats) -> Result<(), ImageFileError> {
+pub fn write_pfm(path: &Path, floats: &Floats) -> Result<(), ImageFileError> {
     disk::write(path, &floats.encode()).map_err(|source| ImageFileError::Unwritable { path: path.to_owned(), source })
 }
 

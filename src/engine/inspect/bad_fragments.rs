@@ -1,19 +1,21 @@
 //! An observer that counts pipeline events, and fragments whose depth or weights are NaN or infinite.
 
+use crate::chain::{Frame, Recipe, prepare_again, redraw};
+use crate::pipeline::LastStage;
 use crate::pipeline::interpolate::attribute_weights;
 use crate::pipeline::observe::{Counters, DepthOutcome, Fate, Observer};
 use crate::pipeline::raster::RasterSample;
 use crate::pipeline::settings::{DepthTest, Settings};
 use crate::pipeline::viewport::ScreenTriangle;
-use crate::scene::TriangleId;
+use crate::scene::{Scene, TriangleId};
 
 /// Pipeline counters, and the number of fragments that passed the depth test with a NaN or infinite depth or weight.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct BadFragments {
+pub struct BadFragments {
     /// Counters of all pipeline events.
-    pub(crate) counters: Counters,
+    pub counters: Counters,
     /// Number of fragments that passed the depth test with a NaN or infinite depth or weight.
-    pub(crate) bad: u64,
+    pub bad: u64,
     settings: Settings,
 }
 
@@ -21,6 +23,17 @@ impl BadFragments {
     /// Creates zeroed counters for a frame drawn with `settings`.
     pub(crate) fn new(settings: Settings) -> Self {
         Self { counters: Counters::default(), bad: 0, settings }
+    }
+
+    /// Counts the triangles and fragments of a frame without shading them. Every fragment that passes the depth test
+    /// counts as shaded; without a depth buffer, every covered sample does.
+    pub fn of(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Self {
+        let mut counting = Self::new(recipe.pipeline);
+        prepare_again(scene, recipe, frame, &mut counting);
+        let again = redraw(scene, recipe, frame, LastStage::Depth, &mut counting);
+        let counters = &mut counting.counters;
+        counters.shaded = if again.depth.is_some() { counters.passed } else { counters.covered };
+        counting
     }
 
     fn check(&mut self, triangle: &ScreenTriangle, sample: &RasterSample, depth: f32) {

@@ -53,15 +53,15 @@ pub struct Buffers {
 ///
 /// # Examples
 /// ```
-/// # use rasterscope::chain::{Recipe, run};
-/// # use rasterscope::pipeline::viewport::Viewport;
-/// # use rasterscope::scene::builtin;
+/// # use rasterscope_engine::chain::{Recipe, run};
+/// # use rasterscope_engine::pipeline::viewport::Viewport;
+/// # use rasterscope_engine::scene::builtin;
 /// #
 /// # let scene = builtin::by_id("interpenetrating").unwrap().build();
 /// # let (recipe, viewport) = (Recipe::default(), Viewport { width: 64, height: 36 });
 /// # let frame = run(&scene, &scene.home, &recipe, viewport, &mut ());
-/// use rasterscope::inspect::capture;
-/// use rasterscope::scene::TriangleId;
+/// use rasterscope_engine::inspect::capture;
+/// use rasterscope_engine::scene::TriangleId;
 ///
 /// let buffers = capture(&scene, &recipe, &frame);
 /// assert_eq!(buffers.overdraw.at(32, 18), 2);
@@ -88,7 +88,7 @@ pub fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Buffers {
 
 impl Buffers {
     /// Counts the hits if `buffer` is [`Buffer::Hits`] and they are not counted yet; [`capture`] does not count them.
-    pub(crate) fn completed_for(self, buffer: Buffer, recipe: &Recipe, frame: &Frame) -> Self {
+    pub fn completed_for(self, buffer: Buffer, recipe: &Recipe, frame: &Frame) -> Self {
         if buffer != Buffer::Hits || self.hits.is_some() {
             return self;
         }
@@ -98,12 +98,12 @@ impl Buffers {
 
 impl Buffers {
     /// Whether hits were counted, but the cracks and double hits along open seams are still missing.
-    pub(crate) fn misses_seams(&self) -> bool {
+    pub fn misses_seams(&self) -> bool {
         self.hits.as_ref().is_some_and(|hits| hits.mesh.is_none())
     }
 
     /// Adds the cracks and double hits along the open seams of the scene, if hits were counted.
-    pub(crate) fn with_seams(self, scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seams) -> Self {
+    pub fn with_seams(self, scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seams) -> Self {
         Self { hits: self.hits.map(|hits| hits.with_seams(scene, recipe, frame, seams)), ..self }
     }
 }

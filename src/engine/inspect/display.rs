@@ -16,7 +16,7 @@ use crate::pipeline::shade::id_color;
 
 choice! {
     /// A colour gradient onto which numbers within a range are mapped.
-    pub(crate) ColorMap {
+    pub ColorMap {
         Viridis = "viridis", "Viridis", "From dark blue over green to yellow, perceptually uniform, safe for colour-blind users.";
         Cividis = "cividis", "Cividis", "From dark blue to yellow: looks nearly the same with and without colour blindness.";
         Magma = "magma", "Magma", "From black over purple to light yellow, perceptually uniform.";
@@ -57,16 +57,16 @@ impl ColorMap {
 /// Settings for displaying a quantity as colours: range, colour map and channels.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
-pub(crate) struct Display {
+pub struct Display {
     /// Rule that determines the low and high ends of the displayed range.
-    pub(crate) rule: Rule,
+    pub rule: Rule,
     /// Colour map; `None` for the default map of the displayed quantity.
-    pub(crate) map: Option<ColorMap>,
+    pub map: Option<ColorMap>,
     /// Whether the colour map is reversed.
-    pub(crate) reversed: bool,
+    pub reversed: bool,
     /// Whether each of red, green and blue (or each of the three weights) is shown; a single shown channel appears as
     /// grey.
-    pub(crate) channels: [bool; 3],
+    pub channels: [bool; 3],
 }
 
 impl Default for Display {
@@ -77,7 +77,7 @@ impl Default for Display {
 
 /// Kind of values in a displayed picture, which determines the labels and controls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum ValueKind {
+pub enum ValueKind {
     /// Red, green and blue as 8-bit codes.
     Colors,
     /// Barycentric weights of the three corners of a triangle.
@@ -90,7 +90,7 @@ pub(crate) enum ValueKind {
 
 impl ValueKind {
     /// Returns the kind of a buffer's values.
-    pub(crate) fn of(buffer: Buffer) -> Self {
+    pub fn of(buffer: Buffer) -> Self {
         match buffer {
             Buffer::Color => Self::Colors,
             Buffer::Lambda | Buffer::PerspectiveLambda => Self::Weights,
@@ -100,7 +100,7 @@ impl ValueKind {
     }
 
     /// Returns the display names of the channels, such as “R”.
-    pub(crate) fn channels(self) -> &'static [&'static str] {
+    pub fn channels(self) -> &'static [&'static str] {
         match self {
             Self::Colors => &["R", "G", "B"],
             Self::Weights => &["λ0", "λ1", "λ2"],
@@ -121,7 +121,7 @@ impl ValueKind {
 
 impl Display {
     /// Returns the display range of a buffer of a frame; `None` if the buffer has no range.
-    pub(crate) fn range(&self, buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option<Range> {
+    pub fn range(&self, buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option<Range> {
         let value = |x: u32, y: u32| view::value(buffer, frame, buffers, x, y);
         let natural = || view::range(buffer, frame, buffers);
         self.range_of(ValueKind::of(buffer), frame.image().size(), natural, value)
@@ -129,7 +129,7 @@ impl Display {
 
     /// Returns the display range of a picture whose values are of the given kind. `natural` returns the default range
     /// of numbers; if it returns `None`, the range is fitted to all values.
-    pub(crate) fn range_of(
+    pub fn range_of(
         &self,
         kind: ValueKind,
         size: (u32, u32),
@@ -161,7 +161,7 @@ impl Display {
     }
 
     /// Returns the display colour of a number. `buffer`, if given, determines the default colour map.
-    pub(crate) fn number_color(&self, buffer: Option<Buffer>, range: Range, number: f32) -> Rgba8 {
+    pub fn number_color(&self, buffer: Option<Buffer>, range: Range, number: f32) -> Rgba8 {
         let position = self.position(range, number);
         match (self.map, buffer) {
             _ if position.is_nan() => NOT_A_NUMBER,
@@ -172,7 +172,7 @@ impl Display {
     }
 
     /// Returns the colour of the legend at `share`, a position in [0, 1] from the low to the high end of the range.
-    pub(crate) fn legend_color(&self, buffer: Option<Buffer>, range: Range, share: f32) -> Rgba8 {
+    pub fn legend_color(&self, buffer: Option<Buffer>, range: Range, share: f32) -> Rgba8 {
         // Interpolates without computing `high - low`, which may overflow to infinity.
         self.number_color(buffer, range, range.low * (1.0 - share) + range.high * share)
     }
@@ -205,7 +205,7 @@ impl Display {
     }
 
     /// Renders a buffer as a full picture. With default settings, calls [`view::picture`].
-    pub(crate) fn picture(
+    pub fn picture(
         &self,
         buffer: Buffer,
         frame: &Frame,
@@ -225,7 +225,7 @@ impl Display {
     }
 
     /// Renders a picture of values. `buffer`, if given, determines the default colour map.
-    pub(crate) fn picture_of(
+    pub fn picture_of(
         &self,
         buffer: Option<Buffer>,
         (width, height): (u32, u32),

@@ -15,32 +15,32 @@ const REACH_PX: u32 = 4;
 
 /// One sample that contributes to a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ContributingSample {
+pub struct ContributingSample {
     /// Position and weight of the sample.
-    pub(crate) tap: Tap,
+    pub tap: Tap,
     /// Colour of the sample, as sRGB codes.
-    pub(crate) color: Rgba8,
+    pub color: Rgba8,
 }
 
 /// The samples from which a pixel of the full picture is computed, and their weighted sum.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Mixture {
+pub struct Mixture {
     /// The contributing samples, each listed once.
-    pub(crate) sources: Vec<ContributingSample>,
+    pub sources: Vec<ContributingSample>,
     /// Sum of the weights of all samples: 1 up to rounding.
-    pub(crate) weight: f64,
+    pub weight: f64,
     /// Weighted sums of red, green and blue as sRGB codes, neither clamped nor rounded.
-    pub(crate) sum: [f64; 3],
+    pub sum: [f64; 3],
     /// Colour of the pixel as computed by the upscaler, in sRGB codes.
-    pub(crate) pixel: Rgba8,
+    pub pixel: Rgba8,
     /// Whether the history (the previous frame) contributes to the pixel. The history is not among the samples.
-    pub(crate) uses_history: bool,
+    pub uses_history: bool,
 }
 
 impl Mixture {
     /// Returns the samples that contribute to a pixel of the frame; `None` outside the picture. `how` contains the
     /// upscaling settings of the frame.
-    pub(crate) fn of(frame: &Frame, how: Upscaling, at: (u32, u32)) -> Option<Self> {
+    pub fn of(frame: &Frame, how: Upscaling, at: (u32, u32)) -> Option<Self> {
         let pixel = frame.image().get(at.0, at.1)?;
         let taps = taps(frame, how, at);
         let sources = taps.into_iter().map(|tap| Some(ContributingSample { tap, color: color_of(frame, tap)? }));
@@ -53,7 +53,7 @@ impl Mixture {
     }
 
     /// Returns the weighted sums clamped to the range of sRGB codes, [0, 255].
-    pub(crate) fn clamped(&self) -> [f64; 3] {
+    pub fn clamped(&self) -> [f64; 3] {
         self.sum.map(|code| code.clamp(0.0, 255.0))
     }
 }
@@ -86,7 +86,7 @@ fn sum_of(sources: &[ContributingSample], light: FilterSpace, channel: usize) ->
 
 /// Returns the pixels of the full picture that a drawn sample contributes to, with the sample's weight in each.
 /// `sample` is given in the coordinates of a [`Tap`].
-pub(crate) fn pixels_fed_by(frame: &Frame, how: Upscaling, sample: (u32, u32)) -> Vec<((u32, u32), f32)> {
+pub fn pixels_fed_by(frame: &Frame, how: Upscaling, sample: (u32, u32)) -> Vec<((u32, u32), f32)> {
     let (middle, reach) = around(frame, how, sample);
     let range = |at: u32, size: u32| at.saturating_sub(reach)..at.saturating_add(reach + 1).min(size);
     let mut fed = Vec::new();

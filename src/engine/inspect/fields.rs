@@ -11,24 +11,24 @@ const UPSCALER_KEYS: &str = "upscaler.";
 
 /// A setting with different values in two recipes, each in the syntax of [`Recipe::set`].
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct FieldChange {
+pub struct FieldChange {
     /// Dotted key of the setting, such as `light.ambient`.
-    pub(crate) key: String,
+    pub key: String,
     /// Value of the setting in the first recipe.
-    pub(crate) before: String,
+    pub before: String,
     /// Value of the setting in the second recipe.
-    pub(crate) after: String,
+    pub after: String,
 }
 
 impl FieldChange {
     /// Returns the change as text, such as “fill_rule: top-left → inclusive”.
-    pub(crate) fn words(&self) -> String {
+    pub fn words(&self) -> String {
         format!("{}: {} → {}", self.key, self.before, self.after)
     }
 }
 
 /// Returns every key of a recipe with its value in the syntax of [`Recipe::set`], in the order of [`Recipe::keys`].
-pub(crate) fn fields(recipe: &Recipe) -> Vec<(String, String)> {
+pub fn fields(recipe: &Recipe) -> Vec<(String, String)> {
     let mut fields = Vec::new();
     // Every value of a recipe is representable in JSON.
     collect(&serde_json::to_value(recipe).unwrap_or(Value::Null), "", &mut fields);
@@ -49,7 +49,7 @@ fn collect(tree: &Value, prefix: &str, fields: &mut Vec<(String, String)>) {
 }
 
 /// Returns the settings that differ between two recipes, in the order of [`Recipe::keys`].
-pub(crate) fn changes(before: &Recipe, after: &Recipe) -> Vec<FieldChange> {
+pub fn changes(before: &Recipe, after: &Recipe) -> Vec<FieldChange> {
     let pairs = fields(before).into_iter().zip(fields(after));
     pairs
         .filter(|((_, before), (_, after))| before != after)
@@ -59,7 +59,7 @@ pub(crate) fn changes(before: &Recipe, after: &Recipe) -> Vec<FieldChange> {
 
 /// Returns the `key=value` assignments that turn the default recipe into `recipe` with [`Recipe::set_all`]; empty for
 /// the default one.
-pub(crate) fn assignments(recipe: &Recipe) -> Vec<String> {
+pub fn assignments(recipe: &Recipe) -> Vec<String> {
     let changed = changes(&Recipe::default(), recipe);
     // Changing the upscaling method resets the other upscaler settings, so all upscaler settings are included.
     let other_upscaler = changed.iter().any(|change| change.key.starts_with(UPSCALER_KEYS));
@@ -71,7 +71,7 @@ pub(crate) fn assignments(recipe: &Recipe) -> Vec<String> {
 
 /// Returns the valid values of the setting `key`: the words in its description `values` that `recipe` accepts. Returns
 /// no words if the setting accepts any number.
-pub(crate) fn choices(recipe: &Recipe, values: &str, key: &str) -> Vec<String> {
+pub fn choices(recipe: &Recipe, values: &str, key: &str) -> Vec<String> {
     let is_taken = |word: &&str| {
         let mut changed = *recipe;
         changed.set(&format!("{key}={word}")).is_ok()

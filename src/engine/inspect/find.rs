@@ -13,7 +13,7 @@ use crate::scene::{Scene, TriangleId};
 
 /// Target of a search in a frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum SearchTarget {
+pub enum SearchTarget {
     /// A pixel, by column and row.
     Pixel(u32, u32),
     /// A pixel to centre in the canvas: column, row, and magnification in percent.
@@ -31,7 +31,7 @@ const PERCENT: std::ops::RangeInclusive<u32> = 4..=25_600;
 
 /// Result of a search for a target in a frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum SearchResult {
+pub enum SearchResult {
     /// The target is visible. Contains its most central visible pixel and the number of its visible samples.
     Visible((u32, u32), usize),
     /// The target is hidden everywhere. Contains its most central pixel and the number of samples that it covers.
@@ -46,7 +46,7 @@ impl SearchTarget {
     /// Parses a target such as "12,34", "800% 12,34", "tri 56", "vertex 7 of knot", or the name of an object or a part
     /// of it. A vertex without an object name belongs to the object with the number `near`. The error states what was
     /// not found.
-    pub(crate) fn parse(
+    pub fn parse(
         text: &str,
         scene: &Scene,
         Viewport { width, height }: Viewport,
@@ -93,7 +93,7 @@ impl SearchTarget {
     }
 
     /// Returns the display name of the target.
-    pub(crate) fn words(&self) -> String {
+    pub fn words(&self) -> String {
         match self {
             Self::Pixel(x, y) | Self::View(x, y, _) => format!("Pixel {x}, {y}"),
             Self::Triangle(id) => format!("Triangle {}", id.0),
@@ -130,7 +130,7 @@ fn parse_triangle(text: &str) -> Option<u64> {
 }
 
 /// Searches for a target in a frame by drawing its triangles again.
-pub(crate) fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, wanted: &SearchTarget) -> SearchResult {
+pub fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, wanted: &SearchTarget) -> SearchResult {
     let is_wanted: &dyn Fn(&ScreenTriangle) -> bool = match wanted {
         SearchTarget::Pixel(x, y) | SearchTarget::View(x, y, _) => return SearchResult::Visible((*x, *y), 1),
         SearchTarget::Vertex(object, number) => return vertex::find(scene, recipe, frame, (*object, *number)),

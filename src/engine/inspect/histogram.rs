@@ -4,11 +4,11 @@ use super::view::Range;
 
 /// Histogram with bins of equal width over a range, plus the numbers of values outside the range.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Histogram {
+pub struct Histogram {
     /// Range that the bins divide evenly; both ends are included.
-    pub(crate) range: Range,
+    pub range: Range,
     /// Number of values in each bin, from the low end.
-    pub(crate) bins: Vec<u64>,
+    pub bins: Vec<u64>,
     /// Number of values below the range.
     pub(crate) below: u64,
     /// Number of values above the range.
@@ -51,14 +51,14 @@ impl Histogram {
     }
 
     /// Returns the lower and upper bound of the values in a bin.
-    pub(crate) fn span_of(&self, bin: usize) -> (f64, f64) {
+    pub fn span_of(&self, bin: usize) -> (f64, f64) {
         let (low, high) = (f64::from(self.range.low), f64::from(self.range.high));
         let at = |bin: usize| low + (high - low) * bin as f64 / self.bins.len() as f64;
         (at(bin), at(bin + 1))
     }
 
     /// Returns the count of the fullest bin.
-    pub(crate) fn max_count(&self) -> u64 {
+    pub fn max_count(&self) -> u64 {
         self.bins.iter().copied().max().unwrap_or(0)
     }
 }

@@ -71,7 +71,7 @@ pub struct Hits {
     /// Number of samples with a wrong hit count that do not lie along a shared edge.
     pub elsewhere: usize,
     /// Numbers of T-junctions and unwelded vertices of the scene; `None` until [`Hits::with_seams`] adds their faults.
-    pub(crate) mesh: Option<SeamCounts>,
+    pub mesh: Option<SeamCounts>,
 }
 
 impl Hits {
@@ -110,13 +110,13 @@ impl Hits {
     }
 
     /// Returns the number of faults of one kind: cracks or double hits.
-    pub(crate) fn count(&self, kind: FaultKind) -> usize {
+    pub fn count(&self, kind: FaultKind) -> usize {
         self.faults.iter().filter(|fault| fault.kind == kind).count()
     }
 
     /// Returns a summary such as “2 cracks · 0 double hits”. It includes the numbers of faults at T-junctions, faults
     /// at unwelded vertices, and wrong pixels elsewhere, unless they are 0.
-    pub(crate) fn summary(&self) -> String {
+    pub fn summary(&self) -> String {
         let number = |count: usize, one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
         let cracks = number(self.count(FaultKind::Crack), "crack", "cracks");
         let doubles = number(self.count(FaultKind::DoubleHit), "double hit", "double hits");
@@ -136,7 +136,7 @@ impl Hits {
 
     /// Returns the first fault after the pixel `from`, or the last fault before it if not `forwards`. Wraps around at
     /// both ends of the list.
-    pub(crate) fn neighbour(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<&Fault> {
+    pub fn neighbour(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<&Fault> {
         let place = |fault: &Fault| (fault.y, fault.x);
         let Some((x, y)) = from else {
             return if forwards { self.faults.first() } else { self.faults.last() };

@@ -57,7 +57,7 @@ pub(crate) fn inv_w_at(triangle: &ScreenTriangle, sample: &RasterSample) -> f32 
 #[derive(Clone, Debug)]
 pub struct Captured {
     /// The intermediate value that was captured.
-    pub(crate) which: Intermediate,
+    pub which: Intermediate,
     /// Values in the packed layout of the frame's framebuffer; `None` where nothing was drawn or the value was not
     /// computed.
     pub(crate) values: Image<Option<f32>>,
@@ -65,13 +65,13 @@ pub struct Captured {
 
 impl Captured {
     /// Returns the captured value at a pixel of the full picture.
-    pub(crate) fn value(&self, frame: &Frame, x: u32, y: u32) -> Value {
+    pub fn value(&self, frame: &Frame, x: u32, y: u32) -> Value {
         let Some((column, row)) = frame.sample_at(x, y) else { return Value::NotDrawn };
         self.values.at(column, row).map_or(Value::Nothing, Value::Number)
     }
 
     /// Returns the range of the finite values, which the colour map spans; `None` if there are none.
-    pub(crate) fn range(&self) -> Option<Range> {
+    pub fn range(&self) -> Option<Range> {
         Range::fit(self.values.pixels().iter().filter_map(|value| *value))
     }
 }

@@ -15,23 +15,21 @@ pub(crate) fn is_black([r, g, b, _]: Rgba8) -> bool {
 
 /// A built-in scene with settings that produce a black spot, and a question about it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct BlackPixelLesson {
+pub struct BlackPixelLesson {
     /// Id of the built-in scene.
-    pub(crate) scene: &'static str,
+    pub scene: &'static str,
     /// Question about the visible artefact.
-    pub(crate) question: &'static str,
+    pub question: &'static str,
     /// Settings that differ from the default recipe, as `key=value` assignments.
     pub(crate) settings: &'static [&'static str],
     /// Position of the black spot, as fractions of the picture's width and height.
-    #[cfg_attr(not(test), expect(dead_code, reason = "tests pick the spot and check its verdict"))]
     pub(crate) place: [f32; 2],
     /// Part of the pixel's verdict that names the cause of the black spot.
-    #[cfg_attr(not(test), expect(dead_code, reason = "tests pick the spot and check its verdict"))]
-    pub(crate) cause: &'static str,
+    pub cause: &'static str,
 }
 
 /// All lessons, ordered by the pipeline stage of their causes.
-pub(crate) const ALL: &[BlackPixelLesson] = &[
+pub const ALL: &[BlackPixelLesson] = &[
     BlackPixelLesson {
         scene: "near-clipped",
         question: "Why does the floor end too early?",
@@ -71,7 +69,7 @@ pub(crate) const ALL: &[BlackPixelLesson] = &[
 
 impl BlackPixelLesson {
     /// Returns the default recipe with the lesson's settings.
-    pub(crate) fn recipe(&self) -> Recipe {
+    pub fn recipe(&self) -> Recipe {
         let mut recipe = Recipe::default();
         // A test covers each setting; an invalid one would leave the default unchanged.
         let _ = recipe.set_all(self.settings);
@@ -79,8 +77,7 @@ impl BlackPixelLesson {
     }
 
     /// Returns the black pixel nearest to the lesson's spot; `None` if no pixel is black.
-    #[cfg(test)]
-    pub(crate) fn black_pixel(&self, frame: &crate::chain::Frame) -> Option<(u32, u32)> {
+    pub fn black_pixel(&self, frame: &crate::chain::Frame) -> Option<(u32, u32)> {
         let (width, height) = (frame.viewport.width, frame.viewport.height);
         let [x, y] = [self.place[0] * width as f32, self.place[1] * height as f32].map(|at| at as u32);
         let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));

@@ -11,21 +11,21 @@ pub(crate) const BINS: usize = 256;
 
 /// Statistics and histograms of a picture of values.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct PictureStatistics {
+pub struct PictureStatistics {
     /// Statistics of each channel over the whole picture.
-    pub(crate) whole: Vec<Statistics>,
+    pub whole: Vec<Statistics>,
     /// Selected rectangle, if any, and the statistics of each channel within it.
-    pub(crate) part: Option<(PixelRegion, Vec<Statistics>)>,
+    pub part: Option<(PixelRegion, Vec<Statistics>)>,
     /// Histogram of each channel over the whole picture, all with the same range. Empty if no range was requested and
     /// no value is finite.
-    pub(crate) histograms: Vec<Histogram>,
+    pub histograms: Vec<Histogram>,
     /// Range of the finite values of all channels; `None` if no value is finite.
     pub(crate) extent: Option<Range>,
 }
 
 /// Computes the statistics and histograms of a picture of `size` pixels with `count` channels. Histograms span `axis`,
 /// or the range of all values if it is `None`. Pixels without a value are ignored.
-pub(crate) fn measure(
+pub fn measure(
     size: (u32, u32),
     count: usize,
     axis: Option<Range>,

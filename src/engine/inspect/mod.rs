@@ -6,7 +6,7 @@
 
 pub mod assertions;
 
-pub(crate) mod bad_fragments;
+pub mod bad_fragments;
 
 mod blending;
 
@@ -14,29 +14,29 @@ pub mod buffers;
 
 pub(crate) mod depth;
 
-pub(crate) mod display;
+pub mod display;
 
 pub mod fates;
 
-pub(crate) mod feeds;
+pub mod feeds;
 
-pub(crate) mod fields;
+pub mod fields;
 
-pub(crate) mod find;
+pub mod find;
 
-pub(crate) mod histogram;
+pub mod histogram;
 
-pub(crate) mod history;
+pub mod history;
 
 pub(crate) mod hits;
 
 pub mod intermediate;
 
-pub(crate) mod lesson;
+pub mod lesson;
 
-pub(crate) mod measured;
+pub mod measured;
 
-pub(crate) mod mesh_view;
+pub mod mesh_view;
 
 pub(crate) mod normals;
 
@@ -44,50 +44,50 @@ pub mod outline;
 
 pub mod overlays;
 
-pub(crate) mod pixel;
+pub mod pixel;
 
-pub(crate) mod place;
+pub mod place;
 
-pub(crate) mod planes;
+pub mod planes;
 
-pub(crate) mod probe;
+pub mod probe;
 
-pub(crate) mod range;
+pub mod range;
 
-pub(crate) mod scrub;
+pub mod scrub;
 
-pub(crate) mod selection;
+pub mod selection;
 
-pub(crate) mod stages;
+pub mod stages;
 
-pub(crate) mod statistics;
+pub mod statistics;
 
 pub mod trace;
 
 mod verdict;
 
-pub(crate) mod vertices;
+pub mod vertices;
 
-pub(crate) mod view;
+pub mod view;
 
-pub(crate) mod watch;
+pub mod watch;
 
-pub(crate) mod what_if;
+pub mod what_if;
 
 pub use buffers::Buffer;
 pub use buffers::capture;
-pub(crate) use depth::DepthRecord;
-pub(crate) use fates::Fates;
-pub(crate) use history::Survey;
-pub(crate) use history::explain;
-pub(crate) use hits::FaultKind;
-pub(crate) use hits::Hits;
+pub use depth::DepthRecord;
+pub use fates::Fates;
+pub use history::Survey;
+pub use history::explain;
+pub use hits::FaultKind;
+pub use hits::Hits;
 pub use intermediate::Intermediate;
 pub use pixel::FragmentOutcome;
-pub(crate) use pixel::FragmentRecord;
-pub(crate) use pixel::PixelReport;
+pub use pixel::FragmentRecord;
+pub use pixel::PixelReport;
 pub use pixel::inspect;
-pub(crate) use place::InspectionState;
-pub(crate) use selection::TriangleSelection;
+pub use place::InspectionState;
+pub use selection::TriangleSelection;
 pub use stages::Stage;
 pub use trace::Trace;

@@ -21,7 +21,7 @@ const MIN_W: f64 = f32::MIN_POSITIVE as f64;
 
 /// Kind of normals to draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum NormalKind {
+pub enum NormalKind {
     /// Vertex normals, which shading interpolates.
     Vertex,
     /// Face normals at the centroids of triangles, towards the side from which the winding is counter-clockwise.

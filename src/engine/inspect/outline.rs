@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-pub(crate) use control::OutlineControl;
+pub use control::OutlineControl;
 
 use crossing::Surfaces;
 use visible::Visibility;
@@ -52,21 +52,21 @@ const MAX_SAMPLES_PER_PX: u32 = 5;
 
 /// View of a scene to draw as shapes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct OutlineRequest<'a> {
+pub struct OutlineRequest<'a> {
     /// Scene whose triangles become shapes.
-    pub(crate) scene: &'a Arc<Scene>,
+    pub scene: &'a Arc<Scene>,
     /// Camera from which the scene is drawn.
-    pub(crate) camera: &'a Camera,
+    pub camera: &'a Camera,
     /// Settings of the frame. Drawings of lines ignore the upscaler, the wireframe setting and the depth settings.
-    pub(crate) recipe: &'a Recipe,
+    pub recipe: &'a Recipe,
     /// Size of the drawing, in pixels. One pixel is one unit of the drawing.
-    pub(crate) viewport: Viewport,
+    pub viewport: Viewport,
     /// Kind of shapes in the vector drawing.
-    pub(crate) kind: OutlineKind,
+    pub kind: OutlineKind,
 }
 
 /// Draws a view of a scene as vector shapes; returns `None` if cancelled.
-pub(crate) fn outline(request: &OutlineRequest<'_>, control: OutlineControl<'_>) -> Option<Drawing> {
+pub fn outline(request: &OutlineRequest<'_>, control: OutlineControl<'_>) -> Option<Drawing> {
     let OutlineRequest { scene, camera, recipe, viewport, kind } = *request;
     let size = DVec2::new(viewport.width.into(), viewport.height.into());
     let frame = || Renderer::default().render(scene, camera, &plain(recipe), viewport, KeepDepth::Yes);

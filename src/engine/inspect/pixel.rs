@@ -41,7 +41,7 @@ pub enum FragmentOutcome {
 
 impl FragmentOutcome {
     /// Whether the fragment was written to the framebuffer, even if later fragments covered it.
-    pub(crate) fn is_written(self) -> bool {
+    pub fn is_written(self) -> bool {
         matches!(self, Self::Visible | Self::Overwritten | Self::BlendedOver)
     }
 }
@@ -62,38 +62,38 @@ pub struct FragmentRecord {
     /// Reason for the outcome, as one sentence with the deciding numbers.
     pub reason: String,
     /// Arithmetic with which coverage was computed.
-    pub(crate) arithmetic: Arithmetic,
+    pub arithmetic: Arithmetic,
     /// Corners of the triangle in px, snapped to the subpixel grid in fixed-point arithmetic.
-    pub(crate) corners_px: [[f32; 2]; 3],
+    pub corners_px: [[f32; 2]; 3],
     /// Values of the three edge functions at the sample, in the unit that [`crate::pipeline::raster::RasterSample`]
     /// uses.
-    pub(crate) edges: [f64; 3],
+    pub edges: [f64; 3],
     /// Doubled area of the triangle, in the unit of `edges`.
-    pub(crate) doubled_area: f64,
+    pub doubled_area: f64,
     /// Barycentric weights λ of the corners, linear in screen space.
     pub affine_weights: [f32; 3],
     /// Weights of the corners for interpolating attributes, according to the interpolation setting.
     pub attribute_weights: [f32; 3],
     /// 1/w of each corner, from clip space.
-    pub(crate) inv_w: [f32; 3],
+    pub inv_w: [f32; 3],
     /// Depth of each corner, before depth bias and quantisation.
-    pub(crate) corner_depths: [f32; 3],
+    pub corner_depths: [f32; 3],
     /// Offset that the depth bias adds to all depths of the triangle; `None` if no bias is set.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) depth_bias: Option<f32>,
+    pub depth_bias: Option<f32>,
     /// Depth of the fragment, in the format of the depth buffer.
     pub depth: DepthRecord,
     /// Depth in the depth buffer before the fragment; `None` without a depth test.
     pub stored_depth: Option<DepthRecord>,
     /// Product of opacity and texture alpha, as used for the alpha test or blending. `None` for opaque surfaces and for
     /// fragments that failed the depth test.
-    pub(crate) alpha: Option<f32>,
+    pub alpha: Option<f32>,
     /// Intermediate values of shading; `None` if the fragment was not shaded.
     pub shading: Option<ShadingRecord>,
     /// Colour and depth of the sample before the fragment.
-    pub(crate) before: SampleState,
+    pub before: SampleState,
     /// Colour and depth of the sample after the fragment; unchanged if the fragment was rejected.
-    pub(crate) after: SampleState,
+    pub after: SampleState,
 }
 
 impl FragmentRecord {
@@ -107,23 +107,23 @@ impl FragmentRecord {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ShadingRecord {
     /// Texture coordinates (u, v), with v pointing down.
-    pub(crate) uv: Option<[f32; 2]>,
+    pub uv: Option<[f32; 2]>,
     /// Unit normal, in world space.
-    pub(crate) normal: Option<[f32; 3]>,
+    pub normal: Option<[f32; 3]>,
     /// Interpolated vertex colour, in the colour space of lighting.
     pub(crate) vertex_color: Option<[f32; 3]>,
     /// N·L, the cosine of the angle between the normal and the light direction.
-    pub(crate) cosine: Option<f32>,
+    pub cosine: Option<f32>,
     /// Light factor, which multiplies the surface colour.
-    pub(crate) light: Option<f32>,
+    pub light: Option<f32>,
     /// Specular factor max(0, N·H)^Ns, which multiplies the specular colour.
-    pub(crate) highlight: Option<f32>,
+    pub highlight: Option<f32>,
     /// Emitted light, in the colour space of lighting.
-    pub(crate) emission: Option<[f32; 3]>,
+    pub emission: Option<[f32; 3]>,
     /// Texels read from all maps of the material, with weights that sum to 1 for each map.
-    pub(crate) texels: Vec<TexelRecord>,
+    pub texels: Vec<TexelRecord>,
     /// Framebuffer colour over which the fragment was blended, as sRGB codes; `None` without blending.
-    pub(crate) below: Option<Rgba8>,
+    pub below: Option<Rgba8>,
     /// Colour written to the framebuffer, as sRGB codes.
     pub color: Rgba8,
 }
@@ -137,7 +137,7 @@ impl ShadingRecord {
 
 choice! {
     /// Purpose of a texture in a material.
-    pub(crate) TextureMap {
+    pub TextureMap {
         Color = "color", "Colour", "Colour of the surface (`map_Kd`).";
         Opacity = "opacity", "Opacity", "Factor of the opacity, in alpha (`map_d`).";
         Normal = "normal", "Normal", "Tangent-space normal (`norm`, `map_Bump`).";
@@ -147,16 +147,16 @@ choice! {
 
 /// One texel read for a fragment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct TexelRecord {
+pub struct TexelRecord {
     /// Texture map that contains the texel.
-    pub(crate) map: TextureMap,
+    pub map: TextureMap,
     /// Mip level: 0 is the full texture, and each further level has half the side lengths.
-    pub(crate) level: usize,
+    pub level: usize,
     /// Position of the texel in the mip level, and its filter weight.
     #[serde(flatten)]
-    pub(crate) tap: TexelTap,
+    pub tap: TexelTap,
     /// Colour of the texel, as 8-bit codes.
-    pub(crate) color: Rgba8,
+    pub color: Rgba8,
 }
 
 /// Drawn pixel that the upscaler read to compute the inspected pixel.
@@ -166,16 +166,16 @@ pub struct SourceRecord {
     #[serde(flatten)]
     pub tap: Tap,
     /// Replayed colour of the drawn pixel, as sRGB codes.
-    pub(crate) color: Rgba8,
+    pub color: Rgba8,
 }
 
 /// Anti-aliasing sample of a drawn pixel. The colour of the pixel is the mean of its samples.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct SampleRecord {
+pub struct SampleRecord {
     /// Position of the sample relative to the pixel's top-left corner, in px.
-    pub(crate) place: [f64; 2],
+    pub place: [f64; 2],
     /// Replayed colour of the sample, as sRGB codes.
-    pub(crate) color: Rgba8,
+    pub color: Rgba8,
 }
 
 /// Report on one pixel of the full picture.
@@ -193,9 +193,9 @@ pub struct PixelReport {
     /// largest weight.
     pub drawn_at: [u32; 2],
     /// Samples whose mean is the colour of the drawn pixel; empty without anti-aliasing.
-    pub(crate) samples: Vec<SampleRecord>,
+    pub samples: Vec<SampleRecord>,
     /// Colour and depth of the sample at the pixel's centre before the first fragment.
-    pub(crate) clear: SampleState,
+    pub clear: SampleState,
     /// All fragments at the pixel's centre, in drawing order.
     pub fragments: Vec<FragmentRecord>,
     /// Triangles without a fragment at this pixel, each with its reason; filled in only by [`super::history::explain`].
@@ -208,7 +208,7 @@ pub struct PixelReport {
     /// without history. `sources` does not include the history.
     pub(crate) remembered_at: Option<[f64; 2]>,
     /// Colour of the pixel before the post filter; `None` without a post filter.
-    pub(crate) unfiltered: Option<Rgba8>,
+    pub unfiltered: Option<Rgba8>,
     /// Triangle whose edge the wireframe draws over this pixel, if any.
     pub(crate) wireframe: Option<TriangleId>,
     /// Crack or double hit along a shared edge at this pixel, if any; `None` for pixels that were not drawn.
@@ -217,7 +217,7 @@ pub struct PixelReport {
 
 impl PixelReport {
     /// Returns the colour and depth of the sample at the pixel's centre after its last fragment.
-    pub(crate) fn last(&self) -> SampleState {
+    pub fn last(&self) -> SampleState {
         self.fragments.last().map_or(self.clear, |fragment| fragment.after)
     }
 
@@ -231,10 +231,10 @@ impl PixelReport {
 ///
 /// # Examples
 /// ```
-/// use rasterscope::chain::{Recipe, run};
-/// use rasterscope::inspect::{FragmentOutcome, inspect};
-/// # use rasterscope::pipeline::viewport::Viewport;
-/// # use rasterscope::scene::builtin;
+/// use rasterscope_engine::chain::{Recipe, run};
+/// use rasterscope_engine::inspect::{FragmentOutcome, inspect};
+/// # use rasterscope_engine::pipeline::viewport::Viewport;
+/// # use rasterscope_engine::scene::builtin;
 ///
 /// let scene = builtin::by_id("interpenetrating").unwrap().build();
 /// let (recipe, viewport) = (Recipe::default(), Viewport { width: 64, height: 36 });
@@ -371,7 +371,7 @@ fn draw_centre<O: Observer>(
 }
 
 /// Returns the centre of a pixel in the full picture, in px.
-pub(crate) fn sample_position_px(x: u32, y: u32) -> [f32; 2] {
+pub fn sample_position_px(x: u32, y: u32) -> [f32; 2] {
     [x, y].map(|c| to_pixels(i64::from(c) * SUBPIXELS + HALF_PIXEL))
 }
 

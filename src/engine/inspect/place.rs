@@ -21,51 +21,51 @@ use crate::scene::{Camera, camera_file};
 
 /// Complete state of an inspection, which can be restored later.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct InspectionState {
+pub struct InspectionState {
     /// Inspected scene: the id of a built-in scene, or the path of a file.
     #[serde(with = "stored_path")]
-    pub(crate) scene: PathBuf,
+    pub scene: PathBuf,
     /// Whether the scene is mirrored in z. `camera` views the mirrored scene.
-    pub(crate) mirrored: bool,
+    pub mirrored: bool,
     /// Camera of the view.
-    pub(crate) camera: Camera,
+    pub camera: Camera,
     /// Recipe for drawing the frame.
-    pub(crate) recipe: Recipe,
+    pub recipe: Recipe,
     /// Size of the picture in px; `None` for the size of the canvas.
-    pub(crate) picture: Option<(u32, u32)>,
+    pub picture: Option<(u32, u32)>,
     /// Displayed buffer, if neither a stage nor an intermediate value is displayed.
-    pub(crate) buffer: Buffer,
+    pub buffer: Buffer,
     /// Displayed pipeline stage; `None` if none is displayed.
-    pub(crate) stage: Option<Stage>,
+    pub stage: Option<Stage>,
     /// Displayed intermediate value, if no stage is displayed.
     #[serde(default)]
-    pub(crate) number: Option<Intermediate>,
+    pub number: Option<Intermediate>,
     /// Range, colour map and channels of the display.
     #[serde(default)]
-    pub(crate) display: Display,
+    pub display: Display,
     /// Overlays of the picture, from bottom to top.
     #[serde(default)]
-    pub(crate) overlays: Vec<OverlayLayer>,
+    pub overlays: Vec<OverlayLayer>,
     /// Number of rasterized triangles to draw; `None` for all.
-    pub(crate) triangles: Option<usize>,
+    pub triangles: Option<usize>,
     /// Number of drawn fragments of the last triangle; `None` if all of them are drawn.
     #[serde(default)]
-    pub(crate) fragments: Option<usize>,
+    pub fragments: Option<usize>,
     /// Inspected pixel: column and row in the full picture.
-    pub(crate) pixel: Option<(u32, u32)>,
+    pub pixel: Option<(u32, u32)>,
 }
 
 impl InspectionState {
     /// Returns an error if this state cannot be restored, for example if stored data is damaged or from another
     /// version.
-    pub(crate) fn check(&self) -> Result<(), String> {
+    pub fn check(&self) -> Result<(), String> {
         self.recipe.check()?;
         self.camera.check()?;
         self.picture.map_or(Ok(()), |(width, height)| Viewport { width, height }.check())
     }
 
     /// Returns the command line that restores this state, with words quoted where a shell requires it.
-    pub(crate) fn command_line(&self) -> String {
+    pub fn command_line(&self) -> String {
         let scene = self.scene.to_string_lossy();
         // The prefix `./` prevents a path from being parsed as an option.
         let scene = if scene.starts_with('-') { format!("./{scene}") } else { scene.into_owned() };
@@ -104,7 +104,7 @@ impl InspectionState {
     }
 
     /// Returns a short description of the state, such as "pixel 12, 34, Depth".
-    pub(crate) fn words(&self) -> String {
+    pub fn words(&self) -> String {
         let shown = match (self.stage, self.number) {
             (Some(stage), _) => Some(stage.name()),
             (None, Some(number)) => Some(number.name()),

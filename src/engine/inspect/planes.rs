@@ -7,7 +7,7 @@ use crate::image::pfm::Floats;
 /// Returns the exact values of a picture of `size` pixels as floats. Colours (codes from 0 to 255) and weights give
 /// three floats per pixel, and other quantities give one. Pixels without a value are NaN. Triangle ids are exact up to
 /// 2²⁴.
-pub(crate) fn planes(size: (u32, u32), value: impl Fn(u32, u32) -> Value) -> Floats {
+pub fn planes(size: (u32, u32), value: impl Fn(u32, u32) -> Value) -> Floats {
     let three = |x, y| match value(x, y) {
         Value::Color([r, g, b, _]) => Some([r, g, b].map(f32::from)),
         Value::Weights(weights) => Some(weights),

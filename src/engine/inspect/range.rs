@@ -11,7 +11,7 @@ const EXCLUDED_FRACTION: f64 = 0.01;
 /// Set of values to which the range of a colour map is fitted. Pixels without a value, such as a cleared depth, are
 /// ignored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum RangeFit {
+pub enum RangeFit {
     /// All values of the picture, from minimum to maximum.
     All,
     /// All values of the picture between the 1st and the 99th percentile.
@@ -22,7 +22,7 @@ pub(crate) enum RangeFit {
 
 /// Rule that determines the range of a colour map.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) enum Rule {
+pub enum Rule {
     /// Default range of the displayed quantity: counts from 0, colours from 0 to 255, others from minimum to maximum.
     #[default]
     Natural,
@@ -48,7 +48,7 @@ pub(crate) fn channels(value: Value) -> impl Iterator<Item = f32> {
 impl RangeFit {
     /// Returns the range of the values that this fit includes, in a picture of `size` pixels; `None` without a finite
     /// value. For values with several channels, only the `chosen` channels count.
-    pub(crate) fn range(self, size: (u32, u32), chosen: [bool; 3], value: impl Fn(u32, u32) -> Value) -> Option<Range> {
+    pub fn range(self, size: (u32, u32), chosen: [bool; 3], value: impl Fn(u32, u32) -> Value) -> Option<Range> {
         let all = PixelRegion { left: 0, top: 0, right: size.0, bottom: size.1 };
         let region = if let Self::Within(region) = self { region } else { all };
         let values = pixels(region, size).flat_map(|(x, y)| {

@@ -13,7 +13,7 @@ pub struct TriangleSelection {
 
 impl TriangleSelection {
     /// Creates a set from triangles in any order; duplicates are ignored.
-    pub(crate) fn new(label: impl Into<String>, members: impl IntoIterator<Item = TriangleId>) -> Self {
+    pub fn new(label: impl Into<String>, members: impl IntoIterator<Item = TriangleId>) -> Self {
         let mut set = Self { label: label.into(), ..Self::default() };
         for TriangleId(id) in members {
             let (word, bit) = (id as usize / 64, 1 << (id % 64));
@@ -27,22 +27,22 @@ impl TriangleSelection {
     }
 
     /// Returns the label that describes the selected triangles.
-    pub(crate) fn label(&self) -> &str {
+    pub fn label(&self) -> &str {
         &self.label
     }
 
     /// Returns the number of selected triangles.
-    pub(crate) fn len(&self) -> usize {
+    pub fn len(&self) -> usize {
         self.len
     }
 
     /// Whether no triangle is selected.
-    pub(crate) fn is_empty(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         self.len == 0
     }
 
     /// Whether a triangle is selected.
-    pub(crate) fn contains(&self, TriangleId(id): TriangleId) -> bool {
+    pub fn contains(&self, TriangleId(id): TriangleId) -> bool {
         self.bits.get(id as usize / 64).is_some_and(|word| word >> (id % 64) & 1 == 1)
     }
 

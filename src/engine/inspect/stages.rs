@@ -38,14 +38,14 @@ choice! {
 impl Stage {
     /// Returns the stage that lies `steps` stages after this one, or before it if `steps` is negative. Stops at the
     /// first and the last stage.
-    pub(crate) fn stepped(self, steps: i64) -> Self {
+    pub fn stepped(self, steps: i64) -> Self {
         let last = Self::ALL.len() as i64 - 1;
         let place = Self::ALL.iter().position(|stage| *stage == self).map_or(0, |place| place as i64);
         Self::ALL[place.saturating_add(steps).clamp(0, last) as usize]
     }
 
     /// Returns the buffer that holds the values of the picture after this stage; `None` if the picture has only colours.
-    pub(crate) fn buffer(self) -> Option<Buffer> {
+    pub fn buffer(self) -> Option<Buffer> {
         match self {
             Self::Depth => Some(Buffer::Depth),
             Self::Upscale => Some(Buffer::Color),
@@ -70,7 +70,7 @@ const REJECTED_COLOR: Rgba8 = [214, 72, 72, 255];
 pub(crate) const NOT_DRAWN: Rgba8 = [12, 12, 12, 255];
 
 /// Returns the picture of `frame` after the pipeline stage `stage`.
-pub(crate) fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, stage: Stage) -> Image<Rgba8> {
+pub fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, stage: Stage) -> Image<Rgba8> {
     match stage {
         Stage::Assemble => Wires::of(scene, camera, recipe, frame.viewport).corners(),
         Stage::Transform => Wires::of(scene, camera, recipe, frame.viewport).edges(|_| REMAINING_COLOR),

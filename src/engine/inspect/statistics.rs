@@ -4,19 +4,19 @@ use serde::Serialize;
 
 /// Statistics of the numbers [added](Statistics::add) so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub(crate) struct Statistics {
+pub struct Statistics {
     /// Number of finite values; all other statistics include only these.
-    pub(crate) finite: u64,
+    pub finite: u64,
     /// Number of NaN values.
-    pub(crate) nan: u64,
+    pub nan: u64,
     /// Number of infinite values, of either sign.
-    pub(crate) infinite: u64,
+    pub infinite: u64,
     /// Minimum of the finite values; 0 if there are none.
-    pub(crate) min: f32,
+    pub min: f32,
     /// Maximum of the finite values; 0 if there are none.
-    pub(crate) max: f32,
+    pub max: f32,
     /// Mean of the finite values; 0 if there are none.
-    pub(crate) mean: f64,
+    pub mean: f64,
     /// Sum of the squared differences of the finite values from their mean.
     squares: f64,
 }
@@ -32,7 +32,7 @@ impl Statistics {
 
     /// Adds one value. Mean and deviation are updated without cancellation (Welford, "Note on a Method for Calculating
     /// Corrected Sums of Squares and Products", 1962).
-    pub(crate) fn add(&mut self, value: f32) {
+    pub fn add(&mut self, value: f32) {
         if value.is_nan() {
             self.nan += 1;
             return;
@@ -51,7 +51,7 @@ impl Statistics {
     }
 
     /// Returns the population standard deviation σ of the finite values; 0 if there are none.
-    pub(crate) fn deviation(&self) -> f64 {
+    pub fn deviation(&self) -> f64 {
         if self.finite == 0 { 0.0 } else { (self.squares / self.finite as f64).sqrt() }
     }
 

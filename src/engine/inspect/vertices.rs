@@ -17,7 +17,7 @@ use crate::scene::{Camera, Mesh, Scene, TriangleId};
 /// Set of frustum planes beyond which a vertex lies, with one bit for each of [`ClipPlane::ALL`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(transparent)]
-pub(crate) struct Outcode(u8);
+pub struct Outcode(u8);
 
 impl Outcode {
     /// Computes the outcode of a clip-space position. `has_zero_at_far` states whether z = 0 is the far plane. A NaN
@@ -34,7 +34,7 @@ impl Outcode {
     }
 
     /// Returns the planes beyond which the vertex lies, in clipping order.
-    pub(crate) fn planes(self) -> impl Iterator<Item = ClipPlane> {
+    pub fn planes(self) -> impl Iterator<Item = ClipPlane> {
         ClipPlane::ALL.into_iter().enumerate().filter(move |(bit, _)| self.0 >> bit & 1 == 1).map(|(_, plane)| plane)
     }
 
@@ -45,7 +45,7 @@ impl Outcode {
 }
 
 /// Returns the display name of a clip plane.
-pub(crate) fn plane_name(plane: ClipPlane) -> &'static str {
+pub fn plane_name(plane: ClipPlane) -> &'static str {
     match plane {
         ClipPlane::Near => "near",
         ClipPlane::Eye => "eye",
@@ -59,13 +59,13 @@ pub(crate) fn plane_name(plane: ClipPlane) -> &'static str {
 
 /// Position of a vertex after the perspective division.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct OnScreen {
+pub struct OnScreen {
     /// Normalised device coordinates: x/w, y/w, z/w.
-    pub(crate) ndc: Vec3,
+    pub ndc: Vec3,
     /// Screen position before snapping, in px.
-    pub(crate) px: [f32; 2],
+    pub px: [f32; 2],
     /// Screen position snapped to the subpixel grid, in units of 1/256 px.
-    pub(crate) snapped: [i32; 2],
+    pub snapped: [i32; 2],
     /// Depth before quantisation, in [0, 1].
     pub(crate) depth: f64,
     /// 1/w of the clip-space position.
@@ -74,33 +74,33 @@ pub(crate) struct OnScreen {
 
 /// One vertex at every pipeline stage.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct VertexStages {
+pub struct VertexStages {
     /// Index of the vertex in the mesh.
-    pub(crate) index: u32,
+    pub index: u32,
     /// Position in model space.
-    pub(crate) model: Vec3,
+    pub model: Vec3,
     /// Normal in model space.
-    pub(crate) normal: Vec3,
+    pub normal: Vec3,
     /// Texture coordinates (u, v), with v pointing down; `None` if the mesh has none.
-    pub(crate) uv: Option<Vec2>,
+    pub uv: Option<Vec2>,
     /// Colour as sRGB-encoded values in [0, 1]; `None` if the mesh has none.
-    pub(crate) color: Option<Vec3>,
+    pub color: Option<Vec3>,
     /// Position in world space.
-    pub(crate) world: DVec3,
+    pub world: DVec3,
     /// Position in view space.
-    pub(crate) view: DVec3,
+    pub view: DVec3,
     /// Position in clip space.
-    pub(crate) clip: Vec4,
+    pub clip: Vec4,
     /// Frustum planes beyond which the vertex lies.
-    pub(crate) outcode: Outcode,
+    pub outcode: Outcode,
     /// Screen position; `None` if w is below the minimum or the clip position is not finite. Triangles with such a
     /// vertex are clipped before the division.
-    pub(crate) screen: Option<OnScreen>,
+    pub screen: Option<OnScreen>,
 }
 
 /// Vertices of one object, transformed for a camera and a viewport.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct ObjectVertices<'a> {
+pub struct ObjectVertices<'a> {
     mesh: &'a Mesh,
     matrices: DrawMatrices,
     world_from_model: DMat4,
@@ -112,7 +112,7 @@ pub(crate) struct ObjectVertices<'a> {
 
 impl<'a> ObjectVertices<'a> {
     /// Prepares the vertices of the object with index `instance`. Returns `None` if the scene has no such object.
-    pub(crate) fn new(
+    pub fn new(
         scene: &'a Scene,
         camera: &Camera,
         settings: &Settings,
@@ -133,12 +133,12 @@ impl<'a> ObjectVertices<'a> {
     }
 
     /// Returns the number of vertices in the object's mesh.
-    pub(crate) fn count(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.mesh.positions.len()
     }
 
     /// Returns the vertex with this index at every pipeline stage; `None` if `index` is out of range.
-    pub(crate) fn stages(&self, index: u32) -> Option<VertexStages> {
+    pub fn stages(&self, index: u32) -> Option<VertexStages> {
         let place = index as usize;
         let model = *self.mesh.positions.get(place)?;
         let world = self.world_from_model.transform_point3(model.as_dvec3());
@@ -171,7 +171,7 @@ impl<'a> ObjectVertices<'a> {
 
 /// Returns the object index of a triangle, and the mesh indices of its corners. `None` if the scene has no such
 /// triangle.
-pub(crate) fn corners_of(scene: &Scene, triangle: TriangleId) -> Option<(usize, [u32; 3])> {
+pub fn corners_of(scene: &Scene, triangle: TriangleId) -> Option<(usize, [u32; 3])> {
     let firsts = scene.first_triangles();
     // Last object that begins at or before the triangle; an object without triangles begins where the next one does.
     let instance = firsts.partition_point(|first| *first <= triangle).checked_sub(1)?;

@@ -13,11 +13,11 @@ use crate::scene::TriangleId;
 
 /// Range of values that a colour map spans.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct Range {
+pub struct Range {
     /// Value at the start of the colour map.
-    pub(crate) low: f32,
+    pub low: f32,
     /// Value at the end of the colour map.
-    pub(crate) high: f32,
+    pub high: f32,
 }
 
 impl Range {
@@ -29,7 +29,7 @@ impl Range {
     }
 
     /// Returns the position of a value within the range, clamped to [0, 1].
-    pub(crate) fn position(self, value: f32) -> f32 {
+    pub fn position(self, value: f32) -> f32 {
         let width = self.high - self.low;
         if width > 0.0 { ((value - self.low) / width).clamp(0.0, 1.0) } else { 0.0 }
     }
@@ -37,21 +37,21 @@ impl Range {
 
 /// Returns the colour at a position in [0, 1] of the viridis colour map, which is perceptually uniform and safe for
 /// colour-blind people.
-pub(crate) fn magnitude_color(position: f32) -> Rgba8 {
+pub fn magnitude_color(position: f32) -> Rgba8 {
     let [r, g, b] = colorous::VIRIDIS.eval_continuous(f64::from(position.clamp(0.0, 1.0))).as_array();
     [r, g, b, 255]
 }
 
 /// Colour of a crack: a pixel along a shared edge that too few triangles hit. Colour-blind people can distinguish it
 /// from [`DOUBLE_HIT`].
-pub(crate) const CRACK: Rgba8 = [48, 132, 255, 255];
+pub const CRACK: Rgba8 = [48, 132, 255, 255];
 
 /// Colour of a double hit: a pixel along a shared edge that too many triangles hit.
-pub(crate) const DOUBLE_HIT: Rgba8 = [255, 150, 0, 255];
+pub const DOUBLE_HIT: Rgba8 = [255, 150, 0, 255];
 
 /// Returns the colour at a position in [0, 1] of a buffer's colour map. The map of [`Buffer::Hits`] is grey, because
 /// colours mark faults there.
-pub(crate) fn map_color(buffer: Buffer, position: f32) -> Rgba8 {
+pub fn map_color(buffer: Buffer, position: f32) -> Rgba8 {
     /// Grey levels at the two ends of the map, in [0, 1]; chosen so that dark and light marks stay visible.
     const GREYS: (f32, f32) = (0.11, 0.84);
     if buffer != Buffer::Hits {
@@ -63,7 +63,7 @@ pub(crate) fn map_color(buffer: Buffer, position: f32) -> Rgba8 {
 
 /// Value of a buffer at a pixel of the full picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Value {
+pub enum Value {
     /// The pixel was not drawn; the upscaler filled it in.
     NotDrawn,
     /// The pixel was drawn but has no value in the buffer.
@@ -82,7 +82,7 @@ pub(crate) enum Value {
 
 /// Returns the value of a buffer at a pixel inside the picture. Colour and depth are available even if `buffers` is
 /// `None`.
-pub(crate) fn value(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, x: u32, y: u32) -> Value {
+pub fn value(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, x: u32, y: u32) -> Value {
     if buffer == Buffer::Color {
         return frame.image().get(x, y).map_or(Value::NotDrawn, Value::Color);
     }
@@ -108,7 +108,7 @@ pub(crate) fn value(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, x:
 }
 
 /// Returns the reason why a buffer has no values in this frame; `None` if it has values.
-pub(crate) fn absence(buffer: Buffer, frame: &Frame) -> Option<&'static str> {
+pub fn absence(buffer: Buffer, frame: &Frame) -> Option<&'static str> {
     (buffer == Buffer::Depth && frame.drawn.depth.is_none()).then_some("no depth buffer: the depth test is off")
 }
 
@@ -125,7 +125,7 @@ fn depth_of(frame: &Frame, buffers: Option<&Buffers>, column: u32, row: u32) -> 
 
 /// Returns the value range of a buffer that uses a colour map: from minimum to maximum of stored depths, or from 0 to
 /// the maximum of counts. Returns `None` for other buffers, or if the buffer has no values.
-pub(crate) fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option<Range> {
+pub fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option<Range> {
     match buffer {
         Buffer::Depth => {
             let (width, height) = frame.drawn.color.size();
@@ -153,7 +153,7 @@ pub(crate) fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) ->
 
 /// Returns a picture of a buffer at full resolution. `range` is the value range of the colour map; `None` stands for
 /// [0, 1].
-pub(crate) fn picture(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, range: Option<Range>) -> Image<Rgba8> {
+pub fn picture(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, range: Option<Range>) -> Image<Rgba8> {
     let range = range.unwrap_or(Range { low: 0.0, high: 1.0 });
     let (width, height) = frame.image().size();
     let mut image = Image::from_fn(width, height, |x, y| match value(buffer, frame, buffers, x, y) {
@@ -173,7 +173,7 @@ pub(crate) fn picture(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, 
 }
 
 /// Returns the colour that marks faults of this kind.
-pub(crate) fn fault_color(kind: FaultKind) -> Rgba8 {
+pub fn fault_color(kind: FaultKind) -> Rgba8 {
     match kind {
         FaultKind::Crack => CRACK,
         FaultKind::DoubleHit => DOUBLE_HIT,

@@ -9,41 +9,41 @@ use crate::scene::{Scene, TriangleId};
 
 /// Values of all buffers at a watched pixel.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct WatchedPixel {
+pub struct WatchedPixel {
     /// Column of the pixel in the full picture.
-    pub(crate) x: u32,
+    pub x: u32,
     /// Row of the pixel in the full picture.
-    pub(crate) y: u32,
+    pub y: u32,
     /// Values of all buffers at the pixel; `None` outside the picture.
-    pub(crate) values: Option<PixelValues>,
+    pub values: Option<PixelValues>,
 }
 
 /// Values of all buffers at a watched pixel. If the pixel was upscaled, all values except the colour are those of the
 /// drawn pixel with the largest weight.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct PixelValues {
+pub struct PixelValues {
     /// Colour in the finished picture, as sRGB codes.
-    pub(crate) color: Rgba8,
+    pub color: Rgba8,
     /// Whether the pixel was drawn rather than upscaled.
-    pub(crate) is_drawn: bool,
+    pub is_drawn: bool,
     /// Visible triangle; if several triangles are blended, the one drawn last.
-    pub(crate) triangle: Option<TriangleId>,
+    pub triangle: Option<TriangleId>,
     /// Name of the object that contains the visible triangle; `None` if there is no visible triangle.
-    pub(crate) object: Option<String>,
+    pub object: Option<String>,
     /// Final depth in the depth buffer; `None` without a depth buffer.
-    pub(crate) depth: Option<f32>,
+    pub depth: Option<f32>,
     /// Barycentric weights of the visible triangle's corners, linear in screen space.
-    pub(crate) lambda: Option<[f32; 3]>,
+    pub lambda: Option<[f32; 3]>,
     /// Weights of the visible triangle's corners for interpolating attributes, perspective-correct by default.
-    pub(crate) perspective_lambda: Option<[f32; 3]>,
+    pub perspective_lambda: Option<[f32; 3]>,
     /// Number of fragments at the pixel's centre.
-    pub(crate) overdraw: usize,
+    pub overdraw: usize,
     /// Number of shaded fragments at the pixel's centre.
-    pub(crate) shaded: usize,
+    pub shaded: usize,
 }
 
 /// Replays pixels of a frame and returns their values, in the given order.
-pub(crate) fn watch(scene: &Scene, recipe: &Recipe, frame: &Frame, pixels: &[(u32, u32)]) -> Vec<WatchedPixel> {
+pub fn watch(scene: &Scene, recipe: &Recipe, frame: &Frame, pixels: &[(u32, u32)]) -> Vec<WatchedPixel> {
     let row = |(x, y): &(u32, u32)| {
         let values = inspect(scene, recipe, frame, *x, *y).map(|report| values(&report, frame.is_drawn(*x, *y)));
         WatchedPixel { x: *x, y: *y, values }

@@ -12,16 +12,16 @@ use super::view::{Value, value};
 
 /// Pixels that differ between two frames of the same size.
 #[derive(Clone, Debug)]
-pub(crate) struct Changes {
+pub struct Changes {
     /// Mask with the size of the frames: `true` for each pixel that differs.
-    pub(crate) mask: Image<bool>,
+    pub mask: Image<bool>,
     /// Number of pixels that differ.
-    pub(crate) count: u64,
+    pub count: u64,
 }
 
 impl Changes {
     /// Compares the values of a buffer in two frames. Returns `None` if the frames have different sizes.
-    pub(crate) fn of_buffer(
+    pub fn of_buffer(
         buffer: Buffer,
         (a, a_buffers): (&Frame, Option<&Buffers>),
         (b, b_buffers): (&Frame, Option<&Buffers>),
@@ -32,7 +32,7 @@ impl Changes {
 
     /// Compares two pictures, each given by its size and a function that returns the value of a pixel. Returns `None`
     /// if the sizes differ.
-    pub(crate) fn of_values(
+    pub fn of_values(
         (a_size, a): ((u32, u32), impl Fn(u32, u32) -> Value),
         (b_size, b): ((u32, u32), impl Fn(u32, u32) -> Value),
     ) -> Option<Self> {
@@ -40,7 +40,7 @@ impl Changes {
     }
 
     /// Compares the colours of two pictures, ignoring alpha. Returns `None` if the pictures have different sizes.
-    pub(crate) fn of_pictures(a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<Self> {
+    pub fn of_pictures(a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<Self> {
         let (width, height) = a.size();
         (a.size() == b.size())
             .then(|| Self::of_mask(Image::from_fn(width, height, |x, y| a.at(x, y)[..3] != b.at(x, y)[..3])))
@@ -52,13 +52,13 @@ impl Changes {
     }
 
     /// Returns the fraction of pixels that differ, in [0, 1].
-    pub(crate) fn share(&self) -> f64 {
+    pub fn share(&self) -> f64 {
         self.count as f64 / self.mask.pixels().len().max(1) as f64
     }
 
     /// Returns the next or previous changed pixel relative to `from` in row-major order, wrapping around at the end. If
     /// `from` is `None`, returns the first or the last changed pixel.
-    pub(crate) fn next_changed(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
+    pub fn next_changed(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
         let (width, height) = self.mask.size();
         let all = width as usize * height as usize;
         let start =
@@ -74,7 +74,7 @@ impl Changes {
     }
 
     /// Returns `picture` with its unchanged pixels mapped to dark greys.
-    pub(crate) fn with_unchanged_dimmed(&self, picture: &Image<Rgba8>) -> Image<Rgba8> {
+    pub fn with_unchanged_dimmed(&self, picture: &Image<Rgba8>) -> Image<Rgba8> {
         /// Grey levels, in [0, 255], to which black and white are mapped: much darker than changed colours, but bright
         /// enough to recognise the scene.
         const GREYS: (f64, f64) = (16.0, 72.0);

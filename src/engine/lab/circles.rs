@@ -14,7 +14,7 @@ use crate::pipeline::settings::{Choice, choice};
 
 choice! {
     /// Algorithm that draws a circle or an ellipse.
-    pub(crate) CircleMethod {
+    pub CircleMethod {
         Midpoint = "midpoint", "Midpoint circle",
             "Integers only: computes one octant and mirrors it into the other seven.";
         Explicit = "explicit", "Explicit, y = ±√(r² − x²)",
@@ -34,15 +34,15 @@ const LARGEST: i32 = 60;
 
 /// Input and settings of the lab page on circles and ellipses.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct CircleLesson {
+pub struct CircleLesson {
     /// Column and row of the centre pixel.
     pub(crate) center: (i32, i32),
     /// Horizontal and vertical semi-axes, in pixels; the first is also the radius of a circle.
     pub(crate) half: (u32, u32),
     /// Selected algorithm.
-    pub(crate) method: CircleMethod,
+    pub method: CircleMethod,
     /// Whether the grid shows which pixels lie inside the circle.
-    pub(crate) sides: bool,
+    pub sides: bool,
 }
 
 impl Default for CircleLesson {

@@ -44,13 +44,13 @@ const MAX_FRAMES: usize = 150;
 const FRAME_TIME: Duration = Duration::from_millis(80);
 
 /// Writes a recording to a file, in the format given by the extension; see [`encode_recording`].
-pub(crate) fn write_recording(path: &Path, recording: &Recording, steps: usize) -> Result<(), DrawingFileError> {
+pub fn write_recording(path: &Path, recording: &Recording, steps: usize) -> Result<(), DrawingFileError> {
     save(path, &encode_recording(path, recording, steps)?)
 }
 
 /// Encodes the picture after the first `steps` steps of a recording, in the file format given by the extension. A GIF
 /// instead animates all steps.
-pub(crate) fn encode_recording(path: &Path, recording: &Recording, steps: usize) -> Result<Vec<u8>, DrawingFileError> {
+pub fn encode_recording(path: &Path, recording: &Recording, steps: usize) -> Result<Vec<u8>, DrawingFileError> {
     if format_of(path)? != DrawingFormat::Pixels(PixelFormat::Gif) {
         return encode(path, &drawing(recording, steps), SCALE);
     }

@@ -16,7 +16,7 @@ use crate::pipeline::settings::{Choice, choice};
 
 choice! {
     /// Algorithm that draws a line.
-    pub(crate) LineMethod {
+    pub LineMethod {
         Distance = "distance", "By distance",
             "Tests every pixel of the bounding box; draws those at most half a pixel away from the line.";
         Intersection = "intersection", "By slope, rounded",
@@ -66,17 +66,17 @@ const FRAME: u32 = 4;
 
 /// Input and settings of the lab page on lines.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct LineLesson {
+pub struct LineLesson {
     /// Endpoints of the line, in pixels; pixel centres have integer coordinates.
     pub(crate) ends: [DVec2; 2],
     /// Selected algorithm.
-    pub(crate) method: LineMethod,
+    pub method: LineMethod,
     /// Whether the pixel at the second endpoint is drawn. If not, consecutive segments of a polyline share no pixel.
-    pub(crate) last_pixel: bool,
+    pub last_pixel: bool,
     /// Whether the midpoint method breaks ties so that drawing the line in either direction covers the same pixels.
-    pub(crate) direction_independent: bool,
+    pub direction_independent: bool,
     /// Whether the line is clipped to a rectangle first.
-    pub(crate) clip: bool,
+    pub clip: bool,
 }
 
 impl Default for LineLesson {

@@ -5,25 +5,25 @@
 //! *lesson*, one per file, advances them by one item at a time and records their state in a [`recording`]. [`drawing`]
 //! converts recordings to vector graphics and bitmaps.
 
-pub(crate) mod recording;
+pub mod recording;
 
-pub(crate) mod drawing;
+pub mod drawing;
 
 pub(crate) mod picture;
 
-pub(crate) mod lines;
+pub mod lines;
 
-pub(crate) mod circles;
+pub mod circles;
 
-pub(crate) mod polygons;
+pub mod polygons;
 
-pub(crate) mod seed_fills;
+pub mod seed_fills;
 
-pub(crate) mod primitives;
+pub mod primitives;
 
-pub(crate) mod triangles;
+pub mod triangles;
 
-pub(crate) mod sampling;
+pub mod sampling;
 
 use glam::DVec2;
 
@@ -57,7 +57,7 @@ choice! {
 
 /// Input and settings of one page.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Lesson {
+pub enum Lesson {
     /// Lesson on straight lines.
     Lines(LineLesson),
     /// Lesson on circles and ellipses.
@@ -91,7 +91,7 @@ macro_rules! each {
 
 impl Lesson {
     /// Creates the lesson of a page with its default input.
-    pub(crate) fn new(page: Page) -> Self {
+    pub fn new(page: Page) -> Self {
         match page {
             Page::Lines => Self::Lines(LineLesson::default()),
             Page::Circles => Self::Circles(CircleLesson::default()),
@@ -104,7 +104,7 @@ impl Lesson {
     }
 
     /// Returns the page of the lesson.
-    pub(crate) fn page(&self) -> Page {
+    pub fn page(&self) -> Page {
         match self {
             Self::Lines(_) => Page::Lines,
             Self::Circles(_) => Page::Circles,
@@ -117,32 +117,32 @@ impl Lesson {
     }
 
     /// Runs the algorithm and records its steps.
-    pub(crate) fn record(&self) -> Recording {
+    pub fn record(&self) -> Recording {
         each!(self, lesson => lesson.record())
     }
 
     /// Runs the algorithm without recording, for timing. Returns the number of items that its iterator yields.
-    pub(crate) fn walk(&self) -> usize {
+    pub fn walk(&self) -> usize {
         each!(self, lesson => lesson.walk())
     }
 
     /// Returns an explanation of the algorithm for students.
-    pub(crate) fn explanation(&self) -> &'static str {
+    pub fn explanation(&self) -> &'static str {
         each!(self, lesson => lesson.explanation())
     }
 
     /// Returns the draggable points of the input, in pixels.
-    pub(crate) fn handles(&self) -> Vec<DVec2> {
+    pub fn handles(&self) -> Vec<DVec2> {
         each!(self, lesson => lesson.handles())
     }
 
     /// Moves the point with this index to `to`, in pixels.
-    pub(crate) fn move_handle(&mut self, handle: usize, to: DVec2) {
+    pub fn move_handle(&mut self, handle: usize, to: DVec2) {
         each!(self, lesson => lesson.move_handle(handle, to));
     }
 
     /// Whether the page has a reference against which its methods can be compared.
-    pub(crate) fn compare_is_possible(&self) -> bool {
+    pub fn compare_is_possible(&self) -> bool {
         match self {
             Self::Primitives(lesson) => lesson.has_outlines(),
             _ => true,
@@ -150,7 +150,7 @@ impl Lesson {
     }
 
     /// Replaces the input of the page by a picture. Returns `false` if the page does not take pictures.
-    pub(crate) fn set_picture(&mut self, picture: &Image<Rgba8>) -> bool {
+    pub fn set_picture(&mut self, picture: &Image<Rgba8>) -> bool {
         match self {
             Self::SeedFill(lesson) => lesson.set_picture(picture),
             Self::Sampling(lesson) => lesson.set_picture(picture),
@@ -160,7 +160,7 @@ impl Lesson {
     }
 
     /// Compares all methods of the page with its reference; `None` if it has none.
-    pub(crate) fn compare(&self) -> Option<MethodComparison> {
+    pub fn compare(&self) -> Option<MethodComparison> {
         match self {
             Self::Lines(lesson) => Some(lesson.compare()),
             Self::Circles(lesson) => Some(lesson.compare()),

@@ -13,7 +13,7 @@ use crate::pipeline::settings::{Choice, choice};
 
 choice! {
     /// Operation that the page applies to its polygon.
-    pub(crate) PolygonMethod {
+    pub PolygonMethod {
         EvenOdd = "even-odd", "Fill, even-odd", "A pixel is inside if a ray from it crosses an odd number of edges.";
         NonZero = "non-zero", "Fill, non-zero", "Edges count +1 down and −1 up; a pixel is inside if the sum up to it is not zero.";
         Triangulate = "triangulate", "Ear clipping",
@@ -24,7 +24,7 @@ choice! {
 
 choice! {
     /// Preset polygon.
-    pub(crate) PolygonPreset {
+    pub PolygonPreset {
         Star = "star", "Star", "Five corners, self-intersecting: the winding number of the middle is 2.";
         Hole = "hole", "Square with a hole", "Two contours with opposite orientation.";
         Overlap = "overlap", "Overlapping squares", "Two contours with the same orientation.";
@@ -37,7 +37,7 @@ choice! {
 
 impl PolygonPreset {
     /// Returns the contours of the preset, in pixels.
-    pub(crate) fn contours(self) -> Vec<Vec<DVec2>> {
+    pub fn contours(self) -> Vec<Vec<DVec2>> {
         let contour = |corners: &[(f64, f64)]| corners.iter().copied().map(DVec2::from).collect::<Vec<_>>();
         let square = |low: f64, high: f64| {
             contour(&[(low + 4.0, low), (high + 4.0, low), (high + 4.0, high), (low + 4.0, high)])
@@ -80,11 +80,11 @@ const SIZE: (u32, u32) = (32, 24);
 
 /// Input and settings of the lab page on polygons.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct PolygonLesson {
+pub struct PolygonLesson {
     /// Closed contours of the polygon, in pixels.
-    pub(crate) contours: Vec<Vec<DVec2>>,
+    pub contours: Vec<Vec<DVec2>>,
     /// Selected operation.
-    pub(crate) method: PolygonMethod,
+    pub method: PolygonMethod,
     /// Point that is shown as a convex combination of the hull's corners, in pixels.
     pub(crate) probe: DVec2,
 }
@@ -106,7 +106,7 @@ impl PolygonLesson {
     }
 
     /// Inserts a corner at `at`, in pixels, into the nearest edge. Starts a contour if there are none.
-    pub(crate) fn add_corner(&mut self, at: DVec2) {
+    pub fn add_corner(&mut self, at: DVec2) {
         let distance = |a: DVec2, b: DVec2| {
             let along = b - a;
             let t = ((at - a).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
@@ -123,7 +123,7 @@ impl PolygonLesson {
     }
 
     /// Removes the corner with the handle index `handle`. Removes its contour, too, if no other corners are left.
-    pub(crate) fn remove_corner(&mut self, handle: usize) {
+    pub fn remove_corner(&mut self, handle: usize) {
         let mut number = handle;
         for contour in &mut self.contours {
             if number < contour.len() {
@@ -136,7 +136,7 @@ impl PolygonLesson {
     }
 
     /// Adds a contour: a small triangle in the middle of the grid.
-    pub(crate) fn add_contour(&mut self) {
+    pub fn add_contour(&mut self) {
         let middle = DVec2::new(SIZE.0.into(), SIZE.1.into()) / 2.0;
         let corners = [(0.0, -3.0), (3.0, 2.5), (-3.0, 2.5)].map(|corner| middle + DVec2::from(corner));
         self.contours.push(corners.to_vec());

@@ -14,7 +14,7 @@ use crate::pipeline::settings::{Choice, choice};
 
 choice! {
     /// Primitive topology: the rule by which vertices are assembled into points, lines, triangles or polygons.
-    pub(crate) PrimitiveKind {
+    pub PrimitiveKind {
         Points = "points", "Points", "Each vertex is a point.";
         Lines = "lines", "Lines", "Each pair of vertices is a line.";
         LineStrip = "line-strip", "Line strip", "A line from each vertex to the next.";
@@ -51,7 +51,7 @@ impl PrimitiveKind {
 
 choice! {
     /// Preset list of vertices.
-    pub(crate) VertexPreset {
+    pub VertexPreset {
         Zigzag = "zigzag", "Zigzag", "Vertex order of strips.";
         Ring = "ring", "Ring", "Vertex order of fans, loops and polygons.";
         Concave = "concave", "Concave", "A ring with a reflex corner: a fan covers pixels outside it.";
@@ -63,7 +63,7 @@ choice! {
 
 impl VertexPreset {
     /// Returns the vertices of the preset: x and y in pixels, z without a unit.
-    pub(crate) fn vertices(self) -> Vec<DVec3> {
+    pub fn vertices(self) -> Vec<DVec3> {
         let ring = |radii: [f64; 8]| {
             let at = |i: usize| {
                 DVec2::from_angle(i as f64 / 8.0 * std::f64::consts::TAU) * radii[i] + DVec2::new(16.0, 12.0)
@@ -95,11 +95,11 @@ const SIZE: (u32, u32) = (32, 24);
 
 /// Input and settings of the lab page on primitives.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct PrimitiveLesson {
+pub struct PrimitiveLesson {
     /// Vertices: x and y in pixels, z without a unit.
-    pub(crate) vertices: Vec<DVec3>,
+    pub vertices: Vec<DVec3>,
     /// Selected topology.
-    pub(crate) kind: PrimitiveKind,
+    pub kind: PrimitiveKind,
 }
 
 impl Default for PrimitiveLesson {

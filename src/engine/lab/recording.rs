@@ -9,7 +9,7 @@ pub(crate) const MAX_STEPS: usize = 20_000;
 
 /// Content of a pixel, which determines its display colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Ink {
+pub enum Ink {
     /// Pixel that is fully set.
     Full,
     /// Partly covered pixel, with its coverage from 0 (empty) to 1 (fully set).
@@ -26,13 +26,13 @@ pub(crate) enum Ink {
 
 /// Pixel of the grid with its content.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct InkedPixel {
+pub struct InkedPixel {
     /// Column in the grid; may lie outside the grid.
-    pub(crate) x: i64,
+    pub x: i64,
     /// Row in the grid; may lie outside the grid.
-    pub(crate) y: i64,
+    pub y: i64,
     /// Content of the pixel, which determines its display colour.
-    pub(crate) ink: Ink,
+    pub ink: Ink,
 }
 
 /// Creates a pixel from its column and row and its content.
@@ -42,7 +42,7 @@ pub(crate) fn cell((x, y): (i64, i64), ink: Ink) -> InkedPixel {
 
 /// Role of a mark, which determines its colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Tone {
+pub enum Tone {
     /// Exact shape that the algorithm approximates.
     Ideal,
     /// Auxiliary geometry, drawn faintly.
@@ -57,7 +57,7 @@ pub(crate) enum Tone {
 
 /// Geometry drawn over the pixels, in pixels: pixel (i, j) fills the square from (i, j) to (i + 1, j + 1).
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Mark {
+pub enum Mark {
     /// Straight line between two points.
     Line(DVec2, DVec2, Tone),
     /// Closed polygon outline.
@@ -72,32 +72,32 @@ pub(crate) enum Mark {
 
 /// Recorded step of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct RecordedStep {
+pub struct RecordedStep {
     /// Pixels set by the step.
-    pub(crate) cells: Vec<InkedPixel>,
+    pub cells: Vec<InkedPixel>,
     /// Geometry that the step examined.
     pub(crate) marks: Vec<Mark>,
     /// Description of the step, in one sentence.
-    pub(crate) description: String,
+    pub description: String,
     /// State of the algorithm, as names and values.
-    pub(crate) state: Vec<(String, String)>,
+    pub state: Vec<(String, String)>,
 }
 
 /// Recorded run of an algorithm on a small input.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Recording {
+pub struct Recording {
     /// Number of columns and rows of the grid.
-    pub(crate) size: (u32, u32),
+    pub size: (u32, u32),
     /// Pixels of the input picture. The pixels set by the steps are drawn over them.
     pub(crate) ground: Vec<InkedPixel>,
     /// Geometry of the exact shape that the algorithm approximates.
     pub(crate) figure: Vec<Mark>,
     /// Recorded steps, in order.
-    pub(crate) steps: Vec<RecordedStep>,
+    pub steps: Vec<RecordedStep>,
     /// Results of the whole run, as names and values.
-    pub(crate) facts: Vec<(String, String)>,
+    pub facts: Vec<(String, String)>,
     /// Whether the run had more than [`MAX_STEPS`] steps.
-    pub(crate) cut_off: bool,
+    pub cut_off: bool,
 }
 
 impl Recording {
@@ -119,14 +119,14 @@ impl Recording {
     }
 
     /// Returns the pixels after the first `steps` steps in drawing order; later pixels are drawn over earlier ones.
-    pub(crate) fn cells(&self, steps: usize) -> impl Iterator<Item = &InkedPixel> {
+    pub fn cells(&self, steps: usize) -> impl Iterator<Item = &InkedPixel> {
         let done = &self.steps[..steps.min(self.steps.len())];
         self.ground.iter().chain(done.iter().flat_map(|step| &step.cells))
     }
 
     /// Returns the marks to draw after the first `steps` steps: the true shape, and the marks of the last of these
     /// steps.
-    pub(crate) fn marks(&self, steps: usize) -> impl Iterator<Item = &Mark> {
+    pub fn marks(&self, steps: usize) -> impl Iterator<Item = &Mark> {
         let last = steps.min(self.steps.len()).checked_sub(1).map(|last| &self.steps[last]);
         self.figure.iter().chain(last.into_iter().flat_map(|step| &step.marks))
     }
@@ -149,7 +149,7 @@ pub(crate) fn number(value: f64, decimals: usize) -> String {
 
 /// Measures the duration of one run. Each of 3 rounds repeats the run for at least 0.4 ms and takes the mean; the
 /// result is the smallest mean.
-pub(crate) fn time_of(mut run: impl FnMut() -> usize) -> Duration {
+pub fn time_of(mut run: impl FnMut() -> usize) -> Duration {
     const ROUND: Duration = Duration::from_micros(400);
     const ROUNDS: usize = 3;
     let round = || {
@@ -165,26 +165,26 @@ pub(crate) fn time_of(mut run: impl FnMut() -> usize) -> Duration {
 
 /// Error and run time of one method.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct MethodResult {
+pub struct MethodResult {
     /// Display name of the method.
-    pub(crate) name: &'static str,
+    pub name: &'static str,
     /// Error against the reference, in the unit that [`MethodComparison::error`] states.
-    pub(crate) error: f64,
+    pub error: f64,
     /// Measured duration of one run.
-    pub(crate) time: Duration,
+    pub time: Duration,
 }
 
 /// Comparison of several methods for the same task.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct MethodComparison {
+pub struct MethodComparison {
     /// Description of the task that all methods solve.
-    pub(crate) task: String,
+    pub task: String,
     /// Meaning of the methods' `error`, with its unit.
-    pub(crate) error: &'static str,
+    pub error: &'static str,
     /// Results of the compared methods.
-    pub(crate) methods: Vec<MethodResult>,
+    pub methods: Vec<MethodResult>,
     /// Summary of the comparison in one sentence, if it has one.
-    pub(crate) note: Option<String>,
+    pub note: Option<String>,
 }
 
 #[cfg(test)]

@@ -19,7 +19,7 @@ use crate::pipeline::settings::{Choice, choice};
 
 choice! {
     /// Scene that the page samples.
-    pub(crate) SamplingScene {
+    pub SamplingScene {
         Edge = "edge", "An edge", "A straight edge at any angle. The exact area on one side is known for each pixel.";
         ZonePlate = "zone-plate", "Zone plate",
             "Rings that get finer outwards: their period falls below two pixels at a third of the width from the \
@@ -33,7 +33,7 @@ choice! {
 
 choice! {
     /// Method that computes the value of a pixel.
-    pub(crate) SamplingMethod {
+    pub SamplingMethod {
         Point = "point", "One point", "The value at the pixel's centre.";
         Grid = "grid", "n × n points", "The mean of a regular grid of points in the pixel.";
         Jittered = "jittered", "n × n, jittered",
@@ -96,19 +96,19 @@ const SPOKES: f64 = 8.0;
 
 /// Input and settings of the lab page on sampling.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct SamplingLesson {
+pub struct SamplingLesson {
     /// Image function that is sampled at each pixel.
-    pub(crate) scene: SamplingScene,
+    pub scene: SamplingScene,
     /// Method that computes the pixels.
-    pub(crate) method: SamplingMethod,
+    pub method: SamplingMethod,
     /// Number of sample points per axis within a pixel.
-    pub(crate) points: u32,
+    pub points: u32,
     /// Direction of the edge, in degrees.
-    pub(crate) angle_degrees: f32,
+    pub angle_degrees: f32,
     /// A point on the edge, or the centre of the pattern, in pixels.
     pub(crate) middle: DVec2,
     /// Turns of the wheel per frame.
-    pub(crate) turns_per_frame: f32,
+    pub turns_per_frame: f32,
     /// Column and row of the pixel whose values are shown.
     pub(crate) chosen: (u32, u32),
     /// Picture of [`SamplingScene::Picture`]: values in [0, 1], stretched over the whole grid.
@@ -408,7 +408,7 @@ impl SamplingLesson {
     }
 
     /// Selects the pixel whose values are shown; positions outside the grid are ignored.
-    pub(crate) fn choose(&mut self, (x, y): (u32, u32)) {
+    pub fn choose(&mut self, (x, y): (u32, u32)) {
         if x < SIZE.0 && y < SIZE.1 {
             self.chosen = (x, y);
         }

@@ -11,7 +11,7 @@ use crate::pipeline::settings::{Choice, choice};
 
 choice! {
     /// Criterion by which a pixel belongs to the filled region.
-    pub(crate) RegionKind {
+    pub RegionKind {
         Flood = "flood", "Flood", "All pixels of the seed's colour that are connected with it.";
         Boundary = "boundary", "Boundary", "All connected pixels up to a wall, of any colour.";
     }
@@ -19,7 +19,7 @@ choice! {
 
 choice! {
     /// Connectivity of the filled region.
-    pub(crate) Neighbours {
+    pub Neighbours {
         Four = "four", "4-connected", "Neighbours share an edge: right, below, left, above.";
         Eight = "eight", "8-connected", "Neighbours share an edge or a corner.";
     }
@@ -27,7 +27,7 @@ choice! {
 
 choice! {
     /// Order in which a seed fill visits pixels.
-    pub(crate) FillOrder {
+    pub FillOrder {
         Spans = "spans", "By spans",
             "Fills whole runs and pushes one seed for each run above and below: the stack stays small.";
         Pixels = "pixels", "By pixels",
@@ -37,7 +37,7 @@ choice! {
 
 choice! {
     /// Preset grid.
-    pub(crate) SeedFillPreset {
+    pub SeedFillPreset {
         Room = "room", "Two rooms", "4-connected walls with a door.";
         DiagonalWall = "diagonal-wall", "Diagonal wall",
             "A wall whose pixels touch at corners only: an 8-connected fill leaks through.";
@@ -50,7 +50,7 @@ choice! {
 
 /// Content of a pixel of the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Paint {
+pub enum Paint {
     /// Background pixel, which a fill may replace.
     Paper,
     /// Wall: the boundary colour of a boundary fill.
@@ -66,17 +66,17 @@ const SIZE: (u32, u32) = (30, 20);
 
 /// Input and settings of the lab page on seed fills.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct SeedFillLesson {
+pub struct SeedFillLesson {
     /// Grid before the fill.
-    pub(crate) grid: Image<Paint>,
+    pub grid: Image<Paint>,
     /// Column and row of the pixel where the fill starts.
-    pub(crate) seed: (u32, u32),
+    pub seed: (u32, u32),
     /// Criterion by which a pixel belongs to the region.
-    pub(crate) region: RegionKind,
+    pub region: RegionKind,
     /// Connectivity of the region.
-    pub(crate) neighbours: Neighbours,
+    pub neighbours: Neighbours,
     /// Order in which the fill visits pixels.
-    pub(crate) order: FillOrder,
+    pub order: FillOrder,
 }
 
 impl Default for SeedFillLesson {
@@ -89,7 +89,7 @@ impl Default for SeedFillLesson {
 
 impl SeedFillPreset {
     /// Returns the grid of the preset and its seed.
-    pub(crate) fn grid(self) -> (Image<Paint>, (u32, u32)) {
+    pub fn grid(self) -> (Image<Paint>, (u32, u32)) {
         let (width, height) = SIZE;
         let paint = |is_wall: &dyn Fn(u32, u32) -> bool| {
             Image::from_fn(width, height, |x, y| if is_wall(x, y) { Paint::Wall } else { Paint::Paper })
@@ -141,7 +141,7 @@ impl SeedFillLesson {
     }
 
     /// Paints a pixel; positions outside the grid are ignored.
-    pub(crate) fn paint(&mut self, (x, y): (u32, u32), paint: Paint) {
+    pub fn paint(&mut self, (x, y): (u32, u32), paint: Paint) {
         if self.grid.get(x, y).is_some() {
             self.grid.set(x, y, paint);
         }

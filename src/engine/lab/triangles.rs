@@ -13,7 +13,7 @@ use crate::pipeline::viewport::Viewport;
 
 choice! {
     /// Aspect of the triangle that the page shows.
-    pub(crate) TriangleView {
+    pub TriangleView {
         Pixels = "pixels", "Pixels of both",
             "Owner of each pixel, in the order of the rasterizer; the two triangles share an edge.";
         EdgeA = "edge-a", "Edge opposite A", "The half-plane where the first edge function is positive.";
@@ -34,17 +34,17 @@ const VALUES: [f32; 3] = [0.0, 0.5, 1.0];
 
 /// Input and settings of the lab page on triangles: triangle ABC and its neighbour CBD.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct TriangleLesson {
+pub struct TriangleLesson {
     /// Corners A, B, C and D, in pixels.
     pub(crate) corners: [DVec2; 4],
     /// Algorithm that finds the covered pixels.
-    pub(crate) rasterizer: Rasterizer,
+    pub rasterizer: Rasterizer,
     /// Arithmetic of the edge functions.
-    pub(crate) arithmetic: Arithmetic,
+    pub arithmetic: Arithmetic,
     /// Fill rule for pixel centres on an edge.
-    pub(crate) rule: FillRule,
+    pub rule: FillRule,
     /// Selected view.
-    pub(crate) view: TriangleView,
+    pub view: TriangleView,
 }
 
 impl Default for TriangleLesson {

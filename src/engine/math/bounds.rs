@@ -4,11 +4,11 @@ use glam::{Mat4, Vec3};
 
 /// Axis-aligned bounding box. [`Aabb::EMPTY`] contains nothing and is the neutral element of [`Aabb::union`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Aabb {
+pub struct Aabb {
     /// Corner with the smallest x, y and z.
-    pub(crate) min: Vec3,
+    pub min: Vec3,
     /// Corner with the largest x, y and z.
-    pub(crate) max: Vec3,
+    pub max: Vec3,
 }
 
 impl Aabb {
@@ -24,7 +24,7 @@ impl Aabb {
     }
 
     /// Returns whether the box contains no point.
-    pub(crate) fn is_empty(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         self.min.cmpgt(self.max).any()
     }
 

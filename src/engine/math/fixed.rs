@@ -8,16 +8,16 @@
 pub(crate) const SUBPIXEL_BITS: u32 = 8;
 
 /// Number of grid steps per pixel.
-pub(crate) const SUBPIXELS: i64 = 1 << SUBPIXEL_BITS;
+pub const SUBPIXELS: i64 = 1 << SUBPIXEL_BITS;
 
 /// Half a pixel in grid steps: the distance of a pixel's centre from its top-left corner along each axis.
-pub(crate) const HALF_PIXEL: i64 = SUBPIXELS / 2;
+pub const HALF_PIXEL: i64 = SUBPIXELS / 2;
 
 /// Rounds a screen coordinate in pixels to the nearest grid step, ties to even.
 ///
 /// The multiplication by 256 is exact (a power of two), so there is one rounding. Saturates for values beyond the range
 /// of `i64` and returns 0 for NaN; the guard band prevents both.
-pub(crate) fn snap(pixels: f32) -> i64 {
+pub fn snap(pixels: f32) -> i64 {
     (pixels * SUBPIXELS as f32).round_ties_even() as i64
 }
 

@@ -55,7 +55,7 @@ pub(crate) type F64<S> = f64x8<S>;
 
 /// SIMD instruction set that kernels run with, selected at run time.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Lanes {
+pub enum Lanes {
     /// AVX-512 with the extensions of Ice Lake, Zen 4 and later processors: eight doubles per register.
     #[cfg(target_arch = "x86_64")]
     Avx512(fearless_simd::x86::Avx512),
@@ -68,7 +68,7 @@ pub(crate) enum Lanes {
 
 impl Lanes {
     /// Returns the best instruction set that this processor supports.
-    pub(crate) fn best() -> Self {
+    pub fn best() -> Self {
         Self::avx512().or_else(Self::avx2).unwrap_or_else(Self::baseline)
     }
 
@@ -92,7 +92,7 @@ impl Lanes {
     }
 
     /// Returns AVX2, or `None` if this processor does not support it.
-    pub(crate) fn avx2() -> Option<Self> {
+    pub fn avx2() -> Option<Self> {
         #[cfg(target_arch = "x86_64")]
         return Level::new().as_avx2().map(Self::Avx2);
         #[cfg(not(target_arch = "x86_64"))]
@@ -101,7 +101,7 @@ impl Lanes {
 
     /// Returns the baseline of the architecture: SSE2.
     #[cfg(target_arch = "x86_64")]
-    pub(crate) fn baseline() -> Self {
+    pub fn baseline() -> Self {
         Self::Baseline(Level::new().as_sse2().expect("every x86-64 processor has SSE2"))
     }
 

@@ -18,9 +18,9 @@ pub(crate) mod double_double;
 
 pub(crate) mod expansion;
 
-pub(crate) mod fixed;
+pub mod fixed;
 
-pub(crate) mod lanes;
+pub mod lanes;
 
 pub(crate) mod log2;
 

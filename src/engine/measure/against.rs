@@ -41,7 +41,7 @@ impl PreparedReference {
 
 /// Compares an image with a reference and also returns the FLIP error of every pixel. Returns `None` if the sizes
 /// differ or there are no pixels.
-pub(crate) fn figures(picture: &Image<Rgba8>, reference: &Image<Rgba8>) -> Option<(ErrorMetrics, Image<f32>)> {
+pub fn figures(picture: &Image<Rgba8>, reference: &Image<Rgba8>) -> Option<(ErrorMetrics, Image<f32>)> {
     let codes = compare(picture, reference)?;
     let map = flip::map(picture, reference)?;
     Some((ErrorMetrics { codes, flip: flip::mean(&map) }, map))
@@ -50,7 +50,7 @@ pub(crate) fn figures(picture: &Image<Rgba8>, reference: &Image<Rgba8>) -> Optio
 /// Compares an image with a reference within a rectangle. `flip` holds the FLIP errors of the whole image, because the
 /// filters of FLIP also read pixels outside the rectangle. SSIM reads only pixels inside. Returns `None` if the
 /// rectangle contains no pixel of the images.
-pub(crate) fn figures_within(
+pub fn figures_within(
     region: PixelRegion,
     picture: &Image<Rgba8>,
     reference: &Image<Rgba8>,

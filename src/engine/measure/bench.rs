@@ -25,66 +25,66 @@ const WARM_UP_FRAMES: i64 = 3;
 
 /// Time to write as many bytes as a frame holds, without drawing: a lower bound for every frame time.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Writing {
+pub struct Writing {
     /// Time to fill as many bytes as the frame holds, with the same threads, in milliseconds.
-    pub(crate) ms: Summary,
+    pub ms: Summary,
     /// Median frame time divided by the median of `ms`.
-    pub(crate) frame_over_writing: f64,
+    pub frame_over_writing: f64,
 }
 
 /// Benchmark result of one view.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct BenchReport {
+pub struct BenchReport {
     /// Name of the scene.
-    pub(crate) scene: String,
+    pub scene: String,
     /// Image width and height, in pixels.
-    pub(crate) size: [u32; 2],
+    pub size: [u32; 2],
     /// Number of threads in the rayon pool.
-    pub(crate) threads: usize,
+    pub threads: usize,
     /// Machine and build, with the system load at the start and at the end of the benchmark.
-    pub(crate) machine: Machine,
+    pub machine: Machine,
     /// Camera motion over the measured frames; the sequence repeats until enough frames are timed.
-    pub(crate) turn: Turn,
+    pub turn: Turn,
     /// Execution mode, classic or tiled, of the last frame.
-    pub(crate) execution: &'static str,
+    pub execution: &'static str,
     /// Whether the benchmark was cancelled before all frames were drawn.
-    pub(crate) partial: bool,
+    pub partial: bool,
     /// Noise floor, from comparing the times of odd frames with those of even frames. `None` for a single frame.
-    pub(crate) noise: Option<Noise>,
+    pub noise: Option<Noise>,
     /// Frame time, in milliseconds.
-    pub(crate) frame_ms: Summary,
+    pub frame_ms: Summary,
     /// Time spent in each stage, in milliseconds and in pipeline order; the medians add up to the median frame time.
-    pub(crate) stages: Vec<StageSummary>,
+    pub stages: Vec<StageSummary>,
     /// Time to write the bytes of the frame, as a baseline for the frame time.
-    pub(crate) writing: Writing,
+    pub writing: Writing,
     /// Counters of the last frame, in pipeline order.
-    pub(crate) counts: Vec<(&'static str, u64)>,
+    pub counts: Vec<(&'static str, u64)>,
     /// Memory held by the frame, the renderer and the scene, in bytes.
-    pub(crate) bytes: Bytes,
+    pub bytes: Bytes,
     /// Median frame time per triangle of the scene, in nanoseconds.
-    pub(crate) ns_per_triangle: f64,
+    pub ns_per_triangle: f64,
     /// Median frame time per pixel of the image, in nanoseconds.
-    pub(crate) ns_per_pixel: f64,
+    pub ns_per_pixel: f64,
 }
 
 /// Memory in use after the last frame, in bytes.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub(crate) struct Bytes {
+pub struct Bytes {
     /// Memory used by the images of one frame, including its depth buffer if it is kept.
-    pub(crate) frame: usize,
+    pub frame: usize,
     /// Memory that the renderer keeps from frame to frame.
-    pub(crate) renderer: usize,
+    pub renderer: usize,
     /// Memory used by the scene's meshes and textures.
-    pub(crate) scene: usize,
+    pub scene: usize,
 }
 
 /// Frame count and cancellation flag of a measurement.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct BenchFrames<'a> {
+pub struct BenchFrames<'a> {
     /// Number of measured frames, at least 1.
-    pub(crate) count: usize,
+    pub count: usize,
     /// Cancellation flag; when set, the measurement ends with the frames drawn so far.
-    pub(crate) cancel: &'a AtomicBool,
+    pub cancel: &'a AtomicBool,
 }
 
 /// Durations and counters of one timed frame.
@@ -100,7 +100,7 @@ struct FrameSample {
 /// Times the frames of a sequence repeatedly on the current rayon pool. Frames that only build up the temporal history
 /// of a timed frame are drawn before it and are not timed. Returns `None` if cancelled before the first measured frame
 /// was complete.
-pub(crate) fn bench(
+pub fn bench(
     shot: &FrameSequence<'_>,
     recipe: &Recipe,
     BenchFrames { count, cancel }: BenchFrames<'_>,

@@ -18,14 +18,14 @@ choice! {
 }
 
 /// Available gains; a gain divides the range of values that the colour map spans.
-pub(crate) const GAINS: [u32; 9] = [1, 2, 4, 8, 16, 32, 64, 128, 256];
+pub const GAINS: [u32; 9] = [1, 2, 4, 8, 16, 32, 64, 128, 256];
 
 /// Largest 8-bit channel value, as a float.
 const CODES: f64 = 255.0;
 
 impl Difference {
     /// Returns the values at the two ends of the colour map, in the unit of [`values`].
-    pub(crate) fn range(self, gain: u32) -> (f64, f64) {
+    pub fn range(self, gain: u32) -> (f64, f64) {
         let gain = f64::from(gain.max(1));
         match self {
             Self::Absolute => (0.0, CODES / gain),
@@ -54,8 +54,8 @@ impl Difference {
 ///
 /// # Examples
 /// ```
-/// use rasterscope::image::Image;
-/// use rasterscope::measure::difference::{Difference, picture, values};
+/// use rasterscope_engine::image::Image;
+/// use rasterscope_engine::measure::difference::{Difference, picture, values};
 ///
 /// let a = Image::filled(64, 36, [10, 200, 7, 255]);
 /// let b = Image::filled(64, 36, [13, 190, 7, 255]);

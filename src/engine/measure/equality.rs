@@ -16,7 +16,7 @@ use crate::scene::{Camera, Scene};
 /// Quantity in which frames are compared, in pipeline order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum ComparedQuantity {
+pub enum ComparedQuantity {
     /// Colours of the rasterized samples.
     Color,
     /// Stored depths of the rasterized samples.
@@ -27,17 +27,17 @@ pub(crate) enum ComparedQuantity {
 
 /// First difference between two frames.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub(crate) struct FrameDifference {
+pub struct FrameDifference {
     /// First quantity in pipeline order that differs.
-    pub(crate) quantity: ComparedQuantity,
+    pub quantity: ComparedQuantity,
     /// Number of samples or pixels that differ in this quantity.
-    pub(crate) samples: usize,
+    pub samples: usize,
     /// Column and row of the first differing sample in row-major order.
-    pub(crate) first: (u32, u32),
+    pub first: (u32, u32),
     /// Value in the reference, or its image size if the sizes differ.
-    pub(crate) expected: String,
+    pub expected: String,
     /// Value in the other frame, or its image size if the sizes differ.
-    pub(crate) found: String,
+    pub found: String,
 }
 
 impl FrameDifference {
@@ -49,22 +49,22 @@ impl FrameDifference {
 
 /// Configuration of tiled execution, and its result.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct ExecutionVariant {
+pub struct ExecutionVariant {
     /// Name of the SIMD instruction set.
-    pub(crate) lanes: &'static str,
+    pub lanes: &'static str,
     /// Number of threads that drew the frame.
-    pub(crate) threads: usize,
+    pub threads: usize,
     /// First difference from the classic frame; `None` if the frames are identical.
-    pub(crate) difference: Option<FrameDifference>,
+    pub difference: Option<FrameDifference>,
 }
 
 /// Result of comparing classic and tiled execution.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Equality {
+pub struct Equality {
     /// All configurations that were compared.
-    pub(crate) ways: Vec<ExecutionVariant>,
+    pub ways: Vec<ExecutionVariant>,
     /// Reason why tiled execution cannot draw the recipe; `None` if it can.
-    pub(crate) obstacle: Option<&'static str>,
+    pub obstacle: Option<&'static str>,
 }
 
 /// Stack size of a render thread, in bytes. The default is too small for unoptimised builds, whose kernels for several
@@ -77,7 +77,7 @@ const STACK_BYTES: usize = 8 << 20;
 /// # Errors
 ///
 /// Fails if a thread pool cannot be started.
-pub(crate) fn verify(
+pub fn verify(
     scene: &Arc<Scene>,
     camera: &Camera,
     recipe: &Recipe,

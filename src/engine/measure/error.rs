@@ -44,8 +44,8 @@ pub struct ImageError {
 ///
 /// # Examples
 /// ```
-/// use rasterscope::image::Image;
-/// use rasterscope::measure::error::compare;
+/// use rasterscope_engine::image::Image;
+/// use rasterscope_engine::measure::error::compare;
 ///
 /// let black = Image::filled(64, 36, [0, 0, 0, 255]);
 /// let mut other = black.clone();

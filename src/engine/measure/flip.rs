@@ -127,8 +127,8 @@ impl Perceived {
 ///
 /// # Examples
 /// ```
-/// use rasterscope::image::Image;
-/// use rasterscope::measure::flip::map;
+/// use rasterscope_engine::image::Image;
+/// use rasterscope_engine::measure::flip::map;
 ///
 /// let grey = Image::filled(64, 36, [120, 120, 120, 255]);
 /// let mut other = grey.clone();

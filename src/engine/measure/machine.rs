@@ -4,7 +4,7 @@ use serde::Serialize;
 
 /// Machine, build, and system load during a measurement.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(crate) struct Machine {
+pub struct Machine {
     /// Operating system and processor architecture.
     pub(crate) platform: String,
     /// Model name of the processor; `None` where the system does not report it.
@@ -24,7 +24,7 @@ pub(crate) struct Machine {
 
 impl Machine {
     /// Describes the machine and the build, with the current load as the load at the start of the measurement.
-    pub(crate) fn at_start() -> Self {
+    pub fn at_start() -> Self {
         let named = |line: &str| Some(line.strip_prefix("model name")?.split_once(':')?.1.trim().to_owned());
         Self {
             platform: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
@@ -38,12 +38,12 @@ impl Machine {
     }
 
     /// Records the current load average as the load at the end of the measurement.
-    pub(crate) fn at_end(self) -> Self {
+    pub fn at_end(self) -> Self {
         Self { load_at_end: load_average(), ..self }
     }
 
     /// Returns processor, hardware threads, platform, build and load as one line without a full stop.
-    pub(crate) fn summary(&self) -> String {
+    pub fn summary(&self) -> String {
         let processor = self.processor.as_deref().unwrap_or("unknown processor");
         let build = if self.optimized { "" } else { ", not optimized" };
         let load = match (self.load_at_start, self.load_at_end) {

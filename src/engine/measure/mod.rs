@@ -1,39 +1,39 @@
 //! Image error metrics and frame timing.
 
-pub(crate) mod against;
+pub mod against;
 
-pub(crate) mod bench;
+pub mod bench;
 
 pub mod difference;
 
-pub(crate) mod equality;
+pub mod equality;
 
 pub mod error;
 
 pub mod flip;
 
-pub(crate) mod skipped_work;
+pub mod skipped_work;
 
-pub(crate) mod machine;
+pub mod machine;
 
 pub mod motion;
 
-pub(crate) mod noise;
+pub mod noise;
 
-pub(crate) mod pair;
+pub mod pair;
 
 pub mod reference;
 
-pub(crate) mod region;
+pub mod region;
 
-pub(crate) mod response;
+pub mod response;
 
-pub(crate) mod rounds;
+pub mod rounds;
 
-pub(crate) mod scaling;
+pub mod scaling;
 
-pub(crate) mod stages;
+pub mod stages;
 
-pub(crate) mod timing;
+pub mod timing;
 
-pub(crate) mod window_cost;
+pub mod window_cost;

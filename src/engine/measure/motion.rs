@@ -33,15 +33,15 @@ impl Turn {
     pub const STILL: Self = Self { degrees: 0.0, frames: 1 };
 
     /// Number of warm-up frames for methods that read earlier frames; longer than the history of every method.
-    pub(crate) const WARM_UP: u32 = 20;
+    pub const WARM_UP: u32 = 20;
 
     /// Returns an orbit of `degrees` per frame over the default number of frames, or a still view for 0°.
-    pub(crate) fn by(degrees: f32) -> Self {
+    pub fn by(degrees: f32) -> Self {
         if degrees == 0.0 { Self::STILL } else { Self { degrees, ..Self::default() } }
     }
 
     /// Whether the camera does not move.
-    pub(crate) fn is_still(&self) -> bool {
+    pub fn is_still(&self) -> bool {
         self.degrees == 0.0
     }
 
@@ -71,32 +71,32 @@ impl Default for Turn {
 
 /// A frame sequence: scene, final view and camera motion.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct FrameSequence<'a> {
+pub struct FrameSequence<'a> {
     /// Scene that is drawn in every frame.
-    pub(crate) scene: &'a Arc<Scene>,
+    pub scene: &'a Arc<Scene>,
     /// Camera of the last frame.
-    pub(crate) camera: &'a Camera,
+    pub camera: &'a Camera,
     /// Size of every frame, in pixels.
-    pub(crate) viewport: Viewport,
+    pub viewport: Viewport,
     /// Motion of the camera up to the final view.
-    pub(crate) turn: Turn,
+    pub turn: Turn,
 }
 
 /// Error over the frames of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct MotionError {
+pub struct MotionError {
     /// Number of measured frames, at least 1.
-    pub(crate) frames: usize,
+    pub frames: usize,
     /// Mean over the frames: MSE, SSIM, FLIP and the number of differing pixels are averaged. PSNR is computed from the
     /// mean MSE, and the largest difference is the maximum over all frames.
-    pub(crate) mean: ErrorMetrics,
+    pub mean: ErrorMetrics,
     /// Metrics of the frame with the largest FLIP error.
-    pub(crate) worst: ErrorMetrics,
+    pub worst: ErrorMetrics,
 }
 
 impl MotionError {
     /// Summarises the metrics of each frame. Returns `None` for an empty slice.
-    pub(crate) fn of(frames: &[ErrorMetrics]) -> Option<Self> {
+    pub fn of(frames: &[ErrorMetrics]) -> Option<Self> {
         let worst = *frames.iter().max_by(|a, b| a.flip.total_cmp(&b.flip))?;
         let count = frames.len() as f64;
         let mean_of = |value: fn(&ErrorMetrics) -> f64| frames.iter().map(value).sum::<f64>() / count;
@@ -214,7 +214,7 @@ fn drawn<T>(
 /// Incremental error measurement of several recipes over a sequence. Each frame is drawn with every recipe before the
 /// next frame.
 #[derive(Debug)]
-pub(crate) struct ErrorMeasurement {
+pub struct ErrorMeasurement {
     reference: Reference,
     playbacks: Vec<Playback>,
     renderer: Renderer,
@@ -229,7 +229,7 @@ pub(crate) struct ErrorMeasurement {
 
 impl ErrorMeasurement {
     /// Prepares to measure recipes against a reference; draws nothing yet.
-    pub(crate) fn new(reference: Reference, recipes: impl IntoIterator<Item = Recipe>) -> Self {
+    pub fn new(reference: Reference, recipes: impl IntoIterator<Item = Recipe>) -> Self {
         let playbacks: Vec<_> = recipes.into_iter().map(Playback::new).collect();
         Self {
             reference,
@@ -244,11 +244,7 @@ impl ErrorMeasurement {
 
     /// Draws at most one frame, either of a reference or with a recipe. When that completes a frame of a recipe, calls
     /// `look` with the frame and the FLIP error of every pixel, and returns the index of the recipe.
-    pub(crate) fn step(
-        &mut self,
-        shot: &FrameSequence<'_>,
-        look: impl FnOnce(usize, &Frame, Image<f32>),
-    ) -> Option<usize> {
+    pub fn step(&mut self, shot: &FrameSequence<'_>, look: impl FnOnce(usize, &Frame, Image<f32>)) -> Option<usize> {
         if self.is_complete(shot.turn) {
             return None;
         }
@@ -284,22 +280,22 @@ impl ErrorMeasurement {
     }
 
     /// Whether all frames of all recipes are measured.
-    pub(crate) fn is_complete(&self, turn: Turn) -> bool {
+    pub fn is_complete(&self, turn: Turn) -> bool {
         self.measured_frames >= self.total(turn)
     }
 
     /// Returns the number of frames to measure, over all recipes.
-    pub(crate) fn total(&self, turn: Turn) -> usize {
+    pub fn total(&self, turn: Turn) -> usize {
         self.playbacks.len() * turn.frames as usize
     }
 
     /// Returns the number of frames measured so far, over all recipes.
-    pub(crate) fn measured_frames(&self) -> usize {
+    pub fn measured_frames(&self) -> usize {
         self.measured_frames
     }
 
     /// Returns the error of a recipe over the frames measured so far, or `None` before the first.
-    pub(crate) fn error(&self, recipe: usize) -> Option<MotionError> {
+    pub fn error(&self, recipe: usize) -> Option<MotionError> {
         MotionError::of(self.figures.get(recipe)?)
     }
 }
@@ -307,7 +303,7 @@ impl ErrorMeasurement {
 /// Returns the error of recipe `b` against recipe `a` over a sequence; both draw each frame with the same camera.
 /// `go_on` receives the completed fraction in [0, 1] before each frame and returns whether to continue. If `go_on`
 /// returns `false`, the result is `None`.
-pub(crate) fn between(
+pub fn between(
     shot: &FrameSequence<'_>,
     [a, b]: [&Recipe; 2],
     go_on: &mut dyn FnMut(f32) -> bool,

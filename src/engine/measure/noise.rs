@@ -12,7 +12,7 @@ use serde::Serialize;
 use super::timing::summarize;
 
 /// Label for a difference that is not larger than the noise floor.
-pub(crate) const WITHIN: &str = "within noise";
+pub const WITHIN: &str = "within noise";
 
 /// Label of a difference that is larger than the noise floor.
 pub(crate) const ABOVE: &str = "larger than the noise";
@@ -25,21 +25,21 @@ const MAX_BLOCKS: usize = 10;
 
 /// Noise floor of a timing run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct Noise {
+pub struct Noise {
     /// Number of A/A pairs, at least 1.
-    pub(crate) pairs: usize,
+    pub pairs: usize,
     /// 90th percentile of the relative differences of the pairs: 0.02 means 2 % of the shorter time.
-    pub(crate) p90: f64,
+    pub p90: f64,
 }
 
 impl Noise {
     /// Converts the noise floor to milliseconds, for a frame time of `ms` milliseconds.
-    pub(crate) fn ms(&self, ms: f64) -> f64 {
+    pub fn ms(&self, ms: f64) -> f64 {
         self.p90 * ms
     }
 
     /// Whether the difference of two times is within the noise floor.
-    pub(crate) fn covers(&self, a_ms: f64, b_ms: f64) -> bool {
+    pub fn covers(&self, a_ms: f64, b_ms: f64) -> bool {
         relative_difference(a_ms, b_ms) <= self.p90
     }
 
@@ -49,14 +49,14 @@ impl Noise {
     }
 
     /// Returns the noise floor and the number of pairs as text, for example “±1.8 % (90th percentile of 25 A/A pairs)”.
-    pub(crate) fn words(&self) -> String {
+    pub fn words(&self) -> String {
         let pairs = if self.pairs == 1 { "1 A/A pair".to_owned() } else { format!("{} A/A pairs", self.pairs) };
         format!("±{:.1} % (90th percentile of {pairs})", self.p90 * 100.0)
     }
 }
 
 /// Returns the label of a difference: [`WITHIN`] or [`ABOVE`].
-pub(crate) fn label(within_noise: bool) -> &'static str {
+pub fn label(within_noise: bool) -> &'static str {
     if within_noise { WITHIN } else { ABOVE }
 }
 

@@ -11,17 +11,17 @@ use crate::chain::Recipe;
 
 /// Frame times of two recipes, in milliseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct PairTimes {
+pub struct PairTimes {
     /// Frame times of recipe A.
-    pub(crate) a_ms: Summary,
+    pub a_ms: Summary,
     /// Frame times of recipe B.
-    pub(crate) b_ms: Summary,
+    pub b_ms: Summary,
     /// Frame time of B minus that of A in the same round.
-    pub(crate) change_ms: Summary,
+    pub change_ms: Summary,
     /// Noise floor, from timing each recipe twice per round.
-    pub(crate) noise: Noise,
+    pub noise: Noise,
     /// Whether the median change is within the noise floor.
-    pub(crate) within_noise: bool,
+    pub within_noise: bool,
 }
 
 impl PairTimes {
@@ -34,31 +34,31 @@ impl PairTimes {
     }
 
     /// Returns the noise floor in milliseconds, for a frame time equal to the smaller of the two recipes' medians.
-    pub(crate) fn noise_ms(&self) -> f64 {
+    pub fn noise_ms(&self) -> f64 {
         self.noise.ms(self.a_ms.median.min(self.b_ms.median))
     }
 }
 
 /// Incremental timer that draws two recipes in alternation.
 #[derive(Debug)]
-pub(crate) struct PairTimer {
+pub struct PairTimer {
     timer: RoundTimer,
 }
 
 impl PairTimer {
     /// Prepares to time `a` and `b` over `rounds` measured rounds, at least one.
-    pub(crate) fn new(a: Recipe, b: Recipe, rounds: usize) -> Self {
+    pub fn new(a: Recipe, b: Recipe, rounds: usize) -> Self {
         Self { timer: RoundTimer::new(&[a, b], rounds) }
     }
 
     /// Returns the completed fraction of the frames to draw, in [0, 1].
-    pub(crate) fn progress(&self) -> f32 {
+    pub fn progress(&self) -> f32 {
         let (done, of) = self.timer.progress();
         done as f32 / of.max(1) as f32
     }
 
     /// Draws at most one frame; returns the times once all rounds are complete.
-    pub(crate) fn step(&mut self, shot: &FrameSequence<'_>) -> Option<PairTimes> {
+    pub fn step(&mut self, shot: &FrameSequence<'_>) -> Option<PairTimes> {
         self.timer.step(shot);
         if !self.timer.is_complete() {
             return None;

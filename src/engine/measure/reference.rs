@@ -8,7 +8,7 @@
 use std::sync::Arc;
 
 use crate::chain::Recipe;
-pub(crate) use crate::chain::samples::ProgressiveRender;
+pub use crate::chain::samples::ProgressiveRender;
 use crate::pipeline::settings::{Choice, choice};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
@@ -35,13 +35,7 @@ impl Reference {
 
     /// Begins to render the reference for a recipe. The reference uses the recipe's pipeline, but no upscaler, post
     /// filter or wireframe.
-    pub(crate) fn begin(
-        self,
-        scene: &Arc<Scene>,
-        camera: &Camera,
-        recipe: &Recipe,
-        viewport: Viewport,
-    ) -> ProgressiveRender {
+    pub fn begin(self, scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, viewport: Viewport) -> ProgressiveRender {
         ProgressiveRender::new(scene, camera, recipe, viewport, self.samples())
     }
 }

@@ -30,7 +30,7 @@ impl PixelRegion {
     }
 
     /// Applies [`compare`] to the parts of two images inside the rectangle. SSIM reads no pixels outside the rectangle.
-    pub(crate) fn compare(self, a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<ImageError> {
+    pub fn compare(self, a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<ImageError> {
         if a.size() != b.size() {
             return None;
         }

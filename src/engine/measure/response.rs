@@ -21,20 +21,20 @@ pub(crate) const PLATE: u32 = 96;
 /// Responses of an upscaler. Positions are in pixels from the bright sample or the edge; heights are 0 for dark and 1
 /// for bright.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Responses {
+pub struct Responses {
     /// Impulse response: positions and heights along a row through one bright sample among dark ones.
-    pub(crate) impulse: Vec<[f64; 2]>,
+    pub impulse: Vec<[f64; 2]>,
     /// Step response: positions and heights across a vertical edge with the dark side on the left.
-    pub(crate) step: Vec<[f64; 2]>,
+    pub step: Vec<[f64; 2]>,
     /// Upscaled zone plate: rings whose period falls from the centre to 2 px at the border.
-    pub(crate) zone_plate: Image<Rgba8>,
+    pub zone_plate: Image<Rgba8>,
     /// Zone plate at native resolution, for comparison.
-    pub(crate) zone_plate_native: Image<Rgba8>,
+    pub zone_plate_native: Image<Rgba8>,
 }
 
 impl Responses {
     /// Computes the responses of an upscaler.
-    pub(crate) fn of(how: Upscaling) -> Self {
+    pub fn of(how: Upscaling) -> Self {
         let side = (f64::from(SAMPLES) * how.scale().value()) as u32;
         let middle = f64::from(side) / 2.0;
         let (nearest_x, nearest_y) = nearest_sample(how, side, middle);
@@ -55,7 +55,7 @@ impl Responses {
 
     /// Returns the minimum height of the step response, at most 0, and its maximum height, at least 1. A minimum below
     /// 0 is an undershoot; a maximum above 1 is an overshoot.
-    pub(crate) fn overshoot(&self) -> (f64, f64) {
+    pub fn overshoot(&self) -> (f64, f64) {
         let heights = || self.step.iter().map(|[_, height]| *height);
         (heights().fold(0.0, f64::min), heights().fold(1.0, f64::max))
     }

@@ -30,16 +30,16 @@ struct RoundEntry {
 
 /// Times of one measured frame.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Timed {
+pub struct Timed {
     /// Index of the timed recipe in the list of recipes.
-    pub(crate) recipe: usize,
+    pub recipe: usize,
     /// Times of the frame and its stages.
-    pub(crate) times: FrameTimes,
+    pub times: FrameTimes,
 }
 
 /// Timer for several recipes, drawn in interleaved rounds. Each step draws at most one frame.
 #[derive(Debug)]
-pub(crate) struct RoundTimer {
+pub struct RoundTimer {
     /// All recipes in the given order, followed by the repetitions.
     entries: Vec<RoundEntry>,
     recipes: usize,
@@ -55,7 +55,7 @@ pub(crate) struct RoundTimer {
 
 impl RoundTimer {
     /// Prepares to time recipes over `rounds` measured rounds, at least one.
-    pub(crate) fn new(recipes: &[Recipe], rounds: usize) -> Self {
+    pub fn new(recipes: &[Recipe], rounds: usize) -> Self {
         let twins = twins(recipes.len());
         let entry = |recipe: usize| RoundEntry { recipe, playback: Playback::new(recipes[recipe]), times: Vec::new() };
         let entries: Vec<_> = (0..recipes.len()).chain(twins).map(entry).collect();
@@ -72,7 +72,7 @@ impl RoundTimer {
     }
 
     /// Draws at most one frame. Returns its times if the frame is measured and is not a repetition.
-    pub(crate) fn step(&mut self, shot: &FrameSequence<'_>) -> Option<Timed> {
+    pub fn step(&mut self, shot: &FrameSequence<'_>) -> Option<Timed> {
         if self.is_complete() {
             return None;
         }
@@ -104,13 +104,13 @@ impl RoundTimer {
     }
 
     /// Returns the number of complete measured rounds.
-    pub(crate) fn rounds(&self) -> usize {
+    pub fn rounds(&self) -> usize {
         self.round.saturating_sub(WARM_UP_ROUNDS)
     }
 
     /// Returns the number of frames drawn so far and the total number. Both include warm-up rounds, but not frames that
     /// only build up history.
-    pub(crate) fn progress(&self) -> (usize, usize) {
+    pub fn progress(&self) -> (usize, usize) {
         let count = self.entries.len();
         (self.round * count + self.place, (WARM_UP_ROUNDS + self.rounds) * count)
     }
@@ -126,7 +126,7 @@ impl RoundTimer {
     }
 
     /// Returns the noise floor of the rounds so far, or `None` before the first measured round.
-    pub(crate) fn noise(&self) -> Option<Noise> {
+    pub fn noise(&self) -> Option<Noise> {
         let mut pairs = Pairs::default();
         for twin in &self.entries[self.recipes..] {
             pairs.add(&self.ms(twin.recipe), &ms(&twin.times));

@@ -16,7 +16,7 @@ use crate::scene::builtin::workload::{layers, sheet};
 /// Quantity that varies between the points of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum ScalingQuantity {
+pub enum ScalingQuantity {
     /// Triangles of a mesh that fills most of the image.
     Triangles,
     /// Pixels of an image filled by one textured square.
@@ -32,7 +32,7 @@ impl ScalingQuantity {
     pub(crate) const ALL: [Self; 4] = [Self::Triangles, Self::Pixels, Self::Layers, Self::Threads];
 
     /// Returns the display name of the varied quantity.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Triangles => "triangles",
             Self::Pixels => "pixels",
@@ -44,7 +44,7 @@ impl ScalingQuantity {
 
 /// Parameters of a scaling measurement.
 #[derive(Clone, Debug)]
-pub(crate) struct ScalingPlan {
+pub struct ScalingPlan {
     /// Recipe that draws all frames.
     pub(crate) recipe: Recipe,
     /// Image size for all series except the series over pixels.
@@ -66,7 +66,7 @@ pub(crate) struct ScalingPlan {
 impl ScalingPlan {
     /// Creates the default plan: 10³ to `most_triangles` triangles in powers of ten, 320 × 180 to 3840 × 2160 pixels, 1
     /// to 64 layers, and 1, 2, 4 … threads up to `threads` ≥ 1.
-    pub(crate) fn new(recipe: Recipe, most_triangles: usize, threads: usize, rounds: usize) -> Self {
+    pub fn new(recipe: Recipe, most_triangles: usize, threads: usize, rounds: usize) -> Self {
         let powers = (3..=9).map(|power| 10_usize.pow(power)).take_while(|n| *n <= most_triangles);
         let size = |(width, height)| Viewport { width, height };
         let sizes = [(320, 180), (640, 360), (1280, 720), (1920, 1080), (2560, 1440), (3840, 2160)];
@@ -85,22 +85,22 @@ impl ScalingPlan {
 
 /// Cost of a frame at one value of the varied quantity.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct ScalingPoint {
+pub struct ScalingPoint {
     /// Value of the varied quantity.
-    pub(crate) value: f64,
+    pub value: f64,
     /// Frame times, in milliseconds.
-    pub(crate) ms: Summary,
+    pub ms: Summary,
     /// Memory used by the frame, the renderer's buffers, meshes and textures, in bytes.
     pub(crate) bytes: usize,
 }
 
 /// Cost of a frame as a function of one quantity.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Series {
+pub struct Series {
     /// Varied quantity.
-    pub(crate) quantity: ScalingQuantity,
+    pub quantity: ScalingQuantity,
     /// Measured points, in ascending order of the varied quantity.
-    pub(crate) points: Vec<ScalingPoint>,
+    pub points: Vec<ScalingPoint>,
 }
 
 /// Linear model of frame cost: a fixed part plus a part proportional to the varied quantity.
@@ -132,22 +132,22 @@ impl Series {
 
 /// Result of a scaling measurement.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Scaling {
+pub struct Scaling {
     /// Image width and height in pixels, for all series except the series over pixels.
-    pub(crate) size: [u32; 2],
+    pub size: [u32; 2],
     /// Number of threads, for all series except the series over threads.
-    pub(crate) threads: usize,
+    pub threads: usize,
     /// Number of measured rounds.
-    pub(crate) rounds: usize,
+    pub rounds: usize,
     /// One series for each quantity.
-    pub(crate) series: Vec<Series>,
+    pub series: Vec<Series>,
     /// Whether the measurement was cancelled before all series were complete.
-    pub(crate) partial: bool,
+    pub partial: bool,
 }
 
 /// Reason why a measurement has no result.
 #[derive(Debug, Error)]
-pub(crate) enum ScalingError {
+pub enum ScalingError {
     /// The measurement was cancelled.
     #[error("the measurement was cancelled")]
     Cancelled,
@@ -174,7 +174,7 @@ struct ScalingRun<'a> {
 ///
 /// Fails if threads cannot be started, or if cancelled before the first series is complete. If cancelled later, returns
 /// the complete series.
-pub(crate) fn measure(
+pub fn measure(
     plan: &ScalingPlan,
     progress: &dyn Fn(ScalingQuantity, f32),
     cancel: &AtomicBool,

@@ -20,35 +20,35 @@ use crate::scene::{Camera, Scene};
 
 /// Time that a view saves because some draws skip a part of the pipeline.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Saving {
+pub struct Saving {
     /// Skipped part of the pipeline; `None` stands for all parts together.
-    pub(crate) part: Option<PipelinePart>,
+    pub part: Option<PipelinePart>,
     /// Number of draws that skip the part if the skip is enabled.
-    pub(crate) draws: usize,
+    pub draws: usize,
     /// Frame time with the skip disabled minus frame time with every skip enabled, both from the same round, in
     /// milliseconds.
-    pub(crate) saved_ms: Summary,
+    pub saved_ms: Summary,
     /// Whether the median saving is within the noise floor.
-    pub(crate) within_noise: bool,
+    pub within_noise: bool,
     /// Whether the image is identical with the skip enabled and disabled.
-    pub(crate) same_picture: bool,
+    pub same_picture: bool,
 }
 
 /// Time saved by all work that a view skips.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Savings {
+pub struct Savings {
     /// Frame time with every skip enabled, in milliseconds.
-    pub(crate) planned_ms: Summary,
+    pub planned_ms: Summary,
     /// Noise floor, from drawing the frame with every skip enabled twice per round.
-    pub(crate) noise: Noise,
+    pub noise: Noise,
     /// Time spent computing the draw plans of a frame, in milliseconds; it is the only overhead for a view that skips
     /// nothing.
-    pub(crate) planning_ms: Summary,
+    pub planning_ms: Summary,
     /// Parts that every draw in view runs. [`PipelinePart::Vertices`] is included only if all draws are in view.
     pub(crate) needed: Vec<PipelinePart>,
     /// Savings for each part that some draw skips and whose skip can be disabled. If there are several such parts, the
     /// last entry is for all of them together.
-    pub(crate) savings: Vec<Saving>,
+    pub savings: Vec<Saving>,
 }
 
 /// Number of warm-up rounds before the measured ones.
@@ -67,7 +67,7 @@ struct PlanVariant {
 /// Times a view with every skip enabled (twice, for the noise floor) and with each skip disabled in turn. Measures
 /// `rounds` ≥ 1 rounds on the current rayon pool. `progress` receives the completed fraction in [0, 1]. Returns `None`
 /// if cancelled.
-pub(crate) fn savings(
+pub fn savings(
     scene: &Arc<Scene>,
     camera: &Camera,
     recipe: &Recipe,

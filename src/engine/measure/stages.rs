@@ -26,40 +26,40 @@ use crate::scene::{Camera, Scene};
 
 /// Time spent in each stage of a frame; `None` for a stage that did not run or is timed as part of another stage.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct StageTimes {
+pub struct StageTimes {
     /// Time spent planning draws and transforming vertices; includes projection in tiled execution.
-    pub(crate) transform: Duration,
+    pub transform: Duration,
     /// Time spent on homogeneous clipping.
-    pub(crate) clip: Option<Duration>,
+    pub clip: Option<Duration>,
     /// Time spent on perspective division, viewport transform and snapping.
-    pub(crate) project: Option<Duration>,
+    pub project: Option<Duration>,
     /// Time spent on the facing test and edge setup; includes clipping and binning in tiled execution.
-    pub(crate) cull: Duration,
+    pub cull: Duration,
     /// Time spent clearing the framebuffer and finding covered samples; includes the depth test in tiled execution.
-    pub(crate) rasterize: Duration,
+    pub rasterize: Duration,
     /// Time spent on depth test and depth write.
-    pub(crate) depth: Option<Duration>,
+    pub depth: Option<Duration>,
     /// Time spent on attribute interpolation.
-    pub(crate) interpolate: Option<Duration>,
+    pub interpolate: Option<Duration>,
     /// Time spent on shading and colour writes; includes interpolation in tiled execution.
-    pub(crate) shade: Duration,
+    pub shade: Duration,
     /// Time spent averaging the supersampling passes.
-    pub(crate) resolve: Option<Duration>,
+    pub resolve: Option<Duration>,
     /// Time spent finding the visible surface of each pixel, for upscalers that read it.
-    pub(crate) surfaces: Option<Duration>,
+    pub surfaces: Option<Duration>,
     /// Time spent on upscaling: filling in pixels that were not drawn, and storing the frame as history.
-    pub(crate) upscale: Duration,
+    pub upscale: Duration,
     /// Time spent on post filter and wireframe.
-    pub(crate) post: Option<Duration>,
+    pub post: Option<Duration>,
     /// Time spent between the stages, on buffers, thread pool and copies.
-    pub(crate) other: Duration,
+    pub other: Duration,
     /// Frame time: the sum of all stages.
-    pub(crate) frame: Duration,
+    pub frame: Duration,
 }
 
 impl StageTimes {
     /// Returns the names and times of the separately timed stages, in pipeline order; they add up to the frame.
-    pub(crate) fn named(&self) -> Vec<(&'static str, Duration)> {
+    pub fn named(&self) -> Vec<(&'static str, Duration)> {
         let stages = [
             ("transform", Some(self.transform)),
             ("clip", self.clip),
@@ -162,7 +162,7 @@ const LEVELS: [LastStage; 4] = [LastStage::Coverage, LastStage::Depth, LastStage
 /// partial frame is its minimum over the rounds, because disturbances can only add time. In tiled execution, every step
 /// draws a whole frame. The result describes the whole frame with the median time.
 #[derive(Debug)]
-pub(crate) struct StageTimer {
+pub struct StageTimer {
     least: [Duration; LEVELS.len()],
     runs: usize,
     wanted_runs: usize,
@@ -176,7 +176,7 @@ const PIECES: usize = LEVELS.len() + 1;
 
 impl StageTimer {
     /// Creates a timer for a frame; its recorded time determines the number of rounds.
-    pub(crate) fn new(frame: &Frame) -> Self {
+    pub fn new(frame: &Frame) -> Self {
         let rounds = if frame.times.total < SHORT_FRAME { ROUNDS } else { 1 };
         Self {
             least: [Duration::MAX; LEVELS.len()],
@@ -188,19 +188,13 @@ impl StageTimer {
     }
 
     /// Whether at least one step was timed.
-    pub(crate) fn has_begun(&self) -> bool {
+    pub fn has_begun(&self) -> bool {
         self.runs > 0
     }
 
     /// Runs the next step, which draws at most one frame. `frame` must have been drawn from `scene` with `recipe`.
     /// Returns the stage times after the last step.
-    pub(crate) fn step(
-        &mut self,
-        scene: &Arc<Scene>,
-        camera: &Camera,
-        recipe: &Recipe,
-        frame: &Frame,
-    ) -> Option<StageTimes> {
+    pub fn step(&mut self, scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, frame: &Frame) -> Option<StageTimes> {
         let level = (self.runs % PIECES).checked_sub(1).filter(|_| frame.execution == Execution::Classic);
         if let Some(level) = level {
             let start = Instant::now();
@@ -246,7 +240,7 @@ impl StageTimer {
 
 /// Times every stage of `frame`, which must have been drawn from `scene` with `recipe`. Draws up to 15 additional
 /// frames for a short frame, otherwise up to 5.
-pub(crate) fn stage_times(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, frame: &Frame) -> StageTimes {
+pub fn stage_times(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, frame: &Frame) -> StageTimes {
     let mut timer = StageTimer::new(frame);
     loop {
         if let Some(times) = timer.step(scene, camera, recipe, frame) {
@@ -257,29 +251,29 @@ pub(crate) fn stage_times(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, 
 
 /// Time spent in one stage over a series of frames, in milliseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct StageMs {
+pub struct StageMs {
     /// Share of the stage in the frame time, multiplied by the median frame time. The values of all stages therefore
     /// add up to the median frame time. The share is measured over all frames except the fastest and the slowest
     /// quarter.
-    pub(crate) median: f64,
+    pub median: f64,
     /// 10th percentile of the stage's time over all frames.
-    pub(crate) p10: f64,
+    pub p10: f64,
     /// 90th percentile of the stage's time over all frames.
-    pub(crate) p90: f64,
+    pub p90: f64,
 }
 
 /// Name of a stage, and the time spent in it over a series of frames.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct StageSummary {
+pub struct StageSummary {
     /// Name of the stage, as in [`StageTimes::named`].
-    pub(crate) stage: &'static str,
+    pub stage: &'static str,
     /// Time spent in the stage, in milliseconds.
-    pub(crate) ms: StageMs,
+    pub ms: StageMs,
 }
 
 /// Summarises the stages of a series of frames; each frame lists all stages in the same order. Returns `None` without
 /// frames.
-pub(crate) fn summarize_stages(frames: &[Vec<(&'static str, Duration)>]) -> Option<Vec<StageSummary>> {
+pub fn summarize_stages(frames: &[Vec<(&'static str, Duration)>]) -> Option<Vec<StageSummary>> {
     let ms = |time: &Duration| time.as_secs_f64() * 1e3;
     let total = |frame: &&Vec<(&str, Duration)>| frame.iter().map(|(_, time)| ms(time)).sum::<f64>();
     let mut sorted: Vec<_> = frames.iter().collect();

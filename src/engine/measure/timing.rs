@@ -10,27 +10,27 @@ use serde::Serialize;
 /// A percentile is interpolated linearly between the two nearest samples. Among n sorted samples, it lies at index p ·
 /// (n − 1), counted from 0 (definition 7 of Hyndman and Fan 1996, the default in spreadsheets and NumPy).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct Summary {
+pub struct Summary {
     /// Number of times in the series, at least 1.
-    pub(crate) n: usize,
+    pub n: usize,
     /// Shortest time of the series.
     pub(crate) min: f64,
     /// 10th percentile of the times.
-    pub(crate) p10: f64,
+    pub p10: f64,
     /// 50th percentile of the times.
-    pub(crate) median: f64,
+    pub median: f64,
     /// 90th percentile of the times.
-    pub(crate) p90: f64,
+    pub p90: f64,
     /// 99th percentile of the times.
-    pub(crate) p99: f64,
+    pub p99: f64,
     /// Longest time of the series.
-    pub(crate) max: f64,
+    pub max: f64,
     /// Arithmetic mean of the series.
     pub(crate) mean: f64,
 }
 
 /// Summarises times in milliseconds, in any order. Returns `None` if there are none or if one of them is not finite.
-pub(crate) fn summarize(samples_ms: &[f64]) -> Option<Summary> {
+pub fn summarize(samples_ms: &[f64]) -> Option<Summary> {
     if samples_ms.is_empty() || !samples_ms.iter().all(|sample| sample.is_finite()) {
         return None;
     }

@@ -7,17 +7,17 @@ use super::timing::Summary;
 /// CPU cost of drawing the user interface while the window shows one view. Excludes GPU work and the rendering of the
 /// picture.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct WindowCost {
+pub struct WindowCost {
     /// Description of the view that the window shows.
-    pub(crate) what: String,
+    pub what: String,
     /// Time to lay out panels and text and to handle input, in milliseconds.
-    pub(crate) layout_ms: Summary,
+    pub layout_ms: Summary,
     /// Time to tessellate shapes into triangles, in milliseconds.
-    pub(crate) tessellation_ms: Summary,
+    pub tessellation_ms: Summary,
     /// Sum of layout and tessellation times of a pass, in milliseconds.
-    pub(crate) whole_ms: Summary,
+    pub whole_ms: Summary,
     /// Number of vertices of all triangles in the last pass.
-    pub(crate) vertices: usize,
+    pub vertices: usize,
     /// Largest number of texture bytes that a pass uploads to the graphics card.
-    pub(crate) texture_bytes: usize,
+    pub texture_bytes: usize,
 }

@@ -22,7 +22,7 @@ const SCENE: &str = "scene";
 
 impl Background {
     /// Returns the colour as sRGB codes; `of_scene` is the scene's background colour.
-    pub(crate) fn resolve(self, of_scene: [u8; 3]) -> [u8; 3] {
+    pub fn resolve(self, of_scene: [u8; 3]) -> [u8; 3] {
         match self {
             Self::Scene => of_scene,
             Self::Color(color) => color,

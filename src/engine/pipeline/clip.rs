@@ -25,7 +25,7 @@ pub(crate) const MIN_W: f32 = f32::MIN_POSITIVE;
 
 /// Clipping plane of the view frustum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum ClipPlane {
+pub enum ClipPlane {
     /// Plane z = 0, with z ≥ 0 inside. With reversed depth it is the far plane of the view: see [`Self::of_view`].
     Near,
     /// Plane w = [`MIN_W`], with w ≥ `MIN_W` inside. It replaces the condition w > 0. If a camera projected the

@@ -38,7 +38,7 @@ impl SampleGrid {
 
     /// Returns the pixel of the full picture to which the sample at `column` and `row` of the packed picture belongs.
     #[inline]
-    pub(crate) fn pixel(self, column: u32, row: u32) -> (u32, u32) {
+    pub fn pixel(self, column: u32, row: u32) -> (u32, u32) {
         match self {
             Self::Block { step } => (column * step, row * step),
             Self::Checkerboard | Self::OddCheckerboard => (column / 2 * 4 + column % 2 + self.first_drawn(row), row),
@@ -48,7 +48,7 @@ impl SampleGrid {
     /// Returns the column and row in the packed picture of pixel (x, y) of the full picture, or `None` if that pixel is
     /// not drawn.
     #[inline]
-    pub(crate) fn sample_at(self, x: u32, y: u32) -> Option<(u32, u32)> {
+    pub fn sample_at(self, x: u32, y: u32) -> Option<(u32, u32)> {
         match self {
             Self::Block { step } => (x.is_multiple_of(step) && y.is_multiple_of(step)).then(|| (x / step, y / step)),
             Self::Checkerboard | Self::OddCheckerboard => {

@@ -13,7 +13,7 @@
 //! Opaque and alpha-tested triangles come first, in submission order. Blended triangles follow, in the order of
 //! [`settings::BlendingOrder`]. They are tested against the stored depths but store none themselves.
 
-pub(crate) mod background;
+pub mod background;
 
 mod blending;
 
@@ -33,9 +33,9 @@ pub(crate) mod multisample;
 
 pub mod observe;
 
-pub(crate) mod partial;
+pub mod partial;
 
-pub(crate) mod plan;
+pub mod plan;
 
 pub(crate) mod raster;
 
@@ -47,7 +47,7 @@ pub mod settings;
 
 pub(crate) mod shade;
 
-pub(crate) mod tiled;
+pub mod tiled;
 
 pub(crate) mod triangle_list;
 
@@ -87,7 +87,7 @@ pub struct Geometry {
     /// Blending settings, which determine the order of the blended triangles.
     pub blending: Blending,
     /// Samples of the last triangle that are to be drawn; `None` to draw all of them.
-    pub(crate) partial: Option<Vec<Span>>,
+    pub partial: Option<Vec<Span>>,
     /// Mapping between distances and the depths of the triangles.
     pub(crate) depth_scale: DepthScale,
     /// Draw plans, one per instance.
@@ -95,11 +95,11 @@ pub struct Geometry {
     /// Time spent in each geometry stage, summed over all draws.
     pub(crate) times: GeometryTimes,
     /// Number of transformed vertices.
-    pub(crate) vertices: usize,
+    pub vertices: usize,
     /// Number of triangles of all instances, before culling and clipping.
     pub(crate) triangles_in: usize,
     /// Number of triangles after clipping.
-    pub(crate) triangles_clipped: usize,
+    pub triangles_clipped: usize,
 }
 
 impl Geometry {
@@ -195,7 +195,7 @@ pub(crate) enum LastStage {
 }
 
 /// Runs the geometry stages over all instances of a scene, for a picture of the viewport's size.
-pub(crate) fn prepare<O: Observer>(
+pub fn prepare<O: Observer>(
     scene: &Scene,
     camera: &Camera,
     settings: &Settings,

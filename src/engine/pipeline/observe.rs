@@ -38,7 +38,7 @@ impl Fate {
         [Self::Outside, Self::NotFinite, Self::ClippedAway, Self::ZeroArea, Self::BackFacing, Self::FrontFacing];
 
     /// Returns the display name.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Outside => "outside the view",
             Self::NotFinite => "not finite",
@@ -99,7 +99,7 @@ pub struct Counters {
     /// Number of triangles that crossed a clipping plane and were cut.
     pub clipped: u64,
     /// Number of samples that the rasterizer visited.
-    pub(crate) visited: u64,
+    pub visited: u64,
     /// Number of covered samples, summed over all triangles.
     pub covered: u64,
     /// Number of covered samples that passed the depth test.
@@ -110,7 +110,7 @@ pub struct Counters {
 
 impl Counters {
     /// Returns the number of triangles that were rejected with this fate.
-    pub(crate) fn fate(&self, fate: Fate) -> u64 {
+    pub fn fate(&self, fate: Fate) -> u64 {
         Fate::ALL.iter().zip(self.rejected).find(|(f, _)| **f == fate).map_or(0, |(_, n)| n)
     }
 }

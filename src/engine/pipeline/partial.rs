@@ -7,11 +7,7 @@ use super::settings::Settings;
 use super::viewport::{ScreenTriangle, Viewport};
 
 /// Returns the samples that a triangle covers, in drawing order.
-pub(crate) fn samples_of(
-    triangle: &ScreenTriangle,
-    settings: &Settings,
-    (grid, raster): (SampleGrid, Viewport),
-) -> Vec<Span> {
+pub fn samples_of(triangle: &ScreenTriangle, settings: &Settings, (grid, raster): (SampleGrid, Viewport)) -> Vec<Span> {
     let how = (settings.rasterizer, settings.arithmetic, settings.fill_rule);
     let mut spans = Vec::new();
     cover_within(how, triangle.corners_px(), (grid, Scissor::full(raster.width, raster.height)), &mut spans);
@@ -19,7 +15,7 @@ pub(crate) fn samples_of(
 }
 
 /// Returns the number of samples in the spans.
-pub(crate) fn count(samples: &[Span]) -> usize {
+pub fn count(samples: &[Span]) -> usize {
     samples.iter().map(|span| (span.right - span.left) as usize).sum()
 }
 

@@ -14,7 +14,7 @@ use crate::scene::{Camera, Instance, Library, Material, Mesh, Projection, Textur
 /// Part of the pipeline that a draw may not need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum PipelinePart {
+pub enum PipelinePart {
     /// Transforming vertices, and running all later stages.
     Vertices,
     /// Processing every cluster of a large mesh. A cluster is skipped if it lies wholly outside the view, or if all its
@@ -54,7 +54,7 @@ pub(crate) enum PipelinePart {
 
 impl PipelinePart {
     /// All parts, in the order of the stages.
-    pub(crate) const ALL: [Self; 16] = [
+    pub const ALL: [Self; 16] = [
         Self::Vertices,
         Self::EveryCluster,
         Self::Clipping,
@@ -96,7 +96,7 @@ impl PipelinePart {
     }
 
     /// Returns the display name.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Vertices => "Vertices",
             Self::EveryCluster => "Every cluster",
@@ -121,7 +121,7 @@ impl PipelinePart {
 /// Whether a part of the pipeline runs, with the reason if it is skipped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum PlanStep {
+pub enum PlanStep {
     /// The part runs: the draw needs it, or the settings force it to run.
     Run,
     /// The part is skipped for this reason.
@@ -135,12 +135,12 @@ impl PlanStep {
     }
 
     /// Returns whether the part runs.
-    pub(crate) fn runs(self) -> bool {
+    pub fn runs(self) -> bool {
         self == Self::Run
     }
 
     /// Returns the reason for skipping the part, or `None` if it runs.
-    pub(crate) fn reason(self) -> Option<&'static str> {
+    pub fn reason(self) -> Option<&'static str> {
         match self {
             Self::Run => None,
             Self::Skipped(reason) => Some(reason),
@@ -161,7 +161,7 @@ pub(crate) enum Containment {
 
 /// Numbers of culled clusters in one or several draws.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub(crate) struct CullStats {
+pub struct CullStats {
     /// Number of clusters outside the view.
     pub(crate) outside: usize,
     /// Number of clusters that are not outside the view but whose triangles all have the culled facing.
@@ -172,7 +172,7 @@ pub(crate) struct CullStats {
 
 impl CullStats {
     /// Returns the sums of the cluster counts over several draws.
-    pub(crate) fn of<'a>(plans: impl IntoIterator<Item = &'a DrawPlan>) -> Self {
+    pub fn of<'a>(plans: impl IntoIterator<Item = &'a DrawPlan>) -> Self {
         plans.into_iter().fold(Self::default(), |sum, DrawPlan { clusters, .. }| Self {
             outside: sum.outside + clusters.outside,
             turned_away: sum.turned_away + clusters.turned_away,
@@ -181,12 +181,12 @@ impl CullStats {
     }
 
     /// Returns the number of culled clusters.
-    pub(crate) fn culled(&self) -> usize {
+    pub fn culled(&self) -> usize {
         self.outside + self.turned_away
     }
 
     /// Describes the cluster counts in words, for display.
-    pub(crate) fn describe(self) -> String {
+    pub fn describe(self) -> String {
         let Self { outside, turned_away, all } = self;
         format!("{} of {all}: {outside} wholly outside the view, {turned_away} culled by facing", self.culled())
     }
@@ -273,7 +273,7 @@ impl DrawPlan {
     }
 
     /// Returns the cluster counts. All of them, even the total, are zero if no cluster was culled.
-    pub(crate) fn clusters(&self) -> CullStats {
+    pub fn clusters(&self) -> CullStats {
         self.clusters
     }
 
@@ -290,12 +290,12 @@ impl DrawPlan {
     }
 
     /// Returns whether a part runs, with the reason if it is skipped.
-    pub(crate) fn step(&self, part: PipelinePart) -> PlanStep {
+    pub fn step(&self, part: PipelinePart) -> PlanStep {
         self.steps[part as usize]
     }
 
     /// Returns whether a part runs.
-    pub(crate) fn runs(&self, part: PipelinePart) -> bool {
+    pub fn runs(&self, part: PipelinePart) -> bool {
         self.step(part).runs()
     }
 }

@@ -19,13 +19,13 @@ use crate::math::log2::log2;
 
 /// Texel that a texture sample reads, with its weight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub(crate) struct TexelTap {
+pub struct TexelTap {
     /// Column of the texel, from the left.
-    pub(crate) x: u32,
+    pub x: u32,
     /// Row of the texel, from the top.
-    pub(crate) y: u32,
+    pub y: u32,
     /// Weight of the texel; the weights of a sample sum to one.
-    pub(crate) weight: f32,
+    pub weight: f32,
 }
 
 /// Sampler: filter, addressing mode and colour space of texture reads.

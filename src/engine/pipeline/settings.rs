@@ -24,6 +24,7 @@ pub trait Choice: Copy + PartialEq + 'static {
 }
 
 /// Declares an enum of alternatives with id, name and help, and implements [`Choice`] for it.
+#[macro_export]
 macro_rules! choice {
     ($(#[$meta:meta])* $visibility:vis $enum:ident { $($variant:ident = $id:literal, $name:literal, $help:literal;)+ }) => {
         $(#[$meta])*
@@ -50,7 +51,7 @@ macro_rules! choice {
     };
 }
 
-pub(crate) use choice;
+pub use choice;
 
 choice! {
     /// Execution strategy of the pipeline. All alternatives give the same picture, bit for bit, but differ in speed.
@@ -252,7 +253,7 @@ impl Shading {
     }
 
     /// Returns whether the shading mode computes lighting, per vertex or per pixel.
-    pub(crate) fn is_lit(self) -> bool {
+    pub fn is_lit(self) -> bool {
         self == Self::Gouraud || self.is_lit_per_pixel()
     }
 
@@ -373,11 +374,11 @@ impl Default for Light {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Checker {
     /// Number of squares per unit of texture coordinate.
-    pub(crate) squares: f32,
+    pub squares: f32,
     /// Colour of the square at the origin, as sRGB values in [0, 1].
-    pub(crate) even: Vec3,
+    pub even: Vec3,
     /// Colour of the other squares, as sRGB values in [0, 1].
-    pub(crate) odd: Vec3,
+    pub odd: Vec3,
 }
 
 impl Default for Checker {

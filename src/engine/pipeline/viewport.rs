@@ -97,7 +97,7 @@ pub struct Viewport {
 
 /// Maximum side length of a picture, in pixels. It keeps coordinates well within the range of the rasterizer's fixed
 /// point.
-pub(crate) const MAX_SIDE_PX: u32 = 16_384;
+pub const MAX_SIDE_PX: u32 = 16_384;
 
 /// Maximum number of pixels of a picture: enough for 8K (7680 × 4320). A picture of this size takes about 2 GB of
 /// memory if every buffer is kept.
@@ -105,7 +105,7 @@ pub(crate) const MAX_PIXELS: u64 = 1 << 25;
 
 impl Viewport {
     /// Checks that a picture of this size is supported. Returns an error message if it is not.
-    pub(crate) fn check(self) -> Result<(), String> {
+    pub fn check(self) -> Result<(), String> {
         let sides = 1..=MAX_SIDE_PX;
         if !sides.contains(&self.width) || !sides.contains(&self.height) {
             return Err(format!("each side must be 1 to {MAX_SIDE_PX} pixels long"));
@@ -117,7 +117,7 @@ impl Viewport {
     }
 
     /// Returns the aspect ratio: width divided by height.
-    pub(crate) fn aspect(self) -> f32 {
+    pub fn aspect(self) -> f32 {
         self.width as f32 / self.height as f32
     }
 

@@ -15,20 +15,20 @@ use crate::pipeline::viewport::{MAX_PIXELS, Viewport};
 
 /// Pixels that one part of a case file covers, according to the engine and according to the exact reference.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct PixelComparison {
+pub struct PixelComparison {
     /// Top-left pixel of the images, in the coordinates of the case; (0, 0) if the case specifies an image size.
-    pub(crate) origin: (i64, i64),
+    pub origin: (i64, i64),
     /// Fraction of each pixel covered by the engine, in [0, 1].
-    pub(crate) ours: Image<f32>,
+    pub ours: Image<f32>,
     /// Pixels that the exact reference covers; `None` for cases without a reference.
-    pub(crate) exact: Option<Image<bool>>,
+    pub exact: Option<Image<bool>>,
     /// Vertices of the outlines of the shapes in this part, in pixels.
-    pub(crate) outlines: Vec<Vec<[f64; 2]>>,
+    pub outlines: Vec<Vec<[f64; 2]>>,
 }
 
 /// Agreement between the engine and the exact reference on the coverage of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Agreement {
+pub enum Agreement {
     /// Pixel covered by neither the engine nor the exact reference.
     Outside,
     /// Pixel covered by both the engine and the exact reference or, if there is no reference, by the engine.
@@ -41,7 +41,7 @@ pub(crate) enum Agreement {
 
 /// Displayable result of one part of a case file.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum DisplayedResult {
+pub enum DisplayedResult {
     /// Result as pixels.
     Pixels(PixelComparison),
     /// Result as lines of text: a numeric answer, or the reason why there is none.
@@ -58,7 +58,7 @@ const MAX_LINE_BYTES: usize = 160;
 const MAX_OUTLINE_CORNERS: usize = 1 << 14;
 
 /// Computes the displayable result of part `part` of a case. Returns `None` if cancelled.
-pub(crate) fn show(case: &Case, part: usize, options: Options, control: &Control<'_>) -> Option<DisplayedResult> {
+pub fn show(case: &Case, part: usize, options: Options, control: &Control<'_>) -> Option<DisplayedResult> {
     let text = |reason: String| DisplayedResult::Text(vec![reason]);
     match pixels_or_numbers(case, part, options, control) {
         Ok(shown) => Some(shown),
@@ -179,7 +179,7 @@ impl PixelComparison {
     }
 
     /// Returns how the engine and the exact reference agree on the coverage of pixel (x, y) of the images.
-    pub(crate) fn agreement(&self, x: u32, y: u32) -> Agreement {
+    pub fn agreement(&self, x: u32, y: u32) -> Agreement {
         let ours = self.ours.at(x, y) > 0.0;
         match (ours, self.exact.as_ref().map_or(ours, |exact| exact.at(x, y))) {
             (true, true) => Agreement::Covered,
@@ -190,7 +190,7 @@ impl PixelComparison {
     }
 
     /// Counts the covered and differing pixels, and lists the first differing ones.
-    pub(crate) fn figures(&self) -> PixelCounts {
+    pub fn figures(&self) -> PixelCounts {
         let mut figures = PixelCounts::default();
         let (width, height) = self.ours.size();
         for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
@@ -213,15 +213,15 @@ const MAX_DIFFERING: usize = 1 << 16;
 
 /// Pixel counts of a comparison between the engine and the exact reference.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct PixelCounts {
+pub struct PixelCounts {
     /// Number of pixels covered by the engine, at least partly.
-    pub(crate) covered: u64,
+    pub covered: u64,
     /// Number of pixels covered by the engine, by the exact reference, or by both.
-    pub(crate) concerned: u64,
+    pub concerned: u64,
     /// Number of pixels covered by the engine or by the exact reference, but not by both.
-    pub(crate) differing: u64,
+    pub differing: u64,
     /// Columns and rows of the first differing pixels in row-major order, at most 65 536.
-    pub(crate) first: Vec<(u32, u32)>,
+    pub first: Vec<(u32, u32)>,
 }
 
 /// Sets the pixels of a span to a value.
@@ -279,7 +279,7 @@ impl Write for Start {
 }
 
 /// Returns the number of parts of a case file that can be shown separately.
-pub(crate) fn parts(case: &Case) -> usize {
+pub fn parts(case: &Case) -> usize {
     match &case.task {
         Task::TriCoverage(task) => task.triangles.len(),
         Task::ClipTri(task) => task.triangles.len(),

@@ -11,12 +11,12 @@ use crate::image::{Image, Rgba8};
 const STYLE: &str = include_str!("page.css");
 
 /// Escapes text for use in HTML content and quoted attributes.
-pub(crate) fn escaped(text: &str) -> String {
+pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// Returns a complete HTML page. `style` is appended to the shared style sheet; `body` is HTML.
-pub(crate) fn document(title: &str, style: &str, body: &str) -> String {
+pub fn document(title: &str, style: &str, body: &str) -> String {
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
          content=\"width=device-width, initial-scale=1\">\n<title>{} · Rasterscope</title>\n<style>\n{STYLE}{style}</style>\n\
@@ -42,7 +42,7 @@ pub(super) fn tiles<const N: usize>(tiles: [(String, &str); N]) -> String {
 ///
 /// # Errors
 /// Returns an error if the image cannot be encoded.
-pub(crate) fn image_source(picture: &Image<Rgba8>) -> io::Result<String> {
+pub fn image_source(picture: &Image<Rgba8>) -> io::Result<String> {
     Ok(format!("data:image/png;base64,{}", BASE64_STANDARD.encode(encode_png(picture)?)))
 }
 

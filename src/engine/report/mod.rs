@@ -1,16 +1,16 @@
 //! Reports that assess the engine or describe its work, for the command line and for the window.
 
-pub(crate) mod comparison;
+pub mod comparison;
 
-pub(crate) mod html;
+pub mod html;
 
-pub(crate) mod skipped_work;
+pub mod skipped_work;
 
-pub(crate) mod plan;
+pub mod plan;
 
 mod plot;
 
-pub(crate) mod scaling;
+pub mod scaling;
 
 pub mod stability;
 

@@ -24,7 +24,7 @@ pub(crate) struct PlanEntry<P = PipelinePart> {
 /// Group of draws of a frame with equal plans: the same pipeline parts run, and the others are skipped for the same
 /// reasons.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub(crate) struct DrawGroup {
+pub struct DrawGroup {
     /// Number of draws in the group.
     pub(crate) draws: usize,
     /// Names of the instances, in scene order.
@@ -40,7 +40,7 @@ pub(crate) struct DrawGroup {
 
 /// Pipeline parts of a frame that do not belong to any draw, and its numbers of rasterized pixels and of all pixels.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub(crate) struct WholeFrame {
+pub struct WholeFrame {
     /// Number of pixels that are rasterized.
     pub(crate) rasterized_pixels: u64,
     /// Number of pixels in the finished image.
@@ -51,7 +51,7 @@ pub(crate) struct WholeFrame {
 
 /// Describes the pipeline parts of a frame that do not belong to any draw, assuming that the frame's depth buffer is
 /// not read afterwards.
-pub(crate) fn whole(scene: &Scene, recipe: &Recipe, viewport: Viewport) -> WholeFrame {
+pub fn whole(scene: &Scene, recipe: &Recipe, viewport: Viewport) -> WholeFrame {
     WholeFrame {
         rasterized_pixels: rasterized_pixels(recipe, viewport),
         pixels: u64::from(viewport.width) * u64::from(viewport.height),
@@ -60,7 +60,7 @@ pub(crate) fn whole(scene: &Scene, recipe: &Recipe, viewport: Viewport) -> Whole
 }
 
 /// Formats the pipeline parts of a frame as text, with a line per part.
-pub(crate) fn whole_text(whole: &WholeFrame) -> String {
+pub fn whole_text(whole: &WholeFrame) -> String {
     let WholeFrame { rasterized_pixels, pixels, parts } = whole;
     let share = *rasterized_pixels as f64 / *pixels as f64 * 100.0;
     let mut text = format!("The frame: {rasterized_pixels} of {pixels} pixels are rasterized, {share:.2} %\n");
@@ -70,7 +70,7 @@ pub(crate) fn whole_text(whole: &WholeFrame) -> String {
 
 /// Groups the draws of a scene by draw plan. Groups are in the order of their first draws. `plans` holds one plan per
 /// instance.
-pub(crate) fn groups(scene: &Scene, plans: &[DrawPlan]) -> Vec<DrawGroup> {
+pub fn groups(scene: &Scene, plans: &[DrawPlan]) -> Vec<DrawGroup> {
     let mut found: Vec<(Vec<DrawPlan>, Vec<String>)> = Vec::new();
     for (instance, plan) in scene.instances.iter().zip(plans) {
         match found.iter_mut().find(|(known, _)| known[0].agrees_with(plan)) {
@@ -98,7 +98,7 @@ fn entry<P>(part: P, step: PlanStep) -> PlanEntry<P> {
 const MAX_LISTED_NAMES: usize = 4;
 
 /// Formats a group as text: the names of its draws, then a line per pipeline part.
-pub(crate) fn text(group: &DrawGroup) -> String {
+pub fn text(group: &DrawGroup) -> String {
     let draws = if group.draws == 1 { "draw" } else { "draws" };
     let mut text = format!("{} {draws}: {}\n", group.draws, listed_names(&group.names));
     for PlanEntry { part, reason, .. } in &group.parts {

@@ -50,7 +50,7 @@ fn speed_up(series: &Series, point: &ScalingPoint) -> Option<f64> {
 
 /// Describes a series in one or two sentences: the line through its first and last points or, for a series over
 /// threads, the speed-up. Returns `None` for a series over threads with only one thread.
-pub(crate) fn finding(series: &Series) -> Option<String> {
+pub fn finding(series: &Series) -> Option<String> {
     let QuantityDescription { one, .. } = view(series.quantity);
     if series.quantity == ScalingQuantity::Threads {
         let last = series.points.last().filter(|point| point.value > 1.0)?;
@@ -75,7 +75,7 @@ pub(crate) fn finding(series: &Series) -> Option<String> {
 /// Returns the reference curve of a series: the line through its first and last point, or ideal scaling for threads.
 /// The points are (value, milliseconds), dense enough for a smooth curve on logarithmic axes. Empty if the series has
 /// no points or, except for threads, if cost does not rise.
-pub(crate) fn guide(series: &Series) -> Vec<(f64, f64)> {
+pub fn guide(series: &Series) -> Vec<(f64, f64)> {
     /// Number of line segments that approximate the curve.
     const PIECES: i32 = 60;
     let (Some(first), Some(last)) = (series.points.first(), series.points.last()) else { return Vec::new() };
@@ -105,7 +105,7 @@ fn ns_each_more(series: &Series, place: usize) -> Option<f64> {
 }
 
 /// Formats a number compactly for axis labels, for example 20 k or 8.3 M.
-pub(crate) fn amount(value: f64) -> String {
+pub fn amount(value: f64) -> String {
     let (scaled, unit) = match value {
         v if v >= 1e6 => (v / 1e6, " M"),
         v if v >= 1e3 => (v / 1e3, " k"),
@@ -150,7 +150,7 @@ fn short(value: f64) -> String {
 }
 
 /// Formats the scaling report as tables for a terminal.
-pub(crate) fn text(scaling: &Scaling) -> String {
+pub fn text(scaling: &Scaling) -> String {
     let [width, height] = scaling.size;
     let mut text =
         format!("{width} × {height} px, {} threads, medians of {} rounds\n", scaling.threads, scaling.rounds);
@@ -193,7 +193,7 @@ pub(crate) fn text(scaling: &Scaling) -> String {
 }
 
 /// Formats the scaling report as CSV, one line per point. For the thread series, the cost per unit is left empty.
-pub(crate) fn csv(scaling: &Scaling) -> String {
+pub fn csv(scaling: &Scaling) -> String {
     let mut csv = "quantity,value,rounds,ms,p10,p90,ns_each,bytes\n".to_owned();
     for (series, point) in scaling.series.iter().flat_map(|s| s.points.iter().map(move |point| (s, point))) {
         let ms = point.ms;
@@ -217,7 +217,7 @@ pub(crate) fn csv(scaling: &Scaling) -> String {
 }
 
 /// Formats the scaling report as an HTML page.
-pub(crate) fn page(scaling: &Scaling) -> String {
+pub fn page(scaling: &Scaling) -> String {
     let [width, height] = scaling.size;
     let machine = Machine::at_start();
     let figures = [

@@ -11,11 +11,11 @@ use crate::scene::{Camera, Scene, builtin};
 
 /// Frame time saved in one view by skipping unneeded pipeline parts.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct SceneSavings {
+pub struct SceneSavings {
     /// Short name of the view, shown in the first column of the table.
-    pub(crate) scene: &'static str,
+    pub scene: &'static str,
     /// Frame time saved by each skipped pipeline part, and by all together.
-    pub(crate) savings: Savings,
+    pub savings: Savings,
 }
 
 /// Number of triangles in the test mesh, enough to make the cost per triangle measurable.
@@ -27,7 +27,7 @@ const SHEET_NEAR: f32 = 0.25;
 
 /// Returns the views to measure: every built-in scene in its home view, then three views of a large test mesh. These
 /// three views show the whole mesh, show it close up, and look away from it.
-pub(crate) fn views() -> Vec<(&'static str, Scene, Camera)> {
+pub fn views() -> Vec<(&'static str, Scene, Camera)> {
     let of = |id, scene: Scene| {
         let home = scene.home;
         (id, scene, home)
@@ -56,7 +56,7 @@ const COLUMNS: [(PipelinePart, &str); 7] = [
 ];
 
 /// Formats the table of savings, with a legend below.
-pub(crate) fn table(rows: &[SceneSavings], Viewport { width, height }: Viewport, threads: usize) -> String {
+pub fn table(rows: &[SceneSavings], Viewport { width, height }: Viewport, threads: usize) -> String {
     let rounds = rows.first().map_or(0, |row| row.savings.planned_ms.n);
     let unit = if threads == 1 { "thread" } else { "threads" };
     let mut text = format!(

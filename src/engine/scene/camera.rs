@@ -82,7 +82,7 @@ impl Camera {
     /// # Examples
     /// ```
     /// use glam::Vec3;
-    /// use rasterscope::scene::Camera;
+    /// use rasterscope_engine::scene::Camera;
     ///
     /// let camera = Camera::look_at(Vec3::new(0.0, 0.0, 4.0), Vec3::ZERO);
     /// assert_eq!(camera.distance(), 4.0);
@@ -111,7 +111,7 @@ impl Camera {
 
     /// Returns a view with this direction and projection type that shows all of `bounds`. `aspect` is width over
     /// height.
-    pub(crate) fn refit(&self, bounds: Aabb, aspect: f32) -> Self {
+    pub fn refit(&self, bounds: Aabb, aspect: f32) -> Self {
         let fitted = Self { up: self.up, ..Self::fit_into(bounds, self.eye - self.target, aspect) };
         match self.projection {
             Projection::Perspective { .. } => fitted,
@@ -175,7 +175,7 @@ impl Camera {
 
     /// Returns the matrix from world space to clip space in f64; only the entries of [`Camera::clip_from_view`] are
     /// rounded to f32.
-    pub(crate) fn clip_from_world_f64(&self, aspect: f32, mapping: DepthMapping) -> DMat4 {
+    pub fn clip_from_world_f64(&self, aspect: f32, mapping: DepthMapping) -> DMat4 {
         self.clip_from_view(aspect, mapping).as_dmat4() * self.view_from_world_f64()
     }
 
@@ -238,14 +238,14 @@ impl Camera {
 
     /// Returns this view with eye, target and up vector mirrored in z. Its picture of the mirrored scene is this view's
     /// picture of the original scene with left and right swapped.
-    pub(crate) fn mirrored_z(self) -> Self {
+    pub fn mirrored_z(self) -> Self {
         let mirror = Vec3::new(1.0, 1.0, -1.0);
         Self { eye: self.eye * mirror, target: self.target * mirror, up: self.up * mirror, ..self }
     }
 
     /// Orbits the eye around the target by `yaw` to the left and `pitch` upwards, in radians, so that the scene follows
     /// a pointer that moves right and down. Stops short of the poles.
-    pub(crate) fn orbit(&mut self, yaw: f32, pitch: f32) {
+    pub fn orbit(&mut self, yaw: f32, pitch: f32) {
         let up = self.up.normalize_or(Vec3::Y);
         let offset = self.eye - self.target;
         let elevation = unit_or(offset.as_dvec3(), Vec3::Z).dot(up).clamp(-1.0, 1.0).asin();
@@ -257,7 +257,7 @@ impl Camera {
 
     /// Pans eye and target in the picture plane, so that objects at the target's distance follow the pointer. `offset`
     /// is in units of the picture's height, with y pointing down.
-    pub(crate) fn pan(&mut self, offset: Vec2) {
+    pub fn pan(&mut self, offset: Vec2) {
         let right = self.right();
         let up = right.cross(self.forward());
         let shift = (up * offset.y - right * offset.x) * self.visible_height();
@@ -267,7 +267,7 @@ impl Camera {
 
     /// Dollies the camera: multiplies the distance to the target, and the visible height of an orthographic view, by
     /// `factor`. A minimum distance keeps eye and target numerically distinct.
-    pub(crate) fn dolly(&mut self, factor: f32) {
+    pub fn dolly(&mut self, factor: f32) {
         let factor = factor.max((self.min_distance() / self.distance()).min(1.0));
         if let Projection::Orthographic { height } = &mut self.projection {
             *height = (*height * factor).clamp(1e-30, 1e34);
@@ -286,7 +286,7 @@ impl Camera {
 
     /// Moves eye and target: `steps.x` to the right, `steps.y` upwards and `steps.z` forwards, in units of the distance
     /// between eye and target.
-    pub(crate) fn fly(&mut self, steps: Vec3) {
+    pub fn fly(&mut self, steps: Vec3) {
         let (right, forward) = (self.right(), self.forward());
         let up = right.cross(forward);
         let shift = (right * steps.x + up * steps.y + forward * steps.z) * self.distance();
@@ -306,7 +306,7 @@ impl Camera {
     /// the picture.
     ///
     /// A view converted to perspective has the default field of view and a matching distance.
-    pub(crate) fn with_orthographic(self, orthographic: bool) -> Self {
+    pub fn with_orthographic(self, orthographic: bool) -> Self {
         match self.projection {
             Projection::Perspective { .. } if orthographic => {
                 Self { projection: Projection::Orthographic { height: self.visible_height() }, ..self }
@@ -333,7 +333,7 @@ impl Camera {
 
     /// Checks that the view can be rendered. Returns an error if values are not finite or out of range, or if eye and
     /// target coincide.
-    pub(crate) fn check(&self) -> Result<(), String> {
+    pub fn check(&self) -> Result<(), String> {
         let Self { eye, target, up, projection, near, far, sub_view: _ } = *self;
         if !(eye.is_finite() && target.is_finite() && up.is_finite()) {
             return Err("eye, target and up must be finite".to_owned());

@@ -72,20 +72,20 @@ impl From<&Camera> for CameraFile {
 }
 
 /// Serializes a view as one line of JSON, which [`parse`] and [`read`] accept.
-pub(crate) fn text(camera: &Camera) -> String {
+pub fn text(camera: &Camera) -> String {
     // All fields are plain numbers, so serialization cannot fail.
     serde_json::to_string(&CameraFile::from(camera)).unwrap_or_default()
 }
 
 /// Parses a view from JSON text. Returns an error for malformed JSON, unknown fields, or a view that [`Camera::check`]
 /// rejects.
-pub(crate) fn parse(text: &str) -> Result<Camera, String> {
+pub fn parse(text: &str) -> Result<Camera, String> {
     serde_json::from_str::<CameraFile>(text).map_err(|error| error.to_string()).and_then(Camera::try_from)
 }
 
 /// Reads a view from a regular file of at most 1 MiB. Returns an error for an unreadable file, malformed JSON, unknown
 /// fields, or a view that [`Camera::check`] rejects.
-pub(crate) fn read(path: &Path) -> Result<Camera, SceneError> {
+pub fn read(path: &Path) -> Result<Camera, SceneError> {
     let bytes =
         disk::read(path, MAX_BYTES).map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?;
     let file: CameraFile = serde_json::from_slice(&bytes).map_err(|e| {

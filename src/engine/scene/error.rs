@@ -55,7 +55,7 @@ pub struct Warning {
 
 impl Warning {
     /// Creates a warning about a whole file.
-    pub(crate) fn file(path: &Path, text: impl Into<String>) -> Self {
+    pub fn file(path: &Path, text: impl Into<String>) -> Self {
         Self { path: path.to_owned(), line: None, text: text.into() }
     }
 }

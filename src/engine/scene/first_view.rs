@@ -12,7 +12,7 @@ use crate::math::Aabb;
 
 /// World axis that points up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum UpAxis {
+pub enum UpAxis {
     /// Up is +y.
     #[default]
     Y,
@@ -30,7 +30,7 @@ impl UpAxis {
     }
 
     /// Returns the axis that is closer to the given up vector.
-    pub(crate) fn nearest(up: Vec3) -> Self {
+    pub fn nearest(up: Vec3) -> Self {
         if up.z.abs() > up.y.abs() { Self::Z } else { Self::Y }
     }
 

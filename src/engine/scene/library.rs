@@ -28,7 +28,7 @@ id!(
 );
 id!(
     /// Identifier of a texture in a [`Library`].
-    pub(crate) TextureId
+    pub TextureId
 );
 
 /// Owner of all meshes, materials and textures of a scene. Only the library creates identifiers, so they never dangle.
@@ -41,13 +41,13 @@ pub struct Library {
 
 impl Library {
     /// Adds a mesh and returns its identifier.
-    pub(crate) fn add_mesh(&mut self, mesh: Mesh) -> MeshId {
+    pub fn add_mesh(&mut self, mesh: Mesh) -> MeshId {
         self.meshes.push(mesh);
         MeshId(self.meshes.len() as u32 - 1)
     }
 
     /// Adds a material and returns its identifier. Removes control characters from the material's names.
-    pub(crate) fn add_material(&mut self, mut material: Material) -> MaterialId {
+    pub fn add_material(&mut self, mut material: Material) -> MaterialId {
         material.name = text::clean(&material.name).into_owned();
         material.missing_texture = material.missing_texture.map(|name| text::clean(&name).into_owned());
         self.materials.push(material);
@@ -55,13 +55,13 @@ impl Library {
     }
 
     /// Adds a texture and returns its identifier.
-    pub(crate) fn add_texture(&mut self, texture: Texture) -> TextureId {
+    pub fn add_texture(&mut self, texture: Texture) -> TextureId {
         self.textures.push(texture);
         TextureId(self.textures.len() as u32 - 1)
     }
 
     /// Returns the mesh with the identifier `id`, which must come from this library.
-    pub(crate) fn mesh(&self, id: MeshId) -> &Mesh {
+    pub fn mesh(&self, id: MeshId) -> &Mesh {
         &self.meshes[id.index()]
     }
 
@@ -90,7 +90,7 @@ impl Library {
     }
 
     /// Returns all meshes, in the order of their identifiers.
-    pub(crate) fn meshes(&self) -> &[Mesh] {
+    pub fn meshes(&self) -> &[Mesh] {
         &self.meshes
     }
 
@@ -101,7 +101,7 @@ impl Library {
     }
 
     /// Returns all textures, in the order of their identifiers.
-    pub(crate) fn textures(&self) -> &[Texture] {
+    pub fn textures(&self) -> &[Texture] {
         &self.textures
     }
 

@@ -8,18 +8,18 @@ use super::SceneError;
 
 /// Memory limit for the meshes and textures of a model, including temporary buffers used while loading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct MemoryLimit {
+pub struct MemoryLimit {
     mib: u32,
 }
 
 impl MemoryLimit {
     /// Creates a limit of `mib` MiB.
-    pub(crate) const fn mib(mib: u32) -> Self {
+    pub const fn mib(mib: u32) -> Self {
         Self { mib }
     }
 
     /// Returns the limit in bytes.
-    pub(crate) fn bytes(self) -> u64 {
+    pub fn bytes(self) -> u64 {
         u64::from(self.mib) << 20
     }
 }
@@ -39,18 +39,18 @@ impl fmt::Display for MemoryLimit {
 
 /// Memory limit, progress callback and cancellation flag for loading a model.
 #[derive(Clone, Copy)]
-pub(crate) struct LoadControl<'a> {
+pub struct LoadControl<'a> {
     /// Memory limit for the model.
-    pub(crate) memory: MemoryLimit,
+    pub memory: MemoryLimit,
     /// Callback that receives the completed fraction, from 0 to 1, several times a second.
-    pub(crate) progress: &'a (dyn Fn(f32) + Sync),
+    pub progress: &'a (dyn Fn(f32) + Sync),
     /// Cancellation flag: once `true`, the load ends with [`SceneError::Cancelled`].
-    pub(crate) cancel: &'a AtomicBool,
+    pub cancel: &'a AtomicBool,
 }
 
 impl LoadControl<'static> {
     /// Creates a control that ignores progress and never cancels.
-    pub(crate) fn quiet(memory: MemoryLimit) -> Self {
+    pub fn quiet(memory: MemoryLimit) -> Self {
         static NEVER: AtomicBool = AtomicBool::new(false);
         Self { memory, progress: &|_| {}, cancel: &NEVER }
     }

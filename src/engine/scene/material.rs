@@ -24,44 +24,44 @@ pub(crate) const ALPHA_TEST_THRESHOLD: f32 = 0.5;
 
 /// Surface properties used for shading.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Material {
+pub struct Material {
     /// Display name of the material, from the file or assigned.
-    pub(crate) name: String,
+    pub name: String,
     /// Diffuse colour (`Kd`) as sRGB values in [0, 1], multiplied by the texture.
-    pub(crate) diffuse: Vec3,
+    pub diffuse: Vec3,
     /// Opacity (`d`, or 1 − `Tr`) from 0 (invisible) to 1 (opaque), multiplied by the alpha of the texture.
-    pub(crate) opacity: f32,
+    pub opacity: f32,
     /// Colour texture (`map_Kd`).
-    pub(crate) texture: Option<TextureId>,
+    pub texture: Option<TextureId>,
     /// File name of a colour texture that could not be read. The diffuse colour is used instead of the texture.
-    pub(crate) missing_texture: Option<String>,
+    pub missing_texture: Option<String>,
     /// Texture of the unlit side, used only by cel shading.
-    pub(crate) dark_texture: Option<TextureId>,
+    pub dark_texture: Option<TextureId>,
     /// Emitted colour (`Ke`) as sRGB values in [0, 1], added after lighting; black for none.
-    pub(crate) emission: Vec3,
+    pub emission: Vec3,
     /// Texture (`map_Ke`) that multiplies the emitted colour.
-    pub(crate) emission_texture: Option<TextureId>,
+    pub emission_texture: Option<TextureId>,
     /// Specular colour (`Ks`) of Blinn–Phong shading, as sRGB values in [0, 1].
-    pub(crate) specular: Vec3,
+    pub specular: Vec3,
     /// Specular exponent (`Ns`) of Blinn–Phong shading, at least 0.
-    pub(crate) shininess: f32,
+    pub shininess: f32,
     /// Texture (`map_d`) whose alpha channel multiplies the opacity.
-    pub(crate) alpha_texture: Option<TextureId>,
+    pub alpha_texture: Option<TextureId>,
     /// Tangent-space normal map (`norm`, `map_Bump`): x right, y up the picture (OpenGL), z out of the surface.
-    pub(crate) normal_texture: Option<TextureId>,
+    pub normal_texture: Option<TextureId>,
     /// Scale factor for the x and y components of the normal map (`-bm`).
-    pub(crate) normal_scale: f32,
+    pub normal_scale: f32,
     /// Scale factor for the texture coordinates (`-s`), applied per vertex, before the offset.
-    pub(crate) uv_scale: Vec2,
+    pub uv_scale: Vec2,
     /// Offset of the texture coordinates (`-o`), with v pointing down.
-    pub(crate) uv_offset: Vec2,
+    pub uv_offset: Vec2,
     /// Whether texture coordinates are clamped, regardless of the address mode in the settings.
-    pub(crate) clamp: bool,
+    pub clamp: bool,
 }
 
 impl Material {
     /// Creates an opaque, untextured material. `diffuse` is an sRGB colour.
-    pub(crate) fn plain(name: impl Into<String>, diffuse: Vec3) -> Self {
+    pub fn plain(name: impl Into<String>, diffuse: Vec3) -> Self {
         Self {
             name: name.into(),
             diffuse,

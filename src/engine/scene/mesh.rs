@@ -11,24 +11,24 @@ use crate::text;
 
 /// Arrays of a mesh before validation.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct MeshData {
+pub struct MeshData {
     /// Display name of the mesh.
-    pub(crate) name: String,
+    pub name: String,
     /// Position of each vertex, in model space.
-    pub(crate) positions: Vec<Vec3>,
+    pub positions: Vec<Vec3>,
     /// Unit normal of each vertex, in model space. If empty, normals are computed.
-    pub(crate) normals: Vec<Vec3>,
+    pub normals: Vec<Vec3>,
     /// Texture coordinates of each vertex, or empty. v points down, so coordinates from a file are already flipped.
-    pub(crate) uvs: Vec<Vec2>,
+    pub uvs: Vec<Vec2>,
     /// Colour of each vertex as sRGB values in [0, 1], or empty.
-    pub(crate) colors: Vec<Vec3>,
+    pub colors: Vec<Vec3>,
     /// Vertex indices of each triangle, counter-clockwise as seen from the front.
-    pub(crate) triangles: Vec<[u32; 3]>,
+    pub triangles: Vec<[u32; 3]>,
 }
 
 /// Reason why arrays do not form a valid mesh.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-pub(crate) enum MeshError {
+pub enum MeshError {
     /// A vertex index is out of range.
     #[error("triangle {triangle} refers to vertex {vertex} of {count}")]
     IndexOutOfRange {
@@ -64,7 +64,7 @@ pub(crate) enum MeshError {
 /// Normals are unit vectors; a normal that was not finite is replaced by zero. Positions may be NaN or infinite; the
 /// clipper rejects triangles that use them. All other numbers are finite.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Mesh {
+pub struct Mesh {
     data: MeshData,
     bounds: Aabb,
     visible_bounds: Aabb,
@@ -77,7 +77,7 @@ pub(crate) struct Mesh {
 impl Mesh {
     /// Creates a mesh, or returns an error if the arrays are invalid. Missing normals are computed by
     /// [`smooth_normals`].
-    pub(crate) fn new(mut data: MeshData) -> Result<Self, MeshError> {
+    pub fn new(mut data: MeshData) -> Result<Self, MeshError> {
         data.name = text::clean(&data.name).into_owned();
         let count = data.positions.len();
         for (triangle, corners) in data.triangles.iter().enumerate() {
@@ -136,7 +136,7 @@ impl Mesh {
     }
 
     /// Returns the bounding box of all vertices with finite positions, in model space.
-    pub(crate) fn bounds(&self) -> Aabb {
+    pub fn bounds(&self) -> Aabb {
         self.bounds
     }
 

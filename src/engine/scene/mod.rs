@@ -4,7 +4,7 @@ pub mod builtin;
 
 pub(crate) mod camera;
 
-pub(crate) mod camera_file;
+pub mod camera_file;
 
 pub(crate) mod clusters;
 
@@ -24,35 +24,35 @@ pub(crate) mod mesh;
 
 mod mips;
 
-pub(crate) mod obj;
+pub mod obj;
 
-pub(crate) mod seams;
+pub mod seams;
 
 pub(crate) mod source;
 
 pub(crate) mod texture;
 
 pub use camera::Camera;
-pub(crate) use camera::Projection;
+pub use camera::Projection;
 pub(crate) use camera::SubView;
 pub use depth_mapping::DepthMapping;
-pub(crate) use error::SceneError;
-pub(crate) use error::Warning;
-pub(crate) use first_view::UpAxis;
-pub(crate) use library::Library;
+pub use error::SceneError;
+pub use error::Warning;
+pub use first_view::UpAxis;
+pub use library::Library;
 pub(crate) use library::MaterialId;
 pub(crate) use library::MeshId;
 pub(crate) use library::TextureId;
-pub(crate) use load::LoadControl;
-pub(crate) use load::MemoryLimit;
-pub(crate) use material::Material;
-pub(crate) use material::Transparency;
-pub(crate) use mesh::Mesh;
-pub(crate) use mesh::MeshData;
+pub use load::LoadControl;
+pub use load::MemoryLimit;
+pub use material::Material;
+pub use material::Transparency;
+pub use mesh::Mesh;
+pub use mesh::MeshData;
 pub(crate) use mips::LevelLocation;
 pub use source::SceneSource;
 pub(crate) use texture::Alpha;
-pub(crate) use texture::Texture;
+pub use texture::Texture;
 
 use glam::{Mat4, Vec3};
 
@@ -101,7 +101,7 @@ pub struct Scene {
 
 impl Scene {
     /// Returns the bounding box of all instances, in world space.
-    pub(crate) fn bounds(&self) -> Aabb {
+    pub fn bounds(&self) -> Aabb {
         self.instances
             .iter()
             .fold(Aabb::EMPTY, |all, i| all.union(self.library.mesh(i.mesh).bounds().transformed(i.world_from_model)))
@@ -109,7 +109,7 @@ impl Scene {
 
     /// Returns the scene and its initial view mirrored in z, for models made for a coordinate system of the opposite
     /// handedness.
-    pub(crate) fn mirrored_z(&self) -> Self {
+    pub fn mirrored_z(&self) -> Self {
         let mirror = Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0));
         let mut scene = Self { library: self.library.mirrored_z(), home: self.home.mirrored_z(), ..self.clone() };
         for instance in &mut scene.instances {
@@ -128,7 +128,7 @@ impl Scene {
 
     /// Returns a view of the whole scene with the up axis `up`, from the preferred direction unless another one shows
     /// clearly more front-facing area.
-    pub(crate) fn first_view(&self, up: UpAxis) -> Camera {
+    pub fn first_view(&self, up: UpAxis) -> Camera {
         first_view::first_view(self, up)
     }
 
@@ -158,7 +158,7 @@ impl Scene {
     }
 
     /// Returns the memory used by the scene, in bytes.
-    pub(crate) fn memory(&self) -> SceneMemory {
+    pub fn memory(&self) -> SceneMemory {
         SceneMemory {
             shared_bytes: self.library.bytes(),
             mesh_bytes: self.library.meshes().iter().map(Mesh::bytes).sum(),
@@ -170,13 +170,13 @@ impl Scene {
 
 /// Memory used by a scene, in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct SceneMemory {
+pub struct SceneMemory {
     /// Memory used by meshes and textures, in bytes. Each mesh and each texture is counted once.
-    pub(crate) shared_bytes: usize,
+    pub shared_bytes: usize,
     /// Memory used by the meshes, in bytes. `shared_bytes` includes it.
-    pub(crate) mesh_bytes: usize,
+    pub mesh_bytes: usize,
     /// Memory used by the instance records and their names, in bytes.
-    pub(crate) instance_bytes: usize,
+    pub instance_bytes: usize,
     /// Memory that the meshes would take if every instance had its own copy of its mesh, in bytes.
-    pub(crate) unshared_bytes: usize,
+    pub unshared_bytes: usize,
 }

@@ -28,7 +28,7 @@ impl SceneSource {
 
     /// Returns the name from which [`SceneSource::named`] recreates this source. Exception: a file path that equals the
     /// id of a built-in scene selects that scene.
-    pub(crate) fn name(&self) -> PathBuf {
+    pub fn name(&self) -> PathBuf {
         match self {
             Self::Builtin(builtin) => builtin.id.into(),
             Self::File(path, _) => path.clone(),
@@ -36,7 +36,7 @@ impl SceneSource {
     }
 
     /// Returns the display name: the title of a built-in scene, or the name of the file.
-    pub(crate) fn title(&self) -> String {
+    pub fn title(&self) -> String {
         match self {
             Self::Builtin(builtin) => builtin.title.to_owned(),
             Self::File(path, _) => path.file_name().map_or_else(String::new, |name| text::path(name.as_ref())),
@@ -44,7 +44,7 @@ impl SceneSource {
     }
 
     /// Returns the source with `Tr` in its MTL files interpreted as `tr`. A built-in scene is returned unchanged.
-    pub(crate) fn with_tr(self, tr: TrMeaning) -> Self {
+    pub fn with_tr(self, tr: TrMeaning) -> Self {
         match self {
             Self::Builtin(builtin) => Self::Builtin(builtin),
             Self::File(path, _) => Self::File(path, tr),
@@ -56,7 +56,7 @@ impl SceneSource {
     ///
     /// # Examples
     /// ```
-    /// use rasterscope::scene::SceneSource;
+    /// use rasterscope_engine::scene::SceneSource;
     ///
     /// let folder = tempfile::tempdir()?;
     /// let path = folder.path().join("square.obj");
@@ -73,7 +73,7 @@ impl SceneSource {
     }
 
     /// Builds the scene, or loads it with the given memory limit, progress callback and cancellation flag.
-    pub(crate) fn load_with(&self, control: LoadControl<'_>) -> Result<Loaded, SceneError> {
+    pub fn load_with(&self, control: LoadControl<'_>) -> Result<Loaded, SceneError> {
         let mut loaded = match self {
             Self::Builtin(builtin) => Loaded::from(builtin.build()),
             Self::File(path, tr) => obj::load_with(path, *tr, control)?,

@@ -30,7 +30,7 @@ impl Alpha {
 
 /// Texture with at least one texel, and cached representations of it.
 #[derive(Clone, Debug)]
-pub(crate) struct Texture {
+pub struct Texture {
     image: Image<Rgba8>,
     alpha: Alpha,
     wrapped: OnceLock<Box<[u32]>>,
@@ -43,7 +43,7 @@ pub(crate) struct Texture {
 
 impl Texture {
     /// Creates a texture from an image; `None` if the image has no pixels.
-    pub(crate) fn new(image: Image<Rgba8>) -> Option<Self> {
+    pub fn new(image: Image<Rgba8>) -> Option<Self> {
         (image.width() > 0 && image.height() > 0).then(|| Self {
             alpha: Alpha::of(&image),
             image,

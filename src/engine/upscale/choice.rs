@@ -55,7 +55,7 @@ struct Written {
 
 impl Upscaling {
     /// Native rendering: the first entry of [`ALL`].
-    pub(crate) const NATIVE: Self = Self {
+    pub const NATIVE: Self = Self {
         method: 0,
         scale: Scale::ONE,
         anchor: Anchor::Corner,
@@ -69,7 +69,7 @@ impl Upscaling {
     ///
     /// # Examples
     /// ```
-    /// use rasterscope::upscale::{Scale, Upscaling};
+    /// use rasterscope_engine::upscale::{Scale, Upscaling};
     ///
     /// let upscaling = Upscaling::new("bilinear", 2).unwrap();
     /// assert_eq!((upscaling.method(), upscaling.scale()), ("bilinear", Scale::TWO));
@@ -105,12 +105,12 @@ impl Upscaling {
 
     /// Returns the upscaler with this id and its default options, at the offered scale nearest to the current one.
     /// Returns `None` for an unknown id. If the id is that of the current upscaler, returns `self` unchanged.
-    pub(crate) fn with_method(self, method: &str) -> Option<Self> {
+    pub fn with_method(self, method: &str) -> Option<Self> {
         if self.method() == method { Some(self) } else { Self::new(method, self.scale) }
     }
 
     /// Returns a copy with another scale per axis, or the offered scale nearest to it.
-    pub(crate) fn with_scale(self, scale: impl Into<Scale>) -> Self {
+    pub fn with_scale(self, scale: impl Into<Scale>) -> Self {
         Self { scale: scale.into(), ..self }.offered()
     }
 
@@ -120,23 +120,23 @@ impl Upscaling {
     }
 
     /// Returns a copy with another filtering colour space, or with the default one if the upscaler does not offer it.
-    pub(crate) fn with_light(self, light: FilterSpace) -> Self {
+    pub fn with_light(self, light: FilterSpace) -> Self {
         Self { light, ..self }.offered()
     }
 
     /// Returns a copy with de-ringing on or off; it stays off if the upscaler does not support it.
-    pub(crate) fn with_deringing(self, deringing: bool) -> Self {
+    pub fn with_deringing(self, deringing: bool) -> Self {
         Self { deringing, ..self }.offered()
     }
 
     /// Returns a copy with the sharpening set to `sharpening` percent, clamped to 100; 0 if the upscaler does not
     /// support sharpening.
-    pub(crate) fn with_sharpening(self, sharpening: u32) -> Self {
+    pub fn with_sharpening(self, sharpening: u32) -> Self {
         Self { sharpening, ..self }.offered()
     }
 
     /// Whether this is native rendering, with every pixel drawn.
-    pub(crate) fn is_native(self) -> bool {
+    pub fn is_native(self) -> bool {
         self.method == Self::NATIVE.method
     }
 
@@ -156,28 +156,28 @@ impl Upscaling {
     }
 
     /// Returns the position of a sample within its block.
-    pub(crate) fn anchor(self) -> Anchor {
+    pub fn anchor(self) -> Anchor {
         self.anchor
     }
 
     /// Returns the position of a sample within its block. Returns `None` at ×1, where a block is a single pixel and all
     /// anchors are equivalent.
-    pub(crate) fn block_anchor(self) -> Option<Anchor> {
+    pub fn block_anchor(self) -> Option<Anchor> {
         (self.scale != Scale::ONE).then_some(self.anchor)
     }
 
     /// Returns the colour space in which the upscaler filters.
-    pub(crate) fn light(self) -> FilterSpace {
+    pub fn light(self) -> FilterSpace {
         self.light
     }
 
     /// Whether de-ringing is on: each pass clamps its result to the range of the two adjacent samples.
-    pub(crate) fn deringing(self) -> bool {
+    pub fn deringing(self) -> bool {
         self.deringing
     }
 
     /// Returns the sharpening strength, in percent of the maximum. Even at the maximum, every channel stays in range.
-    pub(crate) fn sharpening(self) -> u32 {
+    pub fn sharpening(self) -> u32 {
         self.sharpening
     }
 
@@ -200,8 +200,8 @@ impl Upscaling {
     ///
     /// # Examples
     /// ```
-    /// use rasterscope::image::Image;
-    /// use rasterscope::upscale::{UpscaleInputs, Upscaling};
+    /// use rasterscope_engine::image::Image;
+    /// use rasterscope_engine::upscale::{UpscaleInputs, Upscaling};
     ///
     /// let upscaling = Upscaling::new("nearest", 2).unwrap();
     /// let drawn = Image::from_fn(32, 18, |x, y| [x as u8, y as u8, 0, 255]);
@@ -224,7 +224,7 @@ impl Upscaling {
 
     /// Returns the display name with the anchor even if it is the default, such as "FSR 1 ×2, centre"; otherwise like
     /// [`Upscaling::label`].
-    pub(crate) fn label_with_anchor(self) -> String {
+    pub fn label_with_anchor(self) -> String {
         self.label_with(self.block_anchor())
     }
 

@@ -43,7 +43,7 @@ impl GBuffer {
 
 /// Previous frame, as read by upscalers with history.
 #[derive(Clone, Debug)]
-pub(crate) struct History {
+pub struct History {
     /// Full image of the frame; `None` if the upscaler stores its own history.
     pub(crate) picture: Option<Image<Rgba8>>,
     /// The upscaler's own history, with higher precision than the image.

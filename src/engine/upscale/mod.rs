@@ -180,7 +180,7 @@ impl Sampling {
     }
 
     /// Returns the grid of drawn pixels, within the full or the lower-resolution image.
-    pub(crate) fn grid(self) -> SampleGrid {
+    pub fn grid(self) -> SampleGrid {
         match self {
             Self::Grid(grid) => grid,
             Self::Lattice(_) => SampleGrid::FULL,

@@ -39,7 +39,7 @@ impl Scale {
     }
 
     /// Returns the factor as a floating-point number.
-    pub(crate) fn value(self) -> f64 {
+    pub fn value(self) -> f64 {
         f64::from(self.halves) / 2.0
     }
 

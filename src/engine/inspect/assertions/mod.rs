@@ -53,7 +53,7 @@ pub struct Violation {
     /// Row of the violating pixel in the raster image, before upscaling.
     pub y: u32,
     /// Triangle of the violating fragment.
-    pub(crate) triangle: TriangleId,
+    pub triangle: TriangleId,
     /// Description of the violation, including the wrong values.
     pub text: String,
 }
@@ -62,14 +62,14 @@ pub struct Violation {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Finding {
     /// The assertion that was checked.
-    pub(crate) assertion: Assertion,
+    pub assertion: Assertion,
     /// Number of fragments, or of vertices of open edges, that were checked.
-    pub(crate) checked: u64,
+    pub checked: u64,
     /// Number of the checked fragments or vertices that violate the assertion.
-    pub(crate) violated: u64,
+    pub violated: u64,
     /// First violation in drawing order; `None` if there is none. For T-junctions, this is the first crack or double
     /// hit at a junction, in reading order. If there is no such fault, it is the first junction in the picture.
-    pub(crate) first: Option<Violation>,
+    pub first: Option<Violation>,
 }
 
 /// Results of all assertions that were checked on a frame.
@@ -109,10 +109,10 @@ const ROWS_AT_ONCE: usize = 32;
 /// ```
 /// use std::sync::atomic::AtomicBool;
 ///
-/// use rasterscope::chain::{Recipe, run};
-/// use rasterscope::inspect::assertions::{Assertion, check};
-/// # use rasterscope::pipeline::viewport::Viewport;
-/// # use rasterscope::scene::builtin;
+/// use rasterscope_engine::chain::{Recipe, run};
+/// use rasterscope_engine::inspect::assertions::{Assertion, check};
+/// # use rasterscope_engine::pipeline::viewport::Viewport;
+/// # use rasterscope_engine::scene::builtin;
 ///
 /// # let scene = builtin::by_id("shared-edges").unwrap().build();
 /// # let viewport = Viewport { width: 64, height: 40 };

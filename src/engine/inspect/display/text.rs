@@ -13,7 +13,7 @@ const CHANNELS: [char; 3] = ['r', 'g', 'b'];
 
 impl Display {
     /// Returns the settings as text, empty for the default. Parsing the text restores the same settings.
-    pub(crate) fn text(&self) -> String {
+    pub fn text(&self) -> String {
         let mut parts = Vec::new();
         match self.rule {
             Rule::Natural => {}

@@ -49,7 +49,7 @@ impl Account {
     }
 
     /// Returns one sentence for each mismatch; empty if all counts match.
-    pub(crate) fn complaints(&self) -> Vec<String> {
+    pub fn complaints(&self) -> Vec<String> {
         let Self { triangles_in, triangles_out, fragments_in, fragments_out, .. } = self;
         let mut complaints = Vec::new();
         if triangles_in != triangles_out {

@@ -6,7 +6,7 @@ use crate::scene::TriangleId;
 
 /// A selectable bin of triangles that share a fate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Bin {
+pub enum Bin {
     /// Triangles with this fate.
     Triangles(TriangleFate),
     /// Triangles with at least one fragment that met this fate.
@@ -15,7 +15,7 @@ pub(crate) enum Bin {
 
 impl Bin {
     /// Returns the display name of the bin, in lower case.
-    pub(crate) fn label(self) -> String {
+    pub fn label(self) -> String {
         match self {
             Self::Triangles(fate) => fate.name().to_lowercase(),
             Self::Fragments(fate) => format!("with fragments: {}", fate.name().to_lowercase()),
@@ -25,7 +25,7 @@ impl Bin {
 
 /// Filter for the triangles of a bin. An empty filter accepts every triangle.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct FateFilter {
+pub struct FateFilter {
     /// Required triangle number; `None` accepts every number.
     id: Option<u32>,
     /// Lower bound (inclusive) and upper bound (exclusive) of the triangle's screen area, in px².
@@ -41,7 +41,7 @@ pub(crate) struct FateFilter {
 impl FateFilter {
     /// Parses a filter from words such as `tri 123`, `area<1`, `area>=20`, `is:cut`, `is:broken` and parts of a name,
     /// in any order.
-    pub(crate) fn parse(text: &str) -> Self {
+    pub fn parse(text: &str) -> Self {
         let mut filter = Self::default();
         // Joins a bound that contains spaces, such as “area < 1”, into one word. “area” without a bound may be part of
         // a name.
@@ -99,7 +99,7 @@ fn area_bound(word: &str) -> Option<(usize, f64)> {
 
 impl Fates {
     /// Returns the triangles that pass a filter, in scene order. `None` as bin or object means all bins or all objects.
-    pub(crate) fn members(&self, bin: Option<Bin>, object: Option<usize>, filter: &FateFilter) -> Vec<TriangleId> {
+    pub fn members(&self, bin: Option<Bin>, object: Option<usize>, filter: &FateFilter) -> Vec<TriangleId> {
         let is_asked = |place: usize| object.is_none_or(|object| object == place) && filter.names(&self.objects[place]);
         let objects = (0..self.objects.len()).filter(|place| is_asked(*place)).map(|place| &self.objects[place]);
         let ids = objects.flat_map(|object| object.first.0..object.first.0 + object.triangles.sum() as u32);

@@ -15,10 +15,10 @@ mod rejections;
 
 mod tally;
 
-pub(crate) use account::Account;
-pub(crate) use members::Bin;
-pub(crate) use members::FateFilter;
-pub(crate) use places::SelectionVisibility;
+pub use account::Account;
+pub use members::Bin;
+pub use members::FateFilter;
+pub use places::SelectionVisibility;
 pub(crate) use rejections::GeometryOutcome;
 pub(crate) use rejections::Rejections;
 
@@ -87,12 +87,12 @@ pub struct FragmentCounts<N = u32>(pub(crate) [N; FragmentFate::ALL.len()]);
 
 impl<N: Copy + Into<u64>> FragmentCounts<N> {
     /// Returns the number of fragments with this fate.
-    pub(crate) fn of(&self, fate: FragmentFate) -> u64 {
+    pub fn of(&self, fate: FragmentFate) -> u64 {
         self.0[fate as usize].into()
     }
 
     /// Returns the number of all fragments.
-    pub(crate) fn sum(&self) -> u64 {
+    pub fn sum(&self) -> u64 {
         self.0.iter().map(|count| (*count).into()).sum()
     }
 
@@ -108,7 +108,7 @@ pub struct TriangleCounts(pub(crate) [u64; TriangleFate::ALL.len()]);
 
 impl TriangleCounts {
     /// Returns the number of triangles with this fate.
-    pub(crate) fn of(&self, fate: TriangleFate) -> u64 {
+    pub fn of(&self, fate: TriangleFate) -> u64 {
         self.0[fate as usize]
     }
 
@@ -146,9 +146,9 @@ pub struct ObjectFates {
     #[serde(rename = "first_triangle")]
     pub(crate) first: TriangleId,
     /// Numbers of the object's triangles by fate.
-    pub(crate) triangles: TriangleCounts,
+    pub triangles: TriangleCounts,
     /// Numbers of the object's fragments by fate.
-    pub(crate) fragments: FragmentCounts<u64>,
+    pub fragments: FragmentCounts<u64>,
 }
 
 /// Fates of all triangles and fragments of a frame.
@@ -184,14 +184,14 @@ impl Fates {
     ///
     /// # Examples
     /// ```
-    /// # use rasterscope::chain::{Recipe, run};
-    /// # use rasterscope::pipeline::viewport::Viewport;
-    /// # use rasterscope::scene::builtin;
+    /// # use rasterscope_engine::chain::{Recipe, run};
+    /// # use rasterscope_engine::pipeline::viewport::Viewport;
+    /// # use rasterscope_engine::scene::builtin;
     /// #
     /// # let scene = builtin::by_id("interpenetrating").unwrap().build();
     /// # let (recipe, viewport) = (Recipe::default(), Viewport { width: 64, height: 36 });
     /// # let frame = run(&scene, &scene.home, &recipe, viewport, &mut ());
-    /// use rasterscope::inspect::fates::{Fates, TriangleFate};
+    /// use rasterscope_engine::inspect::fates::{Fates, TriangleFate};
     ///
     /// let fates = Fates::of(&scene, &recipe, &frame);
     /// assert_eq!(fates.triangles, [TriangleFate::Visible; 2]);
@@ -236,12 +236,12 @@ impl Fates {
     }
 
     /// Returns the number of fragments with each fate.
-    pub(crate) fn fragment_counts(&self) -> FragmentCounts<u64> {
+    pub fn fragment_counts(&self) -> FragmentCounts<u64> {
         sum(&self.fragments)
     }
 
     /// Returns the index of the instance that a triangle belongs to.
-    pub(crate) fn object_of(&self, triangle: TriangleId) -> usize {
+    pub fn object_of(&self, triangle: TriangleId) -> usize {
         self.objects.partition_point(|object| object.first <= triangle).saturating_sub(1)
     }
 }

@@ -47,7 +47,7 @@ pub(super) fn shapes(geometry: &Geometry, arithmetic: Arithmetic) -> Vec<ScreenS
 
 /// Visibility of selected triangles at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum SelectionVisibility {
+pub enum SelectionVisibility {
     /// No selected triangle lies at the pixel.
     None,
     /// A selected triangle lies at the pixel, but is occluded or not drawn.
@@ -59,7 +59,7 @@ pub(crate) enum SelectionVisibility {
 impl Fates {
     /// Returns the screen area of a triangle in px², summed over its pieces if it is clipped. Returns `None` if no part
     /// of the triangle is on the screen.
-    pub(crate) fn area_px(&self, triangle: TriangleId) -> Option<f64> {
+    pub fn area_px(&self, triangle: TriangleId) -> Option<f64> {
         let shapes = self.shapes_of(triangle);
         (!shapes.is_empty()).then(|| shapes.iter().map(|shape| shape.area_px).sum())
     }
@@ -67,7 +67,7 @@ impl Fates {
     /// Returns a pixel of the full picture that represents a triangle; `None` if the triangle is outside the picture.
     /// This is the most central pixel where the triangle is on top, or else the most central pixel that it covers. A
     /// triangle that covers no pixel is represented by the pixel that contains its centroid.
-    pub(crate) fn representative_pixel(&self, triangle: TriangleId) -> Option<(u32, u32)> {
+    pub fn representative_pixel(&self, triangle: TriangleId) -> Option<(u32, u32)> {
         let width = self.top_triangle.width();
         let on_top = self.top_triangle.pixels().iter().zip(0..).filter(|(shown, _)| **shown == triangle);
         let on_top: Vec<_> = on_top.map(|(_, place)| (place % width, place / width)).collect();
@@ -78,7 +78,7 @@ impl Fates {
 
     /// Returns the visibility of a selection at every pixel of the full picture. A triangle that covers no sample marks
     /// the pixel that contains its centroid.
-    pub(crate) fn visibility_of(&self, selection: &TriangleSelection) -> Image<SelectionVisibility> {
+    pub fn visibility_of(&self, selection: &TriangleSelection) -> Image<SelectionVisibility> {
         let (width, height) = self.top_triangle.size();
         let mut marks = Image::filled(width, height, SelectionVisibility::None);
         let selected: Vec<_> = self.shapes.iter().filter(|shape| selection.contains(shape.id)).collect();

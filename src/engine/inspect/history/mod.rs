@@ -12,7 +12,7 @@ mod near_miss;
 mod survey;
 
 pub(super) use near_miss::px;
-pub(crate) use survey::Survey;
+pub use survey::Survey;
 
 use std::collections::BTreeSet;
 
@@ -29,7 +29,7 @@ use crate::scene::{Scene, TriangleId};
 
 choice! {
     /// Outcome of a triangle at a pixel. The history of the pixel can be filtered by these outcomes.
-    pub(crate) Kind {
+    pub Kind {
         Passed = "passed", "Passed", "Fragments that were written, whether or not they are still visible.";
         Failed = "failed", "Failed", "Fragments that failed the depth test or the alpha test.";
         Culled = "culled", "Culled", "Triangles that would cover the pixel but were removed earlier: by culling, for zero area, or by the triangle slider.";
@@ -40,12 +40,12 @@ choice! {
 
 impl Kind {
     /// Returns [`Kind::Passed`] for a fragment that was written, otherwise [`Kind::Failed`].
-    pub(crate) fn of(fragment: &FragmentRecord) -> Self {
+    pub fn of(fragment: &FragmentRecord) -> Self {
         if fragment.outcome.is_written() { Self::Passed } else { Self::Failed }
     }
 
     /// Returns the number of fragments and absent triangles with this outcome in a report.
-    pub(crate) fn count(self, report: &PixelReport) -> usize {
+    pub fn count(self, report: &PixelReport) -> usize {
         let fragments = report.fragments.iter().filter(|fragment| Self::of(fragment) == self);
         fragments.count() + report.absent.iter().filter(|absent| absent.cause.kind() == self).count()
     }
@@ -53,17 +53,17 @@ impl Kind {
 
 /// Colour and depth of a sample before or after a fragment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct SampleState {
+pub struct SampleState {
     /// Colour of the sample (sRGB codes).
-    pub(crate) color: Rgba8,
+    pub color: Rgba8,
     /// Stored depth of the sample; `None` without a depth buffer.
-    pub(crate) depth: Option<DepthRecord>,
+    pub depth: Option<DepthRecord>,
 }
 
 /// Reason why a triangle has no fragment at a pixel. The order is the order of display, the most relevant cause first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum Cause {
+pub enum Cause {
     /// The triangle covers the pixel but is back-facing, and back faces are culled.
     BackFacing,
     /// The triangle covers the pixel but is front-facing, and front faces are culled.
@@ -89,7 +89,7 @@ pub(crate) enum Cause {
 
 impl Cause {
     /// Returns the display name of the cause, in one to three words.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::BackFacing => "back-facing",
             Self::FrontFacing => "front-facing",
@@ -105,7 +105,7 @@ impl Cause {
     }
 
     /// Returns the outcome of a triangle that is absent from a pixel for this reason.
-    pub(crate) fn kind(self) -> Kind {
+    pub fn kind(self) -> Kind {
         match self {
             Self::BackFacing | Self::FrontFacing | Self::ZeroArea | Self::NotDrawnYet => Kind::Culled,
             Self::NearPlane | Self::FarPlane | Self::NotFinite => Kind::Clipped,
@@ -118,30 +118,30 @@ impl Cause {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Absent {
     /// Triangle that has no fragment at the pixel.
-    pub(crate) triangle: TriangleId,
+    pub triangle: TriangleId,
     /// Name of the instance that the triangle belongs to.
-    pub(crate) instance: String,
+    pub instance: String,
     /// Index of the triangle in the list of rasterized triangles; `None` if it was dropped earlier.
-    pub(crate) submission: Option<usize>,
+    pub submission: Option<usize>,
     /// Reason why the triangle has no fragment, for filters and sorting.
-    pub(crate) cause: Cause,
+    pub cause: Cause,
     /// Reason as one sentence with the decisive number. The subject, the triangle, is omitted: the text begins with
     /// “covers”, “misses” or a similar verb.
     pub reason: String,
     /// Corners that determine coverage, in px; `None` if the triangle has no position on the screen.
-    pub(crate) corners_px: Option<[[f32; 2]; 3]>,
+    pub corners_px: Option<[[f32; 2]; 3]>,
     /// Distance from the pixel's centre to the triangle, in px; `None` if the triangle was not rasterized. In fixed
     /// point, this is the distance to the triangle with snapped corners, and only the final root and quotient are
     /// rounded.
-    pub(crate) distance_px: Option<f64>,
+    pub distance_px: Option<f64>,
     /// Edge function values at the pixel's centre, in the unit of the arithmetic; `None` if the triangle was not
     /// rasterized.
-    pub(crate) edges: Option<[f64; 3]>,
+    pub edges: Option<[f64; 3]>,
 }
 
 /// Replays pixel (x, y) of a frame like [`super::inspect`], and adds the triangles without a fragment there, with
 /// reasons. Returns `None` outside the picture. The survey must belong to the same frame.
-pub(crate) fn explain(
+pub fn explain(
     scene: &Scene,
     recipe: &Recipe,
     frame: &Frame,

@@ -34,7 +34,7 @@ const CHUNK: usize = 4096;
 
 /// The triangles of one frame, with the reasons why they may have no fragment at a pixel.
 #[derive(Clone, Debug)]
-pub(crate) struct Survey {
+pub struct Survey {
     triangles: SurveyedTriangles,
     camera: Camera,
     raster: Viewport,
@@ -200,7 +200,7 @@ fn position_px(raster: Viewport, vertex: &ClipVertex) -> [f32; 2] {
 
 impl Survey {
     /// Surveys the triangles of `frame`, which was drawn from `scene` with `recipe`.
-    pub(crate) fn of(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Self {
+    pub fn of(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Self {
         let camera = frame.drawn_from(recipe);
         let mut triangles = SurveyedTriangles::default();
         for (index, first) in scene.first_triangles().into_iter().enumerate() {
@@ -211,7 +211,7 @@ impl Survey {
 
     /// Whether the survey is also valid for another frame of the same recipe and scene. Camera and size must match, but
     /// the frame may stop at an earlier triangle.
-    pub(crate) fn fits(&self, recipe: &Recipe, frame: &Frame) -> bool {
+    pub fn fits(&self, recipe: &Recipe, frame: &Frame) -> bool {
         self.camera == frame.drawn_from(recipe) && self.raster == frame.raster
     }
 
@@ -235,7 +235,7 @@ impl Survey {
     }
 
     /// Adds the open seams of the scene, so that cracks at T-junctions and unwelded vertices are explained too.
-    pub(crate) fn set_seams(&mut self, seams: Arc<Seams>) {
+    pub fn set_seams(&mut self, seams: Arc<Seams>) {
         self.seams = Some(seams);
     }
 

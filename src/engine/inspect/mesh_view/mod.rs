@@ -23,21 +23,21 @@ use crate::scene::{Camera, Scene, TriangleId};
 
 pub(crate) use explode::corners;
 pub(crate) use explode::exploded;
-pub(crate) use outside::first_view;
-pub(crate) use outside::fit;
-pub(crate) use outside::with_planes;
-pub(crate) use overlay::MarkKind;
-pub(crate) use overlay::MeshMark;
-pub(crate) use overlay::OverlayInputs;
-pub(crate) use overlay::drawn;
-pub(crate) use picture::MeshNormals;
-pub(crate) use picture::Painting;
-pub(crate) use picture::paint;
-pub(crate) use picture::shown_at;
+pub use outside::first_view;
+pub use outside::fit;
+pub use outside::with_planes;
+pub use overlay::MarkKind;
+pub use overlay::MeshMark;
+pub use overlay::OverlayInputs;
+pub use overlay::drawn;
+pub use picture::MeshNormals;
+pub use picture::Painting;
+pub use picture::paint;
+pub use picture::shown_at;
 
 choice! {
     /// Style in which the mesh view draws triangles.
-    pub(crate) MeshStyle {
+    pub MeshStyle {
         Flat = "flat", "Flat", "Flat-shaded in grey, by the orientation of each triangle.";
         Wire = "wire", "Wire", "Edges only: blue if front-facing for the render camera, red if back-facing.";
         Facing = "facing", "Facing",
@@ -49,13 +49,13 @@ choice! {
 
 /// The render camera that the second camera looks at, with its settings and picture size.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Inner {
+pub struct Inner {
     /// Camera that renders the inspected frame.
-    pub(crate) camera: Camera,
+    pub camera: Camera,
     /// Pipeline settings of the render camera.
-    pub(crate) settings: Settings,
+    pub settings: Settings,
     /// Size of the render camera's picture, in pixels.
-    pub(crate) viewport: Viewport,
+    pub viewport: Viewport,
 }
 
 impl Inner {
@@ -80,7 +80,7 @@ pub(crate) fn met_color(met: GeometryOutcome) -> Rgba8 {
 }
 
 /// Returns the legend of a style as names and colours; empty if the colours only distinguish triangles or objects.
-pub(crate) fn key(style: MeshStyle) -> Vec<(&'static str, Rgba8)> {
+pub fn key(style: MeshStyle) -> Vec<(&'static str, Rgba8)> {
     let fates = [
         ("drawn", GeometryOutcome::Drawn),
         ("clipped, drawn", GeometryOutcome::Cut),

@@ -20,7 +20,7 @@ fn bounds(scene: &Scene, inner: &Camera) -> Aabb {
 
 /// Returns a view of the whole scene and the render camera, from beside and above the camera. `aspect` is the width of
 /// the picture divided by its height.
-pub(crate) fn first_view(scene: &Scene, inner: &Inner, aspect: f32) -> Camera {
+pub fn first_view(scene: &Scene, inner: &Inner, aspect: f32) -> Camera {
     let (right, forward) = (inner.camera.right(), inner.camera.forward());
     let up = right.cross(forward);
     let direction = right * FROM.x + up * FROM.y - forward * FROM.z;
@@ -30,12 +30,12 @@ pub(crate) fn first_view(scene: &Scene, inner: &Inner, aspect: f32) -> Camera {
 }
 
 /// Returns a view in the same direction that shows the whole scene and the render camera.
-pub(crate) fn fit(view: Camera, scene: &Scene, inner: &Inner, aspect: f32) -> Camera {
+pub fn fit(view: Camera, scene: &Scene, inner: &Inner, aspect: f32) -> Camera {
     view.refit(bounds(scene, &inner.camera), aspect)
 }
 
 /// Returns the same view with near and far planes that enclose the scene and the render camera.
-pub(crate) fn with_planes(view: Camera, scene: &Scene, inner: &Inner) -> Camera {
+pub fn with_planes(view: Camera, scene: &Scene, inner: &Inner) -> Camera {
     let bounds = bounds(scene, &inner.camera);
     let (distance, radius) = (view.eye.distance(bounds.center()), bounds.radius());
     let far = (distance + radius) * 1.01;

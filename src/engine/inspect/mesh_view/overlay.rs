@@ -23,7 +23,7 @@ const MIN_W: f64 = 1e-6;
 
 /// Kind of a mark in the overlay of the mesh view.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum MarkKind {
+pub enum MarkKind {
     /// An edge of the render camera's frustum.
     Frustum,
     /// The near rectangle of the frustum, as a polygon.
@@ -53,38 +53,32 @@ pub(crate) enum MarkKind {
 
 /// A mark in the mesh view: a dot (one point), a line (two points) or a closed polygon (more points).
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct MeshMark {
+pub struct MeshMark {
     /// Kind of the mark, which determines how it is drawn.
-    pub(crate) kind: MarkKind,
+    pub kind: MarkKind,
     /// Points of the mark, in px of the mesh view.
-    pub(crate) points: Vec<ScreenPoint>,
+    pub points: Vec<ScreenPoint>,
 }
 
 /// Parts of the scene that the overlay of the mesh view marks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct OverlayInputs {
+pub struct OverlayInputs {
     /// Picked pixel of the render camera's picture.
-    pub(crate) pixel: Option<(u32, u32)>,
+    pub pixel: Option<(u32, u32)>,
     /// Distance along the view axis to the surface at the picked pixel, in world units; `None` for the background.
-    pub(crate) hit_distance: Option<f64>,
+    pub hit_distance: Option<f64>,
     /// Selected triangle, marked as a polygon.
-    pub(crate) selected: Option<TriangleId>,
+    pub selected: Option<TriangleId>,
     /// Position of the tracked vertex, in world space.
-    pub(crate) vertex: Option<DVec3>,
+    pub vertex: Option<DVec3>,
     /// Whether culled triangles are outlined.
-    pub(crate) culled: bool,
+    pub culled: bool,
     /// Factor by which triangles are moved apart; see [`super::exploded`].
-    pub(crate) explode: f32,
+    pub explode: f32,
 }
 
 /// Returns all marks of the mesh view's overlay, in drawing order.
-pub(crate) fn drawn(
-    scene: &Scene,
-    inner: &Inner,
-    look: &OverlayInputs,
-    outside: &Camera,
-    size: Viewport,
-) -> Vec<MeshMark> {
+pub fn drawn(scene: &Scene, inner: &Inner, look: &OverlayInputs, outside: &Camera, size: Viewport) -> Vec<MeshMark> {
     let mut canvas = MarkProjector::new(outside, size);
     let eye = CameraFrustum::new(inner, scene);
     // Clipped and culled triangles are marked at their original positions only.

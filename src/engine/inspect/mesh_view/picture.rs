@@ -22,11 +22,11 @@ use crate::scene::{Camera, Scene, TriangleId};
 
 /// A rendered mesh view.
 #[derive(Clone, Debug)]
-pub(crate) struct MeshPicture {
+pub struct MeshPicture {
     /// Rendered image of the mesh view.
-    pub(crate) image: Image<Rgba8>,
+    pub image: Image<Rgba8>,
     /// Triangle that each pixel shows, or [`TriangleId::NONE`].
-    pub(crate) owner: Image<TriangleId>,
+    pub owner: Image<TriangleId>,
 }
 
 /// Brightness factor of a triangle seen edge-on.
@@ -60,28 +60,28 @@ fn settings() -> Settings {
 
 /// Display settings of a mesh view.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Painting {
+pub struct Painting {
     /// Style that determines the colours of the triangles.
-    pub(crate) style: MeshStyle,
+    pub style: MeshStyle,
     /// Factor by which triangles are moved apart, relative to their distance from the centre of their mesh.
-    pub(crate) explode: f32,
+    pub explode: f32,
     /// Selected triangles; all others are dimmed. If the selection is empty, no triangle is dimmed.
-    pub(crate) selection: TriangleSelection,
+    pub selection: TriangleSelection,
     /// Background colour (sRGB codes).
-    pub(crate) backdrop: [u8; 3],
+    pub backdrop: [u8; 3],
     /// Kinds of normals to draw as lines.
-    pub(crate) normals: MeshNormals,
+    pub normals: MeshNormals,
 }
 
 /// Settings of the normals that are drawn over the triangles, without occlusion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct MeshNormals {
+pub struct MeshNormals {
     /// Whether vertex normals are drawn.
-    pub(crate) vertices: bool,
+    pub vertices: bool,
     /// Whether face normals are drawn.
-    pub(crate) faces: bool,
+    pub faces: bool,
     /// Length of the drawn normals, as a fraction of the diagonal of the scene's bounding box.
-    pub(crate) length: f32,
+    pub length: f32,
 }
 
 impl Default for MeshNormals {
@@ -92,14 +92,14 @@ impl Default for MeshNormals {
 
 impl MeshNormals {
     /// Returns the kinds of normals to draw, each with its colour and display name.
-    pub(crate) fn kinds(&self) -> impl Iterator<Item = (NormalKind, Rgba8, &'static str)> {
+    pub fn kinds(&self) -> impl Iterator<Item = (NormalKind, Rgba8, &'static str)> {
         let faces = self.faces.then_some((NormalKind::Face, FACE_NORMAL, "face normal"));
         faces.into_iter().chain(self.vertices.then_some((NormalKind::Vertex, VERTEX_NORMAL, "vertex normal")))
     }
 }
 
 /// Renders the mesh view: the scene as seen by the second camera `outside`.
-pub(crate) fn paint(scene: &Scene, inner: &Inner, outside: Camera, size: Viewport, painting: &Painting) -> MeshPicture {
+pub fn paint(scene: &Scene, inner: &Inner, outside: Camera, size: Viewport, painting: &Painting) -> MeshPicture {
     let Painting { style, explode: apart, selection, backdrop, normals } = painting;
     let (style, apart) = (*style, *apart);
     let moved = (apart != 0.0).then(|| exploded(scene, apart));
@@ -140,7 +140,7 @@ fn owners(scene: &Scene, geometry: &Geometry, settings: &Settings, size: Viewpor
 }
 
 /// Returns the most central pixel that shows a triangle, as column and row; `None` if no pixel does.
-pub(crate) fn shown_at(owner: &Image<TriangleId>, triangle: TriangleId) -> Option<(u32, u32)> {
+pub fn shown_at(owner: &Image<TriangleId>, triangle: TriangleId) -> Option<(u32, u32)> {
     let width = owner.width();
     let places = || {
         let owned = owner.pixels().iter().zip(0..).filter(|(id, _)| **id == triangle);

@@ -6,12 +6,12 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Progress callback and cancellation flag of a vector drawing.
 #[derive(Clone, Copy)]
-pub(crate) struct OutlineControl<'a> {
+pub struct OutlineControl<'a> {
     /// Callback that receives the progress, in [0, 1], at most once per percent. With several threads, reports may
     /// arrive out of order.
-    pub(crate) progress: &'a (dyn Fn(f32) + Sync),
+    pub progress: &'a (dyn Fn(f32) + Sync),
     /// Flag that cancels the drawing once it is `true`.
-    pub(crate) cancel: &'a AtomicBool,
+    pub cancel: &'a AtomicBool,
 }
 
 impl OutlineControl<'_> {

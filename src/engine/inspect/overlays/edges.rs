@@ -50,24 +50,19 @@ pub(super) fn each_triangle(scene: &Scene, recipe: &Recipe, frame: &Frame, sink:
 
 /// An edge of a triangle, with its inner side and ownership.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct EdgeMarks {
+pub struct EdgeMarks {
     /// Endpoints in px, at the corners that the rasterizer uses.
-    pub(crate) ends_px: [[f32; 2]; 2],
+    pub ends_px: [[f32; 2]; 2],
     /// Unit vector from the edge into the triangle, y down.
-    pub(crate) inward: [f32; 2],
+    pub inward: [f32; 2],
     /// Whether samples exactly on the edge belong to the triangle.
-    pub(crate) owned: bool,
+    pub owned: bool,
 }
 
 /// Returns the edges of rasterized triangles whose bounding boxes overlap a rectangle (left, top, right, bottom in px
 /// of the picture). Stops after the triangle that brings the number of edges to `most` or more. Returns no edges for
 /// lattice sampling, which does not rasterize at the full resolution.
-pub(crate) fn edge_marks(
-    frame: &Frame,
-    recipe: &Recipe,
-    [left, top, right, bottom]: [f32; 4],
-    most: usize,
-) -> Vec<EdgeMarks> {
+pub fn edge_marks(frame: &Frame, recipe: &Recipe, [left, top, right, bottom]: [f32; 4], most: usize) -> Vec<EdgeMarks> {
     if matches!(frame.sampling, Sampling::Lattice(_)) {
         return Vec::new();
     }

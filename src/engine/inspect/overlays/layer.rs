@@ -11,14 +11,14 @@ use crate::pipeline::settings::Choice as _;
 /// An overlay in the stack, with its settings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
-pub(crate) struct OverlayLayer {
+pub struct OverlayLayer {
     /// Overlay that the layer shows.
-    pub(crate) overlay: Overlay,
+    pub overlay: Overlay,
     /// Opacity of the layer, in [0, 1].
-    pub(crate) opacity: f32,
+    pub opacity: f32,
     /// Length of normals, in [0, 1], as a fraction of the diagonal of the scene's bounding box; unused by other
     /// overlays.
-    pub(crate) length: f32,
+    pub length: f32,
 }
 
 impl From<Overlay> for OverlayLayer {
@@ -31,7 +31,7 @@ impl From<Overlay> for OverlayLayer {
 impl OverlayLayer {
     /// Returns the command-line form: `facing`, or `facing=0.4` if the opacity is not the default. A non-default length
     /// of normals follows, as in `face-normals=1,length=0.1`.
-    pub(crate) fn text(&self) -> String {
+    pub fn text(&self) -> String {
         let (id, opacity) = (self.overlay.id(), self.opacity);
         match self.drawn_length().filter(|length| *length != DEFAULT_LENGTH) {
             Some(length) => format!("{id}={opacity},length={length}"),
@@ -47,12 +47,12 @@ impl OverlayLayer {
     }
 
     /// Whether a sheet shows the overlay of this layer with the layer's current length.
-    pub(crate) fn is_of(&self, sheet: &Sheet) -> bool {
+    pub fn is_of(&self, sheet: &Sheet) -> bool {
         sheet.overlay == self.overlay && sheet.length == self.drawn_length()
     }
 
     /// Computes the sheet of the layer's overlay for a frame.
-    pub(crate) fn sheet(&self, context: &OverlayContext<'_>) -> Sheet {
+    pub fn sheet(&self, context: &OverlayContext<'_>) -> Sheet {
         match self.drawn_length() {
             Some(length) => normals::normals(self.overlay, length, context),
             None => self.overlay.sheet(context),

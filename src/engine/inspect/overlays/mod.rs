@@ -32,21 +32,21 @@ mod surfaces;
 
 mod tiles;
 
-pub(crate) mod watch;
+pub mod watch;
 
 use std::sync::OnceLock;
 
-pub(crate) use edges::EdgeMarks;
-pub(crate) use edges::edge_marks;
-pub(crate) use layer::OverlayLayer;
+pub use edges::EdgeMarks;
+pub use edges::edge_marks;
+pub use layer::OverlayLayer;
 pub(crate) use normals::FACE_NORMAL;
 pub(crate) use normals::VERTEX_NORMAL;
-pub(crate) use sheet::ColorScale;
-pub(crate) use sheet::Sheet;
-pub(crate) use sheet::SheetLegend;
-pub(crate) use sheet::Total;
-pub(crate) use sheet::compose;
-pub(crate) use sheet::csv;
+pub use sheet::ColorScale;
+pub use sheet::Sheet;
+pub use sheet::SheetLegend;
+pub use sheet::Total;
+pub use sheet::compose;
+pub use sheet::csv;
 use watch::FragmentStats;
 
 use super::normals::DEFAULT_LENGTH;
@@ -86,23 +86,23 @@ choice! {
 }
 
 /// Inputs from which overlays are computed.
-pub(crate) struct OverlayContext<'a> {
+pub struct OverlayContext<'a> {
     /// Scene that the frame shows.
-    pub(crate) scene: &'a Scene,
+    pub scene: &'a Scene,
     /// Recipe that the frame was drawn with.
-    pub(crate) recipe: &'a Recipe,
+    pub recipe: &'a Recipe,
     /// Frame for which overlays are computed.
-    pub(crate) frame: &'a Frame,
+    pub frame: &'a Frame,
     /// Whether all triangles of the frame were drawn.
-    pub(crate) is_whole: bool,
+    pub is_whole: bool,
     /// Cache of the fragment statistics, which are recorded by drawing the frame again on first use.
-    pub(crate) stats_cache: &'a OnceLock<FragmentStats>,
+    pub stats_cache: &'a OnceLock<FragmentStats>,
     /// Open seams of the scene; `None` until the search for them is complete.
-    pub(crate) seams: Option<&'a Seams>,
+    pub seams: Option<&'a Seams>,
     /// Function that returns the displayed quantity at a pixel of the full picture.
-    pub(crate) shown: &'a dyn Fn(u32, u32) -> Value,
+    pub shown: &'a dyn Fn(u32, u32) -> Value,
     /// Range of the displayed quantity, if it has one.
-    pub(crate) range: Option<Range>,
+    pub range: Option<Range>,
 }
 
 impl OverlayContext<'_> {
@@ -121,7 +121,7 @@ impl OverlayContext<'_> {
 
 impl Overlay {
     /// Whether the overlay depends on the displayed quantity and its range.
-    pub(crate) fn reads_shown(self) -> bool {
+    pub fn reads_shown(self) -> bool {
         matches!(self, Self::BadNumbers | Self::Clipped)
     }
 
@@ -143,22 +143,22 @@ impl Overlay {
     }
 
     /// Whether computing the overlay may take longer than a frame, because it draws the scene with slower arithmetic.
-    pub(crate) fn is_slow(self) -> bool {
+    pub fn is_slow(self) -> bool {
         self == Self::ExactOwner
     }
 
     /// Whether the overlay consists of lines with an adjustable length.
-    pub(crate) fn has_length(self) -> bool {
+    pub fn has_length(self) -> bool {
         matches!(self, Self::VertexNormals | Self::FaceNormals)
     }
 
     /// Whether the overlay needs the open seams of the scene.
-    pub(crate) fn reads_seams(self) -> bool {
+    pub fn reads_seams(self) -> bool {
         matches!(self, Self::Faults | Self::Junctions)
     }
 
     /// Returns a placeholder sheet with the reason why the overlay is not ready yet.
-    pub(crate) fn pending_sheet(self, context: &OverlayContext<'_>) -> Sheet {
+    pub fn pending_sheet(self, context: &OverlayContext<'_>) -> Sheet {
         let why = if self.reads_seams() {
             "still searching the open edges of the scene for T-junctions"
         } else {

@@ -9,18 +9,18 @@ use crate::pipeline::wireframe::line_color;
 
 /// A kind of pixel in the legend of an overlay. Its index in the legend is the value of its pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct PixelKind {
+pub struct PixelKind {
     /// Display name of the kind, shown in the legend.
-    pub(crate) name: &'static str,
+    pub name: &'static str,
     /// Colour of pixels of the kind, in sRGB codes.
-    pub(crate) color: Rgba8,
+    pub color: Rgba8,
     /// Whether pixels of the kind are striped, so that the picture below remains readable.
     pub(crate) striped: bool,
 }
 
 /// Mapping of an overlay's numbers to colours.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ColorScale {
+pub struct ColorScale {
     /// Range of numbers that the colour map spans.
     pub(crate) range: Range,
     /// Whether the scale is logarithmic.
@@ -47,20 +47,20 @@ impl ColorScale {
 
     /// Returns the number at a position along the scale. Position 0 is the low end of the range and 1 is the high end,
     /// even if the colour map is reversed.
-    pub(crate) fn number_at(&self, share: f32) -> f32 {
+    pub fn number_at(&self, share: f32) -> f32 {
         let Range { low, high } = self.range;
         if self.logarithmic { (low.ln() + (high.ln() - low.ln()) * share).exp() } else { low + (high - low) * share }
     }
 
     /// Returns the colour of a number on the scale.
-    pub(crate) fn color(&self, number: f32) -> Rgba8 {
+    pub fn color(&self, number: f32) -> Rgba8 {
         self.map.color(self.position(number))
     }
 }
 
 /// Legend of an overlay's colours.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum SheetLegend {
+pub enum SheetLegend {
     /// Lines that contrast with the picture below, light on dark and dark on light.
     Lines,
     /// Kinds of pixels, each with its own colour.
@@ -71,35 +71,35 @@ pub(crate) enum SheetLegend {
 
 /// A total of an overlay's values over the whole picture.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Total {
+pub struct Total {
     /// Display name of the total.
-    pub(crate) name: &'static str,
+    pub name: &'static str,
     /// Value of the total, in `unit`.
-    pub(crate) number: f64,
+    pub number: f64,
     /// Unit displayed after `number`; may be empty.
-    pub(crate) unit: &'static str,
+    pub unit: &'static str,
 }
 
 /// Result of computing an overlay for a frame.
 #[derive(Clone, Debug)]
-pub(crate) struct Sheet {
+pub struct Sheet {
     /// Overlay that the sheet shows.
-    pub(crate) overlay: Overlay,
+    pub overlay: Overlay,
     /// Value at each pixel of the full picture: a number, the index of a kind, or 1 on a line; NaN if there is none.
     pub(crate) values: Image<f32>,
     /// Count of each kind at each pixel of the full picture. Empty unless a pixel can have several kinds; such a pixel
     /// shows the most frequent one.
     pub(crate) counts: Vec<Image<f32>>,
     /// Legend of the colours.
-    pub(crate) key: SheetLegend,
+    pub key: SheetLegend,
     /// Totals of the overlay over all drawn samples.
-    pub(crate) totals: Vec<Total>,
+    pub totals: Vec<Total>,
     /// Lines in px, for overlays that consist of lines: three edges per triangle, or normals.
-    pub(crate) lines: Vec<[[f32; 2]; 2]>,
+    pub lines: Vec<[[f32; 2]; 2]>,
     /// Length of normals as a fraction of the diagonal of the scene's bounding box; `None` for other overlays.
     pub(crate) length: Option<f32>,
     /// Reason why the sheet has no values; `None` if it has values.
-    pub(crate) absence: Option<String>,
+    pub absence: Option<String>,
 }
 
 /// Period of the stripes along both axes, in px.
@@ -139,7 +139,7 @@ impl Sheet {
     }
 
     /// Returns the colour of the lines; `None` if they contrast with the picture below.
-    pub(crate) fn line_color(&self) -> Option<Rgba8> {
+    pub fn line_color(&self) -> Option<Rgba8> {
         match &self.key {
             SheetLegend::Kinds([kind]) => Some(kind.color),
             _ => None,
@@ -147,7 +147,7 @@ impl Sheet {
     }
 
     /// Returns the value at a pixel as text; `None` if the pixel has no value.
-    pub(crate) fn text(&self, x: u32, y: u32) -> Option<String> {
+    pub fn text(&self, x: u32, y: u32) -> Option<String> {
         let value = self.values.get(x, y).filter(|value| !value.is_nan())?;
         match &self.key {
             SheetLegend::Lines => Some("an edge".to_owned()),
@@ -166,7 +166,7 @@ impl Sheet {
 
     /// Returns the next pixel with a value after `from` in reading order, or the previous one if not `forwards`. Wraps
     /// around at both ends of the picture.
-    pub(crate) fn next_pixel(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
+    pub fn next_pixel(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
         let (width, height) = self.values.size();
         let count = u64::from(width) * u64::from(height);
         let start = from.map(|(x, y)| u64::from(y) * u64::from(width) + u64::from(x));
@@ -193,7 +193,7 @@ fn number_with_unit(value: f32, unit: &str) -> String {
 }
 
 /// Composes sheets over a picture, bottom to top, each with an opacity in [0, 1].
-pub(crate) fn compose<'a>(base: &Image<Rgba8>, layers: impl IntoIterator<Item = (&'a Sheet, f32)>) -> Image<Rgba8> {
+pub fn compose<'a>(base: &Image<Rgba8>, layers: impl IntoIterator<Item = (&'a Sheet, f32)>) -> Image<Rgba8> {
     let mut picture = base.clone();
     let (width, height) = picture.size();
     for (sheet, opacity) in layers.into_iter().filter(|(sheet, _)| sheet.values.size() == base.size()) {
@@ -217,7 +217,7 @@ fn mixed(below: Rgba8, above: Rgba8, share: f32) -> Rgba8 {
 }
 
 /// Returns the totals of sheets as comma-separated values.
-pub(crate) fn csv<'a>(sheets: impl IntoIterator<Item = &'a Sheet>) -> String {
+pub fn csv<'a>(sheets: impl IntoIterator<Item = &'a Sheet>) -> String {
     let mut text = "overlay,total,value,unit\n".to_owned();
     for sheet in sheets {
         for Total { name, number, unit } in &sheet.totals {

@@ -14,7 +14,7 @@ use crate::scene::{Scene, TriangleId};
 
 /// Fragment counts and visible triangles of all samples, in the packed layout of the framebuffer.
 #[derive(Clone, Debug)]
-pub(crate) struct FragmentStats {
+pub struct FragmentStats {
     /// Number of fragments that the rasterizer generated at each sample.
     pub(crate) rasterized: Image<u32>,
     /// Number of fragments that passed the depth test at each sample when they were drawn. Without a depth test, all

@@ -7,7 +7,7 @@ use crate::pipeline::settings::{Choice, choice};
 
 choice! {
     /// Aspect in which the stability probe compares pixels.
-    pub(crate) Heat {
+    pub Heat {
         Owner = "owner", "Owner", "Number of runs in which a different triangle was visible at the pixel.";
         Depth = "depth", "Depth", "Number of runs in which the stored depth of the pixel differed, even by one step.";
         Color = "color", "Colour", "Number of runs in which the colour of the pixel differed.";
@@ -23,7 +23,7 @@ const DIM: f32 = 0.4;
 
 /// Returns the heat-map colour of a pixel. `position` is the number of runs in which the pixel changed, as a fraction
 /// of the maximum over all pixels.
-pub(crate) fn map_color(position: f32) -> Rgba8 {
+pub fn map_color(position: f32) -> Rgba8 {
     let position = MIN_POSITION + (1.0 - MIN_POSITION) * f64::from(position.clamp(0.0, 1.0));
     let [r, g, b] = colorous::INFERNO.eval_continuous(position).as_array();
     [r, g, b, 255]
@@ -31,7 +31,7 @@ pub(crate) fn map_color(position: f32) -> Rgba8 {
 
 /// Returns the heat map, and the number of runs that its brightest colour represents: the maximum over all pixels.
 /// Returns `None` if the aspect was not compared.
-pub(crate) fn picture(result: &ProbeResult, heat: Heat) -> Option<(Image<Rgba8>, u16)> {
+pub fn picture(result: &ProbeResult, heat: Heat) -> Option<(Image<Rgba8>, u16)> {
     let counts = result.counts(heat)?;
     let most = counts.pixels().iter().copied().max().unwrap_or(0);
     let pixel = |x, y| match counts.at(x, y) {

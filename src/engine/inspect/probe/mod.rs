@@ -27,13 +27,13 @@ use crate::pipeline::settings::{Choice, Settings, choice};
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::scene::{Camera, Scene, TriangleId};
 
-pub(crate) use heat::Heat;
-pub(crate) use heat::map_color;
-pub(crate) use heat::picture;
+pub use heat::Heat;
+pub use heat::map_color;
+pub use heat::picture;
 
 choice! {
     /// Part of a view that the stability probe moves.
-    pub(crate) JitterTarget {
+    pub JitterTarget {
         Camera = "camera", "Camera", "Eye and target move along x, y and z by up to the given number of units in the last place of their largest coordinate: the whole picture is recomputed.";
         Vertices = "vertices", "Vertices", "Every vertex moves along x, y and z by up to the given number of units in the last place of its largest coordinate; vertices at the same position move together.";
     }
@@ -41,15 +41,15 @@ choice! {
 
 /// Parameters of a stability probe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub(crate) struct Probe {
+pub struct Probe {
     /// Part of the view that is moved.
-    pub(crate) what: JitterTarget,
+    pub what: JitterTarget,
     /// Maximum movement of a coordinate, in units in the last place of the largest coordinate.
-    pub(crate) ulps: u32,
+    pub ulps: u32,
     /// Number of jittered runs.
-    pub(crate) runs: u16,
+    pub runs: u16,
     /// Seed of the jitter; equal seeds give equal jitter.
-    pub(crate) seed: u64,
+    pub seed: u64,
 }
 
 impl Default for Probe {
@@ -60,20 +60,20 @@ impl Default for Probe {
 
 /// View that is probed, with everything needed to draw it.
 #[derive(Clone, Debug)]
-pub(crate) struct ProbedView {
+pub struct ProbedView {
     /// Scene of the view.
-    pub(crate) scene: Arc<Scene>,
+    pub scene: Arc<Scene>,
     /// Camera without jitter.
-    pub(crate) camera: Camera,
+    pub camera: Camera,
     /// Pipeline settings for drawing the view.
-    pub(crate) settings: Settings,
+    pub settings: Settings,
     /// Size of the picture, in pixels.
-    pub(crate) viewport: Viewport,
+    pub viewport: Viewport,
 }
 
 impl ProbedView {
     /// Whether both views have the same scene, camera, settings and size, so that they give the same picture.
-    pub(crate) fn is_same(&self, other: &Self) -> bool {
+    pub fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.scene, &other.scene)
             && (self.camera, self.settings, self.viewport) == (other.camera, other.settings, other.viewport)
     }
@@ -81,25 +81,25 @@ impl ProbedView {
 
 /// Triangle that gained or lost pixels during a stability probe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub(crate) struct Fragile {
+pub struct Fragile {
     /// Triangle that gained or lost pixels.
-    pub(crate) triangle: TriangleId,
+    pub triangle: TriangleId,
     /// Number of pixels that the triangle gained or lost, summed over all runs.
-    pub(crate) changes: u64,
+    pub changes: u64,
     /// Column and row of the pixel whose owner changed in the most runs, among the pixels that the triangle gained or
     /// lost.
-    pub(crate) worst_pixel: (u32, u32),
+    pub worst_pixel: (u32, u32),
     /// Number of runs in which `worst_pixel` had a different owner.
-    pub(crate) worst_changes: u16,
+    pub worst_changes: u16,
 }
 
 /// Result of a stability probe. All images have the size of the probed view, and all counts are numbers of runs.
 #[derive(Clone, Debug)]
-pub(crate) struct ProbeResult {
+pub struct ProbeResult {
     /// Parameters of the probe.
-    pub(crate) probe: Probe,
+    pub probe: Probe,
     /// View that was probed.
-    pub(crate) subject: ProbedView,
+    pub subject: ProbedView,
     /// Number of runs in which the owner of each pixel differed from the owner without jitter. A pixel that has an
     /// owner in only one of the two pictures counts as different.
     pub(crate) owner_changes: Image<u16>,
@@ -114,36 +114,36 @@ pub(crate) struct ProbeResult {
     /// Picture without jitter, as sRGB codes.
     pub(crate) picture: Image<Rgba8>,
     /// Triangles that lost or gained pixels, most fragile first.
-    pub(crate) ranking: Vec<Fragile>,
+    pub ranking: Vec<Fragile>,
 }
 
 /// Summary of the pixels that changed in one aspect, such as depth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub(crate) struct Changed {
+pub struct Changed {
     /// Number of pixels that changed in at least one run.
-    pub(crate) pixels: u64,
+    pub pixels: u64,
     /// Number of runs in which the most frequently changed pixel changed.
-    pub(crate) most: u16,
+    pub most: u16,
 }
 
 /// Summary of the result of a stability probe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub(crate) struct ProbeSummary {
+pub struct ProbeSummary {
     /// Number of pixels in the picture.
-    pub(crate) pixels: u64,
+    pub pixels: u64,
     /// Changes of the triangle that owns a pixel.
-    pub(crate) owner: Changed,
+    pub owner: Changed,
     /// Changes of the stored depth; `None` without a depth test.
-    pub(crate) depth: Option<Changed>,
+    pub depth: Option<Changed>,
     /// Changes of the pixel colour.
-    pub(crate) color: Changed,
+    pub color: Changed,
     /// Number of triangles that lost or gained pixels.
-    pub(crate) fragile_triangles: usize,
+    pub fragile_triangles: usize,
 }
 
 impl ProbeResult {
     /// Summarises the changes over all pixels.
-    pub(crate) fn summary(&self) -> ProbeSummary {
+    pub fn summary(&self) -> ProbeSummary {
         let changed = |counts: &Image<u16>| Changed {
             pixels: counts.pixels().iter().filter(|count| **count > 0).count() as u64,
             most: counts.pixels().iter().copied().max().unwrap_or(0),
@@ -158,7 +158,7 @@ impl ProbeResult {
     }
 
     /// Returns, for each pixel, the number of runs in which one aspect changed; `None` for depth without a depth test.
-    pub(crate) fn counts(&self, heat: Heat) -> Option<&Image<u16>> {
+    pub fn counts(&self, heat: Heat) -> Option<&Image<u16>> {
         match heat {
             Heat::Owner => Some(&self.owner_changes),
             Heat::Depth => self.depth_changes.as_ref(),
@@ -168,7 +168,7 @@ impl ProbeResult {
 
     /// Returns a fragile triangle as rasterized without jitter; `None` if it is not rasterized. For a clipped triangle,
     /// returns the piece that covers its worst pixel, or else the first piece.
-    pub(crate) fn triangle_of(&self, fragile: &Fragile) -> Option<ScreenTriangle> {
+    pub fn triangle_of(&self, fragile: &Fragile) -> Option<ScreenTriangle> {
         let ProbedView { scene, camera, settings, viewport } = &self.subject;
         let geometry = prepare(scene, camera, settings, *viewport, &mut ());
         let pieces = || geometry.triangles.iter().filter(|triangle| triangle.id == fragile.triangle);
@@ -187,7 +187,7 @@ fn covers(triangle: &ScreenTriangle, settings: &Settings, (x, y): (u32, u32)) ->
 
 /// Probes a view on the threads of the current rayon pool. Calls `report_progress` with the progress in [0, 1]. Returns
 /// `None` once `stop` is set. Equal probes of equal views give equal results on any number of threads.
-pub(crate) fn run(
+pub fn run(
     subject: &ProbedView,
     probe: Probe,
     report_progress: &dyn Fn(f32),

@@ -10,11 +10,11 @@ mod checkpoints;
 
 mod touches;
 
-pub(crate) use timeline::Timeline;
-pub(crate) use timeline::Unit;
+pub use timeline::Timeline;
+pub use timeline::Unit;
 pub(crate) use touches::Touch;
-pub(crate) use touches::TouchPrecision;
-pub(crate) use touches::touches;
+pub use touches::TouchPrecision;
+pub use touches::touches;
 
 use std::sync::Arc;
 
@@ -30,32 +30,32 @@ use crate::scene::Scene;
 use checkpoints::Checkpoints;
 
 /// Memory budget for framebuffer checkpoints, in bytes: enough for 16 copies at 1920 × 1080.
-pub(crate) const BUDGET: usize = 256 << 20;
+pub const BUDGET: usize = 256 << 20;
 
 /// Playback position in the drawing of a frame: the numbers of triangles and fragments drawn so far.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub(crate) struct Moment {
+pub struct Moment {
     /// Number of rasterized triangles drawn, including a partially drawn last one.
-    pub(crate) triangles: usize,
+    pub triangles: usize,
     /// Number of drawn fragments of the last triangle; `None` if it is complete.
-    pub(crate) fragments: Option<usize>,
+    pub fragments: Option<usize>,
 }
 
 impl Moment {
     /// Returns the playback position after `triangles` complete triangles.
-    pub(crate) fn after(triangles: usize) -> Self {
+    pub fn after(triangles: usize) -> Self {
         Self { triangles, fragments: None }
     }
 
     /// Returns a sort key that orders playback positions by time.
-    pub(crate) fn key(self) -> (usize, usize) {
+    pub fn key(self) -> (usize, usize) {
         (self.triangles, self.fragments.unwrap_or(usize::MAX))
     }
 }
 
 /// Player for the drawing of one frame: draws the frame as it was at any playback position.
 #[derive(Debug)]
-pub(crate) struct Scrubber {
+pub struct Scrubber {
     scene: Arc<Scene>,
     recipe: Recipe,
     /// All rasterized triangles of the frame.
@@ -71,7 +71,7 @@ pub(crate) struct Scrubber {
 impl Scrubber {
     /// Creates a scrubber for `frame`, which was drawn from `scene` with `recipe`. It draws one sample per pixel.
     /// Checkpoints take at most `budget` bytes, or the size of two framebuffers if that is larger.
-    pub(crate) fn new(scene: &Arc<Scene>, recipe: &Recipe, frame: &Frame, budget: usize) -> Self {
+    pub fn new(scene: &Arc<Scene>, recipe: &Recipe, frame: &Frame, budget: usize) -> Self {
         let geometry = prepare_again(scene, recipe, frame, &mut ());
         let (grid, raster) = (frame.sampling.grid(), frame.raster);
         let mut framebuffer = Framebuffer::new(grid, raster.width, raster.height, scene.background, &recipe.pipeline);
@@ -89,12 +89,12 @@ impl Scrubber {
     }
 
     /// Returns all rasterized triangles of the frame, in drawing order.
-    pub(crate) fn geometry(&self) -> &Geometry {
+    pub fn geometry(&self) -> &Geometry {
         &self.geometry
     }
 
     /// Draws the frame as it was at a playback position. Positions past the end give the complete frame.
-    pub(crate) fn frame_at(&mut self, moment: Moment) -> Framebuffer {
+    pub fn frame_at(&mut self, moment: Moment) -> Framebuffer {
         let all = self.geometry.triangles.len();
         let triangles = moment.triangles.min(all);
         let first_sorted = self.geometry.sorted_from(&self.recipe.pipeline);
@@ -126,19 +126,19 @@ impl Scrubber {
 
     /// Returns the geometry drawn up to a playback position; its last triangle may be partial. The triangles share
     /// memory with the full list.
-    pub(crate) fn geometry_at(&self, moment: Moment) -> Geometry {
+    pub fn geometry_at(&self, moment: Moment) -> Geometry {
         let mut first = Geometry { partial: self.first_samples(moment), ..self.geometry.clone() };
         first.triangles.truncate(moment.triangles);
         first
     }
 
     /// Returns the number of fragments of the rasterized triangle at index `place`; 0 past the last one.
-    pub(crate) fn fragments_of(&self, place: usize) -> usize {
+    pub fn fragments_of(&self, place: usize) -> usize {
         partial::count(&self.samples_of(place))
     }
 
     /// Returns the number of stored checkpoints and their total size in bytes.
-    pub(crate) fn memory(&self) -> (usize, usize) {
+    pub fn memory(&self) -> (usize, usize) {
         self.checkpoints.memory()
     }
 

@@ -6,7 +6,7 @@ use crate::pipeline::settings::{Choice, choice};
 
 choice! {
     /// Size of one step when a frame's drawing is played back.
-    pub(crate) Unit {
+    pub Unit {
         Stage = "stage", "Stage", "Step to the next stage of the pipeline, with the same triangles drawn.";
         Draw = "draw", "Draw", "Step to the next object.";
         Triangle = "triangle", "Triangle", "Step to the next triangle.";
@@ -17,21 +17,21 @@ choice! {
 /// Data for stepping through the drawing of a frame: its draws, the fragments at the picked pixel, and the numbers of
 /// triangles and fragments.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Timeline {
+pub struct Timeline {
     /// Number of rasterized triangles in the frame.
-    pub(crate) triangles: usize,
+    pub triangles: usize,
     /// First triangle and instance of each draw, both as indices, in drawing order.
-    pub(crate) draws: Vec<(usize, u32)>,
+    pub draws: Vec<(usize, u32)>,
     /// Fragment counts of the last drawn triangle, partial or complete, and of the next triangle.
-    pub(crate) fragments: [usize; 2],
+    pub fragments: [usize; 2],
     /// Fragments at the picked pixel, in drawing order.
-    pub(crate) touches: Vec<Touch>,
+    pub touches: Vec<Touch>,
 }
 
 impl Timeline {
     /// Creates the timeline of a frame from its complete geometry. Sets the fragment counts to 0 and leaves the list of
     /// fragments at the picked pixel empty.
-    pub(crate) fn new(geometry: &Geometry) -> Self {
+    pub fn new(geometry: &Geometry) -> Self {
         let mut draws: Vec<(usize, u32)> = Vec::new();
         for (place, triangle) in geometry.triangles.iter().enumerate() {
             if draws.last().is_none_or(|(_, instance)| *instance != triangle.instance) {
@@ -43,7 +43,7 @@ impl Timeline {
 
     /// Returns the index of the instance whose triangle was drawn last at a playback position; `None` before the first
     /// triangle.
-    pub(crate) fn instance_at(&self, moment: Moment) -> Option<u32> {
+    pub fn instance_at(&self, moment: Moment) -> Option<u32> {
         let place = moment.triangles.checked_sub(1)?;
         let after = self.draws.partition_point(|(start, _)| *start <= place);
         self.draws[..after].last().map(|(_, instance)| *instance)
@@ -67,7 +67,7 @@ impl Timeline {
 
     /// Returns the playback position `steps` steps after `now`; a negative number steps backwards. Stops early at
     /// either end of the frame, or where the number of fragments is unknown.
-    pub(crate) fn steps(&self, now: Moment, unit: Unit, steps: i64, touching: bool) -> Moment {
+    pub fn steps(&self, now: Moment, unit: Unit, steps: i64, touching: bool) -> Moment {
         let forwards = steps > 0;
         if unit == Unit::Triangle && !touching && now.fragments.is_none() {
             let wanted = now.triangles as i64 + steps;

@@ -14,7 +14,7 @@ use crate::scene::{Scene, TriangleId};
 
 /// Precision with which the fragments at a pixel are located in the drawing order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum TouchPrecision {
+pub enum TouchPrecision {
     /// Each fragment is located only by its triangle.
     Triangles,
     /// Each fragment is located exactly, until the traversed triangles have more than [`MAX_FRAGMENTS`] fragments in
@@ -27,17 +27,17 @@ pub(crate) const MAX_FRAGMENTS: usize = 8_000_000;
 
 /// Fragment at the picked pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Touch {
+pub struct Touch {
     /// Triangle that produced the fragment.
     pub(crate) triangle: TriangleId,
     /// Playback position immediately after the fragment.
-    pub(crate) moment: Moment,
+    pub moment: Moment,
     /// Whether the fragment was written to the framebuffer.
-    pub(crate) written: bool,
+    pub written: bool,
 }
 
 /// Returns every fragment at a drawn pixel, in order of submission; empty if the pixel is not drawn.
-pub(crate) fn touches(
+pub fn touches(
     scene: &Scene,
     recipe: &Recipe,
     geometry: &Geometry,

@@ -28,7 +28,7 @@ choice! {
 
 choice! {
     /// Notable property of a trace line, such as a tie.
-    pub(crate) Notable {
+    pub Notable {
         NotFinite = "not-finite", "NaN or infinite", "The result is NaN or infinite.";
         Tie = "tie", "Tie", "A value lies exactly on a boundary, so a rule decides.";
         Cancellation = "cancellation", "Cancellation", "Nearly equal numbers were subtracted: at least a third of the digits are lost, and earlier rounding errors grow accordingly.";
@@ -39,17 +39,17 @@ choice! {
 
 /// Notable property of a trace line, with details.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub(crate) struct Flag {
+pub struct Flag {
     /// Kind of property, such as a tie or cancellation.
-    pub(crate) kind: Notable,
+    pub kind: Notable,
     /// Number of leading bits lost to cancellation; `None` for other kinds.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) lost_bits: Option<u32>,
+    pub lost_bits: Option<u32>,
 }
 
 impl Flag {
     /// Returns a short description of the flag, such as "Cancellation of 12 bits".
-    pub(crate) fn words(self) -> String {
+    pub fn words(self) -> String {
         match self.lost_bits {
             Some(bits) => format!("{} of {bits} bits", self.kind.name()),
             None => self.kind.name().to_owned(),
@@ -60,7 +60,7 @@ impl Flag {
 /// Result on a trace line: a number or a decision.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
-pub(crate) enum LineResult {
+pub enum LineResult {
     /// Number that the pipeline computed or read.
     Number(Number),
     /// Decision that the pipeline made, as text.
@@ -71,10 +71,10 @@ pub(crate) enum LineResult {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct ExactText {
     /// Decimal digits; truncation is marked with “…”.
-    pub(crate) decimal: String,
+    pub decimal: String,
     /// The number as a fraction, such as "1/3"; `None` if the decimal is complete or the fraction is long.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) fraction: Option<String>,
+    pub fraction: Option<String>,
 }
 
 /// One line of a trace: a value of the pipeline, its formula, and its exact result.
@@ -85,15 +85,15 @@ pub struct TraceLine {
     /// Name of the computed quantity.
     pub what: String,
     /// Formula with names and operators, or the source of the line's value.
-    pub(crate) formula: String,
+    pub formula: String,
     /// Formula with numbers instead of names; empty for values that are read.
-    pub(crate) numbers: String,
+    pub numbers: String,
     /// Number or decision that the pipeline computed.
-    pub(crate) value: LineResult,
+    pub value: LineResult,
     /// Type of the number, such as "f32"; empty for decisions.
-    pub(crate) kind: &'static str,
+    pub kind: &'static str,
     /// Bit pattern of the number in hexadecimal; empty for decisions.
-    pub(crate) bits: String,
+    pub bits: String,
     /// Exact result of the formula for the inputs of this line; `None` without a formula or for non-finite inputs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exact: Option<ExactText>,
@@ -106,9 +106,9 @@ pub struct TraceLine {
     #[serde(skip_serializing_if = "is_zero")]
     pub(crate) lost_bits: u32,
     /// Whether the line is only explanatory: the pipeline does not compute its value.
-    pub(crate) aside: bool,
+    pub aside: bool,
     /// Notable properties of the line.
-    pub(crate) flags: Vec<Flag>,
+    pub flags: Vec<Flag>,
     /// Intermediate value that corresponds to the line and can be shown for the whole picture, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub buffer: Option<Intermediate>,
@@ -129,7 +129,7 @@ impl TraceLine {
     }
 
     /// Returns the rounding error as text; empty if unknown.
-    pub(crate) fn rounding(&self) -> String {
+    pub fn rounding(&self) -> String {
         let Some(ulps) = self.rounding_ulp else { return String::new() };
         let unit = if self.number().is_some_and(Number::is_float) { "ulp" } else { "steps" };
         if ulps == 0.0 {
@@ -145,7 +145,7 @@ impl TraceLine {
     }
 
     /// Returns the number or the decision as text.
-    pub(crate) fn value_text(&self) -> String {
+    pub fn value_text(&self) -> String {
         match &self.value {
             LineResult::Number(number) => number.to_string(),
             LineResult::Words(words) => words.clone(),

@@ -28,9 +28,9 @@ mod weights;
 
 use serde::Serialize;
 
-pub(crate) use line::Notable;
-pub(crate) use line::TraceLine;
-pub(crate) use line::TraceStage;
+pub use line::Notable;
+pub use line::TraceLine;
+pub use line::TraceStage;
 pub use number::Number;
 
 use line::TraceRecorder;
@@ -50,7 +50,7 @@ pub struct Trace {
     /// Index of the fragment among those of the drawn pixel, in drawing order; `None` if the pixel has no fragments.
     pub fragment: Option<usize>,
     /// Number of fragments at the drawn pixel.
-    pub(crate) fragments: usize,
+    pub fragments: usize,
     /// Triangle that produced the fragment; `None` if there is no fragment.
     pub triangle: Option<TriangleId>,
     /// Name of the instance that contains the triangle; empty if there is no fragment.
@@ -66,15 +66,15 @@ impl Trace {
     ///
     /// # Examples
     /// ```
-    /// # use rasterscope::chain::{Recipe, run};
-    /// # use rasterscope::pipeline::viewport::Viewport;
-    /// # use rasterscope::scene::builtin;
+    /// # use rasterscope_engine::chain::{Recipe, run};
+    /// # use rasterscope_engine::pipeline::viewport::Viewport;
+    /// # use rasterscope_engine::scene::builtin;
     /// #
     /// # let scene = builtin::by_id("interpenetrating").unwrap().build();
     /// # let (recipe, viewport) = (Recipe::default(), Viewport { width: 64, height: 36 });
     /// # let frame = run(&scene, &scene.home, &recipe, viewport, &mut ());
-    /// use rasterscope::inspect::trace::Number;
-    /// use rasterscope::inspect::{Trace, inspect};
+    /// use rasterscope_engine::inspect::trace::Number;
+    /// use rasterscope_engine::inspect::{Trace, inspect};
     ///
     /// let report = inspect(&scene, &recipe, &frame, 32, 18).unwrap();
     /// let trace = Trace::of(&scene, &recipe, &frame, &report, None);
@@ -116,12 +116,12 @@ impl Trace {
 
     /// Returns the index of the nearest line before or after line `from` that has the flag `kind`; `None` as `kind`
     /// accepts any flag. Skips asides, because they are not part of the pipeline.
-    pub(crate) fn next(&self, from: usize, kind: Option<Notable>, direction: StepDirection) -> Option<usize> {
+    pub fn next(&self, from: usize, kind: Option<Notable>, direction: StepDirection) -> Option<usize> {
         self.find(from, direction, |line| !line.aside && kind.map_or(!line.flags.is_empty(), |kind| line.has(kind)))
     }
 
     /// Returns the index of the first line of the stage that precedes or follows the stage of line `from`.
-    pub(crate) fn next_stage(&self, from: usize, direction: StepDirection) -> Option<usize> {
+    pub fn next_stage(&self, from: usize, direction: StepDirection) -> Option<usize> {
         let stage = self.lines.get(from)?.stage;
         let place = self.find(from, direction, |line| line.stage != stage)?;
         let stage = self.lines[place].stage;
@@ -144,7 +144,7 @@ impl Trace {
 
 /// Direction of a step through the lines of a trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum StepDirection {
+pub enum StepDirection {
     /// Forwards, towards the final pixel.
     Forward,
     /// Backwards, towards the mesh.

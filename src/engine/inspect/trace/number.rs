@@ -76,7 +76,7 @@ impl Number {
     }
 
     /// Whether two numbers have the same type and bit pattern.
-    pub(crate) fn same_bits(self, other: Self) -> bool {
+    pub fn same_bits(self, other: Self) -> bool {
         match (self, other) {
             (Self::F32(a), Self::F32(b)) => a.to_bits() == b.to_bits(),
             (Self::F64(a), Self::F64(b)) => a.to_bits() == b.to_bits(),

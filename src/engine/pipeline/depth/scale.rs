@@ -78,8 +78,8 @@ impl DepthScale {
     ///
     /// # Examples
     /// ```
-    /// use rasterscope::pipeline::depth::{DepthEncoding, DepthScale};
-    /// use rasterscope::scene::DepthMapping;
+    /// use rasterscope_engine::pipeline::depth::{DepthEncoding, DepthScale};
+    /// use rasterscope_engine::scene::DepthMapping;
     ///
     /// let scale = DepthScale::perspective(DepthMapping::Standard, DepthEncoding::Unorm16, 1.0, 100.0);
     /// assert_eq!((scale.stored(1.0), scale.stored(100.0)), (0.0, 1.0));
@@ -127,7 +127,7 @@ impl DepthScale {
 
     /// Returns the distance that a stored depth represents, up to rounding. The result is infinite for the depth of
     /// points at infinity.
-    pub(crate) fn distance_of(&self, stored: f32) -> f64 {
+    pub fn distance_of(&self, stored: f32) -> f64 {
         let Self { near, far, factor, .. } = *self;
         let [depth, _] = self.encoding.depth_and_next(stored);
         match self.law {

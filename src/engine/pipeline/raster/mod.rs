@@ -63,7 +63,7 @@ pub struct RasterSample {
 
 /// Run of adjacent covered samples in a row of the packed picture, which holds only the drawn samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-pub(crate) struct Span {
+pub struct Span {
     /// Row of the run in the packed picture of drawn samples.
     pub(crate) row: u32,
     /// First column of the run in the packed picture of drawn samples.

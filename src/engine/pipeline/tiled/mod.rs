@@ -336,7 +336,7 @@ impl FrameCounters {
 }
 
 /// Returns the draw plan of every instance of a scene, in instance order.
-pub(crate) fn plans(scene: &Scene, camera: &Camera, settings: &Settings, viewport: Viewport) -> Vec<DrawPlan> {
+pub fn plans(scene: &Scene, camera: &Camera, settings: &Settings, viewport: Viewport) -> Vec<DrawPlan> {
     plan(scene, camera, settings, viewport, Lanes::best()).1
 }
 

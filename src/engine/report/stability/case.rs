@@ -14,7 +14,7 @@ use crate::pipeline::viewport::Viewport;
 
 /// Numerically hard test case for one part of the engine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct StabilityCase {
+pub struct StabilityCase {
     /// Unique id of the case, shown in reports.
     pub(crate) id: String,
     /// Id of the class that the case belongs to.
@@ -204,7 +204,7 @@ impl StabilityCase {
     }
 
     /// Serialises the case as JSON.
-    pub(crate) fn to_json(&self) -> String {
+    pub fn to_json(&self) -> String {
         // Serialisation of a case cannot fail: map keys are strings, and numbers are finite or written as strings.
         serde_json::to_string(self).unwrap_or_default()
     }

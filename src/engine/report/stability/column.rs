@@ -9,7 +9,7 @@ use crate::pipeline::settings::{Choice as _, DepthFormat};
 /// A configuration of the engine, one column of the report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(untagged)]
-pub(crate) enum ReportColumn {
+pub enum ReportColumn {
     /// Rasterizer and the arithmetic that it uses.
     Coverage(Configuration),
     /// Interpolation formula and the arithmetic that it uses.
@@ -35,7 +35,7 @@ impl ReportColumn {
     }
 
     /// Returns the id of the rasterizer, formula or format.
-    pub(crate) fn method(self) -> &'static str {
+    pub fn method(self) -> &'static str {
         match self {
             Self::Coverage(by) => by.rasterizer.id(),
             Self::Weights(by) => by.interpolation.id(),
@@ -44,7 +44,7 @@ impl ReportColumn {
     }
 
     /// Returns the display name of the rasterizer, formula or format.
-    pub(crate) fn method_name(self) -> &'static str {
+    pub fn method_name(self) -> &'static str {
         match self {
             Self::Coverage(by) => by.rasterizer.name(),
             Self::Weights(by) => by.interpolation.name(),
@@ -53,7 +53,7 @@ impl ReportColumn {
     }
 
     /// Returns the id of the arithmetic; `None` for depth formats.
-    pub(crate) fn arithmetic(self) -> Option<&'static str> {
+    pub fn arithmetic(self) -> Option<&'static str> {
         match self {
             Self::Coverage(by) => Some(by.arithmetic.id()),
             Self::Weights(by) => Some(by.arithmetic.id()),
@@ -80,7 +80,7 @@ impl ReportColumn {
     }
 
     /// Returns the ids of the method and the arithmetic, such as "tiled · f64".
-    pub(crate) fn label(self) -> String {
+    pub fn label(self) -> String {
         self.arithmetic().map_or_else(|| self.method().to_owned(), |numbers| format!("{} · {numbers}", self.method()))
     }
 }

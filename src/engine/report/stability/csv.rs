@@ -13,7 +13,7 @@ const KEYS: [&str; 10] =
 const TIMES: [&str; 5] = ["ns_per_pixel", "ns_per_pixel_p10", "ns_per_pixel_p90", "ns_per_triangle", "rounds"];
 
 /// Formats the stability report as CSV with a header line. Values that were not measured are left empty.
-pub(crate) fn csv(report: &StabilityReport) -> String {
+pub fn csv(report: &StabilityReport) -> String {
     let metrics = Metric::ALL.iter().map(|metric| metric.id().replace('-', "_"));
     let head: Vec<String> =
         KEYS.into_iter().map(str::to_owned).chain(metrics).chain(TIMES.into_iter().map(str::to_owned)).collect();

@@ -9,7 +9,7 @@ use crate::pipeline::settings::{Choice, choice};
 
 choice! {
     /// Metric of the stability report: an error, a cost, or a count.
-    pub(crate) Metric {
+    pub Metric {
         Pixels = "pixels", "pixels", "Pixels that the exact answer covers.";
         Wrong = "wrong", "wrong",
             "Pixels drawn by mistake or missing, relative to the corners that the configuration declares.";
@@ -52,7 +52,7 @@ enum Join {
 }
 
 /// Number of severity levels, not counting level 0 (no fault); see [`Measures::severity`].
-pub(crate) const LEVELS: usize = 6;
+pub const LEVELS: usize = 6;
 
 impl Metric {
     fn join(self) -> Join {
@@ -110,7 +110,7 @@ impl Metric {
     }
 
     /// Formats a value of this metric in a few characters, with its unit if it has one.
-    pub(crate) fn format(self, value: f64) -> String {
+    pub fn format(self, value: f64) -> String {
         match self {
             Self::Lost => format!("{} %", short(value)),
             Self::Stiffness => format!("{}×", short(value)),
@@ -147,11 +147,11 @@ pub(crate) fn short(value: f64) -> String {
 
 /// Measured values of one or more cases; metrics that do not apply are absent.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Measures([Option<f64>; Metric::ALL.len()]);
+pub struct Measures([Option<f64>; Metric::ALL.len()]);
 
 impl Measures {
     /// Returns the value of a metric, or `None` if the metric does not apply.
-    pub(crate) fn get(&self, metric: Metric) -> Option<f64> {
+    pub fn get(&self, metric: Metric) -> Option<f64> {
         self.0[metric as usize]
     }
 
@@ -186,12 +186,12 @@ impl Measures {
     }
 
     /// Returns all metrics that apply, with their values.
-    pub(crate) fn iter(&self) -> impl Iterator<Item = (Metric, f64)> {
+    pub fn iter(&self) -> impl Iterator<Item = (Metric, f64)> {
         Metric::ALL.iter().filter_map(|metric| Some((*metric, self.get(*metric)?)))
     }
 
     /// Returns the severity of a metric, from 0 (no fault) to [`LEVELS`]; `None` if it does not apply.
-    pub(crate) fn severity(&self, metric: Metric) -> Option<usize> {
+    pub fn severity(&self, metric: Metric) -> Option<usize> {
         let value = self.get(metric)?;
         let whole = metric.whole().and_then(|whole| self.get(whole)).map_or(1.0, |whole| whole.max(1.0));
         Some(metric.thresholds().into_iter().filter(|threshold| value / whole > *threshold).count())
@@ -244,7 +244,7 @@ impl Display for Bound {
 /// Verdict on one configuration in one class.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "UPPERCASE")]
-pub(crate) enum Verdict {
+pub enum Verdict {
     /// All bounds of the class hold.
     Pass,
     /// At least one bound does not hold; the measured values show by how much.
@@ -255,7 +255,7 @@ pub(crate) enum Verdict {
 
 impl Verdict {
     /// Returns the verdict in upper case, as reports show it.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Pass => "PASS",
             Self::Measured => "MEASURED",

@@ -16,15 +16,15 @@ pub(crate) mod case;
 
 pub mod catalogue;
 
-pub(crate) mod column;
+pub mod column;
 
-pub(crate) mod csv;
+pub mod csv;
 
-pub(crate) mod html;
+pub mod html;
 
 pub(crate) mod measure;
 
-pub(crate) mod metric;
+pub mod metric;
 
 pub(crate) mod oracle;
 
@@ -32,12 +32,12 @@ pub(crate) mod spans;
 
 pub(crate) mod subject;
 
-pub(crate) mod sweep;
+pub mod sweep;
 
-pub(crate) mod text;
+pub mod text;
 
 pub(crate) mod timing;
 
-pub(crate) mod tradeoff;
+pub mod tradeoff;
 
 mod wire;

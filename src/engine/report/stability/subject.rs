@@ -20,11 +20,11 @@ const RULE: FillRule = FillRule::TopLeft;
 
 /// Configuration of triangle rasterization.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
-pub(crate) struct Configuration {
+pub struct Configuration {
     /// Algorithm that finds the covered pixels.
-    pub(crate) rasterizer: Rasterizer,
+    pub rasterizer: Rasterizer,
     /// Number type of the rasterizer's arithmetic.
-    pub(crate) arithmetic: Arithmetic,
+    pub arithmetic: Arithmetic,
 }
 
 impl Configuration {
@@ -45,11 +45,11 @@ impl Configuration {
 
 /// Configuration of attribute interpolation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
-pub(crate) struct Weighting {
+pub struct Weighting {
     /// Formula that computes the weights of the vertices.
     pub(crate) interpolation: Interpolation,
     /// Number type in which edge functions are evaluated.
-    pub(crate) arithmetic: Arithmetic,
+    pub arithmetic: Arithmetic,
 }
 
 impl Weighting {

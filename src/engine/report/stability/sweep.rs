@@ -22,21 +22,21 @@ use crate::pipeline::settings::{Arithmetic, Choice as _, Rasterizer};
 
 /// Selection of the classes and configurations to run.
 #[derive(Clone, Debug)]
-pub(crate) struct StabilityPlan {
+pub struct StabilityPlan {
     /// Classes to run, in this order.
-    pub(crate) classes: Vec<&'static Class>,
+    pub classes: Vec<&'static Class>,
     /// Rasterizers to run, in the classes that compare rasterizers.
-    pub(crate) rasterizers: Vec<Rasterizer>,
+    pub rasterizers: Vec<Rasterizer>,
     /// Kinds of arithmetic to run, in the classes that compare them.
-    pub(crate) arithmetics: Vec<Arithmetic>,
+    pub arithmetics: Vec<Arithmetic>,
     /// Seed from which the random cases are generated.
-    pub(crate) seed: u64,
+    pub seed: u64,
     /// Whether to measure times as well.
-    pub(crate) timed: bool,
+    pub timed: bool,
 }
 
 /// Default seed of the random cases.
-pub(crate) const DEFAULT_SEED: u64 = 1;
+pub const DEFAULT_SEED: u64 = 1;
 
 impl Default for StabilityPlan {
     fn default() -> Self {
@@ -66,18 +66,18 @@ impl StabilityPlan {
 
 /// Progress of a stability report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct StabilityProgress {
+pub struct StabilityProgress {
     /// Stage that is running.
-    pub(crate) stage: SweepStage,
+    pub stage: SweepStage,
     /// Number of completed steps in this stage.
-    pub(crate) done: usize,
+    pub done: usize,
     /// Total number of steps in this stage.
-    pub(crate) of: usize,
+    pub of: usize,
 }
 
 /// Stages of a stability report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum SweepStage {
+pub enum SweepStage {
     /// Comparing the engine's results with the exact ones.
     Judging,
     /// Timing the classes, one after the other.
@@ -86,7 +86,7 @@ pub(crate) enum SweepStage {
 
 impl SweepStage {
     /// Returns the display name of the stage.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Judging => "checking cases",
             Self::Timing => "timing classes",
@@ -96,7 +96,7 @@ impl SweepStage {
 
 /// Complete stability report.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct StabilityReport {
+pub struct StabilityReport {
     /// Seed from which the random cases were generated.
     pub(crate) seed: u64,
     /// Machine that ran the report.
@@ -107,9 +107,9 @@ pub(crate) struct StabilityReport {
     /// Noise floor, from timing the first configuration of each class against itself; `None` without times.
     pub(crate) timing_noise: Option<Noise>,
     /// Results of each class.
-    pub(crate) classes: Vec<ClassReport>,
+    pub classes: Vec<ClassReport>,
     /// Whether the run was cancelled before all classes were evaluated and timed.
-    pub(crate) partial: bool,
+    pub partial: bool,
 }
 
 fn seconds<S: serde::Serializer>(duration: &Duration, to: S) -> Result<S::Ok, S::Error> {
@@ -118,10 +118,10 @@ fn seconds<S: serde::Serializer>(duration: &Duration, to: S) -> Result<S::Ok, S:
 
 /// Results of one class.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct ClassReport {
+pub struct ClassReport {
     /// Class whose cases were run.
     #[serde(flatten)]
-    pub(crate) class: &'static Class,
+    pub class: &'static Class,
     /// Number of cases in the class.
     pub(crate) cases: usize,
     /// Total number of triangles in the cases.
@@ -129,7 +129,7 @@ pub(crate) struct ClassReport {
     /// Total number of pixels, samples or depths in the cases.
     pub(crate) units: u64,
     /// Results of each column.
-    pub(crate) cells: Vec<ReportCell>,
+    pub cells: Vec<ReportCell>,
     /// Complete cases to which [`Worst::of`] refers, without duplicates. [`Worst::measures`] can be recomputed from
     /// them.
     pub(crate) worst_cases: Vec<StabilityCase>,
@@ -137,20 +137,20 @@ pub(crate) struct ClassReport {
 
 /// Results of one class in one configuration.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct ReportCell {
+pub struct ReportCell {
     /// Configuration of the engine.
     #[serde(flatten)]
-    pub(crate) column: ReportColumn,
+    pub column: ReportColumn,
     /// Verdict that summarises the measures in one word.
-    pub(crate) verdict: Verdict,
+    pub verdict: Verdict,
     /// Number of cases for which the engine produced no result.
     pub(crate) refused: usize,
     /// Measures combined over all cases.
-    pub(crate) measures: Measures,
+    pub measures: Measures,
     /// Time measured for the cell; `None` without timing.
-    pub(crate) time: Option<Time>,
+    pub time: Option<Time>,
     /// Worst case, if there was any fault.
-    pub(crate) worst: Option<Worst>,
+    pub worst: Option<Worst>,
     /// Results of each case in depth classes, where every case is a separate experiment; empty in other classes.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) by_case: Vec<CaseMeasures>,
@@ -169,18 +169,18 @@ pub(crate) struct CaseMeasures {
 
 /// Worst case, reduced to the part that shows the fault.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Worst {
+pub struct Worst {
     /// Id of the complete case, which is in [`ClassReport::worst_cases`].
     pub(crate) of: String,
     /// Measures of the complete case; `None` if the engine produced no result.
     pub(crate) measures: Option<Measures>,
     /// Reduced case, which can be opened in the window.
-    pub(crate) case: StabilityCase,
+    pub case: StabilityCase,
 }
 
 /// Runs a plan. Calls `progress` after every step, from several threads. If `cancel` becomes `true`, returns the
 /// classes evaluated so far, or `None` if there are none.
-pub(crate) fn run(
+pub fn run(
     plan: &StabilityPlan,
     progress: &(dyn Fn(StabilityProgress) + Sync),
     cancel: &AtomicBool,

@@ -13,7 +13,7 @@ const CLASS_WIDTH: usize = 17;
 const CELL_WIDTH: usize = 22;
 
 /// Formats the stability report as plain text.
-pub(crate) fn text(report: &StabilityReport) -> String {
+pub fn text(report: &StabilityReport) -> String {
     let mut lines = vec![
         format!(
             "Stability report, seed {}, {:.1} s on {}",

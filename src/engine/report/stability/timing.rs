@@ -38,21 +38,21 @@ const DISTANCES: usize = 2000;
 
 /// Median and percentiles of a time, over all rounds of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct Spread {
+pub struct Spread {
     /// Median over the rounds.
-    pub(crate) median: f64,
+    pub median: f64,
     /// 10th percentile over the rounds.
-    pub(crate) p10: f64,
+    pub p10: f64,
     /// 90th percentile over the rounds.
-    pub(crate) p90: f64,
+    pub p90: f64,
 }
 
 /// Cost of one configuration on the cases of a class.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct Time {
+pub struct Time {
     /// Time in nanoseconds per pixel, sample or stored depth, depending on the class. Pixels are those of the exact
     /// coverage. `None` if the cases have none.
-    pub(crate) ns_per_pixel: Option<Spread>,
+    pub ns_per_pixel: Option<Spread>,
     /// Median nanoseconds per triangle.
     pub(crate) ns_per_triangle: Option<f64>,
     /// Time per pixel, as a multiple of the time per pixel of compact triangles that cover about as many pixels.

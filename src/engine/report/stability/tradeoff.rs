@@ -14,13 +14,13 @@ use crate::report::upscaling::tradeoff::{Standing, standings};
 
 /// Time and error of a configuration.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct TradeoffPoint {
+pub struct TradeoffPoint {
     /// Configuration of the engine.
-    pub(crate) column: ReportColumn,
+    pub column: ReportColumn,
     /// Time per pixel or sample, in nanoseconds.
-    pub(crate) ns: Spread,
+    pub ns: Spread,
     /// Error of the results, as a fraction of wrong pixels or as a weight error; 0 if every result is correct.
-    pub(crate) error: f64,
+    pub error: f64,
     /// Number of non-finite results, which the error does not include.
     pub(crate) not_finite: f64,
     /// Whether the point is on the Pareto front of time and error, accounting for timing noise.
@@ -31,7 +31,7 @@ pub(crate) struct TradeoffPoint {
 
 /// Returns one trade-off point for each combination of rasterizer and arithmetic. The error is the fraction of wrong
 /// pixels relative to unsnapped vertices, averaged over the classes of single triangles and meshes.
-pub(crate) fn coverage(report: &StabilityReport) -> Vec<TradeoffPoint> {
+pub fn coverage(report: &StabilityReport) -> Vec<TradeoffPoint> {
     let share = |cell: &ReportCell| {
         let pixels = cell.measures.get(Metric::Pixels).filter(|pixels| *pixels > 0.0)?;
         Some(cell.measures.get(Metric::WrongUnsnapped)? / pixels)

@@ -11,7 +11,7 @@ const HEAD: &str = "scene,triangles,width,height,threads,reference,method,scale,
     native_within_noise,noise,noise_pairs";
 
 /// Formats the upscaling report as CSV with a header line. Text is quoted; values that do not apply are left empty.
-pub(crate) fn csv(report: &UpscalingReport) -> String {
+pub fn csv(report: &UpscalingReport) -> String {
     let rows = report.scenes.iter().flat_map(|scene| scene.rows.iter().map(move |row| (scene, row)));
     let lines = rows.map(|(scene, row)| line(report, scene, row));
     let mark = report.partial.then(|| PARTIAL.to_owned());

@@ -10,9 +10,9 @@
 //! that others dominate in time and error. [`skipping`] compares two ways to draw fewer pixels: skipping them inside
 //! the pixel loop, and visiting only the wanted ones. The report is plain data, which [`page`] and [`csv`] format.
 
-pub(crate) mod csv;
+pub mod csv;
 
-pub(crate) mod page;
+pub mod page;
 
 mod plot;
 
@@ -20,4 +20,4 @@ pub(crate) mod skipping;
 
 pub mod sweep;
 
-pub(crate) mod tradeoff;
+pub mod tradeoff;

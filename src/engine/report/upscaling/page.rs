@@ -21,7 +21,7 @@ const STYLE: &str = include_str!("page.css");
 /// # Errors
 ///
 /// Fails if a crop cannot be encoded as PNG.
-pub(crate) fn page(report: &UpscalingReport) -> io::Result<String> {
+pub fn page(report: &UpscalingReport) -> io::Result<String> {
     let mut body = head(report);
     for scene in &report.scenes {
         body += &section(report, scene)?;

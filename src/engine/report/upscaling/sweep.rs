@@ -62,13 +62,13 @@ pub fn every_upscaler(recipe: Recipe) -> Vec<Recipe> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct UpscalingProgress {
     /// Name of the scene that is being measured.
-    pub(crate) scene: String,
+    pub scene: String,
     /// Name of the current stage, such as "errors at rest".
-    pub(crate) stage: &'static str,
+    pub stage: &'static str,
     /// Number of completed steps in this stage.
-    pub(crate) done: usize,
+    pub done: usize,
     /// Total number of steps in this stage.
-    pub(crate) of: usize,
+    pub of: usize,
 }
 
 /// Complete upscaling report.
@@ -89,7 +89,7 @@ pub struct UpscalingReport {
     /// Results of each scene.
     pub scenes: Vec<SceneReport>,
     /// Whether the sweep was cancelled before all scenes and rounds were complete.
-    pub(crate) partial: bool,
+    pub partial: bool,
 }
 
 /// Results of one scene.

@@ -4,7 +4,7 @@ use crate::measure::noise::Noise;
 
 /// Position of a method relative to the Pareto front of time and error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Standing<M> {
+pub enum Standing<M> {
     /// On the Pareto front. Every method with a smaller error takes longer by more than the noise, and no method with
     /// an equal error is faster.
     Front,
@@ -18,7 +18,7 @@ pub(crate) enum Standing<M> {
 
 impl<M> Standing<M> {
     /// Replaces the identifier of the other method, if there is one, with the result of calling `name` on it.
-    pub(crate) fn map<N>(self, name: impl FnOnce(M) -> N) -> Standing<N> {
+    pub fn map<N>(self, name: impl FnOnce(M) -> N) -> Standing<N> {
         match self {
             Self::Front => Standing::Front,
             Self::WithinNoise(other) => Standing::WithinNoise(name(other)),
@@ -30,7 +30,7 @@ impl<M> Standing<M> {
 /// Returns the standing of each method. `points` holds the time in milliseconds and the error of each method; in the
 /// result, other methods are identified by their index in `points`. If several methods dominate a method, its standing
 /// names the one with the smallest error.
-pub(crate) fn standings(points: &[(f64, f64)], noise: &Noise) -> Vec<Standing<usize>> {
+pub fn standings(points: &[(f64, f64)], noise: &Noise) -> Vec<Standing<usize>> {
     let beats = |(time, error): (f64, f64), (other_time, other_error): (f64, f64)| {
         let is_faster = time < other_time && !noise.covers(time, other_time);
         time <= other_time && error <= other_error && (is_faster || error < other_error)

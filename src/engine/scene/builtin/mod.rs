@@ -70,7 +70,7 @@ pub const ALL: &[Builtin] = &[
 ///
 /// # Examples
 /// ```
-/// use rasterscope::scene::builtin::by_id;
+/// use rasterscope_engine::scene::builtin::by_id;
 ///
 /// let scene = by_id("interpenetrating").unwrap().build();
 /// assert_eq!(scene.triangle_count(), 2);

@@ -5,7 +5,7 @@
 
 /// Kind of a statement: OBJ statement, MTL statement, or texture option.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Format {
+pub enum Format {
     /// Statement of a model file (OBJ).
     Obj,
     /// Statement of a material library (MTL).
@@ -25,11 +25,11 @@ pub(crate) enum Treatment {
 
 /// Statement that the loader recognises.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Statement {
+pub struct Statement {
     /// Keyword of the statement in its usual spelling; matching is case-insensitive.
-    pub(crate) keyword: &'static str,
+    pub keyword: &'static str,
     /// Kind of file or statement to which the keyword belongs.
-    pub(crate) format: Format,
+    pub format: Format,
     /// Whether the statement is rendered or gives a warning.
     pub(crate) treatment: Treatment,
     /// Meaning of the statement; for a rendered statement, also its effect.
@@ -48,7 +48,7 @@ macro_rules! table {
 }
 
 /// All statements that the loader recognises. Any other keyword is reported as unknown.
-pub(crate) const STATEMENTS: &[Statement] = table! {
+pub const STATEMENTS: &[Statement] = table! {
     Obj Rendered {
         "v": "position; a weight is ignored, three or four further numbers are a vertex colour",
         "vt": "texture coordinate; w is ignored",
@@ -202,7 +202,7 @@ mod tests {
     #[test]
     fn the_manual_has_this_table() {
         assert!(
-            include_str!("../../../assets/manual/12-scenes-and-file-formats.md").contains(&markdown()),
+            include_str!("../../../../assets/manual/12-scenes-and-file-formats.md").contains(&markdown()),
             "the manual should have:\n{}",
             markdown()
         );

@@ -93,7 +93,7 @@ pub struct Junction {
 
 impl Junction {
     /// Describes the fault in one sentence, without a final full stop.
-    pub(crate) fn text(&self) -> String {
+    pub fn text(&self) -> String {
         let Self { kind, vertex, edge, distance } = self;
         let vertex = format!("v{} of triangle {}", vertex.corner, vertex.triangle.0);
         let edge = format!("the edge of triangle {} opposite to v{}", edge.triangle.0, edge.opposite);
@@ -122,7 +122,7 @@ pub(crate) struct Seam {
 
 /// Numbers of seam faults in a scene, by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub(crate) struct SeamCounts {
+pub struct SeamCounts {
     /// Number of vertices within open edges.
     pub(crate) t_junctions: usize,
     /// Number of vertices that welding within the tolerance would remove.
@@ -131,7 +131,7 @@ pub(crate) struct SeamCounts {
 
 /// Open seams of a scene, with the faults along them.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Seams {
+pub struct Seams {
     seams: Vec<Seam>,
     junctions: Vec<Junction>,
     border: Vec<TriangleCorner>,
@@ -139,7 +139,7 @@ pub(crate) struct Seams {
 
 impl Seams {
     /// Finds all open seams of a scene. Returns `None` if `stop` is set.
-    pub(crate) fn find(scene: &Scene, stop: &AtomicBool) -> Option<Self> {
+    pub fn find(scene: &Scene, stop: &AtomicBool) -> Option<Self> {
         let mesh = Welded::of(scene, stop)?;
         if mesh.open.is_empty() {
             return Some(Self::default());
@@ -148,7 +148,7 @@ impl Seams {
     }
 
     /// Finds all open seams of a scene, without cancellation.
-    pub(crate) fn of(scene: &Scene) -> Self {
+    pub fn of(scene: &Scene) -> Self {
         Self::find(scene, &AtomicBool::new(false)).unwrap_or_default()
     }
 
@@ -176,7 +176,7 @@ impl Seams {
 
 impl SeamCounts {
     /// Returns the counts as text, such as "2 T-junctions · 1 unwelded vertex".
-    pub(crate) fn text(self) -> String {
+    pub fn text(self) -> String {
         let number = |count: usize, one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
         let t_junctions = number(self.t_junctions, "T-junction", "T-junctions");
         format!("{t_junctions} · {}", number(self.unwelded, "unwelded vertex", "unwelded vertices"))

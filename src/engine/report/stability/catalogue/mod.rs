@@ -28,7 +28,7 @@ use rng::Rng;
 /// Group of classes that test the same part of the engine and share the same metrics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum Family {
+pub enum Family {
     /// Coverage of individual screen-space triangles.
     Coverage,
     /// Triangles that share edges, so that every pixel is covered exactly once.
@@ -45,11 +45,11 @@ pub(crate) enum Family {
 
 impl Family {
     /// All families, in report order.
-    pub(crate) const ALL: [Self; 6] =
+    pub const ALL: [Self; 6] =
         [Self::Coverage, Self::Mesh, Self::ClipSpace, Self::Throughput, Self::Weights, Self::Depth];
 
     /// Returns the id of the family, as used in files.
-    pub(crate) fn id(self) -> &'static str {
+    pub fn id(self) -> &'static str {
         match self {
             Self::Coverage => "coverage",
             Self::Mesh => "mesh",
@@ -61,7 +61,7 @@ impl Family {
     }
 
     /// Returns the display name of the family.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Coverage => "Single triangles",
             Self::Mesh => "Meshes",
@@ -81,11 +81,11 @@ pub struct Class {
     /// Display name of the class.
     pub name: &'static str,
     /// Family of the class, which determines the metrics.
-    pub(crate) family: Family,
+    pub family: Family,
     /// One-sentence description of the difficulty and the typical failure.
-    pub(crate) about: &'static str,
+    pub about: &'static str,
     /// Most informative metric of the class.
-    pub(crate) headline: Metric,
+    pub headline: Metric,
     /// Bounds on the metrics that a configuration must meet to pass.
     pub(crate) bounds: &'static [Bound],
     /// Function that generates the test cases, without their ids.
@@ -128,7 +128,7 @@ pub fn all() -> impl Iterator<Item = &'static Class> {
 }
 
 /// Returns the class with this id, or `None` if there is none.
-pub(crate) fn by_id(id: &str) -> Option<&'static Class> {
+pub fn by_id(id: &str) -> Option<&'static Class> {
     all().find(|class| class.id == id)
 }
 

@@ -12,7 +12,7 @@ use crate::pipeline::settings::Choice as _;
 use crate::report::html::{document, escaped, partial, tiles};
 
 /// Formats the stability report as an HTML page.
-pub(crate) fn html(report: &StabilityReport) -> String {
+pub fn html(report: &StabilityReport) -> String {
     let body = [
         head(report),
         heat::coverage(report),
