@@ -1,6 +1,7 @@
 //! Rasterscope: a software rendering pipeline that can be stopped and inspected at any stage.
 //!
-//! Modules are listed in the order of the data flow; each module imports only from the modules above it.
+//! The engine is a crate of its own and is re-exported here. Modules are listed in the order of the data flow; each
+//! module imports only from the modules above it.
 //!
 //! # Examples
 //! Render a frame and explain one of its pixels:
@@ -23,42 +24,10 @@
 //! assert!(report.verdict.contains("“blue”"));
 //! ```
 
-#![cfg_attr(
-    not(feature = "ui"),
-    allow(dead_code, unused_imports, unreachable_pub, reason = "only the window uses the rest")
-)]
-
-pub mod text;
-
-pub mod disk;
-
-pub mod math;
-
-pub mod image;
-
-pub mod flat2d;
-
-pub mod drawing;
-
-pub mod scene;
-
-pub mod pipeline;
-
-pub mod antialias;
-
-pub mod upscale;
-
-pub mod chain;
-
-pub mod measure;
-
-pub mod inspect;
-
-pub mod case;
-
-pub mod report;
-
-pub mod lab;
+pub use rasterscope_engine::{
+    antialias, case, chain, disk, drawing, flat2d, image, inspect, lab, math, measure, pipeline, report, scene, text,
+    upscale,
+};
 
 pub mod manual;
 
@@ -72,7 +41,7 @@ pub mod cli;
 extern crate self as rasterscope;
 
 #[cfg(test)]
-#[path = "../tests/internal/mod.rs"]
+#[path = "../tests/internal/workbench.rs"]
 mod internal;
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use std::time::Duration;
 use super::look::{self, Look, LookResult, SlowOverlays, ValueSource};
 use super::scrub::reel::{Reel, timeline_of};
 use super::seam_search::SeamSearch;
-use crate::chain::{self, Frame, KeepDepth, Recipe, Renderer};
+use crate::chain::{Frame, KeepDepth, Recipe, Renderer};
 use crate::image::{Image, Rgba8};
 use crate::inspect::bad_fragments::BadFragments;
 use crate::inspect::buffers::{Buffer, Buffers, capture};
@@ -23,7 +23,6 @@ use crate::inspect::scrub::{Moment, Timeline};
 use crate::inspect::view::Range;
 use crate::inspect::{Intermediate, PixelReport, Stage, Survey, explain};
 use crate::measure::stages::{StageTimer, StageTimes};
-use crate::pipeline::LastStage;
 use crate::pipeline::observe::Counters;
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
@@ -390,19 +389,7 @@ impl StageMeasurement {
     pub(crate) fn step(&mut self) -> Option<StageFigures> {
         let RenderedView { request, frame, .. } = &self.view;
         let times = self.timer.step(&request.scene, &request.camera, &request.recipe, frame)?;
-        let BadFragments { counters, bad, .. } = count(request, frame);
+        let BadFragments { counters, bad, .. } = BadFragments::of(&request.scene, &request.recipe, frame);
         Some(StageFigures { times, counters, bad })
     }
-}
-
-/// Counts triangles and fragments without shading them. Every fragment that passes the depth test counts as shaded;
-/// without a depth buffer, every covered sample does.
-fn count(request: &Request, frame: &Frame) -> BadFragments {
-    let Request { scene, recipe, .. } = request;
-    let mut counting = BadFragments::new(recipe.pipeline);
-    chain::prepare_again(scene, recipe, frame, &mut counting);
-    let again = chain::redraw(scene, recipe, frame, LastStage::Depth, &mut counting);
-    let counters = &mut counting.counters;
-    counters.shaded = if again.depth.is_some() { counters.passed } else { counters.covered };
-    counting
 }

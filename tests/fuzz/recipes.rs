@@ -14,7 +14,7 @@ use crate::fuzz::driver::{Failure, LIMIT, Target};
 use crate::fuzz::input::Input;
 use crate::fuzz::mutate::{pick, word};
 use crate::fuzz::{equal, strings};
-use crate::internal::common::{SceneBuilder, in_cube, mesh, noise_texture, with_alpha};
+use crate::internal::scene_builder::{SceneBuilder, in_cube, mesh, noise_texture, with_alpha};
 
 /// Name of the input file that contains scene, views and settings.
 const FILE: &str = "scene.txt";

@@ -18,7 +18,7 @@ use crate::fuzz::driver::{Failure, Target};
 use crate::fuzz::input::Input;
 use crate::fuzz::mutate::{number, pick, word};
 use crate::fuzz::{equal, mutate};
-use crate::internal::common;
+use crate::internal::scene_builder;
 
 /// Name of the input file, which has one text per line, preceded by its kind.
 const FILE: &str = "texts.txt";
@@ -33,10 +33,11 @@ const CAMERA: &str = r#"{"eye":[1.5,1.2,3.0],"target":[0,0,0],"up":[0,1,0],"fov_
 static KEYS: LazyLock<Vec<(String, String)>> = LazyLock::new(Recipe::keys);
 
 /// Scene that is drawn and searched.
-static SCENE: LazyLock<Arc<Scene>> = LazyLock::new(|| Arc::new(common::ground_and_cube()));
+static SCENE: LazyLock<Arc<Scene>> = LazyLock::new(|| Arc::new(scene_builder::ground_and_cube()));
 
 /// Frame of [`SCENE`] with the default settings.
-static FRAME: LazyLock<Frame> = LazyLock::new(|| common::render(&SCENE, &Recipe::default(), (SIZE.width, SIZE.height)));
+static FRAME: LazyLock<Frame> =
+    LazyLock::new(|| scene_builder::render(&SCENE, &Recipe::default(), (SIZE.width, SIZE.height)));
 
 /// Fuzz target that parses damaged texts.
 pub(crate) struct Strings;

@@ -169,7 +169,7 @@ fn stages() -> impl Iterator<Item = (String, Image<Rgba8>)> {
 }
 
 fn golden_folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/golden")
 }
 
 /// Describes how a picture differs from its golden image; `None` if they are equal. Writes a wrong picture and its

@@ -1,5 +1,5 @@
-//! Checks the layering of modules by reading the sources: imports point only upstream, and only `ui` names the window
-//! toolkit.
+//! Checks the layering of modules by reading the sources of both crates: imports point only upstream, and only `ui`
+//! names the window toolkit.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,6 +7,9 @@ use std::path::{Path, PathBuf};
 /// Crates that only the module `ui` may name.
 const WINDOW_TOOLKIT: [&str; 7] =
     ["egui", "eframe", "egui_plot", "egui_extras", "egui_commonmark", "egui_kittest", "rfd"];
+
+/// Folder of the engine's crate in `src`.
+const ENGINE: &str = "engine";
 
 /// Markers of unfinished work, split so that this file does not contain them.
 const UNFINISHED: [[&str; 2]; 4] = [["TO", "DO"], ["FIX", "ME"], ["unimple", "mented"], ["to", "do"]];
@@ -18,9 +21,15 @@ struct Source {
 }
 
 impl Source {
-    /// Returns the top-level module that the file belongs to.
+    /// Returns whether the file belongs to the engine.
+    fn is_engine(&self) -> bool {
+        self.path.starts_with(ENGINE)
+    }
+
+    /// Returns the top-level module of its crate that the file belongs to.
     fn module(&self) -> String {
-        let first = self.path.iter().next().unwrap_or_default();
+        let within_crate = self.path.strip_prefix(ENGINE).unwrap_or(&self.path);
+        let first = within_crate.iter().next().unwrap_or_default();
         Path::new(first).with_extension("").display().to_string()
     }
 
@@ -53,19 +62,24 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
     text.split(|c: char| !c.is_alphanumeric() && c != '_')
 }
 
-/// Returns the library's modules in the order of their declaration, followed by `lib` and `main`.
+/// Returns the modules in the order of their declaration: those of the engine, those of the root package, and `main`.
+/// Each crate's `lib` follows its modules; the engine's is called `rasterscope_engine`, as in imports.
 fn order(sources: &[Source]) -> Vec<String> {
-    let library = sources.iter().find(|source| source.path == Path::new("lib.rs")).unwrap();
-    let declared =
-        library.code().filter_map(|(_, line)| Some(line.strip_prefix("pub mod ")?.strip_suffix(';')?.to_owned()));
-    declared.chain(["lib", "main"].map(str::to_owned)).collect()
+    let declared = |library: &str| {
+        let library = sources.iter().find(|source| source.path == Path::new(library)).unwrap();
+        let name = |line: &str| Some(line.strip_prefix("pub mod ")?.strip_suffix(';')?.to_owned());
+        library.code().filter_map(move |(_, line)| name(line)).collect::<Vec<_>>()
+    };
+    let names = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect::<Vec<_>>();
+    [declared("engine/lib.rs"), names(&["rasterscope_engine"]), declared("lib.rs"), names(&["lib", "main"])].concat()
 }
 
-/// Returns the top-level modules that `code` names after `crate::` or `rasterscope::`, singly or within braces.
+/// Returns the top-level modules that `code` names after `crate::`, `rasterscope::` or `rasterscope_engine::`, singly or
+/// within braces.
 fn imports(code: &str) -> Vec<String> {
-    let starts = code.match_indices("crate::").map(|(at, prefix)| (at, prefix.len()));
-    let starts = starts.chain(code.match_indices("rasterscope::").map(|(at, prefix)| (at, prefix.len())));
-    starts.flat_map(|(at, length)| named_modules(&code[at + length..])).collect()
+    let prefixes = ["crate::", "rasterscope::", "rasterscope_engine::"];
+    let starts = prefixes.iter().flat_map(|prefix| code.match_indices(prefix));
+    starts.flat_map(|(at, prefix)| named_modules(&code[at + prefix.len()..])).collect()
 }
 
 fn named_modules(rest: &str) -> Vec<String> {
@@ -87,7 +101,9 @@ fn imports_point_only_upstream() {
     let position = |module: &str| order.iter().position(|m| m == module);
     let mut found = 0;
     for source in &sources {
-        let own = position(&source.module()).unwrap_or_else(|| panic!("{} is in no module", source.path.display()));
+        let name = source.module();
+        let name = if source.is_engine() && name == "lib" { "rasterscope_engine" } else { &name };
+        let own = position(name).unwrap_or_else(|| panic!("{} is in no module", source.path.display()));
         let code: String = source.code().flat_map(|(_, line)| [line, "\n"]).collect();
         for import in imports(&code) {
             // Names that are not modules are macros of the crate.
@@ -104,11 +120,24 @@ fn import_groups_are_understood() {
     assert_eq!(imports("use crate::math;"), ["math"]);
     assert_eq!(imports("use crate::{image::{Image, Rgba8}, scene};"), ["image", "scene"]);
     assert_eq!(imports("let x = crate::chain::run(rasterscope::ui::start());"), ["chain", "ui"]);
+    assert_eq!(imports("pub use rasterscope_engine::{\n    case, text\n};"), ["case", "text"]);
+}
+
+#[test]
+fn the_root_package_re_exports_every_module_of_the_engine() {
+    let sources = sources();
+    let library = &sources.iter().find(|source| source.path == Path::new("lib.rs")).unwrap().text;
+    let (_, rest) = library.split_once("pub use rasterscope_engine::").unwrap();
+    let mut exported = named_modules(rest);
+    exported.sort_unstable();
+    let mut modules: Vec<_> = order(&sources).into_iter().take_while(|module| module != "rasterscope_engine").collect();
+    modules.sort_unstable();
+    assert_eq!(exported, modules);
 }
 
 #[test]
 fn only_the_window_names_its_toolkit() {
-    for source in sources().iter().filter(|source| source.module() != "ui") {
+    for source in sources().iter().filter(|source| source.is_engine() || source.module() != "ui") {
         let named = words(&source.text).find(|word| WINDOW_TOOLKIT.contains(word));
         assert_eq!(named, None, "in {}", source.path.display());
     }

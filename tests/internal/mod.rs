@@ -1,4 +1,4 @@
-//! Tests that span several modules of the library. They are compiled into it, because most of them need its internals.
+//! Tests that span several modules of the engine. They are compiled into it, because most of them need its internals.
 
 mod bad_input;
 mod cases;
@@ -8,20 +8,14 @@ mod exact_cases;
 mod fate_sums;
 mod fates;
 mod golden;
-mod layering;
 mod models;
 mod properties;
 mod replay;
 pub(crate) mod samples;
+pub(crate) mod scene_builder;
 mod shading;
 pub(crate) mod sound;
 mod stability_oracle;
 mod statements;
 mod tiled;
 mod trace;
-#[cfg(feature = "ui")]
-mod ui_pictures;
-#[cfg(feature = "window-tests")]
-mod window;
-#[cfg(feature = "ui")]
-mod worker;

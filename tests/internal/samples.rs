@@ -11,7 +11,7 @@ const EXTERNAL: [&str; 4] = ["bad", "cases", "images", "models"];
 /// Returns the folder of the project's own inputs. Panics if a part of it is missing, because the tests would then
 /// check nothing.
 pub(crate) fn own() -> PathBuf {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/inputs");
+    let folder = repository().join("tests/inputs");
     if let Some(missing) = missing(&folder, &OWN) {
         panic!("{} is missing: it belongs to the repository", missing.display());
     }
@@ -27,7 +27,7 @@ pub(crate) fn own() -> PathBuf {
 /// Panics if the variable names a folder without samples.
 pub(crate) fn external() -> Option<PathBuf> {
     let Some(named) = std::env::var_os("RASTERSCOPE_SAMPLES") else {
-        let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared");
+        let beside = repository().join("../shared");
         return missing(&beside, &EXTERNAL).is_none().then_some(beside);
     };
     if named.is_empty() {
@@ -38,6 +38,12 @@ pub(crate) fn external() -> Option<PathBuf> {
         panic!("external samples were named but are missing: RASTERSCOPE_SAMPLES needs {}", missing.display());
     }
     Some(folder)
+}
+
+/// Returns the top-level folder of the repository, which contains both crates.
+fn repository() -> &'static Path {
+    let crate_folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    crate_folder.ancestors().find(|folder| folder.join("tests").is_dir()).expect("the crates lie in the repository")
 }
 
 /// Returns the path of the first of the subfolders `parts` that does not exist in `folder`.

@@ -40,103 +40,103 @@ enum Proof {
 
 const CLAIMS: &[Claim] = &[
     Claim {
-        source: "src/antialias/settings.rs",
+        source: "src/engine/antialias/settings.rs",
         words: "Every square is subdivided, so the picture is that of the regular grid.",
-        proof: Proof::Test("src/antialias/pattern.rs", "a_quartered_pixel_has_the_places_of_a_regular_grid"),
+        proof: Proof::Test("src/engine/antialias/pattern.rs", "a_quartered_pixel_has_the_places_of_a_regular_grid"),
     },
     Claim {
-        source: "src/antialias/settings.rs",
+        source: "src/engine/antialias/settings.rs",
         words: "four steps along edges where the regular grid of four has two",
         proof: Proof::Here(rotated_grid_has_twice_the_steps),
     },
     Claim {
-        source: "src/antialias/settings.rs",
+        source: "src/engine/antialias/settings.rs",
         words: "as many steps as samples along vertical and horizontal edges",
         proof: Proof::Here(low_discrepancy_has_a_step_for_each_sample),
     },
     Claim {
-        source: "src/antialias/settings.rs",
+        source: "src/engine/antialias/settings.rs",
         words: "With 16, 64 or 256 samples it is closer to the truth than the regular grid on the scene chess",
         proof: Proof::Test("tests/program/claims.rs", "low_discrepancy_is_closer_on_chess"),
     },
     Claim {
-        source: "src/antialias/settings.rs",
+        source: "src/engine/antialias/settings.rs",
         words: "the regular grid is closer on edges in random directions",
         proof: Proof::Here(regular_grid_is_closer_on_edges_in_random_directions),
     },
     Claim {
-        source: "src/antialias/settings.rs",
+        source: "src/engine/antialias/settings.rs",
         words: "and with 16 samples on the scenes cubes and cel",
         proof: Proof::Test("tests/program/claims.rs", "regular_grid_is_closer_on_cubes_and_cel"),
     },
     Claim {
-        source: "src/antialias/settings.rs",
+        source: "src/engine/antialias/settings.rs",
         words: "nearly vertical or horizontal edges show only n steps",
         proof: Proof::Here(a_regular_grid_has_a_step_for_each_square_of_an_axis),
     },
     Claim {
-        source: "src/antialias/settings.rs",
+        source: "src/engine/antialias/settings.rs",
         words: "Inside surfaces, in textures and at alpha-tested edges, nothing improves.",
-        proof: Proof::Test("src/chain/samples.rs", "multisampling_leaves_the_inside_of_triangles_alone"),
+        proof: Proof::Test("src/engine/chain/samples.rs", "multisampling_leaves_the_inside_of_triangles_alone"),
     },
     Claim {
-        source: "src/antialias/settings.rs",
+        source: "src/engine/antialias/settings.rs",
         words: "as many samples as the converged reference",
         proof: Proof::Here(the_converged_reference_has_all_samples),
     },
     Claim {
-        source: "src/antialias/settings.rs",
+        source: "src/engine/antialias/settings.rs",
         words: "smooth edges at less cost than supersampling",
         proof: Proof::Command("bench chess --set antialias.method=multisample --set antialias.samples=16"),
     },
     Claim {
-        source: "src/antialias/settings.rs",
+        source: "src/engine/antialias/settings.rs",
         words: "The cost grows with the number of pixels and of edges, not with that of triangles: 1.4 to 3.8 ms at \
                 1920 × 1080 px with two threads (Zen 4), 23 to 84 % of the frame without it",
         proof: Proof::Command("bench chess --size 1920x1080 --threads 2 --set post.filter=fxaa"),
     },
     Claim {
-        source: "src/measure/reference.rs",
+        source: "src/engine/measure/reference.rs",
         words: "The mean of 256 low-discrepancy samples of every pixel in linear light",
         proof: Proof::Here(the_converged_reference_has_all_samples),
     },
     Claim {
-        source: "src/upscale/nearest.rs",
+        source: "src/engine/upscale/nearest.rs",
         words: "the picture moves right and down: by ½ px at ×1.5 and ×2, 1 px at ×3, 1½ px at ×4",
         proof: Proof::Here(nearest_from_the_corner_moves_the_picture),
     },
     Claim {
-        source: "src/upscale/bicubic.rs",
+        source: "src/engine/upscale/bicubic.rs",
         words: "Overshoots at hard edges by up to 6.5 % of their height",
         proof: Proof::Here(|| overshoots("bicubic", 6.5)),
     },
     Claim {
-        source: "src/upscale/cubic.rs",
+        source: "src/engine/upscale/cubic.rs",
         words: "Overshoots at hard edges by up to 7.5 % of their height",
         proof: Proof::Here(|| overshoots("catmull-rom", 7.5)),
     },
     Claim {
-        source: "src/upscale/cubic.rs",
+        source: "src/engine/upscale/cubic.rs",
         words: "overshoots by up to 4 % of an edge's height",
         proof: Proof::Here(|| overshoots("mitchell", 4.0)),
     },
     Claim {
-        source: "src/upscale/lanczos.rs",
+        source: "src/engine/upscale/lanczos.rs",
         words: "Overshoots at hard edges by up to 9 % of their height",
         proof: Proof::Here(|| overshoots("lanczos2", 9.0)),
     },
     Claim {
-        source: "src/upscale/lanczos.rs",
+        source: "src/engine/upscale/lanczos.rs",
         words: "Rings: up to 12 % of an edge's height beside it",
         proof: Proof::Here(|| overshoots("lanczos3", 12.0)),
     },
     Claim {
-        source: "src/upscale/bilinear.rs",
+        source: "src/engine/upscale/bilinear.rs",
         words: "never leaves the range of its neighbours",
         proof: Proof::Here(|| overshoots("bilinear", 0.0)),
     },
     Claim {
-        source: "src/upscale/choice.rs",
+        source: "src/engine/upscale/choice.rs",
         words: "Slower: each sample is decoded and each pixel encoded.",
         proof: Proof::Command(
             "diff chess --size 1920x1080 --set upscaler.method=bilinear --set upscaler.scale=2 \
@@ -144,27 +144,30 @@ const CLAIMS: &[Claim] = &[
         ),
     },
     Claim {
-        source: "src/upscale/checkerboard/mean.rs",
+        source: "src/engine/upscale/checkerboard/mean.rs",
         words: "half of the picture",
-        proof: Proof::Test("src/chain/whole.rs", "only_what_the_upscaler_reads_is_rasterized"),
+        proof: Proof::Test("src/engine/chain/whole.rs", "only_what_the_upscaler_reads_is_rasterized"),
     },
     Claim {
-        source: "src/upscale/checkerboard/edges.rs",
+        source: "src/engine/upscale/checkerboard/edges.rs",
         words: "Good on vertical and horizontal edges, which the plain checkerboard frays.",
-        proof: Proof::Test("src/upscale/checkerboard/edges.rs", "upright_and_level_edges_come_back_as_they_were"),
+        proof: Proof::Test(
+            "src/engine/upscale/checkerboard/edges.rs",
+            "upright_and_level_edges_come_back_as_they_were",
+        ),
     },
     Claim {
-        source: "src/upscale/checkerboard/edges.rs",
+        source: "src/engine/upscale/checkerboard/edges.rs",
         words: "because half of them was never drawn",
-        proof: Proof::Test("src/chain/whole.rs", "only_what_the_upscaler_reads_is_rasterized"),
+        proof: Proof::Test("src/engine/chain/whole.rs", "only_what_the_upscaler_reads_is_rasterized"),
     },
     Claim {
-        source: "src/upscale/checkerboard/surfaces.rs",
+        source: "src/engine/upscale/checkerboard/surfaces.rs",
         words: "Half of the pixels are shaded",
-        proof: Proof::Test("src/chain/whole.rs", "only_what_the_upscaler_reads_is_rasterized"),
+        proof: Proof::Test("src/engine/chain/whole.rs", "only_what_the_upscaler_reads_is_rasterized"),
     },
     Claim {
-        source: "src/upscale/checkerboard/surfaces.rs",
+        source: "src/engine/upscale/checkerboard/surfaces.rs",
         words: "it saves time where shading costs more than that, as with supersampling",
         proof: Proof::Command(
             "diff chess --set antialias.method=regular --set antialias.samples=16 \
@@ -172,32 +175,32 @@ const CLAIMS: &[Claim] = &[
         ),
     },
     Claim {
-        source: "src/upscale/accumulation.rs",
+        source: "src/engine/upscale/accumulation.rs",
         words: "upscaled ones regain detail that a single frame lacks",
-        proof: Proof::Test("src/chain/tests.rs", "enlarged_accumulation_regains_what_one_frame_has_not"),
+        proof: Proof::Test("src/engine/chain/tests.rs", "enlarged_accumulation_regains_what_one_frame_has_not"),
     },
     Claim {
-        source: "src/upscale/checkerboard/temporal.rs",
+        source: "src/engine/upscale/checkerboard/temporal.rs",
         words: "In a still view the picture equals native rendering from the second frame on, bit for bit.",
-        proof: Proof::Test("src/chain/tests.rs", "a_settled_picture_changes_no_more"),
+        proof: Proof::Test("src/engine/chain/tests.rs", "a_settled_picture_changes_no_more"),
     },
     Claim {
-        source: "src/upscale/accumulation.rs",
+        source: "src/engine/upscale/accumulation.rs",
         words: "Still pictures become the mean of 16 samples of each pixel, one per frame, and then stay unchanged",
-        proof: Proof::Test("src/chain/tests.rs", "accumulation_comes_to_the_mean_of_its_samples"),
+        proof: Proof::Test("src/engine/chain/tests.rs", "accumulation_comes_to_the_mean_of_its_samples"),
     },
     Claim {
-        source: "src/pipeline/settings.rs",
+        source: "src/engine/pipeline/settings.rs",
         words: "the ground truth, but slower",
         proof: Proof::Command("diff chess --set execution=classic --set arithmetic=exact --against arithmetic=fixed"),
     },
     Claim {
-        source: "src/pipeline/settings.rs",
+        source: "src/engine/pipeline/settings.rs",
         words: "always correct, but slower",
         proof: Proof::Command("diff stained-glass --set blending.order=exact --against blending.order=triangles"),
     },
     Claim {
-        source: "src/pipeline/settings.rs",
+        source: "src/engine/pipeline/settings.rs",
         words: "always correct",
         proof: Proof::Test(
             "tests/internal/properties/transparency.rs",
@@ -205,7 +208,7 @@ const CLAIMS: &[Claim] = &[
         ),
     },
     Claim {
-        source: "src/pipeline/settings.rs",
+        source: "src/engine/pipeline/settings.rs",
         words: "at most 2⁻²³ of the distance from it",
         proof: Proof::Test(
             "tests/internal/properties/depth.rs",
@@ -213,17 +216,17 @@ const CLAIMS: &[Claim] = &[
         ),
     },
     Claim {
-        source: "src/pipeline/settings.rs",
+        source: "src/engine/pipeline/settings.rs",
         words: "floats are finest where perspective is coarsest, so distant surfaces z-fight less",
         proof: Proof::Test("tests/internal/depth_cases.rs", "close_surfaces_tie_as_often_as_theory_says"),
     },
     Claim {
-        source: "src/pipeline/settings.rs",
+        source: "src/engine/pipeline/settings.rs",
         words: "in perspective nearly all steps lie close to the near plane",
         proof: Proof::Here(nearly_all_steps_lie_near),
     },
     Claim {
-        source: "src/pipeline/settings.rs",
+        source: "src/engine/pipeline/settings.rs",
         words: "Shared edges are drawn exactly once.",
         proof: Proof::Test(
             "tests/internal/properties/coverage.rs",
@@ -231,24 +234,24 @@ const CLAIMS: &[Claim] = &[
         ),
     },
     Claim {
-        source: "src/pipeline/settings.rs",
+        source: "src/engine/pipeline/settings.rs",
         words: "shared edges are drawn twice",
-        proof: Proof::Test("src/lab/tests.rs", "a_shared_side_is_drawn_once_by_sound_rules_and_not_by_others"),
+        proof: Proof::Test("src/engine/lab/tests.rs", "a_shared_side_is_drawn_once_by_sound_rules_and_not_by_others"),
     },
     Claim {
-        source: "src/pipeline/settings.rs",
+        source: "src/engine/pipeline/settings.rs",
         words: "Opaque textures look the same either way.",
         proof: Proof::Test("tests/internal/shading.rs", "opaque_textures_are_the_same_under_both_alpha_modes"),
     },
     Claim {
-        source: "src/pipeline/settings.rs",
+        source: "src/engine/pipeline/settings.rs",
         words: "the time shows what skipping the parts saves",
         proof: Proof::Test("tests/internal/tiled/mod.rs", "every_switch_gives_the_same_picture"),
     },
     Claim {
-        source: "src/scene/builtin/cubes.rs",
+        source: "src/engine/scene/builtin/cubes.rs",
         words: "shows what sharing a mesh saves",
-        proof: Proof::Test("src/scene/builtin/cubes.rs", "cubes_share_one_mesh_and_so_a_fraction_of_the_memory"),
+        proof: Proof::Test("src/engine/scene/builtin/cubes.rs", "cubes_share_one_mesh_and_so_a_fraction_of_the_memory"),
     },
     Claim {
         source: "assets/manual/03-stages.md",
@@ -258,7 +261,7 @@ const CLAIMS: &[Claim] = &[
     Claim {
         source: "assets/manual/05-error-against-time.md",
         words: "the floor is the 90th percentile of the relative differences of all pairs",
-        proof: Proof::Test("src/measure/noise.rs", "the_floor_is_the_90th_percentile_of_the_medians_of_blocks"),
+        proof: Proof::Test("src/engine/measure/noise.rs", "the_floor_is_the_90th_percentile_of_the_medians_of_blocks"),
     },
     Claim {
         source: "assets/manual/11-case-files.md",
@@ -269,14 +272,14 @@ const CLAIMS: &[Claim] = &[
         source: "assets/manual/11-case-files.md",
         words: "answers whose lists take more than 192 MiB are refused before they are computed",
         proof: Proof::Test(
-            "src/case/control/tests.rs",
+            "src/engine/case/control/tests.rs",
             "answers_beyond_the_limit_are_refused_quickly_and_name_the_limit",
         ),
     },
     Claim {
         source: "assets/manual/13-conventions.md",
         words: "onto a grid of 1/256 px before any edge is built",
-        proof: Proof::Test("src/math/fixed.rs", "snapping_rounds_to_nearest_with_ties_to_even"),
+        proof: Proof::Test("src/engine/math/fixed.rs", "snapping_rounds_to_nearest_with_ties_to_even"),
     },
     Claim {
         source: "assets/manual/02-inspecting-a-pixel.md",
@@ -289,7 +292,7 @@ const CLAIMS: &[Claim] = &[
     Claim {
         source: "assets/manual/04-comparing-upscalers.md",
         words: "after 2 and 16 frames, and so do the commands: further frames of that view are equal, bit for bit",
-        proof: Proof::Test("src/chain/tests.rs", "a_settled_picture_changes_no_more"),
+        proof: Proof::Test("src/engine/chain/tests.rs", "a_settled_picture_changes_no_more"),
     },
     Claim {
         source: "assets/manual/13-conventions.md",
@@ -427,10 +430,10 @@ fn every_help_text_that_compares_has_its_claims_in_the_table() {
 #[test]
 fn claims_that_were_refuted_stay_out() {
     let refuted = [
-        ("src/antialias/settings.rs", "a few percent"),
-        ("src/antialias/settings.rs", "Converges fastest"),
-        ("src/antialias/settings.rs", "as good as the truth"),
-        ("src/upscale/nearest.rs", "(scale − 1)/2"),
+        ("src/engine/antialias/settings.rs", "a few percent"),
+        ("src/engine/antialias/settings.rs", "Converges fastest"),
+        ("src/engine/antialias/settings.rs", "as good as the truth"),
+        ("src/engine/upscale/nearest.rs", "(scale − 1)/2"),
         ("assets/manual/13-conventions.md", "| pairs that tie |"),
     ];
     for (file, words) in refuted {

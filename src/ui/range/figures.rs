@@ -100,7 +100,9 @@ mod tests {
 
     #[test]
     fn without_finite_values_there_are_only_counts() {
-        let texts = texts(&Statistics::of([f32::NAN, f32::INFINITY]));
+        let mut statistics = Statistics::default();
+        [f32::NAN, f32::INFINITY].into_iter().for_each(|value| statistics.add(value));
+        let texts = texts(&statistics);
         assert_eq!(texts.each_ref().map(String::as_str), ["0", "–", "–", "–", "–", "1", "1"]);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::chain::{Frame, run};
+use crate::chain::{Frame, run_unobserved};
 use crate::inspect::scrub::{BUDGET, Moment, Scrubber, Timeline, TouchPrecision, touches};
 use crate::pipeline::partial;
 use crate::ui::engine::Request;
@@ -36,7 +36,7 @@ impl Reel {
         let Request { scene, camera, recipe, viewport, .. } = request;
         // An upscaler's history would show triangles that are not drawn yet at earlier moments.
         let whole = whole.filter(|frame| frame.history.is_none());
-        let complete_frame = whole.unwrap_or_else(|| Arc::new(run(scene, camera, recipe, *viewport, &mut ())));
+        let complete_frame = whole.unwrap_or_else(|| Arc::new(run_unobserved(scene, camera, recipe, *viewport)));
         let scrubber = Scrubber::new(scene, recipe, &complete_frame, BUDGET);
         let timeline = Timeline::new(scrubber.geometry());
         Self { request: request.clone(), complete_frame, scrubber, timeline, touched: None }

@@ -1,0 +1,267 @@
+//! Finished frame, with its inputs and timings.
+
+use std::fmt;
+use std::ops::{Deref, DerefMut};
+use std::sync::{Arc, OnceLock};
+use std::time::Duration;
+
+use super::Recipe;
+use super::finish::{Finished, Spare, Unfiltered, finish};
+use super::view::{frame_inputs, raster_camera, sampling_after};
+use crate::antialias::settings::Antialiasing;
+use crate::image::{Image, Rgba8};
+use crate::pipeline::Geometry;
+use crate::pipeline::depth::DepthScale;
+use crate::pipeline::framebuffer::Framebuffer;
+use crate::pipeline::plan::DrawPlan;
+use crate::pipeline::settings::Execution;
+use crate::pipeline::tiled::TiledReport;
+use crate::pipeline::triangle_list::TriangleList;
+use crate::pipeline::viewport::{ScreenTriangle, Viewport};
+use crate::scene::Camera;
+use crate::upscale::{GBuffer, History, Sampling, UpscaleInputs};
+
+/// Wall-clock time of each part of a frame.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FrameTimes {
+    /// Time spent in the geometry stages, from plan to cull, summed over all passes.
+    pub(crate) geometry: Duration,
+    /// Time spent in the pixel stages, from rasterize to shade, summed over all passes; includes the averaging of
+    /// samples if sample positions differ from pixel to pixel.
+    pub(crate) pixels: Duration,
+    /// Time spent averaging the supersampling passes.
+    pub(crate) resolve: Duration,
+    /// Time spent drawing the G-buffer, for upscalers that read it.
+    pub(crate) surfaces: Duration,
+    /// Time spent filling in pixels that were not drawn, and storing the frame as history.
+    pub(crate) upscale: Duration,
+    /// Time spent on the post filter and the wireframe.
+    pub(crate) post: Duration,
+    /// Total time from the plan to the finished picture.
+    pub total: Duration,
+}
+
+/// Finished frame with its inputs and intermediate results.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// Finished picture at full resolution; `None` if the drawn picture is already the finished one.
+    pub(super) finished: Option<Image<Rgba8>>,
+    /// Full-resolution picture before the post filter and the wireframe.
+    pub(super) unfiltered: Unfiltered,
+    /// Accumulated picture of the upscaler; `None` if the upscaler accumulates none, or after the picture has been
+    /// moved into a [`History`].
+    pub(super) upscaler_history: Option<Image<[f32; 4]>>,
+    /// Drawn pixels before upscaling: the colour of each, averaged over its samples, and the depth at its centre.
+    pub drawn: Framebuffer,
+    /// Anti-aliasing settings of the drawn pixels.
+    pub antialias: Antialiasing,
+    /// Camera of the view, before it is shifted to the sample positions.
+    pub(crate) camera: Camera,
+    /// G-buffer at full resolution; `None` unless the upscaler reads it and the depth test is on.
+    pub(crate) gbuffer: Option<Arc<GBuffer>>,
+    /// Preceding frame as history; `None` unless the upscaler reads history and a preceding frame exists.
+    pub history: Option<Arc<History>>,
+    /// Geometry of the frame: the list of rasterized triangles, computed on first access.
+    pub geometry: LazyGeometry,
+    /// Draw plans, one per instance.
+    pub plans: Arc<Vec<DrawPlan>>,
+    /// Size of the full picture, in pixels.
+    pub viewport: Viewport,
+    /// Size, in pixels, of the picture to which `geometry` and `drawn` belong: the full picture, or a smaller one of
+    /// the same view.
+    pub raster: Viewport,
+    /// Positions of the drawn samples in the full picture.
+    pub sampling: Sampling,
+    /// Triangles for the wireframe, with corners in pixels of the full picture; `None` unless the wireframe is drawn
+    /// and `geometry` belongs to a smaller picture.
+    pub(super) outlines: Option<TriangleList>,
+    /// Execution mode, classic or tiled, in which the frame was drawn.
+    pub execution: Execution,
+    /// Wall-clock time of each part of the frame.
+    pub times: FrameTimes,
+    /// Counts and times of the tiled execution; `None` for the classic one.
+    pub tiled: Option<TiledReport>,
+}
+
+impl Frame {
+    /// Returns the finished picture at full resolution.
+    pub fn image(&self) -> &Image<Rgba8> {
+        self.finished.as_ref().unwrap_or(&self.drawn.color)
+    }
+
+    /// Returns the full-resolution picture before the post filter and the wireframe. This is the finished picture if
+    /// neither was applied.
+    pub(crate) fn unfiltered(&self) -> &Image<Rgba8> {
+        match &self.unfiltered {
+            Unfiltered::Finished => self.image(),
+            Unfiltered::Drawn => &self.drawn.color,
+            Unfiltered::Kept(picture) => picture,
+        }
+    }
+
+    /// Returns the inputs of the upscaler, with `color` as the drawn colours.
+    pub(crate) fn as_drawn<'a>(&'a self, color: &'a Image<Rgba8>) -> UpscaleInputs<'a> {
+        UpscaleInputs { color, frame: frame_inputs(self.gbuffer.as_deref(), &self.camera, self.history.as_deref()) }
+    }
+
+    /// Returns whether the next frame of the same view may improve, because the upscaler's history has not converged
+    /// yet.
+    pub fn is_converging(&self, recipe: &Recipe) -> bool {
+        let before =
+            self.history.as_ref().filter(|past| past.camera == self.camera).map_or(0, |past| past.still_frames);
+        self.gbuffer.is_some() && before + 1 < recipe.upscaler.upscaler().converges_after(recipe.upscaler)
+    }
+
+    /// Decomposes the frame into buffers for reuse: the drawn samples, the full-resolution picture if it is stored
+    /// separately, and the history unless it is still referenced elsewhere.
+    pub(super) fn into_buffers(self) -> (Framebuffer, Option<Image<Rgba8>>, Option<History>) {
+        let full = match self.unfiltered {
+            Unfiltered::Kept(picture) => Some(picture),
+            Unfiltered::Finished | Unfiltered::Drawn => self.finished,
+        };
+        (self.drawn, full, self.history.and_then(Arc::into_inner))
+    }
+
+    /// Returns the history that the next frame may read, or `None` if the upscaler reads no history or the frame has no
+    /// G-buffer. Reuses the spare buffer. Must be called at most once.
+    pub(super) fn take_history(&mut self, recipe: &Recipe, spare: Option<Image<Rgba8>>) -> Option<History> {
+        let surfaces = self.gbuffer.clone().filter(|_| recipe.upscaler.upscaler().reads().history)?;
+        let memory = self.upscaler_history.take();
+        let picture = memory.is_none().then(|| {
+            let (width, height) = self.unfiltered().size();
+            let mut copy = Image::reusing(spare, width, height, [0; 4]);
+            copy.pixels_mut().copy_from_slice(self.unfiltered().pixels());
+            copy
+        });
+        let still = self.history.as_ref().filter(|past| past.camera == self.camera).map_or(0, |past| past.still_frames);
+        Some(History {
+            picture,
+            accumulated: memory,
+            surfaces,
+            camera: self.camera,
+            frames: self.history.as_ref().map_or(0, |past| past.frames.wrapping_add(1)),
+            still_frames: still + 1,
+        })
+    }
+
+    /// Returns the fraction of the picture's pixels that were drawn, in [0, 1].
+    pub fn drawn_share(&self) -> f64 {
+        let Viewport { width, height } = self.viewport;
+        self.drawn_pixels() as f64 / (f64::from(width) * f64::from(height))
+    }
+
+    /// Returns the number of drawn pixels.
+    pub fn drawn_pixels(&self) -> u64 {
+        self.drawn.grid.drawn_pixels(self.raster.width, self.raster.height)
+    }
+
+    /// Returns whether a pixel of the full picture was drawn, rather than filled in by the upscaler.
+    pub fn is_drawn(&self, x: u32, y: u32) -> bool {
+        matches!(self.sampling, Sampling::Grid(grid) if grid.sample_at(x, y).is_some())
+    }
+
+    /// Returns the position in the framebuffer, as (column, row), of the sample of a pixel; `None` if the pixel was not
+    /// drawn. With [`Sampling::Lattice`], samples do not coincide with pixels, and the nearest sample is returned.
+    pub(crate) fn sample_at(&self, x: u32, y: u32) -> Option<(u32, u32)> {
+        match self.sampling {
+            Sampling::Grid(grid) => grid.sample_at(x, y),
+            Sampling::Lattice(lattice) => {
+                Some((lattice.nearest(x, self.raster.width), lattice.nearest(y, self.raster.height)))
+            }
+        }
+    }
+
+    /// Returns the pixel of the full picture that contains a sample of the framebuffer.
+    pub fn pixel_of(&self, sample: (u32, u32)) -> (u32, u32) {
+        self.sampling.pixel(sample, (self.viewport.width, self.viewport.height))
+    }
+
+    /// Returns the rasterized triangles, with corners in pixels of the full picture. The list is empty if the frame was
+    /// rasterized at a lower resolution and without the wireframe.
+    pub(crate) fn outlines(&self) -> &[ScreenTriangle] {
+        match self.sampling {
+            Sampling::Grid(_) => &self.geometry.triangles,
+            Sampling::Lattice(_) => self.outlines.as_deref().unwrap_or_default(),
+        }
+    }
+
+    /// Returns the number of rasterized triangles, counting each piece of a clipped triangle.
+    pub fn rasterized(&self) -> usize {
+        self.tiled.as_ref().map_or_else(|| self.geometry.triangles.len(), |report| report.counts.rasterized as usize)
+    }
+
+    /// Returns the camera with which the frame was rasterized: the camera of the view, shifted to the sample positions
+    /// if necessary. `recipe` must be the recipe of the frame.
+    pub(crate) fn drawn_from(&self, recipe: &Recipe) -> Camera {
+        let (_, place) = sampling_after(self.history.as_deref(), recipe);
+        raster_camera(&self.camera, self.sampling, self.viewport, place)
+    }
+
+    /// Returns the mapping between view distances and stored depths of the frame.
+    pub fn depth_scale(&self) -> &DepthScale {
+        &self.drawn.depth_scale
+    }
+
+    /// Returns the frame as it looks at an intermediate point of drawing. `drawn` holds the samples drawn up to that
+    /// point, one per pixel, and `geometry` the triangles drawn up to that point.
+    pub fn at_moment(&self, recipe: &Recipe, drawn: Framebuffer, geometry: Geometry) -> Self {
+        let Finished { picture, unfiltered, .. } = {
+            let triangles = || self.outlines.as_ref().unwrap_or(&geometry.triangles);
+            finish(recipe, &self.as_drawn(&drawn.color), self.viewport, Spare::default(), triangles)
+        };
+        Self {
+            finished: picture,
+            unfiltered,
+            upscaler_history: None,
+            drawn,
+            antialias: Antialiasing::default(),
+            camera: self.camera,
+            gbuffer: self.gbuffer.clone(),
+            history: self.history.clone(),
+            geometry: LazyGeometry::made(geometry),
+            plans: Arc::clone(&self.plans),
+            viewport: self.viewport,
+            raster: self.raster,
+            sampling: self.sampling,
+            outlines: self.outlines.clone(),
+            execution: Execution::Classic,
+            times: self.times,
+            tiled: None,
+        }
+    }
+}
+
+/// Geometry of a frame, computed on first access, because the tiled execution does not need it in this form.
+#[derive(Clone)]
+pub struct LazyGeometry {
+    pub(super) made: OnceLock<Geometry>,
+    pub(super) make: Arc<dyn Fn() -> Geometry + Send + Sync>,
+}
+
+impl LazyGeometry {
+    pub(super) fn made(geometry: Geometry) -> Self {
+        Self { made: geometry.into(), make: Arc::new(Geometry::default) }
+    }
+}
+
+impl fmt::Debug for LazyGeometry {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("LazyGeometry").field(&self.made).finish()
+    }
+}
+
+impl Deref for LazyGeometry {
+    type Target = Geometry;
+
+    fn deref(&self) -> &Geometry {
+        self.made.get_or_init(|| (self.make)())
+    }
+}
+
+impl DerefMut for LazyGeometry {
+    fn deref_mut(&mut self) -> &mut Geometry {
+        let made = self.made.take().unwrap_or_else(|| (self.make)());
+        self.made = made.into();
+        self.made.get_mut().expect("was set in the line above")
+    }
+}

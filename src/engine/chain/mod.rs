@@ -1,0 +1,26 @@
+//! Entry point for drawing, shared by the window, the command line, reports and tests: renders a [`Frame`] of a scene
+//! as seen by a camera, with the settings of a [`Recipe`].
+
+mod finish;
+mod frame;
+mod pixel_samples;
+mod recipe;
+mod renderer;
+mod run;
+pub mod samples;
+#[cfg(test)]
+mod tests;
+mod view;
+pub mod whole;
+
+pub use frame::Frame;
+pub(crate) use frame::FrameTimes;
+pub use recipe::Recipe;
+pub use recipe::SetError;
+pub use renderer::KeepDepth;
+pub use renderer::Renderer;
+pub use renderer::execution;
+pub(crate) use run::prepare_again;
+pub(crate) use run::redraw;
+pub use run::run;
+pub use run::run_unobserved;

@@ -1,0 +1,132 @@
+//! Optional parts of drawing a frame that belong to no single draw, such as upscaling and the post filter: whether each
+//! part runs, and the reason if it is skipped.
+
+use serde::Serialize;
+
+use super::view::{gbuffer_recipe, raster_viewport};
+use super::{KeepDepth, Recipe, execution};
+use crate::pipeline::plan::PlanStep;
+use crate::pipeline::settings::{DepthTest, Execution};
+use crate::pipeline::viewport::Viewport;
+use crate::scene::Scene;
+
+/// Optional part of drawing a frame that concerns the frame as a whole, not a single draw.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FramePart {
+    /// Rasterizing and shading every pixel of the picture.
+    EveryPixel,
+    /// Drawing a full-resolution G-buffer (object and distance per pixel), unless the preceding frame had the same
+    /// view.
+    Surfaces,
+    /// Drawing several samples per pixel.
+    AntiAliasing,
+    /// Storing the depths of the whole picture, not only of the tile that is being drawn.
+    KeptDepths,
+    /// Filling in pixels that were not drawn.
+    Upscaling,
+    /// Filtering the finished picture.
+    Filter,
+    /// Drawing the edges of triangles over the finished picture.
+    Wireframe,
+}
+
+impl FramePart {
+    /// All parts, in the order of the stages.
+    pub const ALL: [Self; 7] = [
+        Self::EveryPixel,
+        Self::Surfaces,
+        Self::AntiAliasing,
+        Self::KeptDepths,
+        Self::Upscaling,
+        Self::Filter,
+        Self::Wireframe,
+    ];
+
+    /// Returns the display name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::EveryPixel => "Every pixel",
+            Self::Surfaces => "Full-size G-buffer",
+            Self::AntiAliasing => "Anti-aliasing",
+            Self::KeptDepths => "Stored depths",
+            Self::Upscaling => "Upscaling",
+            Self::Filter => "Post filter",
+            Self::Wireframe => "Wireframe",
+        }
+    }
+
+    /// Returns whether a frame runs the part, with the reason if it does not.
+    pub fn step(self, scene: &Scene, recipe: &Recipe, keep_depth: KeepDepth) -> PlanStep {
+        let (native, depth_test) = (recipe.upscaler.is_native(), recipe.pipeline.depth_test);
+        let tiled = execution(scene, recipe).0 == Execution::Tiled;
+        PlanStep::unless(match self {
+            Self::EveryPixel => (!native).then_some("the upscaler reads fewer and fills in the rest"),
+            Self::Surfaces if gbuffer_recipe(recipe).is_some() => None,
+            Self::Surfaces if recipe.upscaler.upscaler().reads().gbuffer => Some("the depth test is off"),
+            Self::Surfaces => Some("the upscaler reads no G-buffer"),
+            Self::AntiAliasing => recipe.antialias.is_off().then_some("the setting is one sample per pixel"),
+            Self::KeptDepths if depth_test == DepthTest::Off => Some("the depth test is off"),
+            Self::KeptDepths => {
+                (tiled && keep_depth == KeepDepth::No).then_some("nothing reads them after a tile is drawn")
+            }
+            Self::Upscaling => native.then_some("every pixel is drawn"),
+            Self::Filter => recipe.post.is_off().then_some("no filter is selected"),
+            Self::Wireframe => (!recipe.wireframe).then_some("wireframe is off"),
+        })
+    }
+}
+
+/// Returns the maximum number of pixels rasterized per frame for a picture of this size.
+pub(crate) fn rasterized_pixels(recipe: &Recipe, viewport: Viewport) -> u64 {
+    let sampling = recipe.upscaler.sampling();
+    let Viewport { width, height } = raster_viewport(sampling, viewport);
+    sampling.grid().drawn_pixels(width, height)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::chain::Renderer;
+    use crate::scene::builtin::workload::layers;
+    use crate::upscale::Upscaling;
+
+    /// Picture size in pixels. Width and height are divisible by 3 and 4, so every upscaler's sample grid fits the
+    /// picture exactly.
+    const SIZE: Viewport = Viewport { width: 96, height: 48 };
+
+    #[test]
+    fn only_what_the_upscaler_reads_is_rasterized() {
+        let scene = Arc::new(layers(1));
+        for upscaler in Upscaling::every() {
+            let recipe = Recipe { upscaler, ..Recipe::default() };
+            let frame = Renderer::default().render(&scene, &scene.home, &recipe, SIZE, KeepDepth::No);
+            let shaded = frame.tiled.as_ref().unwrap().counts.shaded;
+            assert_eq!(shaded, rasterized_pixels(&recipe, SIZE), "{upscaler:?}");
+            let all = FramePart::EveryPixel.step(&scene, &recipe, KeepDepth::No).runs();
+            assert_eq!(all, shaded == 96 * 48 && upscaler.is_native(), "{upscaler:?}");
+        }
+    }
+
+    #[test]
+    fn what_runs_is_what_the_frame_holds() {
+        let scene = Arc::new(layers(1));
+        for (settings, keep) in [
+            (&["depth_test=less"][..], KeepDepth::No),
+            (&["depth_test=off"], KeepDepth::Yes),
+            (&["upscaler.method=checkerboard-surfaces"], KeepDepth::Yes),
+            (&["upscaler.method=checkerboard-surfaces", "depth_test=off"], KeepDepth::Yes),
+            (&["execution=classic"], KeepDepth::No),
+        ] {
+            let mut recipe = Recipe::default();
+            recipe.set_all(settings).unwrap();
+            let frame = Renderer::default().render(&scene, &scene.home, &recipe, SIZE, keep);
+            let runs = |part: FramePart| part.step(&scene, &recipe, keep).runs();
+            assert_eq!(runs(FramePart::KeptDepths), frame.drawn.depth.is_some(), "{settings:?}");
+            assert_eq!(runs(FramePart::Surfaces), frame.gbuffer.is_some(), "{settings:?}");
+            assert_eq!(runs(FramePart::Upscaling), !std::ptr::eq(frame.image(), &frame.drawn.color), "{settings:?}");
+        }
+    }
+}

@@ -1,0 +1,396 @@
+//! SIMD on eight or sixteen lanes at a time, with an instruction set selected at run time.
+//!
+//! Kernels are written once, generic over [`Simd`], and compiled for AVX-512, for AVX2 and for the baseline of the
+//! architecture. Sums, products, quotients, square roots and conversions are correctly rounded in all three, and none
+//! uses fused multiply-add. All three therefore give bit-identical results.
+
+#[cfg(target_arch = "x86_64")]
+use std::sync::LazyLock;
+
+pub(crate) use fearless_simd::Level;
+pub(crate) use fearless_simd::Simd;
+pub(crate) use fearless_simd::f32x4;
+pub(crate) use fearless_simd::f32x8;
+pub(crate) use fearless_simd::f32x16;
+pub(crate) use fearless_simd::f64x4;
+pub(crate) use fearless_simd::f64x8;
+pub(crate) use fearless_simd::i16x16;
+pub(crate) use fearless_simd::i16x32;
+pub(crate) use fearless_simd::i32x8;
+pub(crate) use fearless_simd::i32x16;
+pub(crate) use fearless_simd::mask16x32;
+pub(crate) use fearless_simd::mask32x8;
+pub(crate) use fearless_simd::mask32x16;
+pub(crate) use fearless_simd::mask64x8;
+pub(crate) use fearless_simd::prelude::*;
+pub(crate) use fearless_simd::u8x32;
+pub(crate) use fearless_simd::u8x64;
+pub(crate) use fearless_simd::u16x32;
+pub(crate) use fearless_simd::u32x4;
+pub(crate) use fearless_simd::u32x8;
+pub(crate) use fearless_simd::u32x16;
+pub(crate) use fearless_simd::u64x2;
+pub(crate) use fearless_simd::u64x8;
+
+/// Instruction set that every processor of the architecture has: SSE2.
+#[cfg(target_arch = "x86_64")]
+type Baseline = fearless_simd::x86::Sse2;
+
+/// Instruction set that every processor of the architecture has: plain scalar code.
+#[cfg(not(target_arch = "x86_64"))]
+type Baseline = fearless_simd::Fallback;
+
+/// Number of lanes that a kernel processes at a time.
+pub(crate) const LANES: usize = 8;
+
+/// Number of lanes that an `f32`-only kernel processes at a time. Processors with registers of sixteen floats then need
+/// half as many instructions.
+pub(crate) const WIDE: usize = 2 * LANES;
+
+/// Vector of eight `f32` lanes.
+pub(crate) type F32<S> = f32x8<S>;
+
+/// Vector of eight `f64` lanes.
+pub(crate) type F64<S> = f64x8<S>;
+
+/// SIMD instruction set that kernels run with, selected at run time.
+#[derive(Clone, Copy, Debug)]
+pub enum Lanes {
+    /// AVX-512 with the extensions of Ice Lake, Zen 4 and later processors: eight doubles per register.
+    #[cfg(target_arch = "x86_64")]
+    Avx512(fearless_simd::x86::Avx512),
+    /// AVX2: eight floats per register.
+    #[cfg(target_arch = "x86_64")]
+    Avx2(fearless_simd::x86::Avx2),
+    /// Baseline of the architecture: SSE2, or plain scalar code.
+    Baseline(Baseline),
+}
+
+impl Lanes {
+    /// Returns the best instruction set that this processor supports.
+    pub fn best() -> Self {
+        Self::avx512().or_else(Self::avx2).unwrap_or_else(Self::baseline)
+    }
+
+    /// Returns all instruction sets that this processor supports, best first.
+    pub(crate) fn all() -> impl Iterator<Item = Self> {
+        [Self::avx512(), Self::avx2(), Some(Self::baseline())].into_iter().flatten()
+    }
+
+    /// Returns each of [`Lanes::all`] twice: without hardware gathers (`false`) and with them (`true`).
+    #[cfg(test)]
+    pub(crate) fn all_with_and_without_gathers() -> impl Iterator<Item = (Self, bool)> {
+        Self::all().flat_map(|lanes| [(lanes, false), (lanes, true)])
+    }
+
+    /// Returns AVX-512, or `None` if this processor does not support it.
+    pub(crate) fn avx512() -> Option<Self> {
+        #[cfg(target_arch = "x86_64")]
+        return Level::new().as_avx512().map(Self::Avx512);
+        #[cfg(not(target_arch = "x86_64"))]
+        return None;
+    }
+
+    /// Returns AVX2, or `None` if this processor does not support it.
+    pub fn avx2() -> Option<Self> {
+        #[cfg(target_arch = "x86_64")]
+        return Level::new().as_avx2().map(Self::Avx2);
+        #[cfg(not(target_arch = "x86_64"))]
+        return None;
+    }
+
+    /// Returns the baseline of the architecture: SSE2.
+    #[cfg(target_arch = "x86_64")]
+    pub fn baseline() -> Self {
+        Self::Baseline(Level::new().as_sse2().expect("every x86-64 processor has SSE2"))
+    }
+
+    /// Returns the baseline of the architecture: plain scalar code.
+    #[cfg(not(target_arch = "x86_64"))]
+    pub(crate) fn baseline() -> Self {
+        Self::Baseline(Baseline::new())
+    }
+
+    /// Returns the display name of the instruction set.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512(_) => "AVX-512",
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(_) => "AVX2",
+            Self::Baseline(_) => "baseline",
+        }
+    }
+}
+
+/// Returns whether kernels should use hardware gathers: `true` on x86-64 processors except AMD's. Gathers are faster
+/// than scalar loads on Intel processors with AVX-512. AMD processors load the elements one by one, each more slowly
+/// than a scalar load: on Zen 4, frames drawn with gathers take 1.1 to 1.4 times as long.
+#[inline(always)]
+pub(crate) fn gathers_are_fast() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    {
+        static ARE_QUICK: LazyLock<bool> = LazyLock::new(|| {
+            let leaf = std::arch::x86_64::__cpuid(0);
+            [leaf.ebx, leaf.edx, leaf.ecx].map(u32::to_le_bytes).as_flattened() != b"AuthenticAMD"
+        });
+        *ARE_QUICK
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    false
+}
+
+/// Runs `$body` with `$simd` bound to the instruction set of `$lanes`. Every function called in `$body` that computes
+/// on lanes must be `#[inline(always)]`.
+macro_rules! on_lanes {
+    ($lanes:expr, $simd:ident => $body:expr) => {
+        match $lanes {
+            #[cfg(target_arch = "x86_64")]
+            $crate::math::lanes::Lanes::Avx512($simd) => $crate::math::lanes::Simd::vectorize(
+                $simd,
+                #[inline(always)]
+                || $body,
+            ),
+            #[cfg(target_arch = "x86_64")]
+            $crate::math::lanes::Lanes::Avx2($simd) => $crate::math::lanes::Simd::vectorize(
+                $simd,
+                #[inline(always)]
+                || $body,
+            ),
+            $crate::math::lanes::Lanes::Baseline($simd) => $body,
+        }
+    };
+}
+
+pub(crate) use on_lanes;
+
+/// Evaluates `$body` for each of the listed items and returns an array of the results. Used instead of `map`, whose
+/// closure the compiler might fail to compile for the selected instruction set.
+macro_rules! each {
+    ($item:pat in [$($value:expr),+ $(,)?] => $body:expr) => {
+        [$({ let $item = $value; $body }),+]
+    };
+}
+
+pub(crate) use each;
+
+/// Widens eight floats to doubles, without rounding.
+#[inline(always)]
+pub(crate) fn widen<S: Simd>(simd: S, x: F32<S>) -> F64<S> {
+    let (low, high) = simd.widen_f32x8(x);
+    simd.combine_f64x4(low, high)
+}
+
+/// Rounds eight doubles to the nearest floats.
+#[inline(always)]
+pub(crate) fn narrow<S: Simd>(simd: S, x: F64<S>) -> F32<S> {
+    let (low, high) = simd.split_f64x8(x);
+    simd.narrow_f64x4(low, high)
+}
+
+/// Converts eight integers to doubles, without rounding.
+#[inline(always)]
+pub(crate) fn doubles_of<S: Simd>(simd: S, numbers: i32x8<S>) -> F64<S> {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx2) = simd.level().as_avx2() {
+        let [low, high] = x86::doubles_of(avx2, i32x8::load_array(avx2, numbers.to_array()).into());
+        let [low, high]: [f64x4<_>; 2] = [low.simd_into(avx2), high.simd_into(avx2)];
+        let [low, high] = each!(half in [low, high] => f64x4::load_array(simd, half.to_array()));
+        return low.combine(high);
+    }
+    let numbers = numbers.to_array();
+    F64::load_array(simd, each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => f64::from(numbers[i])))
+}
+
+/// Converts sixteen integers below 2³¹ to floats. Treats them as signed, because few processors have instructions that
+/// convert unsigned integers.
+#[inline(always)]
+pub(crate) fn float_of<S: Simd>(numbers: u32x16<S>) -> f32x16<S> {
+    numbers.bitcast::<i32x16<S>>().to_float()
+}
+
+/// Truncates sixteen floats in [0, 2³¹) toward zero. Converts to signed integers, for the same reason as [`float_of`].
+#[inline(always)]
+pub(crate) fn whole_part<S: Simd>(numbers: f32x16<S>) -> u32x16<S> {
+    numbers.to_int::<i32x16<S>>().bitcast()
+}
+
+/// Splits eight 64-bit numbers into their lower and upper 32 bits.
+#[inline(always)]
+pub(crate) fn halves<S: Simd>(simd: S, numbers: [u64; LANES]) -> (u32x8<S>, u32x8<S>) {
+    let [first, second, third, fourth] = each!((i, j) in [(0, 1), (2, 3), (4, 5), (6, 7)] => {
+        u64x2::load_array(simd, [numbers[i], numbers[j]]).bitcast::<u32x4<S>>()
+    });
+    let ((a, b), (c, d)) = (first.deinterleave(second), third.deinterleave(fourth));
+    (a.combine(c), b.combine(d))
+}
+
+/// Transposes eight rows of four floats into four columns.
+#[inline(always)]
+pub(crate) fn transpose_quads<S: Simd>([a, b, c, d, e, f, g, h]: [f32x4<S>; LANES]) -> [F32<S>; 4] {
+    transpose_halves([a.combine(e), b.combine(f), c.combine(g), d.combine(h)])
+}
+
+/// Transposes four columns of eight floats into eight rows.
+#[inline(always)]
+pub(crate) fn rows_of_quads<S: Simd>(columns: [F32<S>; 4]) -> [f32x4<S>; LANES] {
+    let [(a, e), (b, f), (c, g), (d, h)] = {
+        let rows = transpose_halves(columns);
+        each!(i in [0, 1, 2, 3] => rows[i].split())
+    };
+    [a, b, c, d, e, f, g, h]
+}
+
+/// Transposes sixteen rows of four floats into four columns.
+#[inline(always)]
+pub(crate) fn transpose_wide<S: Simd>(r: [f32x4<S>; WIDE]) -> [f32x16<S>; 4] {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx512) = r[0].simd.level().as_avx512() {
+        let rows = each!(i in [0, 1, 2, 3] => {
+            let row = r[i].combine(r[i + 4]).combine(r[i + 8].combine(r[i + 12]));
+            f32x16::load_array(avx512, row.to_array()).into()
+        });
+        let columns = x86::transpose_quarters(avx512, rows);
+        return each!(i in [0, 1, 2, 3] => {
+            let column: f32x16<_> = columns[i].simd_into(avx512);
+            f32x16::load_array(r[0].simd, column.to_array())
+        });
+    }
+    let [low, high] = each!(i in [0, LANES] => {
+        transpose_quads(each!(row in [0, 1, 2, 3, 4, 5, 6, 7] => r[i + row]))
+    });
+    each!(column in [0, 1, 2, 3] => low[column].combine(high[column]))
+}
+
+/// Returns four vectors: vector `i` holds lane `i` four times, then lane `i + 4` four times.
+#[inline(always)]
+pub(crate) fn repeat_each<S: Simd>(simd: S, numbers: F32<S>) -> [F32<S>; 4] {
+    let numbers = numbers.to_array();
+    each!(i in [0, 1, 2, 3] => {
+        let [low, high] = each!(place in [i, i + LANES / 2] => f32x4::splat(simd, numbers[place]));
+        low.combine(high)
+    })
+}
+
+/// Transposes the lower halves of four rows as a 4 × 4 matrix, and likewise the upper halves.
+#[inline(always)]
+pub(crate) fn transpose_halves<S: Simd>(rows: [F32<S>; 4]) -> [F32<S>; 4] {
+    let simd = rows[0].simd;
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx2) = simd.level().as_avx2() {
+        let rows = each!(i in [0, 1, 2, 3] => f32x8::load_array(avx2, rows[i].to_array()).into());
+        let columns = x86::transpose_halves(avx2, rows);
+        return each!(i in [0, 1, 2, 3] => {
+            let column: f32x8<_> = columns[i].simd_into(avx2);
+            F32::load_array(simd, column.to_array())
+        });
+    }
+    let halves = each!(i in [0, 1, 2, 3] => rows[i].split());
+    let low = transpose([halves[0].0, halves[1].0, halves[2].0, halves[3].0]);
+    let high = transpose([halves[0].1, halves[1].1, halves[2].1, halves[3].1]);
+    each!(i in [0, 1, 2, 3] => low[i].combine(high[i]))
+}
+
+#[inline(always)]
+fn transpose<S: Simd>([a, b, c, d]: [f32x4<S>; 4]) -> [f32x4<S>; 4] {
+    let ((ac0, ac1), (bd0, bd1)) = (a.interleave(c), b.interleave(d));
+    let ((w, x), (y, z)) = (ac0.interleave(bd0), ac1.interleave(bd1));
+    [w, x, y, z]
+}
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    use std::arch::x86_64::*;
+
+    use fearless_simd::kernel;
+
+    kernel! {
+        /// Transposes both 128-bit halves at once, each as [`super::transpose`] does.
+        #[inline]
+        pub(super) fn transpose_halves(avx2: Avx2, rows: [__m256; 4]) -> [__m256; 4] {
+            let [a, b, c, d] = rows;
+            let (ac0, ac1) = (_mm256_unpacklo_ps(a, c), _mm256_unpackhi_ps(a, c));
+            let (bd0, bd1) = (_mm256_unpacklo_ps(b, d), _mm256_unpackhi_ps(b, d));
+            [
+                _mm256_unpacklo_ps(ac0, bd0),
+                _mm256_unpackhi_ps(ac0, bd0),
+                _mm256_unpacklo_ps(ac1, bd1),
+                _mm256_unpackhi_ps(ac1, bd1),
+            ]
+        }
+    }
+
+    kernel! {
+        /// Transposes all four 128-bit quarters at once, each as [`super::transpose`] does.
+        #[inline]
+        pub(super) fn transpose_quarters(avx512: Avx512, rows: [__m512; 4]) -> [__m512; 4] {
+            let [a, b, c, d] = rows;
+            let (ac0, ac1) = (_mm512_unpacklo_ps(a, c), _mm512_unpackhi_ps(a, c));
+            let (bd0, bd1) = (_mm512_unpacklo_ps(b, d), _mm512_unpackhi_ps(b, d));
+            [
+                _mm512_unpacklo_ps(ac0, bd0),
+                _mm512_unpackhi_ps(ac0, bd0),
+                _mm512_unpacklo_ps(ac1, bd1),
+                _mm512_unpackhi_ps(ac1, bd1),
+            ]
+        }
+    }
+
+    kernel! {
+        /// Converts eight integers to doubles in two halves, as [`super::doubles_of`] does.
+        #[inline]
+        pub(super) fn doubles_of(avx2: Avx2, numbers: __m256i) -> [__m256d; 2] {
+            [
+                _mm256_cvtepi32_pd(_mm256_castsi256_si128(numbers)),
+                _mm256_cvtepi32_pd(_mm256_extracti128_si256::<1>(numbers)),
+            ]
+        }
+    }
+}
+
+/// Clamps doubles to the range from `least` to `greatest`, as `f64::clamp` does. NaN must not occur.
+#[inline(always)]
+pub(crate) fn clamp_f64<S: Simd>(x: F64<S>, least: f64, greatest: f64) -> F64<S> {
+    x.max(least).min(greatest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_and_columns_change_places() {
+        let rows: [[f32; 4]; WIDE] = std::array::from_fn(|row| std::array::from_fn(|column| (row * 4 + column) as f32));
+        let column = |column: usize| rows.map(|row| row[column]);
+        for lanes in Lanes::all() {
+            let (eight, sixteen, back, repeated) = on_lanes!(lanes, simd => {
+                let r = each!(i in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => f32x4::load_array(simd, rows[i]));
+                let columns = transpose_quads([r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7]]);
+                let back = rows_of_quads(columns);
+                let repeated = repeat_each(simd, columns[0]);
+                (
+                    columns.map(SimdBase::to_array),
+                    transpose_wide(r).map(SimdBase::to_array),
+                    back.map(SimdBase::to_array),
+                    repeated.map(SimdBase::to_array),
+                )
+            });
+            for i in 0..4 {
+                assert_eq!(sixteen[i], column(i), "by {}", lanes.name());
+                assert_eq!(eight[i], column(i)[..LANES], "by {}", lanes.name());
+                let [low, high] = [column(0)[i], column(0)[i + 4]];
+                assert_eq!(repeated[i], [low, low, low, low, high, high, high, high], "by {}", lanes.name());
+            }
+            assert_eq!(back, rows[..LANES], "by {}", lanes.name());
+        }
+    }
+
+    #[test]
+    fn integers_are_doubles_too() {
+        let numbers = [0, 1, -1, i32::MAX, i32::MIN, 123_456_789, -16_777_217, 255];
+        for lanes in Lanes::all() {
+            let doubles = on_lanes!(lanes, simd => doubles_of(simd, i32x8::load_array(simd, numbers)).to_array());
+            assert_eq!(doubles, numbers.map(f64::from), "by {}", lanes.name());
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! Partial drawing of the last triangle in a list: only its first fragments are drawn, in the order in which the
+//! rasterizer finds them.
+
+use super::grid::SampleGrid;
+use super::raster::{Scissor, Span, cover_within};
+use super::settings::Settings;
+use super::viewport::{ScreenTriangle, Viewport};
+
+/// Returns the samples that a triangle covers, in drawing order.
+pub fn samples_of(triangle: &ScreenTriangle, settings: &Settings, (grid, raster): (SampleGrid, Viewport)) -> Vec<Span> {
+    let how = (settings.rasterizer, settings.arithmetic, settings.fill_rule);
+    let mut spans = Vec::new();
+    cover_within(how, triangle.corners_px(), (grid, Scissor::full(raster.width, raster.height)), &mut spans);
+    spans
+}
+
+/// Returns the number of samples in the spans.
+pub fn count(samples: &[Span]) -> usize {
+    samples.iter().map(|span| (span.right - span.left) as usize).sum()
+}
+
+/// Returns the position, in drawing order, of the sample at (column, row) of the packed picture, or `None` if the spans
+/// do not contain it.
+pub(crate) fn index_of(samples: &[Span], (column, row): (u32, u32)) -> Option<usize> {
+    let found = samples.iter().position(|span| span.row == row && (span.left..span.right).contains(&column))?;
+    Some(count(&samples[..found]) + (column - samples[found].left) as usize)
+}
+
+/// Returns the first `most` samples of the spans, or all samples if the spans contain fewer.
+pub(crate) fn first(samples: &[Span], most: usize) -> Vec<Span> {
+    let mut left = most;
+    let mut first = Vec::new();
+    for span in samples {
+        let length = left.min((span.right - span.left) as usize);
+        if length == 0 {
+            break;
+        }
+        first.push(Span { right: span.left + length as u32, ..*span });
+        left -= length;
+    }
+    first
+}
+
+/// Appends to `out` those samples that lie within a scissor. Returns the number of samples appended.
+pub(super) fn within(samples: &[Span], (grid, scissor): (SampleGrid, Scissor), out: &mut Vec<Span>) -> u64 {
+    let rows = grid.rows(scissor.top, scissor.bottom);
+    let before = out.len();
+    for span in samples.iter().filter(|span| rows.contains(&span.row)) {
+        let columns = grid.columns(span.row, scissor.left, scissor.right);
+        let (left, right) = (span.left.max(columns.start), span.right.min(columns.end));
+        if left < right {
+            out.push(Span { left, right, ..*span });
+        }
+    }
+    count(&out[before..]) as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SAMPLES: [Span; 2] = [Span { row: 1, left: 2, right: 5 }, Span { row: 2, left: 0, right: 4 }];
+
+    #[test]
+    fn the_first_end_within_a_span() {
+        assert_eq!(count(&SAMPLES), 7);
+        assert_eq!(first(&SAMPLES, 0), []);
+        assert_eq!(first(&SAMPLES, 2), [Span { row: 1, left: 2, right: 4 }]);
+        assert_eq!(first(&SAMPLES, 4), [SAMPLES[0], Span { row: 2, left: 0, right: 1 }]);
+        assert_eq!(first(&SAMPLES, 99), SAMPLES);
+        assert_eq!(
+            [(2, 1), (4, 1), (0, 2), (3, 2), (4, 2)].map(|at| index_of(&SAMPLES, at)),
+            [Some(0), Some(2), Some(3), Some(6), None]
+        );
+    }
+
+    #[test]
+    fn a_scissor_leaves_what_lies_within() {
+        for (x, y) in (0..6).flat_map(|y| (0..6).map(move |x| (x, y))) {
+            let mut out = Vec::new();
+            let found = within(&SAMPLES, (SampleGrid::FULL, Scissor::pixel(x, y)), &mut out);
+            let inside = SAMPLES.iter().any(|span| span.row == y && (span.left..span.right).contains(&x));
+            assert_eq!(found, u64::from(inside), "({x}, {y})");
+            assert_eq!(count(&out), usize::from(inside), "({x}, {y})");
+        }
+    }
+}

@@ -1,0 +1,321 @@
+//! Rasterization: finds the samples that lie inside a triangle.
+//!
+//! A rasterizer knows nothing of depth or colour. It takes a [`RasterTriangle`] and emits the covered samples as
+//! [`Span`]s. Five algorithms, one file each, run in four kinds of arithmetic ([`numbers`]). In fixed point and in
+//! exact arithmetic all five find exactly the same samples; in floats they differ by rounding.
+
+pub(crate) mod numbers;
+
+mod active_edge;
+
+mod any;
+
+mod bounding_box;
+
+mod edge_walk;
+
+mod exact;
+
+mod fixed;
+
+mod float;
+
+mod published;
+
+mod scanline;
+
+pub(crate) mod steps;
+
+mod tiled;
+
+mod triangle;
+
+pub(crate) use any::AnyTriangle;
+pub(crate) use exact::Exact;
+pub(crate) use fixed::Fixed;
+pub(crate) use float::Floating;
+pub(crate) use triangle::RasterTriangle;
+
+use numbers::Numbers;
+
+use super::grid::SampleGrid;
+use super::settings::{self, FillRule, Rasterizer};
+use super::triangle_list::{PixelBox, box_around};
+use super::viewport::Viewport;
+use crate::math::fixed::{snap, to_pixels};
+
+/// Sample of a triangle: its position and its three edge values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RasterSample {
+    /// Column of the sample in the packed picture, which holds only the drawn samples.
+    pub column: u32,
+    /// Row of the sample in the packed picture, which holds only the drawn samples.
+    pub row: u32,
+    /// Column of the sample's pixel in the full picture.
+    pub x: u32,
+    /// Row of the sample's pixel in the full picture.
+    pub y: u32,
+    /// Values of the three edge functions, in the order of the vertices opposite the edges. Up to rounding they sum to
+    /// the doubled area. In fixed point they are integers in units of 1/2¹⁶ px². In the other kinds of arithmetic they
+    /// are in px², times a power of two that brings the doubled area near 1.
+    pub edges: [f64; 3],
+}
+
+/// Run of adjacent covered samples in a row of the packed picture, which holds only the drawn samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Span {
+    /// Row of the run in the packed picture of drawn samples.
+    pub(crate) row: u32,
+    /// First column of the run in the packed picture of drawn samples.
+    pub(crate) left: u32,
+    /// One past the last column of the run in the packed picture of drawn samples.
+    pub(crate) right: u32,
+}
+
+/// Scissor rectangle, in pixels of the full picture. Pixels outside are not visited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Scissor {
+    /// First pixel column inside the rectangle.
+    pub(crate) left: u32,
+    /// First pixel row inside the rectangle.
+    pub(crate) top: u32,
+    /// One past the last pixel column inside the rectangle.
+    pub(crate) right: u32,
+    /// One past the last pixel row inside the rectangle.
+    pub(crate) bottom: u32,
+}
+
+impl Scissor {
+    /// Returns the scissor that contains a whole picture of `width` × `height` px.
+    pub(crate) fn full(width: u32, height: u32) -> Self {
+        Self { left: 0, top: 0, right: width, bottom: height }
+    }
+
+    /// Returns the scissor that contains only pixel (x, y).
+    pub(crate) fn pixel(x: u32, y: u32) -> Self {
+        Self { left: x, top: y, right: x + 1, bottom: y + 1 }
+    }
+
+    /// Returns whether a triangle may cover samples inside the scissor in any of the rasterizers, judged by its
+    /// bounding box. Triangles that fail this test need not be set up: nearly all triangles if a single pixel is drawn.
+    pub(crate) fn may_overlap(&self, corners_px: [[f32; 2]; 3]) -> bool {
+        self.may_overlap_box(box_around(corners_px))
+    }
+
+    /// Returns whether a triangle with this bounding box, in pixels, may cover samples inside the scissor.
+    pub(crate) fn may_overlap_box(&self, [left, right, top, bottom]: PixelBox) -> bool {
+        /// Margin around the scissor, in pixels: snapping moves vertices by a fraction of a pixel, and the rasterizers
+        /// "as published" shift triangles by up to a whole pixel.
+        const MARGIN_PX: f32 = 2.0;
+        let meets = |[least, greatest]: [f32; 2], first: u32, end: u32| {
+            greatest >= first as f32 - MARGIN_PX && least <= end as f32 + MARGIN_PX
+        };
+        meets([left, right], self.left, self.right) && meets([top, bottom], self.top, self.bottom)
+    }
+}
+
+/// Inclusive range of pixel columns or rows; empty if `last` is less than `first`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct PixelRange {
+    first: i64,
+    last: i64,
+}
+
+impl PixelRange {
+    fn contains(self, pixel: i64) -> bool {
+        (self.first..=self.last).contains(&pixel)
+    }
+
+    fn is_empty(self) -> bool {
+        self.last < self.first
+    }
+
+    fn within(self, other: Self) -> Self {
+        Self { first: self.first.max(other.first), last: self.last.min(other.last) }
+    }
+}
+
+/// Target of a rasterizer: the sample grid and the scissor that limit the visited samples, and the list that receives
+/// the covered spans.
+#[derive(Debug)]
+pub(crate) struct RasterTarget<'a> {
+    grid: SampleGrid,
+    scissor: Scissor,
+    spans: &'a mut Vec<Span>,
+    visited: u64,
+}
+
+impl RasterTarget<'_> {
+    /// Returns the rows of the packed picture whose samples lie in a range of pixel rows, clamped to the scissor.
+    fn rows(&self, rows: PixelRange) -> std::ops::Range<u32> {
+        let (top, bottom) = (self.scissor.top, self.scissor.bottom);
+        let clamp = |row: i64| row.clamp(top.into(), bottom.into()) as u32;
+        self.grid.rows(clamp(rows.first), clamp(rows.last.saturating_add(1)))
+    }
+
+    /// Returns the pixel row of the full picture that corresponds to a row of the packed picture.
+    fn pixel_row(&self, row: u32) -> i64 {
+        self.grid.pixel(0, row).1.into()
+    }
+
+    /// Returns the columns of row `row` of the packed picture whose samples lie in the pixel columns `left..right`,
+    /// clamped to the scissor.
+    fn columns(&self, row: u32, left: i64, right: i64) -> std::ops::Range<u32> {
+        let clamp = |column: i64| column.clamp(self.scissor.left.into(), self.scissor.right.into()) as u32;
+        let (left, right) = (clamp(left), clamp(right));
+        self.grid.columns(row, left, right.max(left))
+    }
+
+    /// Returns the pixel columns and the pixel rows inside the scissor.
+    fn scissor(&self) -> [PixelRange; 2] {
+        let Scissor { left, top, right, bottom } = self.scissor;
+        [(left, right), (top, bottom)].map(|(first, end)| PixelRange { first: first.into(), last: i64::from(end) - 1 })
+    }
+
+    /// Adds `samples` to the number of visited samples.
+    fn visit(&mut self, samples: usize) {
+        self.visited += samples as u64;
+    }
+
+    /// Appends a span of covered samples to the output; does nothing if `columns` is empty.
+    fn emit(&mut self, row: u32, columns: std::ops::Range<u32>) {
+        if !columns.is_empty() {
+            self.spans.push(Span { row, left: columns.start, right: columns.end });
+        }
+    }
+}
+
+/// Rasterizes a triangle: appends the covered samples of `grid` within `scissor` to `spans`, each once. The order of
+/// the spans depends on the algorithm. Returns the number of visited samples.
+pub(super) fn cover_samples<N: Numbers>(
+    rasterizer: Rasterizer,
+    triangle: &RasterTriangle<N>,
+    corners_px: [[f32; 2]; 3],
+    (grid, scissor): (SampleGrid, Scissor),
+    spans: &mut Vec<Span>,
+) -> u64 {
+    let mut canvas = RasterTarget { grid, scissor, spans, visited: 0 };
+    match rasterizer {
+        Rasterizer::BoundingBox => bounding_box::cover(triangle, &mut canvas),
+        Rasterizer::Scanline => scanline::cover(triangle, &mut canvas),
+        Rasterizer::EdgeWalk => edge_walk::cover(triangle, &mut canvas),
+        Rasterizer::ActiveEdge => active_edge::cover(triangle, &mut canvas),
+        Rasterizer::Tiled => tiled::cover(triangle, &mut canvas),
+        Rasterizer::BoundingBoxPublished => published::bounding_box(corners_px, &mut canvas),
+        Rasterizer::ScanlinePublished => published::scanline(corners_px, &mut canvas),
+    }
+    canvas.visited
+}
+
+/// Evaluates `$body`, in which the type `$numbers` is the arithmetic that the setting `$chosen` selects.
+macro_rules! with_arithmetic {
+    ($chosen:expr, $numbers:ident => $body:expr) => {
+        match $chosen {
+            $crate::pipeline::settings::Arithmetic::Fixed => {
+                type $numbers = $crate::pipeline::raster::Fixed;
+                $body
+            }
+            $crate::pipeline::settings::Arithmetic::F32 => {
+                type $numbers = $crate::pipeline::raster::Floating<f32>;
+                $body
+            }
+            $crate::pipeline::settings::Arithmetic::F64 => {
+                type $numbers = $crate::pipeline::raster::Floating<f64>;
+                $body
+            }
+            $crate::pipeline::settings::Arithmetic::Exact => {
+                type $numbers = $crate::pipeline::raster::Exact;
+                $body
+            }
+        }
+    };
+}
+
+pub(crate) use with_arithmetic;
+
+/// Returns the doubled signed area of a triangle, computed in `arithmetic`, and the factor by which its edge values are
+/// scaled. The area is positive if the triangle is clockwise for the viewer (y down), and 0 if a vertex is not finite.
+pub(crate) fn doubled_area(arithmetic: settings::Arithmetic, corners_px: [[f32; 2]; 3]) -> (f64, f64) {
+    with_arithmetic!(arithmetic, N => triangle::doubled_area::<N>(corners_px)).unwrap_or((0.0, 1.0))
+}
+
+/// Returns the spans of pixels that one triangle covers in a picture, for case files and reports. Vertices are in
+/// pixels and may be any finite f32; a triangle with a vertex that is not finite covers nothing. Front- and back-facing
+/// triangles are both drawn.
+pub(crate) fn cover(
+    rasterizer: Rasterizer,
+    arithmetic: settings::Arithmetic,
+    corners_px: [[f32; 2]; 3],
+    rule: FillRule,
+    viewport: Viewport,
+) -> Vec<Span> {
+    let area = (SampleGrid::FULL, Scissor::full(viewport.width, viewport.height));
+    let mut spans = Vec::new();
+    cover_within((rasterizer, arithmetic, rule), corners_px, area, &mut spans);
+    spans
+}
+
+/// Height in rows of the bands that [`cover_in_bands`] processes: a multiple of the side of the tiled rasterizer's
+/// largest squares.
+const BAND_ROWS: u32 = 64;
+
+/// Rasterizes a triangle like [`cover`], but in bands of rows from top to bottom; the spans and their order are the
+/// same. `take` receives the spans of each band and the first row below the band. Bands far from the triangle are
+/// skipped. Stops at the first error that `take` returns.
+pub(crate) fn cover_in_bands<E>(
+    how: (Rasterizer, settings::Arithmetic, FillRule),
+    corners_px: [[f32; 2]; 3],
+    viewport: Viewport,
+    mut take: impl FnMut(&[Span], u32) -> Result<(), E>,
+) -> Result<(), E> {
+    let Viewport { width, height } = viewport;
+    let [.., top, bottom] = box_around(corners_px);
+    // The rows extend one band beyond the triangle on each side, because of the margin of `may_overlap`. Casts to
+    // integers saturate.
+    let row = |px: f32| (px.max(0.0) as u32).min(height);
+    let (first, end) = (row(top - BAND_ROWS as f32) / BAND_ROWS * BAND_ROWS, row(bottom + BAND_ROWS as f32));
+    let mut spans = Vec::new();
+    for top in (first..end).step_by(BAND_ROWS as usize) {
+        let scissor = Scissor { left: 0, top, right: width, bottom: (top + BAND_ROWS).min(height) };
+        if scissor.may_overlap(corners_px) {
+            spans.clear();
+            cover_within(how, corners_px, (SampleGrid::FULL, scissor), &mut spans);
+            take(&spans, scissor.bottom)?;
+        }
+    }
+    Ok(())
+}
+
+/// Rasterizes a triangle like [`cover`], restricted to the samples of a grid inside a scissor rectangle. Appends the
+/// covered spans to `spans`.
+pub(crate) fn cover_within(
+    (rasterizer, arithmetic, rule): (Rasterizer, settings::Arithmetic, FillRule),
+    corners_px: [[f32; 2]; 3],
+    area: (SampleGrid, Scissor),
+    spans: &mut Vec<Span>,
+) {
+    let (corners_px, arithmetic) = within_fixed_point(corners_px, arithmetic);
+    with_arithmetic!(arithmetic, N => {
+        if let Some(triangle) = RasterTriangle::<N>::new(corners_px, rule) {
+            cover_samples(rasterizer, &triangle, corners_px, area, spans);
+        }
+    });
+}
+
+/// Replaces fixed point where its integers could overflow: if a coordinate exceeds [`fixed::LIMIT_PX`], returns the
+/// snapped vertices and exact arithmetic, which give the same coverage. Otherwise, returns the arguments unchanged.
+fn within_fixed_point(
+    corners_px: [[f32; 2]; 3],
+    arithmetic: settings::Arithmetic,
+) -> ([[f32; 2]; 3], settings::Arithmetic) {
+    let reach = corners_px.as_flattened().iter().all(|c| c.abs() <= fixed::LIMIT_PX);
+    if arithmetic != settings::Arithmetic::Fixed || reach {
+        return (corners_px, arithmetic);
+    }
+    // Floats this large are already multiples of the grid step.
+    let snapped = |px: f32| if px.abs() <= fixed::LIMIT_PX { to_pixels(snap(px)) } else { px };
+    (corners_px.map(|corner| corner.map(snapped)), settings::Arithmetic::Exact)
+}
+
+#[cfg(test)]
+mod tests;

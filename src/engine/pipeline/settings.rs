@@ -1,0 +1,494 @@
+//! Settings of the pipeline as plain data: one enum per decision. Each variant has the name and the help text that
+//! menus, tooltips and the command line show.
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+use super::background::Background;
+use super::depth::DepthEncoding;
+use crate::scene::DepthMapping;
+
+/// Setting with a closed set of alternatives that a user chooses from.
+pub trait Choice: Copy + PartialEq + 'static {
+    /// All alternatives, in the order in which menus list them.
+    const ALL: &'static [Self];
+
+    /// Returns the identifier used in files and on the command line, in kebab case.
+    fn id(self) -> &'static str;
+
+    /// Returns the display name.
+    fn name(self) -> &'static str;
+
+    /// Returns the help text that tooltips and the command line show.
+    fn help(self) -> &'static str;
+
+    /// Returns other words for the alternative, in lower case, by which the palette finds it.
+    fn synonyms(self) -> &'static [&'static str] {
+        &[]
+    }
+}
+
+/// Declares an enum of alternatives with id, name, help and optional synonyms, and implements [`Choice`] for it.
+#[macro_export]
+macro_rules! choice {
+    ($(#[$meta:meta])* $visibility:vis $enum:ident {
+        $($variant:ident = $id:literal, $name:literal, $help:literal $(, also [$($synonym:literal),+])?;)+
+    }) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+        $visibility enum $enum {
+            $(#[doc = $help] #[serde(rename = $id)] $variant,)+
+        }
+
+        impl Choice for $enum {
+            const ALL: &'static [Self] = &[$(Self::$variant),+];
+
+            fn id(self) -> &'static str {
+                match self { $(Self::$variant => $id),+ }
+            }
+
+            fn name(self) -> &'static str {
+                match self { $(Self::$variant => $name),+ }
+            }
+
+            fn help(self) -> &'static str {
+                match self { $(Self::$variant => $help),+ }
+            }
+
+            fn synonyms(self) -> &'static [&'static str] {
+                match self { $(Self::$variant => &[$($($synonym),+)?]),+ }
+            }
+        }
+    };
+}
+
+pub use choice;
+
+choice! {
+    /// Execution strategy of the pipeline. All alternatives give the same picture, bit for bit, but differ in speed.
+    pub Execution {
+        Tiled = "tiled", "Tiled",
+            "Draws tile by tile, several samples at a time (SIMD), on all threads; shades each visible sample once.";
+        Classic = "classic", "Classic",
+            "Draws triangle by triangle through every stage, on one thread: for examining stages and comparing \
+             rasterizers.";
+    }
+}
+
+choice! {
+    /// Optimisation to disable: the chosen parts of the pipeline run even in draws that do not need them. The picture
+    /// is the same; the time shows what skipping the parts saves.
+    pub DisabledOptimisation {
+        Nothing = "nothing", "Nothing", "Every draw skips the parts that it does not need.";
+        Everything = "everything", "Everything", "Every part that can be skipped runs in every draw.";
+        Vertices = "vertices", "Vertices", "Objects wholly outside the view are still transformed and clipped.";
+        Clusters = "clusters", "Every cluster",
+            "Clusters of a large mesh that are wholly outside the view or culled by facing are still transformed, and \
+             their triangles are culled one by one.";
+        Clipping = "clipping", "Clipping",
+            "Triangles of objects wholly inside the view are still tested against the clipping planes.";
+        PerspectiveDivision = "perspective-division", "Perspective division",
+            "Weights are still divided by w in orthographic views, where all w are equal.";
+        TextureCoordinates = "texture-coordinates", "Texture coordinates",
+            "Texture coordinates are fetched and interpolated even if no texture is read.";
+        Normals = "normals", "Normals", "Normals are transformed and interpolated even if the shading reads none.";
+        VertexColors = "vertex-colors", "Vertex colours",
+            "Vertex colours are fetched and interpolated even if the shading reads none.";
+    }
+}
+
+choice! {
+    /// Culling of triangles by their facing.
+    pub Culling {
+        None = "none", "None", "Front-facing and back-facing triangles are drawn.";
+        Back = "back", "Back", "Back-facing triangles are culled: in a closed mesh they are always hidden.";
+        Front = "front", "Front", "Front-facing triangles are culled: shows the inside of closed meshes.";
+    }
+}
+
+choice! {
+    /// Algorithm that finds the samples inside a triangle. All except the two "as published" find the same samples, up
+    /// to the rounding errors of floats, but with different amounts of work.
+    pub Rasterizer {
+        BoundingBox = "bounding-box", "Bounding box",
+            "Tests every pixel in the bounding box of a triangle against the three edges: the simplest algorithm.";
+        Scanline = "scanline", "Scanline",
+            "Splits the triangle at its middle vertex; computes the first and last pixel inside on each row, and \
+             visits only those between.";
+        EdgeWalk = "edge-walk", "Edge walk",
+            "Walks down the longest edge and, on each row, from that edge towards the other two until it leaves the \
+             triangle.";
+        ActiveEdge = "active-edge", "Active edge list",
+            "Steps edges from row to row by their slope, and fills each row between the two active edges.";
+        Tiled = "tiled", "Tiled",
+            "Accepts or rejects squares of 64 × 64 and 8 × 8 pixels as a whole; tests single pixels only in squares \
+             that an edge crosses.";
+        BoundingBoxPublished = "bounding-box-published", "Bounding box (as published)",
+            "Wrong on purpose: samples at pixel corners, shared edges drawn twice, clockwise triangles not drawn.";
+        ScanlinePublished = "scanline-published", "Scanline (as published)",
+            "Wrong on purpose: rounds the vertex where it splits the triangle, starts rows at a vertex instead of at \
+             the row's centre, and draws both ends of a row.";
+    }
+}
+
+impl Rasterizer {
+    /// Returns the rasterizers that have no deliberate faults.
+    pub fn correct() -> impl Iterator<Item = Self> {
+        Self::ALL.iter().copied().filter(|rasterizer| !rasterizer.is_published())
+    }
+
+    /// Returns whether the rasterizer deliberately reproduces the faults of a commonly published version.
+    pub(crate) fn is_published(self) -> bool {
+        matches!(self, Self::BoundingBoxPublished | Self::ScanlinePublished)
+    }
+}
+
+choice! {
+    /// Arithmetic in which edge functions are computed to decide coverage.
+    pub Arithmetic {
+        Fixed = "fixed", "24.8 fixed point",
+            "Vertices are snapped to 1/256 px; from there on, everything is exact integer arithmetic, as in hardware.";
+        F32 = "f32", "f32",
+            "Single-precision floats on unsnapped vertices: a pixel centre close to an edge may fall on the wrong \
+             side.";
+        F64 = "f64", "f64",
+            "Double-precision floats on unsnapped vertices: wrong only where numbers differ by many orders of \
+             magnitude.";
+        Exact = "exact", "Exact",
+            "Unsnapped vertices, with every decision exact by adaptive predicates: the ground truth, but slower.";
+    }
+}
+
+choice! {
+    /// Fill rule: decides whether a triangle owns a pixel centre that lies exactly on one of its edges.
+    pub FillRule {
+        TopLeft = "top-left", "Top-left",
+            "A pixel centre on an edge belongs to the triangle for which it is a top or left edge. Shared edges are \
+             drawn exactly once.";
+        TopRight = "top-right", "Top-right", "The top-left rule mirrored in x. Also draws shared edges exactly once.";
+        BottomLeft = "bottom-left", "Bottom-left",
+            "The top-left rule mirrored in y, as in APIs whose y axis points up. Also draws shared edges exactly once.";
+        BottomRight = "bottom-right", "Bottom-right",
+            "The top-left rule mirrored in x and y. Also draws shared edges exactly once.";
+        Inclusive = "inclusive", "Inclusive",
+            "Every pixel centre on an edge is drawn. Wrong on purpose: shared edges are drawn twice.";
+        Exclusive = "exclusive", "Exclusive",
+            "No pixel centre on an edge is drawn. Wrong on purpose: shared edges leave cracks.";
+    }
+}
+
+impl FillRule {
+    /// Returns whether exactly one of two triangles that share an edge owns a pixel centre on that edge.
+    pub(crate) fn draws_shared_edges_once(self) -> bool {
+        !matches!(self, Self::Inclusive | Self::Exclusive)
+    }
+}
+
+choice! {
+    /// Depth test: comparison that a fragment must pass to replace the stored depth. The names refer to standard depth;
+    /// reversed depth mirrors the comparison.
+    pub DepthTest {
+        Off = "off", "Off", "The last triangle drawn wins (painter's algorithm). There is no depth buffer.";
+        Less = "less", "Less", "The nearer fragment wins; at equal depth, the first one drawn.";
+        LessEqual = "less-equal", "Less or equal", "The nearer fragment wins; at equal depth, the last one drawn.";
+        Greater = "greater", "Greater",
+            "The farther fragment wins: shows the back of the scene. The buffer is cleared to the near plane.";
+        Always = "always", "Always", "Every fragment and its depth are written.";
+    }
+}
+
+choice! {
+    /// Format of the stored depths.
+    pub DepthFormat {
+        F32 = "f32", "f32",
+            "z/w as a float, 0 at the near plane and 1 at the far plane. Most of its precision lies close to the near \
+             plane.";
+        ReversedF32 = "reversed-f32", "Reversed f32",
+            "z/w as a float, 1 near and 0 far: floats are finest where perspective is coarsest, so distant surfaces \
+             z-fight less.";
+        ReversedInfinite = "reversed-infinite", "Reversed, infinite far",
+            "Reversed f32 with an infinite far plane: nothing is too far to be drawn. In orthographic views it is the \
+             same as reversed f32.";
+        Unorm24 = "unorm24", "unorm24",
+            "z/w in 24-bit steps, 0 near and 1 far, as on GPUs: in perspective nearly all steps lie close to the near \
+             plane.";
+        Unorm16 = "unorm16", "unorm16",
+            "z/w in 16-bit steps, 0 near and 1 far: surfaces z-fight wherever they are close together.";
+        WBuffer = "w-buffer", "w-buffer",
+            "Linear distance as a float, 0 at the near plane and 1 at the far plane: its steps are finest at the near \
+             plane and at most 2⁻²³ of the distance from it.";
+    }
+}
+
+choice! {
+    /// Method of interpolating vertex attributes across a triangle.
+    pub Interpolation {
+        Affine = "affine", "Affine",
+            "Attributes vary linearly in screen space: wrong in perspective (textures swim and kink).";
+        Perspective = "perspective", "Perspective-correct",
+            "Attributes vary linearly in 3D space: weights are divided by w and normalised.";
+        Published = "published", "Affine (as published)",
+            "Wrong on purpose: affine weights by a formula that divides by the width of one edge and fails where that \
+             edge is vertical.";
+    }
+}
+
+choice! {
+    /// Source of a fragment's colour.
+    pub Shading {
+        Texture = "texture", "Texture, unlit", "Texture × material colour, unlit.";
+        VertexColor = "vertex-color", "Vertex colour", "Interpolated vertex colours, unlit.";
+        Gouraud = "gouraud", "Gouraud",
+            "Diffuse lighting computed at the vertices and interpolated: depends on the tessellation.";
+        Lambert = "lambert", "Lambert", "Diffuse lighting computed in every pixel, from the interpolated normal.";
+        BlinnPhong = "blinn-phong", "Blinn–Phong",
+            "Lambert plus a highlight: Ks·max(0, N·H)^Ns, with H halfway between the directions to the light and to \
+             the eye.";
+        Cel = "cel", "Cel", "Two textures: the light one where N·L > 0.5, the dark one elsewhere.";
+        Checker = "checker", "Checker",
+            "Checkerboard computed from the texture coordinates, without reading a texture.";
+        Normals = "normals", "Normals", "Unit normal as colour: x, y and z mapped from −1…1 to 0…255.";
+        Uv = "uv", "Texture coordinates", "Fractional part of u as red, of v as green.";
+        Barycentric = "barycentric", "Barycentric", "Barycentric weights λ0, λ1, λ2 as red, green, blue.";
+        Depth = "depth", "Depth", "Value that the depth buffer would store, as grey.";
+        TriangleId = "triangle-id", "Triangle id", "One colour per triangle, from a hash of its id.";
+        ObjectId = "object-id", "Object id", "One colour per object, from a hash of its id.";
+    }
+}
+
+impl Shading {
+    /// Returns whether the shading mode uses the material's colour, texture and opacity. All other shading modes draw
+    /// opaque surfaces.
+    pub fn reads_material(self) -> bool {
+        matches!(self, Self::Texture | Self::Gouraud | Self::Lambert | Self::BlinnPhong | Self::Cel)
+    }
+
+    /// Returns whether the shading mode computes lighting, per vertex or per pixel.
+    pub fn is_lit(self) -> bool {
+        self == Self::Gouraud || self.is_lit_per_pixel()
+    }
+
+    /// Returns whether the shading mode computes lighting per pixel, from an interpolated normal.
+    pub(crate) fn is_lit_per_pixel(self) -> bool {
+        matches!(self, Self::Lambert | Self::BlinnPhong | Self::Cel)
+    }
+
+    /// Returns whether the shading mode reads a normal at every pixel and therefore applies normal maps.
+    pub(crate) fn reads_pixel_normals(self) -> bool {
+        self == Self::Normals || self.is_lit_per_pixel()
+    }
+}
+
+choice! {
+    /// Texture filter, which computes colours between texel centres.
+    pub TexelFilter {
+        Point = "point", "Point", "Nearest texel: blocky up close, shimmers in the distance.";
+        Bilinear = "bilinear", "Bilinear",
+            "Four surrounding texels, weighted by distance: smooth up close, still shimmers in the distance.";
+        Trilinear = "trilinear", "Trilinear, mip-mapped",
+            "Blends bilinear samples of the two mip levels whose texels are nearest to a pixel's size: no moiré or \
+             shimmer in the distance, but oblique surfaces blur.";
+    }
+}
+
+choice! {
+    /// Treatment of alpha when a texture filter mixes texels.
+    pub AlphaMode {
+        Straight = "straight", "Straight",
+            "Colour and alpha are filtered separately: the colour of texels with alpha 0 bleeds into visible edges.";
+        Premultiplied = "premultiplied", "Premultiplied",
+            "Colours are weighted by alpha: texels with alpha 0 contribute no colour. Opaque textures look the same \
+             either way.";
+    }
+}
+
+choice! {
+    /// Addressing mode for texture coordinates outside of [0, 1].
+    pub AddressMode {
+        Clamp = "clamp", "Clamp", "Border texels extend beyond the texture.";
+        Repeat = "repeat", "Repeat", "The texture repeats in both directions.";
+        Mirror = "mirror", "Mirror", "The texture repeats with every second copy mirrored: no seams.";
+    }
+}
+
+choice! {
+    /// Colour space in which light is computed and textures are filtered.
+    pub ColorSpace {
+        Linear = "linear", "Linear light", "sRGB codes are decoded to linear light first: physically correct.";
+        Bytes = "bytes", "sRGB",
+            "Computes directly with 8-bit sRGB codes, as many simple renderers do: shading comes out too dark.";
+    }
+}
+
+choice! {
+    /// Order in which the fragments of blended materials are blended.
+    pub BlendingOrder {
+        Objects = "objects", "Objects, as submitted",
+            "Blended triangles are drawn in submission order, object by object: correct only where the scene lists \
+             them from far to near.";
+        Triangles = "triangles", "Triangles, far to near",
+            "Blended triangles are sorted by the mean distance of their vertices: wrong where large triangles lie next \
+             to small ones or intersect.";
+        Exact = "exact", "Fragments, far to near",
+            "The fragments of each sample are collected and sorted by depth before blending (A-buffer): always \
+             correct, but slower.";
+    }
+}
+
+/// Depth bias: offset added to the depths of each triangle before the depth test, like Vulkan's `vkCmdSetDepthBias` and
+/// OpenGL's `glPolygonOffset`.
+///
+/// The offset is `slope` · m + `constant` · r. m is the greatest change of the triangle's depth per pixel along x or y,
+/// and r is the smallest difference that the depth format resolves. The offset is added to the depth as it is stored:
+/// positive numbers move surfaces away from the viewer, or towards the viewer if depth is reversed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct DepthBias {
+    /// Factor of r, the smallest depth difference that the format resolves. For floats, r is the unit in the last place
+    /// of the triangle's greatest depth; for integer formats, one step.
+    pub constant: f32,
+    /// Factor of m, the greatest change of the triangle's depth per pixel along x or y.
+    pub slope: f32,
+}
+
+/// Settings for drawing blended materials.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Blending {
+    /// Order in which fragments are blended.
+    pub order: BlendingOrder,
+}
+
+impl Default for Blending {
+    fn default() -> Self {
+        Self { order: BlendingOrder::Triangles }
+    }
+}
+
+/// Directional light.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Light {
+    /// World-space direction towards the light, not necessarily of unit length.
+    pub direction: Vec3,
+    /// Ambient fraction of the light, in [0, 1], which reaches every surface. The rest is diffuse: it is multiplied by
+    /// the cosine of the angle between the normal and the direction towards the light.
+    pub ambient: f32,
+}
+
+impl Default for Light {
+    fn default() -> Self {
+        Self { direction: Vec3::new(0.4, 0.7, 0.6), ambient: 0.2 }
+    }
+}
+
+/// Procedural checkerboard pattern.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Checker {
+    /// Number of squares per unit of texture coordinate.
+    pub squares: f32,
+    /// Colour of the square at the origin, as sRGB values in [0, 1].
+    pub even: Vec3,
+    /// Colour of the other squares, as sRGB values in [0, 1].
+    pub odd: Vec3,
+}
+
+impl Default for Checker {
+    fn default() -> Self {
+        Self { squares: 8.0, even: Vec3::splat(0.92), odd: Vec3::splat(0.12) }
+    }
+}
+
+/// All settings of the pipeline, from vertices to drawn pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Settings {
+    /// Culling of triangles by their facing.
+    pub culling: Culling,
+    /// Algorithm that finds covered samples.
+    pub rasterizer: Rasterizer,
+    /// Arithmetic in which edge functions are computed to decide coverage.
+    pub arithmetic: Arithmetic,
+    /// Fill rule: decides whether a triangle owns a pixel centre that lies exactly on one of its edges.
+    pub fill_rule: FillRule,
+    /// Depth test that a fragment must pass to be drawn.
+    pub depth_test: DepthTest,
+    /// Format of the stored depths.
+    pub depth_format: DepthFormat,
+    /// Offset added to depths before the depth test.
+    pub depth_bias: DepthBias,
+    /// Method of interpolating vertex attributes across a triangle.
+    pub interpolation: Interpolation,
+    /// Source of a fragment's colour.
+    pub shading: Shading,
+    /// Pattern of [`Shading::Checker`].
+    pub checker: Checker,
+    /// Directional light of the shading modes with lighting.
+    pub light: Light,
+    /// Texture filter, which computes colours between texel centres.
+    pub filter: TexelFilter,
+    /// Addressing mode for texture coordinates outside of [0, 1].
+    pub address: AddressMode,
+    /// Treatment of alpha when a texture filter mixes texels.
+    pub alpha: AlphaMode,
+    /// Colour space in which light is computed and textures are filtered.
+    pub color_space: ColorSpace,
+    /// Settings for drawing blended materials.
+    pub blending: Blending,
+    /// Colour of the pixels that no triangle covers.
+    pub background: Background,
+    /// Optimisation to disable: the chosen parts of the pipeline run even in draws that do not need them.
+    pub force: DisabledOptimisation,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            culling: Culling::Back,
+            rasterizer: Rasterizer::BoundingBox,
+            arithmetic: Arithmetic::Fixed,
+            fill_rule: FillRule::TopLeft,
+            depth_test: DepthTest::Less,
+            depth_format: DepthFormat::F32,
+            depth_bias: DepthBias::default(),
+            interpolation: Interpolation::Perspective,
+            shading: Shading::Lambert,
+            checker: Checker::default(),
+            light: Light::default(),
+            filter: TexelFilter::Bilinear,
+            address: AddressMode::Repeat,
+            alpha: AlphaMode::Straight,
+            color_space: ColorSpace::Linear,
+            blending: Blending::default(),
+            background: Background::Scene,
+            force: DisabledOptimisation::Nothing,
+        }
+    }
+}
+
+impl DepthFormat {
+    /// Returns the mapping from distance along the view direction to stored depth.
+    pub fn mapping(self) -> DepthMapping {
+        match self {
+            Self::F32 | Self::Unorm24 | Self::Unorm16 => DepthMapping::Standard,
+            Self::ReversedF32 => DepthMapping::Reversed,
+            Self::ReversedInfinite => DepthMapping::ReversedInfinite,
+            Self::WBuffer => DepthMapping::Linear,
+        }
+    }
+
+    /// Returns the number format of stored depths.
+    pub fn encoding(self) -> DepthEncoding {
+        match self {
+            Self::F32 | Self::ReversedF32 | Self::ReversedInfinite | Self::WBuffer => DepthEncoding::F32,
+            Self::Unorm24 => DepthEncoding::Unorm24,
+            Self::Unorm16 => DepthEncoding::Unorm16,
+        }
+    }
+}
+
+impl Settings {
+    /// Returns whether depth is reversed, so that nearer surfaces have larger stored depths.
+    pub fn reversed(&self) -> bool {
+        self.depth_format.mapping().is_reversed()
+    }
+}

@@ -1,0 +1,20 @@
+//! Reports that assess the engine or describe its work, for the command line and for the window.
+
+pub mod comparison;
+
+pub mod html;
+
+pub mod skipped_work;
+
+pub mod plan;
+
+mod plot;
+
+pub mod scaling;
+
+pub mod stability;
+
+pub mod upscaling;
+
+/// Last line of the text and CSV output of an interrupted measurement.
+const PARTIAL: &str = "# partial: interrupted before everything was measured";

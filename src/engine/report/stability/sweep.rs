@@ -1,0 +1,346 @@
+//! Runs the engine in all configurations on classes of test cases.
+//!
+//! First, all cases are evaluated in parallel. Then the classes are timed one after the other, with nothing else
+//! running. The engine's results, and therefore the errors, do not depend on timing or on the number of threads.
+
+use std::collections::HashSet;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::case::{Body, StabilityCase};
+use super::catalogue::{self, Class, Family};
+use super::column::ReportColumn;
+use super::measure::{Expected, MeasureOutcome, answer, only_pair};
+use super::metric::{Measures, Metric, Verdict};
+use super::timing::{Time, time_class};
+use crate::measure::machine::Machine;
+use crate::measure::noise::{Noise, Pairs};
+use crate::pipeline::settings::{Arithmetic, Choice as _, Rasterizer};
+
+/// Selection of the classes and configurations to run.
+#[derive(Clone, Debug)]
+pub struct StabilityPlan {
+    /// Classes to run, in this order.
+    pub classes: Vec<&'static Class>,
+    /// Rasterizers to run, in the classes that compare rasterizers.
+    pub rasterizers: Vec<Rasterizer>,
+    /// Kinds of arithmetic to run, in the classes that compare them.
+    pub arithmetics: Vec<Arithmetic>,
+    /// Seed from which the random cases are generated.
+    pub seed: u64,
+    /// Whether to measure times as well.
+    pub timed: bool,
+}
+
+/// Default seed of the random cases.
+pub const DEFAULT_SEED: u64 = 1;
+
+impl Default for StabilityPlan {
+    fn default() -> Self {
+        Self {
+            classes: catalogue::all().collect(),
+            rasterizers: Rasterizer::ALL.to_vec(),
+            arithmetics: Arithmetic::ALL.to_vec(),
+            seed: DEFAULT_SEED,
+            timed: true,
+        }
+    }
+}
+
+impl StabilityPlan {
+    /// Returns the selected columns of a class.
+    fn columns(&self, class: &Class) -> Vec<ReportColumn> {
+        let wanted = |column: &ReportColumn| match column {
+            ReportColumn::Coverage(by) => {
+                self.rasterizers.contains(&by.rasterizer) && self.arithmetics.contains(&by.arithmetic)
+            }
+            ReportColumn::Weights(by) => self.arithmetics.contains(&by.arithmetic),
+            ReportColumn::Depth(_) => true,
+        };
+        ReportColumn::of(class.family).into_iter().filter(wanted).collect()
+    }
+}
+
+/// Progress of a stability report.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StabilityProgress {
+    /// Stage that is running.
+    pub stage: SweepStage,
+    /// Number of completed steps in this stage.
+    pub done: usize,
+    /// Total number of steps in this stage.
+    pub of: usize,
+}
+
+/// Stages of a stability report.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SweepStage {
+    /// Comparing the engine's results with the exact ones.
+    Judging,
+    /// Timing the classes, one after the other.
+    Timing,
+}
+
+impl SweepStage {
+    /// Returns the display name of the stage.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Judging => "checking cases",
+            Self::Timing => "timing classes",
+        }
+    }
+}
+
+/// Complete stability report.
+#[derive(Clone, Debug, Serialize)]
+pub struct StabilityReport {
+    /// Seed from which the random cases were generated.
+    pub(crate) seed: u64,
+    /// Machine that ran the report.
+    pub(crate) machine: Machine,
+    /// Duration of the whole run; serialised in seconds.
+    #[serde(serialize_with = "seconds")]
+    pub(crate) duration: Duration,
+    /// Noise floor, from timing the first configuration of each class against itself; `None` without times.
+    pub(crate) timing_noise: Option<Noise>,
+    /// Results of each class.
+    pub classes: Vec<ClassReport>,
+    /// Whether the run was cancelled before all classes were evaluated and timed.
+    pub partial: bool,
+}
+
+fn seconds<S: serde::Serializer>(duration: &Duration, to: S) -> Result<S::Ok, S::Error> {
+    to.serialize_f64(duration.as_secs_f64())
+}
+
+/// Results of one class.
+#[derive(Clone, Debug, Serialize)]
+pub struct ClassReport {
+    /// Class whose cases were run.
+    #[serde(flatten)]
+    pub class: &'static Class,
+    /// Number of cases in the class.
+    pub(crate) cases: usize,
+    /// Total number of triangles in the cases.
+    pub(crate) triangles: usize,
+    /// Total number of pixels, samples or depths in the cases.
+    pub(crate) units: u64,
+    /// Results of each column.
+    pub cells: Vec<ReportCell>,
+    /// Complete cases to which [`Worst::of`] refers, without duplicates. [`Worst::measures`] can be recomputed from
+    /// them.
+    pub(crate) worst_cases: Vec<StabilityCase>,
+}
+
+/// Results of one class in one configuration.
+#[derive(Clone, Debug, Serialize)]
+pub struct ReportCell {
+    /// Configuration of the engine.
+    #[serde(flatten)]
+    pub column: ReportColumn,
+    /// Verdict that summarises the measures in one word.
+    pub verdict: Verdict,
+    /// Number of cases for which the engine produced no result.
+    pub(crate) refused: usize,
+    /// Measures combined over all cases.
+    pub measures: Measures,
+    /// Time measured for the cell; `None` without timing.
+    pub time: Option<Time>,
+    /// Worst case, if there was any fault.
+    pub worst: Option<Worst>,
+    /// Results of each case in depth classes, where every case is a separate experiment; empty in other classes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) by_case: Vec<CaseMeasures>,
+}
+
+/// Results of one case in one configuration.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct CaseMeasures {
+    /// Id of the case.
+    pub(crate) id: String,
+    /// Description of the property that makes the case hard.
+    pub(crate) note: String,
+    /// Measures of the case; `None` if the engine produced no result.
+    pub(crate) measures: Option<Measures>,
+}
+
+/// Worst case, reduced to the part that shows the fault.
+#[derive(Clone, Debug, Serialize)]
+pub struct Worst {
+    /// Id of the complete case, which is in [`ClassReport::worst_cases`].
+    pub(crate) of: String,
+    /// Measures of the complete case; `None` if the engine produced no result.
+    pub(crate) measures: Option<Measures>,
+    /// Reduced case, which can be opened in the window.
+    pub case: StabilityCase,
+}
+
+/// Runs a plan. Calls `progress` after every step, from several threads. If `cancel` becomes `true`, returns the
+/// classes evaluated so far, or `None` if there are none.
+pub fn run(
+    plan: &StabilityPlan,
+    progress: &(dyn Fn(StabilityProgress) + Sync),
+    cancel: &AtomicBool,
+) -> Option<StabilityReport> {
+    let start = Instant::now();
+    let machine = Machine::at_start();
+    let is_cancelled = || cancel.load(Ordering::Relaxed);
+    let cases = plan.classes.iter().map(|class| (!is_cancelled()).then(|| class.cases(plan.seed)));
+    let cases = cases.collect::<Option<Vec<Vec<StabilityCase>>>>()?;
+    let judged = evaluate(plan, &cases, progress, cancel);
+    let (mut classes, mut pairs) = (Vec::new(), Pairs::default());
+    for (done, (judged, cases)) in judged.into_iter().zip(&cases).enumerate() {
+        let Some((mut report, units)) = judged else { continue };
+        if plan.timed && !report.cells.is_empty() {
+            progress(StabilityProgress { stage: SweepStage::Timing, done, of: plan.classes.len() });
+            match time(&mut report, cases, &units, cancel) {
+                Some(of_class) => pairs.append(of_class),
+                None if cancel.load(Ordering::Relaxed) => {}
+                None => return None,
+            }
+        }
+        classes.push(report);
+    }
+    for report in &mut classes {
+        report.cells.iter_mut().for_each(|cell| cell.verdict = verdict(report.class, cell));
+    }
+    let partial = cancel.load(Ordering::Relaxed);
+    if partial && classes.is_empty() {
+        return None;
+    }
+    let (machine, timing_noise) = (machine.at_end(), pairs.noise());
+    Some(StabilityReport { seed: plan.seed, machine, duration: start.elapsed(), timing_noise, classes, partial })
+}
+
+/// Runs all cases in all configurations and compares the results with the exact ones. Returns the report of each class,
+/// with the number of pixels, samples or depths of each of its cases. A class that is incomplete due to cancellation is
+/// `None`.
+fn evaluate(
+    plan: &StabilityPlan,
+    cases: &[Vec<StabilityCase>],
+    progress: &(dyn Fn(StabilityProgress) + Sync),
+    cancel: &AtomicBool,
+) -> Vec<Option<(ClassReport, Vec<u64>)>> {
+    let columns: Vec<Vec<ReportColumn>> = plan.classes.iter().map(|class| plan.columns(class)).collect();
+    let of = cases.iter().map(Vec::len).sum();
+    let done = AtomicUsize::new(0);
+    progress(StabilityProgress { stage: SweepStage::Judging, done: 0, of });
+    let judge_case = |(class, case): (usize, &StabilityCase)| {
+        if cancel.load(Ordering::Relaxed) {
+            return None;
+        }
+        let expected = Expected::new(case);
+        let answered = columns[class]
+            .iter()
+            .map(|column| (!cancel.load(Ordering::Relaxed)).then(|| answer(case, &expected, *column)));
+        let outcomes = answered.collect::<Option<Vec<_>>>()?;
+        progress(StabilityProgress { stage: SweepStage::Judging, done: done.fetch_add(1, Ordering::Relaxed) + 1, of });
+        Some((expected.units(case), outcomes))
+    };
+    let jobs: Vec<(usize, &StabilityCase)> =
+        cases.iter().enumerate().flat_map(|(i, cases)| cases.iter().map(move |c| (i, c))).collect();
+    let judged: Vec<Option<(u64, Vec<Option<MeasureOutcome>>)>> = jobs.into_par_iter().map(judge_case).collect();
+    let mut judged = judged.into_iter();
+    let reports = plan.classes.iter().zip(cases).zip(columns).map(|((class, cases), columns)| {
+        let judged: Vec<_> = judged.by_ref().take(cases.len()).collect();
+        let judged = judged.into_iter().collect::<Option<Vec<_>>>()?;
+        let cell = |(index, column): (usize, ReportColumn)| {
+            let outcomes =
+                cases.iter().zip(&judged).filter_map(|(case, (_, outcomes))| Some((case, outcomes[index].as_ref()?)));
+            join(class, column, &outcomes.collect::<Vec<_>>())
+        };
+        let units: Vec<u64> = judged.iter().map(|(units, _)| *units).collect();
+        let cells: Vec<ReportCell> = columns.into_iter().enumerate().map(cell).collect();
+        let worst: HashSet<&str> = cells.iter().filter_map(|cell| Some(&*cell.worst.as_ref()?.of)).collect();
+        let worst_cases = cases.iter().filter(|case| worst.contains(&*case.id)).cloned().collect();
+        let report = ClassReport {
+            class,
+            cases: cases.len(),
+            triangles: cases.iter().map(StabilityCase::triangle_count).sum(),
+            units: units.iter().sum(),
+            cells,
+            worst_cases,
+        };
+        Some((report, units))
+    });
+    reports.collect()
+}
+
+/// Combines the outcomes of all cases of a class in one column.
+fn join(class: &Class, column: ReportColumn, outcomes: &[(&StabilityCase, &MeasureOutcome)]) -> ReportCell {
+    let mut measures = Measures::default();
+    outcomes.iter().filter_map(|(_, outcome)| outcome.measures.as_ref()).for_each(|one| measures.join(one));
+    let refused = outcomes.iter().filter(|(_, outcome)| outcome.measures.is_none()).count();
+    let worst = outcomes
+        .iter()
+        .max_by(|a, b| rank(class, a.1).partial_cmp(&rank(class, b.1)).unwrap_or(std::cmp::Ordering::Equal));
+    let worst = worst.filter(|(_, outcome)| rank(class, outcome).iter().any(|value| *value > 0.0));
+    let worst = worst.map(|(case, outcome)| Worst {
+        of: case.id.clone(),
+        measures: outcome.measures,
+        case: shown(case, &outcome.culprits, column),
+    });
+    let by_case = outcomes.iter().filter(|_| class.family == Family::Depth).map(|(case, outcome)| CaseMeasures {
+        id: case.id.clone(),
+        note: case.note.clone(),
+        measures: outcome.measures,
+    });
+    let by_case = by_case.collect();
+    ReportCell { column, verdict: Verdict::Measured, refused, measures, time: None, worst, by_case }
+}
+
+/// Returns a sort key for the severity of a case: its error metrics in descending order of importance.
+fn rank(class: &Class, outcome: &MeasureOutcome) -> [f64; 7] {
+    use Metric::{DepthUlp, Doubles, NotFinite, WeightError, Wrong, WrongUnsnapped};
+    let value = |metric| outcome.measures.map_or(f64::INFINITY, |measures| measures.get(metric).unwrap_or(0.0));
+    [class.headline, NotFinite, Wrong, Doubles, WrongUnsnapped, WeightError, DepthUlp].map(value)
+}
+
+/// Returns the part of a case that shows the fault, with the depth format of the column.
+fn shown(case: &StabilityCase, culprits: &[usize], column: ReportColumn) -> StabilityCase {
+    let part = match (&case.body, culprits) {
+        (_, []) => case.clone(),
+        (Body::DepthPairs(pairs), [pair, ..]) => {
+            let body = only_pair(pairs, *pair).map_or_else(|| case.body.clone(), Body::Depth);
+            StabilityCase { id: format!("{}-pair", case.id), body, ..case.clone() }
+        }
+        (_, culprits) => case.only(culprits),
+    };
+    match column {
+        ReportColumn::Depth(format) => {
+            let (mapping, storage) = super::subject::meaning(format);
+            part.stored_as(mapping, storage)
+        }
+        ReportColumn::Coverage(_) | ReportColumn::Weights(_) => part,
+    }
+}
+
+/// Times all configurations of a class. The first configuration is timed twice per round; returns these pairs of times
+/// (A/A pairs), or `None` if cancelled.
+fn time(report: &mut ClassReport, cases: &[StabilityCase], units: &[u64], cancel: &AtomicBool) -> Option<Pairs> {
+    let columns: Vec<ReportColumn> = report.cells.iter().map(|cell| cell.column).collect();
+    let (times, pairs) = time_class(report.class, cases, units, &columns, cancel)?;
+    for (cell, time) in report.cells.iter_mut().zip(times) {
+        cell.time = Some(time);
+        if let Some(stiffness) = time.stiffness {
+            cell.measures.note(Metric::Stiffness, stiffness);
+        }
+    }
+    Some(pairs)
+}
+
+fn verdict(class: &Class, cell: &ReportCell) -> Verdict {
+    if cell.refused > 0 {
+        Verdict::Refused
+    } else if class.bounds.iter().all(|bound| bound.holds(&cell.measures)) {
+        Verdict::Pass
+    } else {
+        Verdict::Measured
+    }
+}
+
+#[cfg(test)]
+mod tests;

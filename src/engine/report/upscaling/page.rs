@@ -1,0 +1,262 @@
+//! Upscaling report as a self-contained HTML page, without scripts, in the light or dark theme of the reader's system.
+
+use std::io;
+
+use super::plot;
+use super::skipping::PixelShareTimes;
+use super::sweep::{SceneReport, UpscalingReport, UpscalingRow};
+use crate::measure::error::ImageError;
+use crate::measure::motion::Turn;
+use crate::measure::noise::WITHIN;
+use crate::measure::rounds::WARM_UP_ROUNDS;
+use crate::pipeline::settings::Choice as _;
+use crate::report::html::{document, escaped, image_source, partial, tiles};
+use crate::upscale::Anchor;
+
+/// CSS rules specific to this page.
+const STYLE: &str = include_str!("page.css");
+
+/// Formats the upscaling report as an HTML page.
+///
+/// # Errors
+///
+/// Fails if a crop cannot be encoded as PNG.
+pub fn page(report: &UpscalingReport) -> io::Result<String> {
+    let mut body = head(report);
+    for scene in &report.scenes {
+        body += &section(report, scene)?;
+    }
+    body += &method(report);
+    Ok(document("Error against run time", STYLE, &body))
+}
+
+fn head(report: &UpscalingReport) -> String {
+    let [width, height] = report.size;
+    let methods = report.scenes.first().map_or(0, |scene| scene.rows.len());
+    let figures = [
+        (report.scenes.len().to_string(), if report.scenes.len() == 1 { "scene" } else { "scenes" }),
+        (methods.to_string(), "upscalers and scales"),
+        (format!("{width} × {height}"), "pixels"),
+        (report.rounds.to_string(), "interleaved rounds"),
+        (report.threads.to_string(), "threads"),
+    ];
+    format!(
+        "<h1>Error against run time</h1>\n<p class=\"soft\">Time saved by drawing fewer samples and upscaling, and \
+         the resulting error. Every error is relative to one reference: <b>{}</b>. Rasterscope {}.</p>\n{}{}",
+        escaped(report.reference),
+        escaped(report.machine.version),
+        partial(report.partial),
+        tiles(figures)
+    )
+}
+
+fn section(report: &UpscalingReport, scene: &SceneReport) -> io::Result<String> {
+    let native = scene.rows.iter().find(|row| row.recipe.upscaler.is_native());
+    let best = scene.rows.iter().filter(|row| row.is_on_front()).count();
+    Ok(format!(
+        "<section>\n<h2>{}</h2>\n<p class=\"soft\">{} triangles. Down and to the left is better; {best} of {} points \
+         are on the Pareto front, joined by the dashed line. Grey points are dominated, or their time advantage over \
+         a more accurate point is within noise. Bars extend from the 10th to the 90th percentile; thin lines join the \
+         scales of one method. Noise floor of the times: {}. {}</p>\n<div \
+         class=\"panels\"><figure>{}</figure>{}</div>\n{}<h3>Table</h3>\n{}<h3>Region of the largest differences</h3>\n\
+         <p class=\"soft\">{} × {} px from column {}, row {}, enlarged without filtering.</p>\n{}</section>\n",
+        escaped(&scene.scene),
+        scene.triangles,
+        scene.rows.len(),
+        scene.noise.words(),
+        anchors(&scene.rows),
+        plot::tradeoff(scene),
+        scene.shares.as_deref().map(shares).unwrap_or_default(),
+        native.map(|native| sixteenth(&scene.rows, native)).unwrap_or_default(),
+        table(report, &scene.rows, native),
+        scene.crop.right - scene.crop.left,
+        scene.crop.bottom - scene.crop.top,
+        scene.crop.left,
+        scene.crop.top,
+        crops(&scene.rows)?
+    ))
+}
+
+/// Returns a sentence that lists the upscaling methods by anchor, which is the position of the sample in its block.
+/// Returns an empty string if all methods have the same anchor.
+fn anchors(rows: &[UpscalingRow]) -> String {
+    let names = |anchor: Anchor| {
+        let mut names: Vec<_> = Vec::new();
+        for row in rows.iter().filter(|row| !row.recipe.upscaler.is_native() && row.recipe.upscaler.anchor() == anchor)
+        {
+            names.push(row.recipe.upscaler.upscaler().name());
+        }
+        names.dedup();
+        names.join(", ")
+    };
+    let anchored: Vec<_> = Anchor::ALL.iter().map(|anchor| (anchor.name(), names(*anchor))).collect();
+    if anchored.iter().filter(|(_, names)| !names.is_empty()).count() < 2 {
+        return String::new();
+    }
+    let parts: Vec<_> =
+        anchored.iter().map(|(anchor, names)| format!("{}: {}", escaped(anchor), escaped(names))).collect();
+    format!("Anchors differ: the position of the sample in its block depends on the method. {}.", parts.join("; "))
+}
+
+fn shares(shares: &[PixelShareTimes]) -> String {
+    format!(
+        "<figure>{}<div class=\"legend key\"><span class=\"skip\"><i></i>skipping pixels inside the loop</span><span \
+         class=\"visit\"><i></i>visiting only the wanted pixels</span><span class=\"dashed\"><i></i>time of \
+         rasterization; the rest is shading</span></div><figcaption>Both loops draw the same samples, triangle by \
+         triangle on one thread, with the same edge functions, depth test and shading. Skipping inside the loop saves \
+         only shading: the loop still visits every pixel, so the dashed line hardly falls.</figcaption></figure>",
+        plot::shares(shares)
+    )
+}
+
+/// Returns an HTML section that compares native rendering with the recipes that draw at most 1/16 of the pixels.
+/// Returns an empty string if there are no such recipes.
+fn sixteenth(rows: &[UpscalingRow], native: &UpscalingRow) -> String {
+    /// Largest fraction of drawn pixels that counts as 1/16. The tolerance covers block sizes that do not divide the
+    /// image and therefore draw slightly more.
+    const AT_MOST: f64 = 1.05 / 16.0;
+    let mut few: Vec<&UpscalingRow> = rows.iter().filter(|row| row.drawn <= AT_MOST).collect();
+    if few.is_empty() {
+        return String::new();
+    }
+    few.sort_by(|a, b| a.motion.mean.flip.total_cmp(&b.motion.mean.flip));
+    let lines: String = few
+        .into_iter()
+        .map(|row| {
+            let times = |of_native: f64, own: f64| format!("{:.1}×", of_native / own.max(f64::MIN_POSITIVE));
+            let cells = [
+                format!("{:.3}", row.frame_ms.median),
+                faster(native, row),
+                times(native.parts_ms.pixels, row.parts_ms.pixels),
+                format!("{:.3}", row.parts_ms.upscale),
+                format!("{:.4}", row.motion.mean.flip),
+                format!("{:.2}", row.motion.mean.codes.psnr_db),
+            ];
+            let cells = cells.map(|cell| format!("<td>{cell}</td>")).concat();
+            let dot = format!("<span class=\"dot m{}\"></span>", plot::color(row));
+            format!("<tr><td>{dot}{}</td>{cells}</tr>\n", escaped(&row.label))
+        })
+        .collect();
+    format!(
+        "<h3>A sixteenth of the pixels</h3>\n<p class=\"soft\">Compared with the native frame of {:.3} ms. The cost of \
+         geometry does not depend on the number of pixels, and upscaling adds cost, so the gain depends on the share \
+         of the frame time that is spent on pixels, {:.0} % here.</p>\n<div class=\"scroll\"><table \
+         class=\"rows\">\n<thead><tr><th>upscaler</th><th>median ms</th><th>speed-up, frame</th><th>speed-up, \
+         pixels</th><th>upscale ms</th><th>FLIP in motion</th><th>PSNR in motion, dB</th></tr></thead>\n\
+         <tbody>\n{lines}</tbody></table></div>\n",
+        native.frame_ms.median,
+        100.0 * native.parts_ms.pixels / native.frame_ms.median.max(f64::MIN_POSITIVE)
+    )
+}
+
+fn table(report: &UpscalingReport, rows: &[UpscalingRow], native: Option<&UpscalingRow>) -> String {
+    let mut order: Vec<&UpscalingRow> = rows.iter().collect();
+    order.sort_by(|a, b| a.frame_ms.median.total_cmp(&b.frame_ms.median));
+    let lines: String = order.into_iter().map(|row| line(row, native)).collect();
+    format!(
+        "<p class=\"soft\">{} The columns after them show errors of the still view.</p>\n<div class=\"scroll\"><table \
+         class=\"rows\">\n<thead><tr><th>upscaler</th><th>anchor</th><th>light</th><th>drawn</th><th>median \
+         ms</th><th>p10</th><th>p90</th><th>speed-up</th><th>geometry</th><th>pixels</th><th>upscale</th><th>FLIP in \
+         motion</th><th>worst frame</th><th>PSNR in motion, dB</th><th>FLIP</th><th>PSNR \
+         dB</th><th>SSIM</th><th>MSE</th><th>max</th><th>differing px</th><th class=\"words\">dominated \
+         by</th></tr></thead>\n<tbody>\n{lines}</tbody></table></div>\n",
+        motion(report)
+    )
+}
+
+/// Returns a sentence that describes the camera motion during the error measurement.
+fn motion(report: &UpscalingReport) -> String {
+    let Turn { degrees, frames } = report.turn;
+    if report.turn.is_still() {
+        return "The view is still: errors in motion equal those of the still view.".to_owned();
+    }
+    format!(
+        "Errors in motion are means over {frames} frames while the camera orbits by {degrees}° per frame, each against \
+         the reference of the same frame; methods with a history get {} frames to warm up.",
+        Turn::WARM_UP
+    )
+}
+
+fn line(row: &UpscalingRow, native: Option<&UpscalingRow>) -> String {
+    let (ms, codes, parts) = (row.frame_ms, row.error.codes, row.parts_ms);
+    let faster = native.map_or_else(|| "–".to_owned(), |native| faster(native, row));
+    let psnr = |codes: ImageError| match codes.mse {
+        0.0 => "identical".to_owned(),
+        _ => format!("{:.2}", codes.psnr_db),
+    };
+    let (style, by) = match (&row.dominated_by, &row.within_noise_of) {
+        (Some(by), _) => ("beaten", escaped(by)),
+        (None, Some(of)) => ("beaten", format!("{WITHIN} of {}", escaped(of))),
+        (None, None) => ("best", "none".to_owned()),
+    };
+    let cells = [
+        row.recipe.upscaler.anchor().id().to_owned(),
+        row.recipe.upscaler.light().id().to_owned(),
+        format!("{:.1} %", row.drawn * 100.0),
+        format!("{:.3}", ms.median),
+        format!("{:.3}", ms.p10),
+        format!("{:.3}", ms.p90),
+        faster,
+        format!("{:.3}", parts.geometry),
+        format!("{:.3}", parts.pixels),
+        format!("{:.3}", parts.upscale),
+        format!("{:.4}", row.motion.mean.flip),
+        format!("{:.4}", row.motion.worst.flip),
+        psnr(row.motion.mean.codes),
+        format!("{:.4}", row.error.flip),
+        psnr(codes),
+        format!("{:.4}", codes.ssim),
+        format!("{:.2}", codes.mse),
+        codes.max_abs.to_string(),
+        codes.differing_pixels.to_string(),
+    ];
+    format!(
+        "<tr class=\"{style}\"><td><span class=\"dot m{}\"></span>{}</td>{}<td class=\"words\">{}</td></tr>\n",
+        plot::color(row),
+        escaped(&row.label),
+        cells.map(|cell| format!("<td>{cell}</td>")).concat(),
+        by
+    )
+}
+
+/// Returns the speed-up relative to native rendering as HTML, greyed out and labelled if the difference is within
+/// noise.
+fn faster(native: &UpscalingRow, row: &UpscalingRow) -> String {
+    let text = format!("{:.2}×", native.frame_ms.median / row.frame_ms.median.max(f64::MIN_POSITIVE));
+    if row.native_within_noise { format!("<span class=\"noise\">{text} {WITHIN}</span>") } else { text }
+}
+
+/// Returns the crops of native rendering and of every other method at its largest scale, as HTML figures.
+fn crops(rows: &[UpscalingRow]) -> io::Result<String> {
+    let mut figures = String::new();
+    for family in rows.chunk_by(|a, b| a.recipe.upscaler.method() == b.recipe.upscaler.method()) {
+        let Some(row) = family.last() else { continue };
+        figures += &format!(
+            "<figure><img alt=\"{label}\" src=\"{}\"><figcaption><b>{label}</b> · FLIP {:.4} · {:.2} \
+             ms</figcaption></figure>\n",
+            image_source(&row.crop)?,
+            row.error.flip,
+            row.frame_ms.median,
+            label = escaped(&row.label)
+        );
+    }
+    Ok(format!("<div class=\"crops\">\n{figures}</div>\n"))
+}
+
+fn method(report: &UpscalingReport) -> String {
+    format!(
+        "<section>\n<h2>How it was measured</h2>\n<p>{}; {} threads draw.</p>\n<p>Each round draws one frame of the \
+         sequence by every recipe, in a newly shuffled order, after {WARM_UP_ROUNDS} warm-up rounds; all in one \
+         process. Times are medians over {} rounds, which draw the frames whose error is measured, with the same \
+         history. Recipes spread over the list are drawn twice per round as A/A pairs; the noise floor is the 90th \
+         percentile of the relative differences of such pairs, each of medians over a block of rounds. {} Reading \
+         files and measuring errors are not timed.</p>\n<p>FLIP is the mean over all pixels, at 67 pixels per degree: \
+         0 is equal, 1 black against white. PSNR and MSE use sRGB codes. SSIM has a Gaussian window of 11 × 11 px, σ \
+         1.5, on luma. A reference of one sample per pixel is aliased itself, so a method that smooths has an error \
+         against it.</p>\n</section>\n",
+        escaped(&report.machine.summary()),
+        report.threads,
+        report.rounds,
+        motion(report)
+    )
+}

@@ -1,0 +1,112 @@
+//! Shared data: the library owns each mesh, material and texture once, and instances refer to them by identifier.
+
+use super::{Material, Mesh, Texture};
+use crate::text;
+
+macro_rules! id {
+    ($(#[$doc:meta])* $visibility:vis $name:ident) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        $visibility struct $name(u32);
+
+        impl $name {
+            /// Returns the index of the item in its library.
+            pub(crate) fn index(self) -> usize {
+                self.0 as usize
+            }
+        }
+    };
+}
+
+id!(
+    /// Identifier of a mesh in a [`Library`].
+    pub MeshId
+);
+id!(
+    /// Identifier of a material in a [`Library`].
+    pub MaterialId
+);
+id!(
+    /// Identifier of a texture in a [`Library`].
+    pub TextureId
+);
+
+/// Owner of all meshes, materials and textures of a scene. Only the library creates identifiers, so they never dangle.
+#[derive(Clone, Debug, Default)]
+pub struct Library {
+    meshes: Vec<Mesh>,
+    materials: Vec<Material>,
+    textures: Vec<Texture>,
+}
+
+impl Library {
+    /// Adds a mesh and returns its identifier.
+    pub fn add_mesh(&mut self, mesh: Mesh) -> MeshId {
+        self.meshes.push(mesh);
+        MeshId(self.meshes.len() as u32 - 1)
+    }
+
+    /// Adds a material and returns its identifier. Removes control characters from the material's names.
+    pub fn add_material(&mut self, mut material: Material) -> MaterialId {
+        material.name = text::clean(&material.name).into_owned();
+        material.missing_texture = material.missing_texture.map(|name| text::clean(&name).into_owned());
+        self.materials.push(material);
+        MaterialId(self.materials.len() as u32 - 1)
+    }
+
+    /// Adds a texture and returns its identifier.
+    pub fn add_texture(&mut self, texture: Texture) -> TextureId {
+        self.textures.push(texture);
+        TextureId(self.textures.len() as u32 - 1)
+    }
+
+    /// Returns the mesh with the identifier `id`, which must come from this library.
+    pub fn mesh(&self, id: MeshId) -> &Mesh {
+        &self.meshes[id.index()]
+    }
+
+    /// Returns the material with the identifier `id`, which must come from this library.
+    pub(crate) fn material(&self, id: MaterialId) -> &Material {
+        &self.materials[id.index()]
+    }
+
+    /// Returns the texture with the identifier `id`, which must come from this library.
+    pub(crate) fn texture(&self, id: TextureId) -> &Texture {
+        &self.textures[id.index()]
+    }
+
+    /// Returns a copy of the library with every mesh mirrored in z; identifiers stay valid.
+    pub(crate) fn mirrored_z(&self) -> Self {
+        self.with_meshes(Mesh::mirrored_z)
+    }
+
+    /// Returns a copy of the library with every mesh replaced by the result of `make`; identifiers stay valid.
+    pub(crate) fn with_meshes(&self, make: impl FnMut(&Mesh) -> Mesh) -> Self {
+        Self {
+            meshes: self.meshes.iter().map(make).collect(),
+            materials: self.materials.clone(),
+            textures: self.textures.clone(),
+        }
+    }
+
+    /// Returns all meshes, in the order of their identifiers.
+    pub fn meshes(&self) -> &[Mesh] {
+        &self.meshes
+    }
+
+    /// Returns all materials, in the order of their identifiers.
+    #[cfg(test)]
+    pub(crate) fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
+    /// Returns all textures, in the order of their identifiers.
+    pub fn textures(&self) -> &[Texture] {
+        &self.textures
+    }
+
+    /// Returns the memory used by meshes and textures, in bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        self.meshes.iter().map(Mesh::bytes).sum::<usize>() + self.textures.iter().map(Texture::bytes).sum::<usize>()
+    }
+}

@@ -1,0 +1,262 @@
+//! Upscaling: computes a full image from fewer samples than it has pixels.
+//!
+//! The input is the drawn samples, packed as [`Upscaling::sampling`] specifies. The output is the whole image, of any
+//! size from 1 × 1. Samples lie on pixels of the full image or between them, as [`Lattice`] specifies. Samples on
+//! pixels are kept unchanged unless the upscaler deliberately smooths.
+//!
+//! Upscalers filter sRGB-encoded values, as most programs do, or linear light, which is physically correct but makes
+//! dark edges ring more. Images are bit-identical for any number of threads and on any processor. [`Upscaler::taps`]
+//! lists the samples of a pixel, and [`Upscaler::pixel`] computes a single pixel with the same arithmetic.
+//!
+//! Each upscaler has an entry in the registry [`ALL`], which menus, command line, tests and reports read.
+
+use serde::Serialize;
+
+use crate::image::{Image, Rgba8};
+use crate::pipeline::grid::SampleGrid;
+
+mod accumulation;
+mod bands;
+mod bicubic;
+mod bilinear;
+mod checkerboard;
+mod choice;
+mod cubic;
+mod fsr;
+mod history;
+mod lanczos;
+#[cfg(target_arch = "x86_64")]
+mod lanes;
+mod lattice;
+mod native;
+mod nearest;
+#[cfg(target_arch = "x86_64")]
+mod nearest_avx2;
+mod scale;
+mod separable;
+
+pub(crate) use accumulation::ACCUMULATION;
+pub(crate) use bicubic::BICUBIC;
+pub(crate) use bilinear::BILINEAR;
+pub(crate) use checkerboard::CHECKERBOARD;
+pub(crate) use checkerboard::CHECKERBOARD_EDGES;
+pub(crate) use checkerboard::CHECKERBOARD_SURFACES;
+pub(crate) use checkerboard::CHECKERBOARD_TEMPORAL;
+pub use choice::FilterSpace;
+pub use choice::Upscaling;
+pub(crate) use cubic::CATMULL_ROM;
+pub(crate) use cubic::MITCHELL;
+pub(crate) use fsr::FSR1;
+pub(crate) use history::FrameInputs;
+pub(crate) use history::GBuffer;
+pub(crate) use history::History;
+pub(crate) use history::Motion;
+pub(crate) use history::Reprojected;
+pub(crate) use lanczos::LANCZOS2;
+pub(crate) use lanczos::LANCZOS3;
+pub use lattice::Anchor;
+pub(crate) use lattice::Lattice;
+pub(crate) use native::NATIVE;
+pub(crate) use nearest::NEAREST;
+pub use scale::Scale;
+
+/// An upscaler, which fills in the pixels that were not drawn.
+pub trait Upscaler: Sync {
+    /// Returns the id used in recipes and on the command line, in kebab case.
+    fn id(&self) -> &'static str;
+
+    /// Returns the display name of the upscaler.
+    fn name(&self) -> &'static str;
+
+    /// Returns a short description: algorithm, strengths, artefacts and source.
+    fn help(&self) -> &'static str;
+
+    /// Returns the available options. In all methods below, `how` must select this upscaler.
+    fn offers(&self) -> Offers;
+
+    /// Returns the inputs that the upscaler reads besides the drawn colours.
+    fn reads(&self) -> Reads {
+        Reads { gbuffer: false, history: false }
+    }
+
+    /// Returns the number of frames of a still view after which the image no longer changes.
+    fn converges_after(&self, _how: Upscaling) -> u32 {
+        1
+    }
+
+    /// Returns the samples to draw. For upscalers with history, these are the samples of the first frame.
+    fn sampling(&self, how: Upscaling) -> Sampling;
+
+    /// Returns the samples to draw after `frames` consecutive earlier frames, and their position within a pixel, in
+    /// [0, 1]².
+    fn frame_sampling(&self, how: Upscaling, _frames: u32) -> (Sampling, [f64; 2]) {
+        (self.sampling(how), CENTRE)
+    }
+
+    /// Upscales the drawn samples into `full`, overwriting it.
+    ///
+    /// May panic if the samples are not packed as [`Upscaler::sampling`] specifies for the image size.
+    fn upscale(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Image<Rgba8>);
+
+    /// Computes the pixel `at` of an image of `size` px, bit-identical to [`Upscaler::upscale`]. Reads only the samples
+    /// that [`Upscaler::taps`] lists.
+    fn pixel(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8;
+
+    /// Returns the distinct samples that contribute to pixel `at`, with weights that sum to 1. Samples of zero weight
+    /// affect only clamping or rounding. The pixel is the clamped weighted sum in the filtering colour space, apart
+    /// from rounding and non-linear steps of the upscaler.
+    fn taps(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap>;
+
+    /// Returns the position in the previous frame from which pixel `at` reads history, or `None` if it reads none.
+    /// History is not a tap.
+    fn history_position(
+        &self,
+        _how: Upscaling,
+        _drawn: &UpscaleInputs<'_>,
+        _size: (u32, u32),
+        _at: (u32, u32),
+    ) -> Option<Reprojected> {
+        None
+    }
+
+    /// Upscales like [`Upscaler::upscale`] and returns the history for the next frame, or `None` if the upscaler stores
+    /// none. `_memory` is an older history whose buffer may be reused.
+    fn upscale_with_history(
+        &self,
+        how: Upscaling,
+        drawn: &UpscaleInputs<'_>,
+        full: &mut Image<Rgba8>,
+        _memory: Option<Image<[f32; 4]>>,
+    ) -> Option<Image<[f32; 4]>> {
+        self.upscale(how, drawn, full);
+        None
+    }
+}
+
+/// Centre of a pixel, relative to its top left corner.
+pub(crate) const CENTRE: [f64; 2] = [0.5; 2];
+
+/// Inputs that an upscaler reads besides the drawn colours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reads {
+    /// Whether the upscaler reads the [`GBuffer`]: the visible surface of every pixel.
+    pub(crate) gbuffer: bool,
+    /// Whether the upscaler reads the previous frame; requires `gbuffer`.
+    pub history: bool,
+}
+
+/// Options of an upscaler; the first value of each list is the default.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Offers {
+    /// Offered scale factors, which apply to both axes, in ascending order; a single one if there is no choice.
+    pub scales: &'static [Scale],
+    /// Offered positions of a sample within its block.
+    pub anchors: &'static [Anchor],
+    /// Offered filtering colour spaces.
+    pub lights: &'static [FilterSpace],
+    /// Whether the upscaler offers de-ringing.
+    pub deringing: bool,
+    /// Whether the upscaler offers sharpening.
+    pub sharpening: bool,
+}
+
+/// Samples that are drawn for an upscaler.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sampling {
+    /// A subset of the pixels of the full image.
+    Grid(SampleGrid),
+    /// A lower-resolution image of the same view.
+    Lattice(Lattice),
+}
+
+impl Sampling {
+    /// Returns the samples of a lattice. They are pixels of the full image if the anchor is the corner and the scale is
+    /// an integer. Otherwise they are a lower-resolution image.
+    pub fn of_lattice(lattice: Lattice) -> Self {
+        match (lattice.anchor, lattice.scale.whole()) {
+            (Anchor::Corner, Some(step)) => Self::Grid(SampleGrid::Block { step }),
+            _ => Self::Lattice(lattice),
+        }
+    }
+
+    /// Returns the grid of drawn pixels, within the full or the lower-resolution image.
+    pub fn grid(self) -> SampleGrid {
+        match self {
+            Self::Grid(grid) => grid,
+            Self::Lattice(_) => SampleGrid::FULL,
+        }
+    }
+
+    /// Returns the size in pixels of the image that [`Sampling::grid`] refers to, for a full image of `width` ×
+    /// `height` px.
+    pub(crate) fn raster_size(self, width: u32, height: u32) -> (u32, u32) {
+        match self {
+            Self::Grid(_) => (width, height),
+            Self::Lattice(lattice) => (lattice.samples(width), lattice.samples(height)),
+        }
+    }
+
+    /// Returns the position in the full image, in pixels, of a packed sample given by column and row.
+    pub fn position_px(self, (column, row): (u32, u32)) -> (f64, f64) {
+        match self {
+            Self::Grid(grid) => {
+                let (x, y) = grid.pixel(column, row);
+                (f64::from(x) + 0.5, f64::from(y) + 0.5)
+            }
+            Self::Lattice(lattice) => (lattice.position_px(column), lattice.position_px(row)),
+        }
+    }
+
+    /// Returns the pixel of a full image of `width` × `height` px that contains a packed sample, or the nearest pixel.
+    pub(crate) fn pixel(self, sample: (u32, u32), (width, height): (u32, u32)) -> (u32, u32) {
+        let (x, y) = self.position_px(sample);
+        ((x as u32).min(width - 1), (y as u32).min(height - 1))
+    }
+}
+
+/// Inputs of an upscaler: the drawn samples, surfaces and history.
+#[derive(Clone, Copy, Debug)]
+pub struct UpscaleInputs<'a> {
+    /// Colours of the drawn samples, packed as [`Upscaling::sampling`] specifies.
+    pub color: &'a Image<Rgba8>,
+    /// Surfaces and history, if the upscaler reads them and they are available.
+    pub(crate) frame: Option<FrameInputs<'a>>,
+}
+
+impl<'a> From<&'a Image<Rgba8>> for UpscaleInputs<'a> {
+    fn from(color: &'a Image<Rgba8>) -> Self {
+        Self { color, frame: None }
+    }
+}
+
+/// A drawn sample and its weight in an output pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Tap {
+    /// Column of the sample in the full image, or in the lower-resolution image of a [`Lattice`].
+    pub x: u32,
+    /// Row of the sample in the same image.
+    pub y: u32,
+    /// Weight of the sample; negative weights sharpen.
+    pub weight: f32,
+}
+
+/// All upscalers, in menu order.
+pub static ALL: &[&dyn Upscaler] = &[
+    &NATIVE,
+    &CHECKERBOARD,
+    &CHECKERBOARD_EDGES,
+    &CHECKERBOARD_SURFACES,
+    &CHECKERBOARD_TEMPORAL,
+    &NEAREST,
+    &BILINEAR,
+    &BICUBIC,
+    &CATMULL_ROM,
+    &MITCHELL,
+    &LANCZOS2,
+    &LANCZOS3,
+    &FSR1,
+    &ACCUMULATION,
+];
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,13 @@
+//! Tests of the window, tests of the sources, and what the fuzz targets share with the tests of the engine. They are
+//! compiled into the root package.
+
+mod layering;
+pub(crate) mod samples;
+pub(crate) mod scene_builder;
+pub(crate) mod sound;
+#[cfg(feature = "ui")]
+mod ui_pictures;
+#[cfg(feature = "window-tests")]
+mod window;
+#[cfg(feature = "ui")]
+mod worker;
