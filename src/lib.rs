@@ -29,6 +29,7 @@ pub use rasterscope_engine::{
     upscale,
 };
 
+#[cfg_attr(not(feature = "ui"), allow(dead_code, reason = "only the window shows the sections of the manual"))]
 pub mod manual;
 
 #[cfg(feature = "ui")]

@@ -10,7 +10,7 @@ mod checkpoints;
 
 mod last_triangle;
 
-pub mod touches;
+mod touches;
 
 pub use last_triangle::LastTriangle;
 pub use timeline::Timeline;
