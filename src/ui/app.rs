@@ -222,6 +222,9 @@ impl Workbench {
             self.docks.ui(ui, self.session.workspace(), context);
         });
         self.session.canvas_px = self.widgets.canvas_px;
+        // A workspace without the picture draws no filmstrip.
+        let shows_picture = self.docks.shows(workspace::Panel::Picture);
+        self.session.filmstrip.is_shown = self.widgets.shows_filmstrip && shows_picture;
         let shows_histogram = self.docks.shows(workspace::Panel::Histogram);
         range::panel::notify_open(shows_histogram, &self.session, commands);
         self.widgets.mesh.hovered &= self.docks.shows(workspace::Panel::MeshView);

@@ -31,9 +31,6 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
 /// Time after which a spinner is shown for an unanswered render request.
 const SLOW_FRAME: Duration = Duration::from_millis(150);
 
-/// Minimum height at which a comparison has a filmstrip, in points. A lower panel has room for the pictures only.
-const FILMSTRIP_FROM: f32 = 660.0;
-
 /// Height of the bar above the canvas, in points.
 const BAR_HEIGHT: f32 = theme::ROW_HEIGHT + 8.0;
 
@@ -43,6 +40,7 @@ fn ui(ui: &mut Ui, cx: &mut PanelContext<'_>) {
         widgets.case = Default::default();
     }
     let frame = theme::panel_frame(ui);
+    widgets.picture_panel_height = ui.available_height();
     Panel::top("toolbar").frame(frame).exact_size(BAR_HEIGHT).show(ui, |ui| {
         transport::toolbar(ui, session, widgets.canvas.scale(), commands);
     });
@@ -54,12 +52,12 @@ fn ui(ui: &mut Ui, cx: &mut PanelContext<'_>) {
         });
     }
     if compares {
-        widgets.has_room_for_filmstrip = ui.available_height() >= FILMSTRIP_FROM;
         Panel::top("compare").frame(frame).show(ui, |ui| {
             compare::bar::ui(ui, session, widgets, commands);
         });
     }
-    if compares && session.filmstrip.open && widgets.has_room_for_filmstrip {
+    widgets.shows_filmstrip = compares && session.filmstrip.is_shown_in(widgets.picture_panel_height);
+    if widgets.shows_filmstrip {
         let tight = frame.inner_margin(egui::Margin::symmetric(theme::space::S as i8, filmstrip::strip::MARGIN));
         Panel::bottom("filmstrip").frame(tight).exact_size(filmstrip::strip::HEIGHT).show(ui, |ui| {
             widgets.filmstrip.ui(ui, session, commands);

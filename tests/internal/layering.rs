@@ -161,3 +161,34 @@ fn sources_contain_no_markers_of_unfinished_work() {
         assert_eq!(mark, None, "in {}", source.path.display());
     }
 }
+
+/// Returns the files with the extension `rs` below a folder.
+fn rust_files(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let files = entries.flat_map(|path| if path.is_dir() { rust_files(&path) } else { vec![path] });
+    files.filter(|path| path.extension().is_some_and(|extension| extension == "rs")).collect()
+}
+
+/// A file that no module declares is never compiled, so its tests never run.
+#[test]
+fn every_file_of_tests_is_declared_as_a_module() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let libraries = ["src/lib.rs", "src/engine/lib.rs"].map(|path| fs::read_to_string(root.join(path)).unwrap());
+    for folder in ["tests/internal", "tests/fuzz", "tests/program"] {
+        for file in rust_files(&root.join(folder)) {
+            let name = file.file_stem().unwrap().to_string_lossy().into_owned();
+            if name == "mod" || name == "main" {
+                continue;
+            }
+            let parent = file.parent().unwrap();
+            let siblings = fs::read_dir(parent).unwrap().map(|entry| entry.unwrap().path());
+            let above = siblings.chain([parent.with_extension("rs")]).filter(|path| *path != file);
+            let texts = above.filter_map(|path| fs::read_to_string(path).ok()).chain(libraries.clone());
+            let is_declared = texts.into_iter().any(|text| {
+                text.lines().any(|line| line.trim().trim_start_matches("pub(crate) ") == format!("mod {name};"))
+                    || text.contains(&format!("/{name}.rs\"]"))
+            });
+            assert!(is_declared, "{} is in no module", file.display());
+        }
+    }
+}

@@ -8,7 +8,7 @@ use crate::measure::difference::{Difference, GAINS};
 use crate::measure::reference::Reference;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
-use crate::ui::filmstrip::FilmstripChange;
+use crate::ui::filmstrip::{self, FilmstripChange};
 use crate::ui::manual::manual_button;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
@@ -41,8 +41,8 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, widgets: &PanelWidgets, command
             changes.push(CompareChange::Swap);
         }
         region(ui, session, &mut changes);
-        let strip = Button::selectable(session.filmstrip.open, "Filmstrip");
-        let strip = ui.add_enabled(widgets.has_room_for_filmstrip, strip);
+        let strip = Button::selectable(session.filmstrip.is_shown_in(widgets.picture_panel_height), "Filmstrip");
+        let strip = ui.add_enabled(filmstrip::has_room(widgets.picture_panel_height), strip);
         let help = "Show every upscaling method in a strip below the pictures";
         let why = "The window is too low for a strip of all upscaling methods below the pictures";
         if strip.on_hover_text(help).on_disabled_hover_text(why).clicked() {

@@ -20,8 +20,10 @@ use crate::upscale::{Scale, Upscaling};
 /// Settings and results of the filmstrip.
 #[derive(Debug)]
 pub(crate) struct Filmstrip {
-    /// Whether the filmstrip is shown below comparisons.
-    pub(crate) open: bool,
+    /// Whether the user wants the filmstrip below comparisons; `None` to show it only in high windows.
+    open: Option<bool>,
+    /// Whether the last pass showed the filmstrip.
+    pub(crate) is_shown: bool,
     /// Scale of all methods, as far as they offer it; `None` for the largest scale of each.
     pub(crate) scale: Option<Scale>,
     /// Order of the frames.
@@ -32,7 +34,7 @@ pub(crate) struct Filmstrip {
 
 impl Default for Filmstrip {
     fn default() -> Self {
-        Self { open: true, scale: None, order: RowOrder::Method, drawn: None }
+        Self { open: None, is_shown: false, scale: None, order: RowOrder::Method, drawn: None }
     }
 }
 
@@ -47,11 +49,28 @@ pub(crate) enum FilmstripChange {
     Order(RowOrder),
 }
 
+/// Minimum height of the picture panel for a filmstrip, in points. A lower panel has room for the pictures only.
+const MIN_PANEL: f32 = 460.0;
+
+/// Height of the picture panel from which a comparison has a filmstrip by default, in points. Three quarters of the
+/// window are then left for the pictures.
+const DEFAULT_PANEL: f32 = 940.0;
+
+/// Whether a picture panel, whose height is given in points, has room for a filmstrip.
+pub(crate) fn has_room(panel_height: f32) -> bool {
+    panel_height >= MIN_PANEL
+}
+
 impl Filmstrip {
+    /// Whether a comparison in a picture panel has a filmstrip. The height of the panel is given in points.
+    pub(crate) fn is_shown_in(&self, panel_height: f32) -> bool {
+        has_room(panel_height) && self.open.unwrap_or(panel_height >= DEFAULT_PANEL)
+    }
+
     /// Applies a change to the settings.
     pub(crate) fn apply(&mut self, change: FilmstripChange) {
         match change {
-            FilmstripChange::Toggle => self.open ^= true,
+            FilmstripChange::Toggle => self.open = Some(!self.is_shown),
             FilmstripChange::Scale(scale) => self.scale = scale,
             FilmstripChange::Order(order) => self.order = order,
         }
@@ -66,8 +85,7 @@ fn scales() -> BTreeSet<Scale> {
 impl Session {
     /// Returns the request for the pictures of the filmstrip; `None` if it is not shown.
     pub(in crate::ui) fn filmstrip_request(&self) -> Option<CompareRequest> {
-        let is_shown = self.filmstrip.open && self.comparison.is_on() && self.case.is_none();
-        is_shown.then(|| CompareRequest {
+        self.filmstrip.is_shown.then(|| CompareRequest {
             scene: self.scene.clone(),
             camera: self.state.camera,
             viewport: self.viewport(),

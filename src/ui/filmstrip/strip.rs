@@ -32,8 +32,11 @@ const SETTINGS_WIDTH: f32 = 108.0;
 /// Margin above and below the strip, in points.
 pub(crate) const MARGIN: i8 = 3;
 
-/// Height of the strip, in points: pictures, two lines of text, and margins.
-pub(crate) const HEIGHT: f32 = PICTURE.y + 2.0 * LINE + 2.0 * MARGIN as f32 + 2.0;
+/// Space for the scroll bar, in points.
+const SCROLL_BAR: f32 = 10.0;
+
+/// Height of the strip, in points: pictures, two lines of text, scroll bar, and margins.
+pub(crate) const HEIGHT: f32 = PICTURE.y + 2.0 * LINE + SCROLL_BAR + 2.0 * MARGIN as f32;
 
 /// Texture of one frame, with the picture and the part of it that the texture shows.
 #[derive(Default)]

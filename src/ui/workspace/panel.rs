@@ -59,8 +59,10 @@ pub(crate) struct PanelWidgets {
     pub(crate) tiles: TilesView,
     /// Filmstrip below the tiles.
     pub(crate) filmstrip: FilmstripView,
-    /// Whether the panel with the picture is high enough for a filmstrip.
-    pub(crate) has_room_for_filmstrip: bool,
+    /// Whether the last pass showed the filmstrip.
+    pub(crate) shows_filmstrip: bool,
+    /// Height of the panel with the picture, in points, as of the last pass that showed it.
+    pub(crate) picture_panel_height: f32,
     /// Pictures of a case.
     pub(crate) case: CaseView,
     /// Mesh view.

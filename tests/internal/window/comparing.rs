@@ -202,6 +202,7 @@ fn strip(bench: &Bench) -> Vec<String> {
 fn the_filmstrip_has_a_frame_of_every_method_and_a_click_shows_it_as_b() {
     let mut bench = Bench::small("chess");
     bench.press(Key::T);
+    bench.click("Filmstrip");
     let frames = strip(&bench);
     assert_eq!(frames.len(), ALL.len());
     assert!(frames.iter().all(|frame| frame.contains("FLIP ")), "every error is measured: {frames:?}");
@@ -226,6 +227,7 @@ fn the_filmstrip_has_a_frame_of_every_method_and_a_click_shows_it_as_b() {
 fn the_filmstrip_is_sorted_by_error_and_has_one_scale() {
     let mut bench = Bench::small("chess");
     bench.press(Key::T);
+    bench.click("Filmstrip");
     bench.window.get_by_label("Order of all methods").click();
     bench.rest();
     bench.click("By error");

@@ -4,6 +4,7 @@ mod appearance;
 mod arithmetic;
 mod bench;
 mod camera;
+mod cases;
 mod comparing;
 mod context;
 mod fates;

@@ -16,7 +16,7 @@ use crate::pipeline::viewport::Viewport;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StabilityCase {
     /// Unique id of the case, shown in reports.
-    pub(crate) id: String,
+    pub id: String,
     /// Id of the class that the case belongs to.
     pub(crate) class: String,
     /// Description of the property that makes the case hard.
