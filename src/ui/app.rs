@@ -296,7 +296,7 @@ impl Workbench {
             Command::Measure => self.measure(),
             Command::CancelMeasure => {
                 self.idle.decline(self.session.request());
-                self.session.measuring = None;
+                self.session.tasks.measuring = None;
                 self.worker.send(WorkerRequest::CancelMeasure);
             }
             Command::ClearTimings => {

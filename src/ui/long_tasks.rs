@@ -9,6 +9,28 @@ use crate::measure::scaling::{Scaling, ScalingQuantity};
 use crate::measure::skipped_work::Savings;
 use crate::report::stability::sweep::{StabilityProgress, StabilityReport};
 
+/// Progress and results of measurements and exports that take long.
+#[derive(Debug, Default)]
+pub(crate) struct LongTasks {
+    /// Running measurement of all upscalers, if any.
+    pub(crate) measuring: Option<Measuring>,
+    /// State of the stability report.
+    pub(crate) stability: Stability,
+    /// Measurement of how much frame time the draws of the view save by skipping unneeded parts of the pipeline.
+    pub(crate) savings: PlanSavings,
+    /// Measurement of how frame times scale with triangles, pixels, overdraw and threads.
+    pub(crate) scaling: ScalingState,
+    /// Completed fraction of the running export of a vector drawing, in [0, 1]; `None` if none is running.
+    pub(crate) export_progress: Option<f32>,
+}
+
+/// Progress of a running measurement of all upscalers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Measuring {
+    /// Completed fraction of the measurement, in [0, 1].
+    pub(crate) progress: f32,
+}
+
 /// View of the stability report.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum StabilityView {

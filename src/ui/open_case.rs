@@ -31,7 +31,7 @@ impl Session {
         let case = case.into();
         self.close_case();
         self.report(Severity::Info, format!("Opened case {}", case.id));
-        self.error = None;
+        self.messages.error = None;
         self.case = Some(OpenCase::new(case));
     }
 

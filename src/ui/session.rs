@@ -2,21 +2,22 @@
 //!
 //! Panels read this state and push [`Command`]s, which only [`Session::apply`] applies. Widgets store no settings.
 
-mod log;
+mod messages;
 
 mod preferences;
 
 mod undo;
 
-pub(crate) use log::LogLine;
-pub(crate) use log::Severity;
+pub(crate) use messages::Messages;
+pub(crate) use messages::Notice;
+pub(crate) use messages::Severity;
 pub(crate) use preferences::PictureSize;
 pub(crate) use preferences::PointerMode;
 pub(crate) use preferences::Preferences;
 pub(crate) use preferences::WindowState;
+use undo::UndoHistory;
 pub(crate) use undo::Undoable;
 
-use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -28,7 +29,7 @@ use super::engine::{RenderedView, Request, Shown, StageFigures};
 use super::fates::FatesView;
 use super::filmstrip::Filmstrip;
 use super::lab::{self, Lab};
-use super::long_tasks::{PlanSavings, ScalingState, Stability};
+use super::long_tasks::LongTasks;
 use super::look::Look;
 use super::mesh_view::{self, MeshView};
 use super::onboarding::Onboarding;
@@ -57,22 +58,6 @@ use crate::upscale;
 
 /// Maximum number of recent files.
 const RECENT_FILES: usize = 8;
-
-/// Progress of a running measurement of all upscalers.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Measuring {
-    /// Completed fraction of the measurement, in [0, 1].
-    pub(crate) progress: f32,
-}
-
-/// Outcome that the message line shows until it is closed.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Notice {
-    /// A file was saved.
-    Saved(PathBuf),
-    /// A model was opened with this number of warnings, which the log lists.
-    Warnings(usize),
-}
 
 /// State of the window, apart from widgets.
 #[derive(Debug)]
@@ -117,18 +102,8 @@ pub(crate) struct Session {
     pub(crate) timings: Timings,
     /// Time spent in the user interface itself, for each of the most recent frames of the window.
     pub(crate) window_times: WindowTimes,
-    /// Running measurement of all upscalers, if any.
-    pub(crate) measuring: Option<Measuring>,
     /// Case that is shown in place of the scene, if any.
     pub(crate) case: Option<OpenCase>,
-    /// State of the stability report.
-    pub(crate) stability: Stability,
-    /// Completed fraction of the running export of a vector drawing, in [0, 1]; `None` if none is running.
-    pub(crate) export_progress: Option<f32>,
-    /// Measurement of how much frame time the draws of the view save by skipping unneeded parts of the pipeline.
-    pub(crate) savings: PlanSavings,
-    /// Measurement of how frame times scale with triangles, pixels, overdraw and threads.
-    pub(crate) scaling: ScalingState,
     /// Settings and results of the stability probe.
     pub(crate) probing: ProbeState,
     /// Settings of the vertex table: which vertices are listed, and which one is followed.
@@ -155,14 +130,10 @@ pub(crate) struct Session {
     pub(crate) what_if: WhatIf,
     /// Watched pixels and their values.
     pub(crate) watch: WatchList,
-    /// Error shown in the message line until it is closed.
-    pub(crate) error: Option<String>,
-    /// Picture file that was opened as a scene. The message line offers to open it in the 2D lab.
-    pub(crate) offered_picture: Option<PathBuf>,
-    /// Notice shown in the message line until it is closed.
-    pub(crate) notice: Option<Notice>,
-    /// All messages, up to the length limit of the log.
-    pub(crate) log: VecDeque<LogLine>,
+    /// Errors, notices, offers, and the log.
+    pub(crate) messages: Messages,
+    /// Progress and results of measurements and exports that take long.
+    pub(crate) tasks: LongTasks,
     /// Recently opened files, newest first.
     pub(crate) recent: Vec<PathBuf>,
     /// Folder for exported pictures and cases: the working directory at startup.
@@ -176,11 +147,7 @@ pub(crate) struct Session {
     /// Workspace that is shown unless the 2D lab, a comparison or the mesh view is open.
     pub(in crate::ui) base_workspace: Workspace,
     first_pick: FirstPick,
-    /// Time of the last camera movement, in seconds; −∞ if another change followed it.
-    camera_moved_at: f64,
-    undo: Vec<Undoable>,
-    redo: Vec<Undoable>,
-    settled: Undoable,
+    history: UndoHistory,
 }
 
 /// State of the automatic first pick, which shows new users how a pixel is explained.
@@ -206,8 +173,10 @@ impl Session {
             source,
             mirrored: false,
             memory_limit: MemoryLimit::default(),
-            settled: state.clone(),
+            history: UndoHistory::new(&state),
             state,
+            messages: Messages::default(),
+            tasks: LongTasks::default(),
             shown: Shown::Buffer(Buffer::Color),
             selected_stage: Stage::Rasterize,
             triangle_limit: None,
@@ -223,12 +192,7 @@ impl Session {
             compared: None,
             timings: Timings::default(),
             window_times: WindowTimes::default(),
-            measuring: None,
             case: None,
-            stability: Stability::default(),
-            export_progress: None,
-            savings: PlanSavings::default(),
-            scaling: ScalingState::default(),
             probing: ProbeState::default(),
             vertices: VertexTable::default(),
             mesh_view: MeshView::default(),
@@ -242,10 +206,6 @@ impl Session {
             places: Places::default(),
             what_if: WhatIf::default(),
             watch: WatchList::default(),
-            error: None,
-            offered_picture: None,
-            notice: None,
-            log: VecDeque::new(),
             recent: Vec::new(),
             folder: std::env::current_dir().unwrap_or_default(),
             onboarding: Onboarding::default(),
@@ -253,9 +213,6 @@ impl Session {
             lesson: None,
             base_workspace: Workspace::Inspect,
             first_pick: FirstPick::Due,
-            camera_moved_at: f64::NEG_INFINITY,
-            undo: Vec::new(),
-            redo: Vec::new(),
         }
     }
 
@@ -316,7 +273,7 @@ impl Session {
         }
         self.report(Severity::Info, format!("Opened {}: {} triangles", scene.name, scene.triangle_count()));
         self.state.camera = scene.home;
-        (self.offered_picture, self.notice) = (None, None);
+        (self.messages.offered_picture, self.messages.notice) = (None, None);
         self.close_case();
         let is_shown = |lesson: &&BlackPixelLesson| source.name() == Path::new(lesson.scene);
         self.lesson = self.opening_lesson.take().filter(is_shown);
@@ -327,15 +284,15 @@ impl Session {
         self.vertices.selected = None;
         self.mesh_view.leave_scene();
         (self.pick, self.first_pick) = (None, FirstPick::Due);
-        (self.stages, self.measuring, self.compared, self.filmstrip.drawn) = (None, None, None, None);
+        (self.stages, self.tasks.measuring, self.compared, self.filmstrip.drawn) = (None, None, None, None);
         (self.selection, self.fates) = Default::default();
         self.timings.clear();
-        self.error = None;
+        self.messages.error = None;
         self.arrive();
         // Undo must not restore a camera of another scene.
-        self.undo.clear();
-        self.redo.clear();
-        self.settled = self.state.clone();
+        self.history.undo.clear();
+        self.history.redo.clear();
+        self.history.settled = self.state.clone();
         if let Some(lesson) = self.lesson {
             // Undo restores the settings from before the lesson.
             self.state.recipe = lesson.recipe();
@@ -439,11 +396,11 @@ impl Session {
             Command::OpenWorst(column, json) => self.open_worst(column, &json),
             Command::Fates(change) => self.fates.apply(change, &mut self.selection),
             Command::Select(selection) => self.fates.adopt_selection(selection, &mut self.selection),
-            Command::ShowStability(view) => self.stability.view = view,
+            Command::ShowStability(view) => self.tasks.stability.view = view,
             Command::OpenInLab(path) => self.open_in_lab(&path),
-            Command::CloseOffer => self.offered_picture = None,
-            Command::CloseNotice => self.notice = None,
-            Command::CloseError => self.error = None,
+            Command::CloseOffer => self.messages.offered_picture = None,
+            Command::CloseNotice => self.messages.notice = None,
+            Command::CloseError => self.messages.error = None,
             Command::Onboarding(change) => self.onboarding.apply(change),
             Command::Timings(change) => self.timings.apply(change),
             Command::MeasureOver(turn) => self.timings.turn = turn,
@@ -489,7 +446,7 @@ impl Session {
 
     /// Opens a picture file in the lab. The scene stays loaded and reappears when the lab is closed.
     fn open_in_lab(&mut self, path: &Path) {
-        self.offered_picture = None;
+        self.messages.offered_picture = None;
         match file::read(path) {
             Ok(picture) => {
                 self.lab.apply(lab::LabChange::Open(true));
@@ -503,7 +460,13 @@ impl Session {
     fn mirror_z(&mut self) {
         self.scene = Arc::new(self.scene.mirrored_z());
         self.mirrored = !self.mirrored;
-        for state in self.undo.iter_mut().chain(&mut self.redo).chain([&mut self.state, &mut self.settled]) {
+        for state in self
+            .history
+            .undo
+            .iter_mut()
+            .chain(&mut self.history.redo)
+            .chain([&mut self.state, &mut self.history.settled])
+        {
             state.camera = state.camera.mirrored_z();
         }
     }

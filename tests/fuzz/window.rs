@@ -144,17 +144,17 @@ fn stop_measurements(window: &mut Harness<'_, Workbench>) {
     let app = window.state_mut();
     let session = app.session();
     let mut commands = Vec::new();
-    commands.extend(session.stability.progress.is_some().then_some(Command::CancelStability));
-    commands.extend(session.savings.progress.is_some().then_some(Command::CancelPlan));
-    commands.extend(session.scaling.progress.is_some().then_some(Command::CancelScaling));
-    commands.extend(session.measuring.is_some().then_some(Command::CancelMeasure));
+    commands.extend(session.tasks.stability.progress.is_some().then_some(Command::CancelStability));
+    commands.extend(session.tasks.savings.progress.is_some().then_some(Command::CancelPlan));
+    commands.extend(session.tasks.scaling.progress.is_some().then_some(Command::CancelScaling));
+    commands.extend(session.tasks.measuring.is_some().then_some(Command::CancelMeasure));
     app.queue(commands);
 }
 
 /// Checks that the program reports no internal error, and that no shape has a NaN position.
 fn check(window: &Harness<'_, Workbench>) -> Result<(), Failure> {
     let session = window.state().session();
-    if let Some(line) = session.log.iter().find(|line| line.text.contains("internal error")) {
+    if let Some(line) = session.messages.log.iter().find(|line| line.text.contains("internal error")) {
         let panic = panics::take_elsewhere().unwrap_or_default();
         return Err(Failure::Panic(format!("{panic} ({})", line.text)));
     }

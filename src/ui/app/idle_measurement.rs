@@ -50,7 +50,7 @@ impl Workbench {
         if !is_shown || self.widgets.is_synchronous {
             return;
         }
-        if self.session.measuring.is_some() {
+        if self.session.tasks.measuring.is_some() {
             if let Some(share) = self.idle.others.share() {
                 self.session.timings.record_others(share);
             }
@@ -125,7 +125,7 @@ mod tests {
         /// Whether a measurement runs or has run after two quiet seconds.
         fn measures(&mut self) -> bool {
             self.passes(20);
-            self.bench.session().measuring.is_some() || self.bench.session().timings.has_measurement()
+            self.bench.session().tasks.measuring.is_some() || self.bench.session().timings.has_measurement()
         }
     }
 

@@ -72,7 +72,7 @@ impl Workbench {
             && is_named_picture(path)
         {
             // An image file is not a scene: offer it to the 2D lab, which fills and samples pictures.
-            self.session.offered_picture = Some(path.clone());
+            self.session.messages.offered_picture = Some(path.clone());
             return;
         }
         if self.widgets.is_synchronous {
@@ -187,7 +187,7 @@ impl Workbench {
         for warning in warnings {
             self.session.report(Severity::Warning, warning.to_string());
         }
-        self.session.notice = (!warnings.is_empty()).then_some(Notice::Warnings(warnings.len()));
+        self.session.messages.notice = (!warnings.is_empty()).then_some(Notice::Warnings(warnings.len()));
     }
 
     /// If a file has been opening for at least [`SLOW_LOAD`], returns its path and the completed fraction, from 0 to 1.

@@ -7,7 +7,8 @@ use eframe::egui::Ui;
 use super::Workbench;
 use crate::inspect::find::{self, SearchResult, SearchTarget};
 use crate::ui::engine::Request;
-use crate::ui::session::{Measuring, Severity};
+use crate::ui::long_tasks::Measuring;
+use crate::ui::session::Severity;
 use crate::ui::task::BackgroundTask;
 use crate::ui::worker::{MeasureRequest, WorkerRequest, WorkerResponse};
 use crate::ui::workspace::Panel;
@@ -47,15 +48,15 @@ impl Workbench {
             | WorkerResponse::Measured(of)
                 if of != self.measurement => {}
             WorkerResponse::Sample { upscaling, milliseconds, progress, .. } => {
-                self.session.measuring = self.session.measuring.map(|_| Measuring { progress });
+                self.session.tasks.measuring = self.session.tasks.measuring.map(|_| Measuring { progress });
                 self.session.timings.record_measured(upscaling, milliseconds);
             }
             WorkerResponse::MethodError { upscaling, error, progress, .. } => {
-                self.session.measuring = self.session.measuring.map(|_| Measuring { progress });
+                self.session.tasks.measuring = self.session.tasks.measuring.map(|_| Measuring { progress });
                 self.session.timings.record_error(upscaling, *error);
             }
             WorkerResponse::Noise { noise, .. } => self.session.timings.record_noise(noise),
-            WorkerResponse::Measured(_) => self.session.measuring = None,
+            WorkerResponse::Measured(_) => self.session.tasks.measuring = None,
             WorkerResponse::Panicked(text) => {
                 self.widgets.requested_at = None;
                 let text = format!("Drawing stopped: internal error: {text}. The last complete picture is kept.");
@@ -154,7 +155,7 @@ impl Workbench {
             turn: self.session.timings.turn,
         };
         self.session.timings.begin_measurement(request.clone());
-        self.session.measuring = Some(Measuring { progress: 0.0 });
+        self.session.tasks.measuring = Some(Measuring { progress: 0.0 });
         if !self.docks.shows(Panel::ErrorTime) {
             self.show_panel(Panel::FrameTime);
         }
@@ -208,6 +209,6 @@ mod tests {
         bench.receive_answers();
         let series = bench.session().timings.series();
         assert!(!series.is_empty() && series.iter().all(|(_, times)| times.len() == MEASURE_ROUNDS));
-        assert_eq!(bench.session().measuring, None);
+        assert_eq!(bench.session().tasks.measuring, None);
     }
 }

@@ -195,7 +195,7 @@ impl Workbench {
         match outcome {
             Ok(path) => {
                 self.session.report(Severity::Info, format!("Saved {}", path.display()));
-                self.session.notice = Some(Notice::Saved(path));
+                self.session.messages.notice = Some(Notice::Saved(path));
             }
             Err(error) => self.session.report(Severity::Error, error),
         }
@@ -257,7 +257,7 @@ impl Workbench {
                 false
             }
         });
-        self.session.export_progress = self.saving.iter().find_map(|saving| saving.completed);
+        self.session.tasks.export_progress = self.saving.iter().find_map(|saving| saving.completed);
         outcomes.into_iter().for_each(|outcome| self.saved(outcome));
     }
 }

@@ -19,7 +19,7 @@ impl Workbench {
     /// Starts computing the stability report in a background thread.
     pub(super) fn measure_stability(&mut self, ui: &Ui) {
         self.show_panel(Panel::Stability);
-        self.session.stability.progress = Some(StabilityProgress { stage: SweepStage::Judging, done: 0, of: 1 });
+        self.session.tasks.stability.progress = Some(StabilityProgress { stage: SweepStage::Judging, done: 0, of: 1 });
         let plan = StabilityPlan::default();
         self.measuring_stability = Some(BackgroundTask::start(ui.ctx().clone(), move |report_progress, stop| {
             sweep::run(&plan, report_progress, stop).filter(|report| !report.partial)
@@ -32,7 +32,7 @@ impl Workbench {
         /// Number of measured rounds.
         const ROUNDS: usize = 21;
         let request = self.session.request();
-        self.session.savings.progress = Some(0.0);
+        self.session.tasks.savings.progress = Some(0.0);
         self.measuring_savings = Some(BackgroundTask::start(ui.ctx().clone(), move |report_progress, stop| {
             let Request { scene, camera, recipe, viewport, .. } = &request;
             let found = savings(scene, camera, recipe, *viewport, ROUNDS, report_progress, stop)?;
@@ -48,7 +48,7 @@ impl Workbench {
         const MAX_SCALING: (usize, usize) = (1_000_000, 7);
         let recipe = self.session.state.recipe;
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        self.session.scaling.progress = Some((ScalingQuantity::Triangles, 0.0));
+        self.session.tasks.scaling.progress = Some((ScalingQuantity::Triangles, 0.0));
         self.measuring_scaling = Some(BackgroundTask::start(ui.ctx().clone(), move |report_progress, stop| {
             let plan = scaling::ScalingPlan::new(recipe, MAX_SCALING.0, threads, MAX_SCALING.1);
             let found = scaling::measure(&plan, &|quantity, share| report_progress((quantity, share)), stop).ok();
@@ -61,17 +61,17 @@ impl Workbench {
     pub(super) fn poll_tasks(&mut self) {
         probe::listen(&mut self.session);
         let session = &mut self.session;
-        let broke_off = poll_task(&mut self.measuring_stability, &mut session.stability.progress, |report| {
-            session.stability.report = Some(Arc::from(report));
+        let broke_off = poll_task(&mut self.measuring_stability, &mut session.tasks.stability.progress, |report| {
+            session.tasks.stability.report = Some(Arc::from(report));
         });
         let broke_off = broke_off
-            | poll_task(&mut self.measuring_savings, &mut session.savings.progress, |found| {
+            | poll_task(&mut self.measuring_savings, &mut session.tasks.savings.progress, |found| {
                 let (savings, of) = *found;
-                session.savings.found = Some((Arc::new(savings), of));
+                session.tasks.savings.found = Some((Arc::new(savings), of));
             })
-            | poll_task(&mut self.measuring_scaling, &mut session.scaling.progress, |found| {
+            | poll_task(&mut self.measuring_scaling, &mut session.tasks.scaling.progress, |found| {
                 let (scaling, recipe) = *found;
-                session.scaling.found = Some((Arc::new(scaling), recipe));
+                session.tasks.scaling.found = Some((Arc::new(scaling), recipe));
             });
         let mut found = None;
         let broke_off = broke_off | poll_task(&mut self.searching, &mut None, |what| found = Some(what));

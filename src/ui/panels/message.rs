@@ -20,11 +20,11 @@ const ERROR_TINT: f32 = 0.25;
 /// Draws the message line. `loading` is the path of the model being loaded, and its completed fraction from 0 to 1.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, commands: &mut Vec<Command>) {
     ui.horizontal_centered(|ui| {
-        if let Some(error) = &session.error {
+        if let Some(error) = &session.messages.error {
             let tint = tokens(ui).error.gamma_multiply(ERROR_TINT);
             ui.painter().rect_filled(ui.max_rect().expand2(theme::space::S * Vec2::X), theme::RADIUS, tint);
             line(ui, Icon::OctagonAlert, tokens(ui).error, error, Some(Command::CloseError), commands);
-        } else if let Some(path) = &session.offered_picture {
+        } else if let Some(path) = &session.messages.offered_picture {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             if ui.button("Open in the 2D lab").on_hover_text("Fill and sample the picture in the 2D lab").clicked() {
                 commands.push(Command::OpenInLab(path.clone()));
@@ -38,14 +38,14 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, 
             }
             ui.add(ProgressBar::new(completed).desired_width(120.0));
             ui.add(Label::new(format!("Loading {}… {:.0} %", path.display(), 100.0 * completed)).truncate());
-        } else if let Some(completed) = session.export_progress {
+        } else if let Some(completed) = session.tasks.export_progress {
             ui.spinner();
             if ui.button("Cancel").on_hover_text("Stop the export").clicked() {
                 commands.push(Command::CancelExport);
             }
             ui.add(ProgressBar::new(completed).desired_width(120.0));
             ui.add(Label::new(format!("Exporting… {:.0} %", 100.0 * completed)).truncate());
-        } else if let Some(notice) = &session.notice {
+        } else if let Some(notice) = &session.messages.notice {
             show_notice(ui, notice, commands);
         } else if session.lab.open {
             line(ui, Icon::Lightbulb, tokens(ui).accent, LAB_HINT, None, commands);

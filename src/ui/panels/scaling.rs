@@ -31,7 +31,7 @@ const WORDS: f32 = 50.0;
 
 /// Draws the controls of the panel “Scaling”.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    if let Some((quantity, share)) = session.scaling.progress {
+    if let Some((quantity, share)) = session.tasks.scaling.progress {
         if ui.button("Cancel").on_hover_text("Stop the measurement and keep the last result").clicked() {
             commands.push(Command::CancelScaling);
         }
@@ -44,7 +44,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     if ui.add(measure).on_hover_text(help).clicked() {
         commands.push(Command::MeasureScaling);
     }
-    if let Some((scaling, recipe)) = &session.scaling.found {
+    if let Some((scaling, recipe)) = &session.tasks.scaling.found {
         let [width, height] = scaling.size;
         let by = if *recipe == session.state.recipe { "" } else { ", measured with other settings" };
         let text =
@@ -55,7 +55,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
 
 /// Draws the four plots of the scaling measurement.
 pub(crate) fn ui(ui: &mut Ui, session: &Session) {
-    let Some((scaling, _)) = &session.scaling.found else {
+    let Some((scaling, _)) = &session.tasks.scaling.found else {
         let how = "“Measure scaling” shows the fixed cost of a frame, the cost of each triangle, pixel and layer, and \
                    the speed-up from threads.";
         empty_state(ui, Icon::ChartScatter, "No measurement yet", how);

@@ -34,7 +34,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
 
 /// Draws the controls of the panel “Skipped work”.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    if let Some(progress) = session.savings.progress {
+    if let Some(progress) = session.tasks.savings.progress {
         if ui.button("Cancel").on_hover_text("Stop the measurement").clicked() {
             commands.push(Command::CancelPlan);
         }
@@ -47,7 +47,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     if ui.add(measure).on_hover_text(help).clicked() {
         commands.push(Command::MeasurePlan);
     }
-    if let Some((savings, of)) = &session.savings.found {
+    if let Some((savings, of)) = &session.tasks.savings.found {
         let Savings { planned_ms, noise, .. } = &**savings;
         let text = format!(
             "{}: {:.2} ms with every skip enabled, median of {} rounds; noise floor {}",
@@ -104,7 +104,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session) {
 
 /// Draws the time saved by skipping a part in this view, or a dash if it was not measured.
 fn saved(ui: &mut Ui, session: &Session, view: &RenderedView, part: PipelinePart) {
-    let found = session.savings.found.as_ref();
+    let found = session.tasks.savings.found.as_ref();
     let of_part = |saving: &&Saving| saving.part == Some(part);
     let measured = found.and_then(|(savings, of)| Some((savings.savings.iter().find(of_part)?, of)));
     let fitting = measured.filter(|(_, of)| of.same_complete_frame(&view.request));

@@ -63,7 +63,7 @@ const MARKS: [(MarkerShape, &str); 4] =
 
 /// Draws the controls of the panel “Stability”.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    if let Some(progress) = session.stability.progress {
+    if let Some(progress) = session.tasks.stability.progress {
         if ui.button("Cancel").on_hover_text("Stop the report and keep the last one").clicked() {
             commands.push(Command::CancelStability);
         }
@@ -77,7 +77,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     if ui.add(run).on_hover_text(help).clicked() {
         commands.push(Command::RunStability);
     }
-    if session.stability.report.is_none() {
+    if session.tasks.stability.report.is_none() {
         return;
     }
     for (view, name, help) in [
@@ -88,7 +88,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
             "One point for each combination of rasterizer and arithmetic",
         ),
     ] {
-        if ui.selectable_label(session.stability.view == view, name).on_hover_text(help).clicked() {
+        if ui.selectable_label(session.tasks.stability.view == view, name).on_hover_text(help).clicked() {
             commands.push(Command::ShowStability(view));
         }
     }
@@ -96,13 +96,13 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
 
 /// Draws the stability report.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let Some(report) = &session.stability.report else {
+    let Some(report) = &session.tasks.stability.report else {
         let how = "“Run the stability report” tests the engine on slivers, needles, huge and tiny triangles, shared \
                    edges, vertices behind the camera and close depths, against exact arithmetic.";
         empty_state(ui, Icon::ShieldCheck, "No stability report yet", how);
         return;
     };
-    match session.stability.view {
+    match session.tasks.stability.view {
         StabilityView::HeatMap => {
             ScrollArea::both().auto_shrink(false).show(ui, |ui| {
                 for family in Family::ALL {

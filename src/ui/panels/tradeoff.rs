@@ -63,7 +63,7 @@ struct PlacedPoint<'a> {
 
 /// Draws the controls of the panel “Error vs time”.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    if let Some(measuring) = session.measuring {
+    if let Some(measuring) = session.tasks.measuring {
         if ui.button("Cancel").on_hover_text("Stop the measurement and keep the results so far").clicked() {
             commands.push(Command::CancelMeasure);
         }

@@ -4,6 +4,7 @@ use crate::pipeline::settings::{Arithmetic, Rasterizer};
 use crate::report::stability::column::ReportColumn;
 use crate::report::stability::subject::Configuration;
 use crate::ui::engine::Engine;
+use crate::ui::long_tasks::Measuring;
 use crate::ui::place::Bookmark;
 
 fn session() -> Session {
@@ -111,11 +112,11 @@ fn a_pause_or_another_change_separates_camera_moves() {
 fn another_scene_resets_pick_limit_and_measurements() {
     let mut session = session();
     (session.pick, session.triangle_limit) = (Some((1, 2)), Some(3));
-    (session.stages, session.measuring) = (Some(StageFigures::default()), Some(Measuring { progress: 0.5 }));
+    (session.stages, session.tasks.measuring) = (Some(StageFigures::default()), Some(Measuring { progress: 0.5 }));
     move_camera(&mut session, 0.0);
     let source = SceneSource::named("triangle".into());
     session.show_scene(source.load().unwrap().scene, source);
-    assert_eq!((session.pick, session.triangle_limit, session.measuring), (None, None, None));
+    assert_eq!((session.pick, session.triangle_limit, session.tasks.measuring), (None, None, None));
     assert!(session.stages.is_none() && !session.can_undo());
 }
 

@@ -24,6 +24,26 @@ pub(crate) struct Undoable {
     pub(crate) tiles: TileSet,
 }
 
+/// Steps that can be undone and redone.
+#[derive(Debug)]
+pub(super) struct UndoHistory {
+    /// Earlier states, oldest first.
+    pub(super) undo: Vec<Undoable>,
+    /// Undone states, the next one to restore last.
+    pub(super) redo: Vec<Undoable>,
+    /// State after the last step.
+    pub(super) settled: Undoable,
+    /// Time of the last camera movement, in seconds; −∞ if another change followed it.
+    camera_moved_at: f64,
+}
+
+impl UndoHistory {
+    /// Creates an empty history that begins with a state.
+    pub(super) fn new(state: &Undoable) -> Self {
+        Self { undo: Vec::new(), redo: Vec::new(), settled: state.clone(), camera_moved_at: f64::NEG_INFINITY }
+    }
+}
+
 impl Session {
     /// Combines all changes since the last call into one undo step. `now` is the current time, in seconds. Must not be
     /// called while a change is in progress, such as a slider being dragged. Camera moves in quick succession form one
@@ -31,46 +51,51 @@ impl Session {
     pub(crate) fn settle(&mut self, now: f64) {
         self.note_visit(now);
         self.state.tiles.store(self.state.recipe);
-        if self.state == self.settled {
+        if self.state == self.history.settled {
             return;
         }
-        let only_camera = Undoable { camera: self.settled.camera, ..self.state.clone() } == self.settled;
-        let goes_on = only_camera && now - self.camera_moved_at < ONE_MOVE_SECONDS;
+        let only_camera =
+            Undoable { camera: self.history.settled.camera, ..self.state.clone() } == self.history.settled;
+        let goes_on = only_camera && now - self.history.camera_moved_at < ONE_MOVE_SECONDS;
         // A camera move after another change starts a new step.
-        self.camera_moved_at = if only_camera { now } else { f64::NEG_INFINITY };
+        self.history.camera_moved_at = if only_camera { now } else { f64::NEG_INFINITY };
         if !goes_on {
-            if self.undo.len() == UNDO_STEPS {
-                self.undo.remove(0);
+            if self.history.undo.len() == UNDO_STEPS {
+                self.history.undo.remove(0);
             }
-            self.undo.push(self.settled.clone());
+            self.history.undo.push(self.history.settled.clone());
         }
-        self.redo.clear();
-        self.what_if.settled(&self.settled.recipe, &self.state.recipe);
-        self.settled = self.state.clone();
+        self.history.redo.clear();
+        self.what_if.settled(&self.history.settled.recipe, &self.state.recipe);
+        self.history.settled = self.state.clone();
     }
 
     /// Accepts all changes since the last undo step without adding a step for them.
     pub(crate) fn settle_silently(&mut self) {
-        self.settled = self.state.clone();
+        self.history.settled = self.state.clone();
     }
 
     /// Whether there is a step to undo.
     pub(crate) fn can_undo(&self) -> bool {
-        !self.undo.is_empty()
+        !self.history.undo.is_empty()
     }
 
     /// Whether there is a step to redo.
     pub(crate) fn can_redo(&self) -> bool {
-        !self.redo.is_empty()
+        !self.history.redo.is_empty()
     }
 
     pub(super) fn travel(&mut self, back: bool) {
-        let (from, to) = if back { (&mut self.undo, &mut self.redo) } else { (&mut self.redo, &mut self.undo) };
+        let (from, to) = if back {
+            (&mut self.history.undo, &mut self.history.redo)
+        } else {
+            (&mut self.history.redo, &mut self.history.undo)
+        };
         if let Some(state) = from.pop() {
             to.push(std::mem::replace(&mut self.state, state));
-            self.what_if.settled(&self.settled.recipe, &self.state.recipe);
-            self.settled = self.state.clone();
-            self.camera_moved_at = f64::NEG_INFINITY;
+            self.what_if.settled(&self.history.settled.recipe, &self.state.recipe);
+            self.history.settled = self.state.clone();
+            self.history.camera_moved_at = f64::NEG_INFINITY;
         }
     }
 }

@@ -73,7 +73,7 @@ fn a_slow_case_is_opened_in_the_background_and_cancelled() {
         std::thread::sleep(Duration::from_millis(10));
         bench.window.step();
     }
-    assert!(bench.session().case.is_none() && bench.session().error.is_none() && shows_the_scene(&bench));
+    assert!(bench.session().case.is_none() && bench.session().messages.error.is_none() && shows_the_scene(&bench));
 }
 
 #[test]
@@ -136,7 +136,7 @@ fn a_dropped_case_is_shown_beside_its_exact_answer_until_it_is_closed() {
     for close in [Key::Escape, Key::X] {
         let mut bench = Bench::small("triangle");
         bench.drop_file(&path);
-        assert_eq!(bench.session().error, None);
+        assert_eq!(bench.session().messages.error, None);
         assert!(bench.says("half a square") && bench.says("0 of 28 pixels differ") && !shows_the_scene(&bench));
         if close == Key::Escape {
             bench.press(close);
@@ -196,7 +196,7 @@ fn a_bad_case_is_named_and_the_scene_stays() {
     std::fs::write(&path, r#"{"id": "bad", "kind": "tri_coverage"}"#).unwrap();
     let mut bench = Bench::small("triangle");
     bench.drop_file(&path);
-    assert!(bench.session().error.as_ref().is_some_and(|error| error.contains("bad.json")));
+    assert!(bench.session().messages.error.as_ref().is_some_and(|error| error.contains("bad.json")));
     assert!(bench.session().case.is_none() && shows_the_scene(&bench));
 }
 
@@ -221,7 +221,7 @@ fn the_triangle_of_the_picked_pixel_is_saved_as_a_case_that_opens_again() {
     bench.rest();
     for number in 1..=2 {
         bench.click("Save triangle as case file");
-        assert_eq!(bench.session().error, None);
+        assert_eq!(bench.session().messages.error, None);
         assert_eq!(files(folder.path()).len(), number, "no file is overwritten");
     }
     for path in files(folder.path()) {
@@ -269,7 +269,7 @@ fn a_cell_of_the_report_opens_the_worst_case_of_its_column() {
     let before = bench.session().state.recipe;
     bench.show_panel(Panel::Stability);
     assert!(bench.says("No stability report yet"));
-    bench.session_mut().stability.report = Some(report.clone());
+    bench.session_mut().tasks.stability.report = Some(report.clone());
     bench.rest();
     let name = format!("{}, {}: ", class.class.name, cell.column.label());
     bench.window.get_by_label_contains(&name).click();
@@ -294,16 +294,16 @@ fn a_report_is_started_and_cancelled() {
     bench.show_panel(Panel::Stability);
     bench.window.get_by_role_and_label(Role::Button, "Run the stability report").click();
     bench.window.step();
-    assert!(bench.session().stability.progress.is_some());
+    assert!(bench.session().tasks.stability.progress.is_some());
     // Commands of one frame take visible effect in the next.
     bench.window.step();
     bench.window.get_by_role_and_label(Role::Button, "Cancel").click();
     let begun = Instant::now();
-    while bench.session().stability.progress.is_some() {
+    while bench.session().tasks.stability.progress.is_some() {
         assert!(begun.elapsed() < PATIENCE, "it does not end");
         std::thread::sleep(Duration::from_millis(20));
         bench.window.step();
     }
-    assert!(bench.session().stability.report.is_none() && bench.session().error.is_none());
+    assert!(bench.session().tasks.stability.report.is_none() && bench.session().messages.error.is_none());
     assert!(bench.says("No stability report yet"));
 }

@@ -18,7 +18,7 @@ fn the_scene_menu_opens_every_built_in_scene() {
         bench.click("Scene");
         bench.click(scene.title);
         assert_eq!(bench.session().source.name().to_str(), Some(scene.id));
-        assert!(bench.session().error.is_none());
+        assert!(bench.session().messages.error.is_none());
         assert_eq!(bench.session().state.camera, bench.session().scene.home);
         assert!(Arc::ptr_eq(&bench.view().request.scene, &bench.session().scene), "the new scene is drawn");
         assert_eq!(bench.image(), *bench.expected().image());
@@ -32,7 +32,7 @@ fn a_dropped_model_replaces_the_scene_and_is_listed_as_recent() {
     std::fs::write(&path, QUAD).unwrap();
     let mut bench = Bench::small("chess");
     bench.drop_file(&path);
-    assert_eq!(bench.session().error, None);
+    assert_eq!(bench.session().messages.error, None);
     assert_eq!(bench.session().scene.triangle_count(), 2);
     assert_eq!(bench.session().recent, std::slice::from_ref(&path));
     assert!(bench.image().pixels().iter().any(|p| *p != bench.image().at(0, 0)), "the model is visible");
@@ -56,10 +56,10 @@ fn a_dropped_picture_is_offered_to_the_lab_and_the_scene_stays() {
     bench.drop_file(&path);
     assert!(bench.says("picture.png is a picture, not a scene") && !bench.session().lab.open);
     bench.click("Close this message");
-    assert_eq!(bench.session().offered_picture, None);
+    assert_eq!(bench.session().messages.offered_picture, None);
     bench.drop_file(&path);
     bench.click("Open in the 2D lab");
-    assert_eq!((&bench.session().error, &bench.session().offered_picture), (&None, &None));
+    assert_eq!((&bench.session().messages.error, &bench.session().messages.offered_picture), (&None, &None));
     assert!(bench.session().lab.open && Arc::ptr_eq(&bench.session().scene, &scene));
 }
 
@@ -74,16 +74,16 @@ fn a_bad_file_is_named_and_the_scene_stays() {
         let (scene, picture) = (bench.session().scene.clone(), bench.image());
         bench.drop_file(&path);
         let name = path.file_name().unwrap().to_str().unwrap();
-        let error = bench.session().error.clone().expect("it is reported");
+        let error = bench.session().messages.error.clone().expect("it is reported");
         assert!(error.contains(name), "{error}");
         assert!(bench.says(&error), "the bar shows it");
         assert!(Arc::ptr_eq(&bench.session().scene, &scene));
         assert_eq!(bench.image(), picture);
         assert!(bench.session().recent.is_empty());
-        assert_eq!(bench.session().log.back().map(|line| line.level), Some(Severity::Error));
+        assert_eq!(bench.session().messages.log.back().map(|line| line.level), Some(Severity::Error));
 
         bench.click("Close this message");
-        assert_eq!(bench.session().error, None);
+        assert_eq!(bench.session().messages.error, None);
         assert!(!bench.says(&error));
     }
 }
@@ -109,7 +109,8 @@ fn warnings_of_a_model_are_in_the_log() {
     std::fs::write(&path, format!("mtllib nowhere.mtl\n{QUAD}")).unwrap();
     let mut bench = Bench::small("triangle");
     bench.drop_file(&path);
-    let warning = bench.session().log.iter().find(|line| line.level == Severity::Warning).expect("a warning").clone();
+    let warning =
+        bench.session().messages.log.iter().find(|line| line.level == Severity::Warning).expect("a warning").clone();
     assert!(warning.text.contains("nowhere.mtl"), "{}", warning.text);
     assert!(bench.says("Opened with 1 warning"));
     bench.click("Show log");
@@ -136,7 +137,7 @@ fn a_scene_is_saved_as_drawing_commands() {
     bench.click("File");
     bench.click("Save as drawing");
     bench.click("Wireframe, SVG");
-    assert_eq!(bench.session().error, None);
+    assert_eq!(bench.session().messages.error, None);
     let text = std::fs::read_to_string(folder.path().join("wireframe.svg")).unwrap();
     assert_eq!(text.matches("<line").count(), 3);
 }

@@ -21,7 +21,7 @@ fn every_upscaler_gets_a_row_with_all_its_frames() {
     let mut bench = Bench::small("triangle");
     bench.show_panel(Panel::FrameTime);
     bench.click("Measure all upscalers");
-    assert_eq!(bench.session().measuring, None, "the measurement is complete");
+    assert_eq!(bench.session().tasks.measuring, None, "the measurement is complete");
     let series = bench.session().timings.series();
     assert_eq!(series.len(), Upscaling::every().count());
     for upscaling in Upscaling::every() {
@@ -180,7 +180,7 @@ fn a_cancelled_measurement_keeps_its_samples() {
     bench.click("Measure all upscalers");
     wait(&mut bench, "a sample", |bench| bench.session().timings.has_measurement());
     bench.click("Cancel");
-    assert_eq!(bench.session().measuring, None);
+    assert_eq!(bench.session().tasks.measuring, None);
     assert!(bench.mentions("Measure all upscalers"), "it can be started again");
     // One frame may have been in progress.
     std::thread::sleep(Duration::from_millis(500));

@@ -107,7 +107,7 @@ fn totals_and_exact_values_are_written_into_the_folder() {
     assert!(table.starts_with("overlay,total,value,unit\nrasterized,in all,"));
     bench.session_mut().apply(Command::Show(Shown::Buffer(Buffer::Depth)));
     bench.rest();
-    bench.press_with(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    bench.press_with(Modifiers::COMMAND | Modifiers::ALT, Key::S);
     let bytes = std::fs::read(folder.path().join("depth.pfm")).unwrap();
     let header = b"Pf\n160 90\n-1.0\n";
     assert_eq!(bytes.len(), header.len() + 4 * 160 * 90);

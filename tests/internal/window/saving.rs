@@ -29,7 +29,7 @@ fn the_picture_is_saved_under_a_typed_path() {
     let path = folder.path().join("chosen.png");
     bench.window.event(Event::Text(folder.path().join("chosen").to_str().unwrap().to_owned()));
     bench.press(Key::Enter);
-    assert_eq!(bench.session().error, None);
+    assert_eq!(bench.session().messages.error, None);
     assert_eq!(file::read(&path).unwrap(), bench.image());
     assert!(!bench.says("Save picture") && bench.says(&format!("Saved {}", path.display())));
     assert!(bench.window.query_by_label("Open folder").is_some());
@@ -45,7 +45,7 @@ fn every_item_suggests_a_name_and_is_saved() {
         bench.window.state_mut().queue(vec![Command::SaveAs(item)]);
         bench.rest();
         bench.click("Save");
-        assert_eq!(bench.session().error, None, "{item:?}");
+        assert_eq!(bench.session().messages.error, None, "{item:?}");
         let name = format!("{}.{}", item.stem(bench.session()), item.extension());
         assert!(std::fs::metadata(folder.path().join(&name)).is_ok_and(|file| file.len() > 0), "{name}");
     }
@@ -78,5 +78,5 @@ fn a_missing_folder_or_triangle_is_named() {
     bench.rest();
     bench.window.state_mut().queue(vec![Command::SaveAs(SaveItem::Case)]);
     bench.rest();
-    assert!(bench.session().error.as_ref().is_some_and(|error| error.contains("pick a pixel")));
+    assert!(bench.session().messages.error.as_ref().is_some_and(|error| error.contains("pick a pixel")));
 }

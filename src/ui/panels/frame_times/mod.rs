@@ -138,14 +138,14 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 fn shown(all: &[MethodRow], session: &Session) -> Vec<MethodRow> {
     let list = &session.timings.list;
     let mut rows: Vec<_> = all.iter().filter(|row| list.shows(row.upscaling)).cloned().collect();
-    let order = if session.measuring.is_some() { RowOrder::Method } else { list.order };
+    let order = if session.tasks.measuring.is_some() { RowOrder::Method } else { list.order };
     rows::sort(&mut rows, order);
     rows
 }
 
 /// Draws the buttons, and the scene and size that the times were measured with.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    if let Some(measuring) = session.measuring {
+    if let Some(measuring) = session.tasks.measuring {
         if ui.button("Cancel").on_hover_text("Stop the measurement and keep the results so far").clicked() {
             commands.push(Command::CancelMeasure);
         }
