@@ -275,7 +275,9 @@ fn a_cell_of_the_report_opens_the_worst_case_of_its_column() {
     bench.window.get_by_label_contains(&name).click();
     bench.rest();
     assert_eq!(bench.session().case.as_ref().map(|open| open.case.id.clone()), Some(worst.case.id.clone()));
-    assert_eq!(bench.session().state.recipe.pipeline.rasterizer, Rasterizer::ScanlinePublished);
+    let options = bench.session().case.as_ref().and_then(|open| open.own_options);
+    assert_eq!(options.map(|options| options.rasterizer), Some(Rasterizer::ScanlinePublished));
+    assert_eq!(bench.session().state.recipe, before, "the case has its own settings");
     let (differ, of) = differing(&bench);
     assert!(differ > 0 && differ <= of, "{differ} of {of}");
     bench.press(Key::Escape);

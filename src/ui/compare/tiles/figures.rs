@@ -12,7 +12,7 @@ use crate::ui::session::Session;
 use crate::ui::theme::{font_size, space, tokens};
 
 /// Height of a row of error metrics, in points.
-pub(super) const LINE: f32 = 15.0;
+pub(super) const LINE: f32 = 13.0;
 
 /// Width of one error metric including its name, in points.
 const FIGURE: f32 = 108.0;
