@@ -45,15 +45,14 @@ fn ui(ui: &mut Ui, cx: &mut PanelContext<'_>) {
         transport::toolbar(ui, session, widgets.canvas.scale(), commands);
     });
     let compares = session.comparison.is_on() && session.case.is_none();
-    // Compared pictures are complete: there is nothing to play back.
-    if !compares {
-        Panel::bottom("scrubber").frame(frame).exact_size(scrub::transport::HEIGHT).show(ui, |ui| {
-            scrub::transport::ui(ui, session, commands);
-        });
-    }
     if compares {
+        // Compared pictures are complete: there is nothing to play back.
         Panel::top("compare").frame(frame).show(ui, |ui| {
             compare::bar::ui(ui, session, widgets, commands);
+        });
+    } else {
+        Panel::bottom("scrubber").frame(frame).exact_size(scrub::transport::HEIGHT).show(ui, |ui| {
+            scrub::transport::ui(ui, session, commands);
         });
     }
     widgets.shows_filmstrip = compares && session.filmstrip.is_shown_in(widgets.picture_panel_height);

@@ -355,7 +355,8 @@ mod tests {
     use crate::scene::SceneSource;
     use crate::ui::engine::Shown;
 
-    fn request() -> Request {
+    /// Returns a request for a small picture of the scene “triangle”.
+    pub(super) fn request() -> Request {
         let scene = SceneSource::named("triangle".into()).load().unwrap().scene;
         Request {
             camera: scene.home,

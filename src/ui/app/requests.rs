@@ -6,6 +6,7 @@ use eframe::egui::Ui;
 
 use super::Workbench;
 use crate::inspect::find::{self, SearchResult, SearchTarget};
+use crate::ui::compare::compute::CompareRequest;
 use crate::ui::engine::Request;
 use crate::ui::long_tasks::Measuring;
 use crate::ui::session::Severity;
@@ -65,6 +66,15 @@ impl Workbench {
         }
     }
 
+    /// Sends a request to the worker. A synchronous worker has answered when this returns.
+    fn send(&mut self, ui: &Ui, request: WorkerRequest) {
+        self.worker.send(request);
+        if self.widgets.is_synchronous {
+            self.receive_answers();
+            ui.request_repaint();
+        }
+    }
+
     /// Sends a render request if any of its inputs has changed.
     pub(super) fn send_request(&mut self, ui: &Ui) {
         self.session.pick_by_itself();
@@ -74,50 +84,26 @@ impl Workbench {
         if !same && self.session.has_size() {
             self.last_request = Some(request.clone());
             self.widgets.requested_at.get_or_insert_with(Instant::now);
-            self.worker.send(WorkerRequest::Show(Box::new(request)));
-            if self.widgets.is_synchronous {
-                self.receive_answers();
-                ui.request_repaint();
-            }
+            self.send(ui, WorkerRequest::Show(Box::new(request)));
         }
     }
 
     /// Sends a comparison request if it differs from the last one.
     pub(super) fn send_compare_request(&mut self, ui: &Ui) {
         let request = self.session.compare_request().filter(|_| self.session.has_size());
-        let same = match (&self.last_compare_request, &request) {
-            (Some(asked), Some(request)) => asked.same_as(request),
-            (asked, request) => asked.is_none() && request.is_none(),
-        };
-        if same {
-            return;
-        }
-        if request.is_none() {
-            self.session.compared = None;
-        }
-        self.last_compare_request = request.clone();
-        self.worker.send(WorkerRequest::Compare(request.map(Box::new)));
-        if self.widgets.is_synchronous {
-            self.receive_answers();
-            ui.request_repaint();
+        if CompareRequest::replace(&mut self.last_compare_request, request.as_ref()) {
+            if request.is_none() {
+                self.session.compared = None;
+            }
+            self.send(ui, WorkerRequest::Compare(request.map(Box::new)));
         }
     }
 
     /// Sends a request for the pictures of the filmstrip if it differs from the last one.
     pub(super) fn send_filmstrip_request(&mut self, ui: &Ui) {
         let request = self.session.filmstrip_request().filter(|_| self.session.has_size());
-        let same = match (&self.last_filmstrip_request, &request) {
-            (Some(asked), Some(request)) => asked.same_as(request),
-            (asked, request) => asked.is_none() && request.is_none(),
-        };
-        if same {
-            return;
-        }
-        self.last_filmstrip_request = request.clone();
-        self.worker.send(WorkerRequest::Filmstrip(request.map(Box::new)));
-        if self.widgets.is_synchronous {
-            self.receive_answers();
-            ui.request_repaint();
+        if CompareRequest::replace(&mut self.last_filmstrip_request, request.as_ref()) {
+            self.send(ui, WorkerRequest::Filmstrip(request.map(Box::new)));
         }
     }
 
@@ -125,11 +111,7 @@ impl Workbench {
     pub(super) fn send_watch_request(&mut self, ui: &Ui) {
         if self.last_watch_request != self.session.watch.pixels {
             self.last_watch_request.clone_from(&self.session.watch.pixels);
-            self.worker.send(WorkerRequest::Watch(self.last_watch_request.clone()));
-            if self.widgets.is_synchronous {
-                self.receive_answers();
-                ui.request_repaint();
-            }
+            self.send(ui, WorkerRequest::Watch(self.last_watch_request.clone()));
         }
     }
 
@@ -137,11 +119,7 @@ impl Workbench {
     pub(super) fn send_what_if_request(&mut self, ui: &Ui) {
         let request = self.session.what_if_request().filter(|_| self.session.has_size());
         if self.session.what_if.update_request(request.as_ref()) {
-            self.worker.send(WorkerRequest::WhatIf(request.map(Box::new)));
-            if self.widgets.is_synchronous {
-                self.receive_answers();
-                ui.request_repaint();
-            }
+            self.send(ui, WorkerRequest::WhatIf(request.map(Box::new)));
         }
     }
 

@@ -21,7 +21,7 @@ const COUNTS: [usize; 2] = [2, 4];
 /// Width reserved for the list of references and its label, in points.
 const REFERENCE_POINTS: f32 = 190.0;
 
-/// Draws the bar.
+/// Draws the comparison modes, the tile count, the region, the filmstrip switch and the reference.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, widgets: &PanelWidgets, commands: &mut Vec<Command>) {
     let comparison = &session.comparison;
     let mut changes = Vec::new();

@@ -34,8 +34,19 @@ pub struct CompareRequest {
 }
 
 impl CompareRequest {
-    /// Whether both requests have the same result.
-    pub(crate) fn same_as(&self, other: &Self) -> bool {
+    /// Replaces the last request by a new one. Returns whether their results differ.
+    pub(crate) fn replace(last: &mut Option<Self>, new: Option<&Self>) -> bool {
+        let is_same = match (&*last, new) {
+            (Some(last), Some(new)) => last.same_as(new),
+            (last, new) => last.is_none() && new.is_none(),
+        };
+        if !is_same {
+            *last = new.cloned();
+        }
+        !is_same
+    }
+
+    fn same_as(&self, other: &Self) -> bool {
         self.same_view(other)
             && self.recipes == other.recipes
             && self.reference == other.reference

@@ -2,7 +2,7 @@
 
 use crate::ui::compare::compute::{CompareRequest, Compared, Comparer};
 
-/// Renderer of the most recent request.
+/// Draws and measures the pictures of the newest request.
 #[derive(Debug, Default)]
 pub(crate) struct FilmstripDrawer {
     comparer: Comparer,

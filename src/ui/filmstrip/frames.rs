@@ -14,7 +14,7 @@ use crate::upscale::Upscaling;
 pub(super) struct StripFrame {
     /// Upscaler with its options.
     pub(super) upscaling: Upscaling,
-    /// Whole picture.
+    /// Complete picture, of which the strip shows a detail.
     pub(super) picture: Arc<Image<Rgba8>>,
     /// Median frame time in milliseconds; `None` unless all upscalers were measured with this view.
     pub(super) ms: Option<f64>,

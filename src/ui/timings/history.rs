@@ -111,28 +111,8 @@ fn change_in_words(before: (Recipe, Viewport), after: (Recipe, Viewport)) -> Opt
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
-    use crate::inspect::Buffer;
-    use crate::scene::SceneSource;
-    use crate::ui::engine::Shown;
-    use crate::ui::look::Look;
-
-    fn request() -> Request {
-        let scene = SceneSource::named("triangle".into()).load().unwrap().scene;
-        Request {
-            camera: scene.home,
-            scene: Arc::new(scene),
-            recipe: Recipe::default(),
-            viewport: Viewport { width: 8, height: 6 },
-            shown: Shown::Buffer(Buffer::Color),
-            triangle_limit: None,
-            fragment_limit: None,
-            pick: None,
-            look: Look::default(),
-        }
-    }
+    use crate::ui::timings::tests::request;
 
     #[test]
     fn changes_split_the_history_and_are_named() {
