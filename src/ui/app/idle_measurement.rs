@@ -91,14 +91,14 @@ mod tests {
     use crate::ui::session::{PictureSize, Session};
     use crate::ui::worker::Worker;
 
-    /// Window with the panel “Frame time”, beside other programs that use a share of the processors.
+    /// Window with the panel “Frame time”.
     struct Window {
         headless: Headless,
         bench: Workbench,
     }
 
     impl Window {
-        fn beside(others: f64, automatic: bool) -> Self {
+        fn new(automatic: bool) -> Self {
             let source = SceneSource::named("triangle".into());
             let scene = source.load().unwrap().scene;
             let home = scene.home;
@@ -106,7 +106,6 @@ mod tests {
             session.state.size = PictureSize::Fixed(16, 12);
             session.timings.automatic = automatic;
             let mut bench = Workbench::new(session, Worker::spawn(|| ()));
-            bench.idle.others = OtherPrograms::of_share(others);
             bench.show_panel(Panel::FrameTime);
             let mut window = Self { headless: Headless::new(vec2(900.0, 600.0), 1.0, Theme::Dark), bench };
             while window.bench.session().view_of_scene().is_none() {
@@ -122,8 +121,10 @@ mod tests {
             }
         }
 
-        /// Whether a measurement runs or has run after two quiet seconds.
-        fn measures(&mut self) -> bool {
+        /// Whether a measurement runs or has run after two quiet seconds beside other programs that use this share.
+        fn measures(&mut self, others: f64) -> bool {
+            // A measurement that starts forgets what was observed before.
+            self.bench.idle.others = OtherPrograms::of_share(others);
             self.passes(20);
             self.bench.session().tasks.measuring.is_some() || self.bench.session().timings.has_measurement()
         }
@@ -131,18 +132,17 @@ mod tests {
 
     #[test]
     fn a_measurement_starts_by_itself_until_the_user_declines() {
-        let mut window = Window::beside(0.02, true);
-        assert!(window.measures());
+        let mut window = Window::new(true);
+        assert!(window.measures(0.02));
         window.bench.queue(vec![Command::CancelMeasure, Command::ClearTimings]);
-        assert!(!window.measures(), "the user does not want it");
+        assert!(!window.measures(0.02), "the user does not want it");
         window.bench.session_mut().state.recipe.wireframe = true;
-        window.bench.idle.others = OtherPrograms::of_share(0.02);
-        assert!(window.measures(), "other settings are measured again");
+        assert!(window.measures(0.02), "other settings are measured again");
     }
 
     #[test]
     fn no_measurement_starts_beside_busy_programs_or_if_it_is_switched_off() {
-        assert!(!Window::beside(0.3, true).measures());
-        assert!(!Window::beside(0.02, false).measures());
+        assert!(!Window::new(true).measures(0.3));
+        assert!(!Window::new(false).measures(0.02));
     }
 }
