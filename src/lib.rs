@@ -28,6 +28,7 @@ pub use rasterscope_engine::{
     antialias, case, chain, disk, drawing, flat2d, image, inspect, lab, math, measure, pipeline, report, scene, text,
     upscale,
 };
+pub use rasterscope_explain as explain;
 
 #[cfg_attr(not(feature = "ui"), allow(dead_code, reason = "only the window shows the sections of the manual"))]
 pub mod manual;

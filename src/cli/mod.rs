@@ -11,6 +11,7 @@ mod bench_window;
 mod case;
 mod check;
 mod diff;
+mod explain;
 mod failure;
 mod fates;
 mod interrupt;
@@ -98,6 +99,9 @@ enum CliCommand {
     /// Compare a view under two sets of settings: which pixels change, by how much, and at what cost
     #[command(after_help = example("diff chess --set filter=point --against filter=bilinear"))]
     Diff(diff::DiffArgs),
+    /// Find the faults of another renderer by which its picture of a scene differs from ours
+    #[command(after_help = example("explain theirs.png model.obj --camera view.json"))]
+    Explain(explain::ExplainArgs),
     /// Render the workbench to a PNG, without a window
     #[command(after_help = example("screenshot chess --compare four -o compared.png"))]
     Screenshot(screenshot::ScreenshotArgs),
@@ -157,6 +161,7 @@ fn execute(cli: &Cli) -> Result<(), Failure> {
         Some(CliCommand::Fates(args)) => fates::run(args),
         Some(CliCommand::Plan(args)) => plan::run(args),
         Some(CliCommand::Diff(args)) => diff::run(args),
+        Some(CliCommand::Explain(args)) => explain::run(args),
         Some(CliCommand::Screenshot(args)) => screenshot::run(args),
         Some(CliCommand::Bench(args)) => bench::run(args),
         Some(CliCommand::Scaling(args)) => scaling::run(args),

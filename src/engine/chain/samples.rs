@@ -231,7 +231,8 @@ pub(super) fn jittered_camera(
         }
     };
     let window = raster_viewport(sampling, viewport).window(viewport, step, [x, y]);
-    Some(Camera { sub_view: Some(window), ..*camera })
+    let sub_view = camera.sub_view.map_or(window, |own| own.followed_by(window));
+    Some(Camera { sub_view: Some(sub_view), ..*camera })
 }
 
 #[cfg(test)]

@@ -46,7 +46,8 @@ impl Changes {
             .then(|| Self::of_mask(Image::from_fn(width, height, |x, y| a.at(x, y)[..3] != b.at(x, y)[..3])))
     }
 
-    fn of_mask(mask: Image<bool>) -> Self {
+    /// Counts the pixels of a mask.
+    pub fn of_mask(mask: Image<bool>) -> Self {
         let count = mask.pixels().iter().filter(|changed| **changed).count() as u64;
         Self { mask, count }
     }

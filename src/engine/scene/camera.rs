@@ -63,6 +63,13 @@ pub struct SubView {
 }
 
 impl SubView {
+    /// Returns the transform that applies this one first and `next` after it. It keeps the aspect ratio of this view.
+    pub(crate) fn followed_by(self, next: Self) -> Self {
+        let scale = [0, 1].map(|axis| self.scale[axis] * next.scale[axis]);
+        let shift = [0, 1].map(|axis| self.shift[axis] * next.scale[axis] + next.shift[axis]);
+        Self { aspect: self.aspect, scale, shift }
+    }
+
     fn clip_from_clip(self) -> Mat4 {
         let ([scale_x, scale_y], [shift_x, shift_y]) = (self.scale, self.shift);
         Mat4::from_cols(Vec4::X * scale_x, Vec4::Y * scale_y, Vec4::Z, Vec4::new(shift_x, shift_y, 0.0, 1.0))

@@ -71,7 +71,7 @@ impl Library {
     }
 
     /// Returns the texture with the identifier `id`, which must come from this library.
-    pub(crate) fn texture(&self, id: TextureId) -> &Texture {
+    pub fn texture(&self, id: TextureId) -> &Texture {
         &self.textures[id.index()]
     }
 
@@ -81,10 +81,19 @@ impl Library {
     }
 
     /// Returns a copy of the library with every mesh replaced by the result of `make`; identifiers stay valid.
-    pub(crate) fn with_meshes(&self, make: impl FnMut(&Mesh) -> Mesh) -> Self {
+    pub fn with_meshes(&self, make: impl FnMut(&Mesh) -> Mesh) -> Self {
         Self {
             meshes: self.meshes.iter().map(make).collect(),
             materials: self.materials.clone(),
+            textures: self.textures.clone(),
+        }
+    }
+
+    /// Returns a copy of the library with every material replaced by the result of `make`; identifiers stay valid.
+    pub fn with_materials(&self, make: impl FnMut(&Material) -> Material) -> Self {
+        Self {
+            meshes: self.meshes.clone(),
+            materials: self.materials.iter().map(make).collect(),
             textures: self.textures.clone(),
         }
     }

@@ -34,7 +34,7 @@ pub(crate) mod texture;
 
 pub use camera::Camera;
 pub use camera::Projection;
-pub(crate) use camera::SubView;
+pub use camera::SubView;
 pub use depth_mapping::DepthMapping;
 pub use error::SceneError;
 pub use error::Warning;
@@ -138,7 +138,7 @@ impl Scene {
     }
 
     /// Returns the identifier of the first triangle of each instance, in draw order.
-    pub(crate) fn first_triangles(&self) -> Vec<TriangleId> {
+    pub fn first_triangles(&self) -> Vec<TriangleId> {
         self.instances
             .iter()
             .scan(0, |next, i| {

@@ -105,7 +105,7 @@ impl Texture {
     }
 
     /// Returns the full-size image, with row 0 at the top (v = 0 after the flip on load).
-    pub(crate) fn image(&self) -> &Image<Rgba8> {
+    pub fn image(&self) -> &Image<Rgba8> {
         &self.image
     }
 

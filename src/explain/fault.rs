@@ -1,0 +1,92 @@
+//! Fault: one known way in which a renderer's picture can differ from ours.
+
+use serde::Serialize;
+
+use crate::setup::{OutputChange, Rounding, Setup};
+
+/// Known difference between another renderer and ours.
+#[derive(Clone, Copy, Debug)]
+pub struct Fault {
+    /// Identifier for files and the command line, in kebab case.
+    pub id: &'static str,
+    /// What the other renderer does, as a clause in lower case.
+    pub name: &'static str,
+    /// Whether it is an error or another convention.
+    pub kind: Kind,
+    /// Decision of the renderer that it concerns. Faults of the same slot exclude each other.
+    pub slot: Slot,
+    /// Change of our inputs or of our picture that has the same effect.
+    pub(crate) change: Change,
+}
+
+/// Kind of a difference.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// Error: the picture is wrong.
+    Error,
+    /// Other convention or setting: correct in itself, but not what was asked for.
+    Convention,
+}
+
+/// Decision of a renderer. A renderer decides each of them in one way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[expect(missing_docs, reason = "the names say it")]
+pub enum Slot {
+    RowOrder,
+    ColumnOrder,
+    Channels,
+    Encoding,
+    Rounding,
+    SamplePosition,
+    Aspect,
+    FieldOfView,
+    Handedness,
+    NearPlane,
+    Coverage,
+    Culling,
+    DepthTest,
+    DepthFormat,
+    Interpolation,
+    TextureV,
+    TextureU,
+    TextureWrap,
+    TextureFilter,
+    TexelOffset,
+    TextureAlpha,
+    ColorSpace,
+    LightDirection,
+    Ambient,
+    Normals,
+    Shading,
+    Opacity,
+    BlendingOrder,
+    Antialiasing,
+    Upscaling,
+    PostFilter,
+}
+
+/// Change that gives our drawing the effect of a fault.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Change {
+    /// Settings of the recipe, each as `key=value`.
+    Settings(&'static [&'static str]),
+    /// Change of scene, camera or recipe.
+    Setup(fn(&mut Setup)),
+    /// Change of the finished picture.
+    Output(OutputChange),
+    /// Rounding of the finished colours.
+    Rounding(Rounding),
+}
+
+impl Fault {
+    /// Declares an error.
+    pub(crate) const fn error(id: &'static str, name: &'static str, slot: Slot, change: Change) -> Self {
+        Self { id, name, kind: Kind::Error, slot, change }
+    }
+
+    /// Declares another convention.
+    pub(crate) const fn convention(id: &'static str, name: &'static str, slot: Slot, change: Change) -> Self {
+        Self { id, name, kind: Kind::Convention, slot, change }
+    }
+}

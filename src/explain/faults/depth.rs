@@ -1,0 +1,49 @@
+//! Faults of the depth buffer: test, order of drawing, precision.
+
+use crate::fault::{Change, Fault, Slot};
+use crate::geometry;
+
+pub(super) const FAULTS: &[Fault] = &[
+    Fault::error(
+        "depth-test-off",
+        "there is no depth test: the last triangle drawn wins",
+        Slot::DepthTest,
+        Change::Settings(&["depth-test=off"]),
+    ),
+    Fault::error(
+        "depth-test-reversed",
+        "the depth test is reversed: the farthest surface wins",
+        Slot::DepthTest,
+        Change::Settings(&["depth-test=greater"]),
+    ),
+    Fault::error(
+        "painters-algorithm",
+        "triangles are sorted by distance and drawn without a depth test (painter's algorithm)",
+        Slot::DepthTest,
+        Change::Setup(geometry::sort_by_distance),
+    ),
+    Fault::error(
+        "depth-not-cleared",
+        "nothing passes the depth test: the depth buffer is not cleared, or cleared to the near plane",
+        Slot::DepthTest,
+        Change::Setup(geometry::remove_objects),
+    ),
+    Fault::convention(
+        "depth-test-less-equal",
+        "at equal depth, the last triangle drawn wins",
+        Slot::DepthTest,
+        Change::Settings(&["depth-test=less-equal"]),
+    ),
+    Fault::error(
+        "depth-16-bit",
+        "depths are stored in 16 bits: close surfaces z-fight",
+        Slot::DepthFormat,
+        Change::Settings(&["depth-format=unorm16"]),
+    ),
+    Fault::convention(
+        "depth-24-bit",
+        "depths are stored in 24 bits",
+        Slot::DepthFormat,
+        Change::Settings(&["depth-format=unorm24"]),
+    ),
+];

@@ -1,0 +1,27 @@
+//! Explanation of another renderer's picture: which known faults turn our picture of a scene into theirs.
+//!
+//! Input: a picture, and the scene, camera and recipe that it should show. Each [`Fault`] is a change of one of our own
+//! inputs or of our finished picture, so that our pipeline can draw what a renderer with this fault draws. The search
+//! draws the view with single faults and then with combinations, and compares each drawing with the picture.
+//!
+//! A fault is named only if drawings with it agree with the picture in many pixels that no drawing without it explains,
+//! and if it spoils hardly any pixel. What remains is reported as unexplained.
+
+mod agreement;
+mod explanation;
+mod fault;
+mod faults;
+mod geometry;
+mod search;
+mod setup;
+mod terminator;
+mod text;
+
+pub use agreement::TOLERANCE;
+pub use explanation::{Cause, Confidence, ExplainError, Explanation, Query, Rest, explain};
+pub use fault::{Fault, Kind, Slot};
+pub use faults::{ALL, by_id};
+pub use setup::Setup;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,138 @@
+//! Tests of the search on our own drawings: every fault is found, no fault is invented.
+
+use std::collections::HashSet;
+use std::sync::Arc;
+
+use rasterscope_engine::chain::{Recipe, Renderer};
+use rasterscope_engine::image::{Image, Rgba8};
+use rasterscope_engine::pipeline::viewport::Viewport;
+use rasterscope_engine::scene::builtin;
+
+use crate::fault::Change;
+use crate::{ALL, Confidence, ExplainError, Explanation, Query, Setup, by_id, explain};
+
+const SIZE: Viewport = Viewport { width: 160, height: 90 };
+
+fn correct(scene: &str) -> Setup {
+    let scene = Arc::new(builtin::by_id(scene).unwrap().build());
+    Setup::new(Arc::clone(&scene), scene.home, Recipe::default(), SIZE)
+}
+
+fn drawn(setup: &Setup) -> Image<Rgba8> {
+    setup.draw(&mut Renderer::default())
+}
+
+fn explained(correct: &Setup, theirs: Image<Rgba8>, without: &[&str]) -> Explanation {
+    let without = without.iter().map(|id| (*id).to_owned()).collect();
+    explain(&Query { correct: correct.clone(), theirs, without }, &|_| true).unwrap()
+}
+
+fn ids(found: &Explanation) -> Vec<&'static str> {
+    found.causes.iter().map(|cause| cause.fault.id).collect()
+}
+
+#[test]
+fn ids_are_unique_and_settings_are_valid() {
+    let mut seen = HashSet::new();
+    for fault in ALL.iter() {
+        assert!(seen.insert(fault.id), "{} twice", fault.id);
+        assert_eq!(by_id(fault.id).unwrap().name, fault.name);
+        if let Change::Settings(assignments) = fault.change {
+            let mut recipe = Recipe::default();
+            assert_eq!(recipe.set_all(assignments), Ok(()), "{}", fault.id);
+        }
+    }
+    assert!(by_id("gremlins").is_none());
+}
+
+#[test]
+fn an_equal_picture_needs_no_explanation() {
+    for scene in ["chess", "cubes", "stained-glass"] {
+        let correct = correct(scene);
+        let found = explained(&correct, drawn(&correct), &[]);
+        assert_eq!((ids(&found), found.confidence), (vec![], Confidence::Agrees), "{scene}");
+        assert_eq!((found.differing_before, found.rest.len()), (0, 0));
+    }
+}
+
+#[test]
+fn single_faults_and_pairs_are_found() {
+    for (scene, planted) in [
+        ("chess", vec!["flip-vertical"]),
+        ("chess", vec!["srgb-lighting"]),
+        ("chess", vec!["colour-truncated"]),
+        ("cubes", vec!["depth-test-reversed"]),
+        ("cubes", vec!["corner-samples"]),
+        ("cubes", vec!["fov-horizontal"]),
+        ("stained-glass", vec!["alpha-multiplied-twice"]),
+        ("cubes", vec!["red-blue-swapped", "light-negated"]),
+        ("chess", vec!["texture-v-flipped", "no-srgb-encoding"]),
+        ("chess", vec!["flip-horizontal", "affine-interpolation"]),
+    ] {
+        let correct = correct(scene);
+        let faults = planted.iter().map(|id| by_id(id).unwrap());
+        let theirs = match planted[..] {
+            ["colour-truncated"] => truncated(&drawn(&correct)),
+            _ => drawn(&correct.with(faults)),
+        };
+        let found = explained(&correct, theirs, &[]);
+        let (mut named, mut planted) = (ids(&found), planted);
+        named.sort_unstable();
+        planted.sort_unstable();
+        assert_eq!((named, found.confidence), (planted, Confidence::Complete), "{scene}: {found}");
+        assert_eq!(found.differing_after, 0, "{scene}: {found}");
+    }
+}
+
+/// Returns the picture with every second code one lower, as truncation does on average.
+fn truncated(picture: &Image<Rgba8>) -> Image<Rgba8> {
+    let mut random = fastrand::Rng::with_seed(7);
+    picture.map(|[r, g, b, a]| {
+        let [r, g, b] = [r, g, b].map(|code| code.saturating_sub(random.u8(..2)));
+        [r, g, b, a]
+    })
+}
+
+#[test]
+fn an_unknown_fault_is_not_blamed_on_a_known_one() {
+    let correct = correct("cubes");
+    let mut theirs = drawn(&correct);
+    for (x, y) in (30..80).flat_map(|x| (20..60).map(move |y| (x, y))) {
+        theirs.set(x, y, [(x * 3) as u8, (y * 4) as u8, (x ^ y) as u8, 255]);
+    }
+    let found = explained(&correct, theirs, &[]);
+    assert_eq!((ids(&found), found.confidence), (vec![], Confidence::Unknown), "{found}");
+    assert_eq!(found.rest.iter().map(|rest| rest.pixels).sum::<u64>(), found.differing_before);
+    assert!(found.rest.len() > 1 && found.to_string().contains("unexplained:"));
+}
+
+#[test]
+fn a_fault_that_is_left_out_is_not_blamed_on_another_one() {
+    for (scene, planted) in
+        [("cubes", "depth-test-reversed"), ("chess", "affine-interpolation"), ("chess", "filter-point")]
+    {
+        let correct = correct(scene);
+        let theirs = drawn(&correct.with([by_id(planted).unwrap()]));
+        let found = explained(&correct, theirs, &[planted]);
+        assert_ne!(found.confidence, Confidence::Complete, "{scene}, {planted}: {found}");
+    }
+}
+
+#[test]
+fn faults_with_equal_pictures_are_named_together() {
+    let correct = correct("cubes");
+    let theirs = drawn(&correct.with([by_id("normals-negated").unwrap()]));
+    let found = explained(&correct, theirs, &[]);
+    assert_eq!(ids(&found), ["light-negated"]);
+    assert_eq!(found.causes[0].alternatives.iter().map(|fault| fault.id).collect::<Vec<_>>(), ["normals-negated"]);
+}
+
+#[test]
+fn another_size_and_an_interruption_are_errors() {
+    let correct = correct("triangle");
+    let theirs = Image::filled(10, 10, [0; 4]);
+    let query = Query { correct: correct.clone(), theirs, without: Vec::new() };
+    assert_eq!(explain(&query, &|_| true).unwrap_err(), ExplainError::Size { theirs: (10, 10), ours: (160, 90) });
+    let query = Query { theirs: drawn(&correct), ..query };
+    assert_eq!(explain(&query, &|_| false).unwrap_err(), ExplainError::Interrupted);
+}

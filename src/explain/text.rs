@@ -1,0 +1,119 @@
+//! Explanations in words, and as JSON.
+
+use std::fmt::{self, Display, Formatter};
+
+use serde::{Serialize, Serializer};
+
+use crate::agreement::TOLERANCE;
+use crate::explanation::{Cause, Confidence, Explanation, Rest};
+use crate::fault::Kind;
+
+/// Largest number of objects that are listed as unexplained.
+const MOST_OBJECTS: usize = 5;
+
+impl Display for Explanation {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}", self.summary())?;
+        for (number, cause) in (1..).zip(&self.causes) {
+            writeln!(f, "{number}. {cause}")?;
+        }
+        let share = |count: u64| format!("{count} of {} px ({:.2} %)", self.pixels, self.percent(count));
+        writeln!(f, "differing by more than {TOLERANCE} codes, before: {}", share(self.differing_before))?;
+        if !self.causes.is_empty() {
+            writeln!(f, "differing after: {}", share(self.differing_after))?;
+        }
+        for rest in self.rest.iter().take(MOST_OBJECTS) {
+            writeln!(f, "unexplained: {rest}")?;
+        }
+        let others: u64 = self.rest.iter().skip(MOST_OBJECTS).map(|rest| rest.pixels).sum();
+        if others > 0 {
+            writeln!(f, "unexplained: {others} px on {} other objects", self.rest.len() - MOST_OBJECTS)?;
+        }
+        Ok(())
+    }
+}
+
+impl Explanation {
+    /// Returns the answer in one sentence.
+    pub fn summary(&self) -> String {
+        match self.confidence {
+            Confidence::Agrees => "The picture agrees with ours; what differs is rounding.".to_owned(),
+            Confidence::Complete => format!("{} explain the picture:", self.count()),
+            Confidence::Partial => {
+                format!("{} explain a part of the picture; nothing known explains the rest:", self.count())
+            }
+            Confidence::Unknown => "No known fault explains the picture.".to_owned(),
+        }
+    }
+
+    fn count(&self) -> String {
+        match self.causes.len() {
+            1 => "This difference would".to_owned(),
+            many => format!("These {many} differences together would"),
+        }
+    }
+
+    fn percent(&self, count: u64) -> f64 {
+        count as f64 * 100.0 / self.pixels.max(1) as f64
+    }
+}
+
+impl Display for Cause {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let kind = match self.fault.kind {
+            Kind::Error => "",
+            Kind::Convention => " (another convention, not an error)",
+        };
+        write!(f, "{}{kind}: it alone explains {} px", capitalised(self.fault.name), self.explained)?;
+        if self.spoiled > 0 {
+            write!(f, " and spoils {} px", self.spoiled)?;
+        }
+        for other in &self.alternatives {
+            write!(f, "; here the same as: {}", other.name)?;
+        }
+        Ok(())
+    }
+}
+
+impl Display for Rest {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let object = self.object.as_deref().map_or_else(|| "the background".to_owned(), |name| format!("“{name}”"));
+        write!(f, "{} px on {object}, {} of them at edges", self.pixels, self.at_edges)?;
+        if self.shades > 0 {
+            write!(f, ", {} only lighter or darker than ours (light or normals)", self.shades)?;
+        }
+        Ok(())
+    }
+}
+
+fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
+}
+
+/// A cause in JSON.
+#[derive(Serialize)]
+struct CauseRecord<'a> {
+    fault: &'a str,
+    name: &'a str,
+    kind: Kind,
+    explained_px: u64,
+    exact_px: u64,
+    spoiled_px: u64,
+    alternatives: Vec<&'a str>,
+}
+
+impl Serialize for Cause {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let record = CauseRecord {
+            fault: self.fault.id,
+            name: self.fault.name,
+            kind: self.fault.kind,
+            explained_px: self.explained,
+            exact_px: self.exact,
+            spoiled_px: self.spoiled,
+            alternatives: self.alternatives.iter().map(|fault| fault.id).collect(),
+        };
+        record.serialize(serializer)
+    }
+}
