@@ -49,7 +49,8 @@ chapters! {
     Conventions = "13-conventions.md",
     ReadingPlots = "14-reading-plots.md",
     Reference = "15-reference.md",
-    Changelog = "16-changelog.md",
+    OtherRenderers = "16-other-renderers.md",
+    Changelog = "17-changelog.md",
 }
 
 /// Section of a chapter: a first-level or second-level heading, with the text up to the next such heading.

@@ -23,11 +23,15 @@ use crate::setup::{Rounding, Setup};
 const LEAST: (f64, f64) = (20.0, 2e-4);
 
 /// Smallest share of the pixels that a fault changes towards or away from agreement that must change towards it.
-const LEAST_PRECISION: f64 = 0.95;
+const LEAST_PRECISION: f64 = 0.9;
+
+/// Smallest share of the pixels that differ without a fault that the fault must explain. An unknown fault can look like a
+/// known one in a few of its pixels.
+const LEAST_OF_DIFFERING: f64 = 0.15;
 
 /// Smallest share of the explained pixels that must agree exactly. Of a chance agreement within the tolerance of two
 /// codes either way, a fifth is exact.
-const LEAST_EXACT: f64 = 0.5;
+const LEAST_EXACT: f64 = 0.3;
 
 /// Smallest share of the picture whose codes another rounding must explain.
 const LEAST_ROUNDED: f64 = 0.05;
@@ -94,6 +98,8 @@ pub struct Cause {
     pub explained: u64,
     /// Number of the explained pixels that agree exactly.
     pub exact: u64,
+    /// Number of pixels that differ without this cause.
+    pub differing_without: u64,
     /// Number of pixels that agree without this cause, but not with all of them.
     pub spoiled: u64,
     /// Other faults that would give exactly the same picture here.
@@ -210,6 +216,7 @@ fn causes(search: &mut Search<'_>, faults: &[usize]) -> Result<Vec<Cause>, Inter
         causes.push(Cause {
             fault: &ALL[*index],
             explained: pairs().filter(|(with, without)| *with <= most && *without > most).count() as u64,
+            differing_without: without.iter().filter(|difference| **difference > most).count() as u64,
             exact: pairs().filter(|(with, without)| *with == 0 && *without > most).count() as u64,
             spoiled: pairs().filter(|(with, without)| *with > TOLERANCE && *without <= TOLERANCE).count() as u64,
             alternatives: alternatives(search, faults, *index)?,
@@ -243,7 +250,10 @@ fn is_convincing(cause: &Cause, picture: &Image<Rgba8>) -> bool {
     let (explained, exact, spoiled) = (cause.explained as f64, cause.exact as f64, cause.spoiled as f64);
     let share = if cause.fault.slot == Slot::Rounding { LEAST_ROUNDED } else { LEAST.1 };
     let least = LEAST.0.max(share * picture.pixels().len() as f64);
-    explained >= least && exact >= LEAST_EXACT * explained && explained >= LEAST_PRECISION * (explained + spoiled)
+    let of_differing = LEAST_OF_DIFFERING * cause.differing_without as f64;
+    explained >= least.max(of_differing)
+        && exact >= LEAST_EXACT * explained
+        && explained >= LEAST_PRECISION * (explained + spoiled)
 }
 
 fn confidence(causes: &[Cause], before: u64, after: u64, picture: &Image<Rgba8>) -> Confidence {

@@ -4,14 +4,17 @@ use std::sync::Arc;
 
 use glam::{Mat3, Mat4, Vec2, Vec3};
 use rasterscope_engine::image::color::{decode, encode};
-use rasterscope_engine::pipeline::settings::{BlendingOrder, ColorSpace};
-use rasterscope_engine::scene::{Material, Mesh, MeshData};
+use rasterscope_engine::pipeline::settings::{BlendingOrder, ColorSpace, DepthFormat};
+use rasterscope_engine::scene::{Instance, Material, Mesh, MeshData};
 
 use crate::setup::Setup;
 
-/// Opacity at which a surface is sorted like a translucent one, but hides what is behind it: the remaining share is
-/// far below half a code.
+/// Opacity at which a surface is drawn like a translucent one, without depth, but hides what is behind it: the remaining
+/// share is far below half a code.
 const ALMOST_OPAQUE: f32 = 1.0 - 1e-6;
+
+/// Largest number of triangles that are sorted, each of which may become an object of its own.
+const MOST_SORTED: usize = 20_000;
 
 /// Mirrors all objects about the origin: `signs` is −1 for each mirrored axis, otherwise 1.
 pub(crate) fn mirror(setup: &mut Setup, signs: Vec3) {
@@ -26,11 +29,32 @@ pub(crate) fn remove_objects(setup: &mut Setup) {
     Arc::make_mut(&mut setup.scene).instances.clear();
 }
 
-/// Makes all opaque surfaces almost opaque, so that the pipeline sorts their triangles by distance and draws them
-/// without writing depths.
-pub(crate) fn sort_by_distance(setup: &mut Setup) {
-    setup.recipe.pipeline.blending.order = BlendingOrder::Triangles;
+/// Sorts all triangles by descending `distance`, a function of their corners in world space, and draws them in this
+/// order without a depth test. Scenes of more than [`MOST_SORTED`] triangles stay as they are.
+pub(crate) fn sort_triangles(setup: &mut Setup, distance: impl Fn([Vec3; 3]) -> f32) {
+    if setup.scene.triangle_count() > MOST_SORTED {
+        return;
+    }
+    setup.recipe.pipeline.blending.order = BlendingOrder::Objects;
     change_materials(setup, |material| material.opacity = material.opacity.min(ALMOST_OPAQUE));
+    let scene = Arc::make_mut(&mut setup.scene);
+    let mut triangles = Vec::new();
+    for (index, instance) in scene.instances.iter().enumerate() {
+        let mesh = scene.library.mesh(instance.mesh);
+        let world = |vertex: u32| instance.world_from_model.transform_point3(mesh.positions[vertex as usize]);
+        triangles.extend(mesh.triangles.iter().map(|corners| (distance(corners.map(world)), index, *corners)));
+    }
+    triangles.sort_by(|(a, ..), (b, ..)| b.total_cmp(a));
+    let objects = std::mem::take(&mut scene.instances);
+    for run in triangles.chunk_by(|(_, a, _), (_, b, _)| a == b) {
+        let object = &objects[run[0].1];
+        let mesh = scene.library.mesh(object.mesh);
+        let corners: Vec<_> = run.iter().map(|(.., corners)| *corners).collect();
+        if let Ok(part) = Mesh::new(separate_corners(mesh, &corners)) {
+            let mesh = scene.library.add_mesh(part);
+            scene.instances.push(Instance { mesh, ..object.clone() });
+        }
+    }
 }
 
 /// Replaces the texture coordinates uv, with v down, by uv · `scale` + `offset`.
@@ -83,7 +107,7 @@ pub(crate) fn change_normals(setup: &mut Setup, change: impl Fn(Vec3) -> Vec3) {
 /// Gives each triangle its own normal.
 pub(crate) fn use_face_normals(setup: &mut Setup) {
     change_meshes(setup, |mesh| {
-        let mut separate = separate_corners(mesh);
+        let mut separate = separate_corners(mesh, &mesh.triangles);
         for (corners, normals) in separate.positions.chunks_exact(3).zip(separate.normals.chunks_exact_mut(3)) {
             normals.fill((corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or(Vec3::Z));
         }
@@ -134,7 +158,13 @@ pub(crate) fn project_through_eye(setup: &mut Setup) {
             }
         }
     });
+    ignore_near_plane(setup);
+}
+
+/// Moves the near plane to the eye. Reversed depths keep their precision there.
+pub(crate) fn ignore_near_plane(setup: &mut Setup) {
     setup.camera.near *= 1e-3;
+    setup.recipe.pipeline.depth_format = DepthFormat::ReversedF32;
 }
 
 /// Changes the mesh of each object with knowledge of its positions in world space. `change` gets the transform from
@@ -166,17 +196,15 @@ fn change_materials(setup: &mut Setup, change: impl Fn(&mut Material)) {
     });
 }
 
-/// Returns the arrays of a mesh with three vertices of its own for each triangle.
-fn separate_corners(mesh: &Mesh) -> MeshData {
-    let corners = || mesh.triangles.iter().flatten().map(|vertex| *vertex as usize);
+/// Returns the arrays of a mesh of some of the triangles, with three vertices of its own for each.
+fn separate_corners(mesh: &Mesh, triangles: &[[u32; 3]]) -> MeshData {
+    let corners = || triangles.iter().flatten().map(|vertex| *vertex as usize);
     MeshData {
         name: mesh.name.clone(),
         positions: corners().map(|vertex| mesh.positions[vertex]).collect(),
         normals: corners().map(|vertex| mesh.normals[vertex]).collect(),
         uvs: if mesh.uvs.is_empty() { Vec::new() } else { corners().map(|vertex| mesh.uvs[vertex]).collect() },
         colors: if mesh.colors.is_empty() { Vec::new() } else { corners().map(|vertex| mesh.colors[vertex]).collect() },
-        triangles: (0..mesh.triangles.len() as u32)
-            .map(|triangle| [0, 1, 2].map(|corner| 3 * triangle + corner))
-            .collect(),
+        triangles: (0..triangles.len() as u32).map(|triangle| [0, 1, 2].map(|corner| 3 * triangle + corner)).collect(),
     }
 }

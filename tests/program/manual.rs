@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use rasterscope::chain::Recipe;
+use rasterscope::explain::{self, Kind};
 use rasterscope::inspect::buffers::Buffer;
 use rasterscope::inspect::intermediate::Intermediate;
 use rasterscope::inspect::overlays::Overlay;
@@ -25,13 +26,14 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_rasterscope");
 type Build = fn() -> String;
 
 /// Functions that generate tables, by the name in the table's marker.
-const TABLES: [(&str, Build); 6] = [
+const TABLES: [(&str, Build); 7] = [
     ("settings", settings),
     ("scenes", scenes),
     ("commands", commands),
     ("keys", keys),
     ("buffers", buffers),
     ("overlays", overlays),
+    ("faults", faults),
 ];
 
 fn folder() -> PathBuf {
@@ -62,6 +64,16 @@ fn values(text: &str) -> String {
     }
     let list = list.split(", ").map(code).collect::<Vec<_>>().join(", ");
     condition.map_or_else(|| list.clone(), |condition| format!("{list}, where {condition}"))
+}
+
+fn faults() -> String {
+    let kind = |kind: Kind| match kind {
+        Kind::Error => "",
+        Kind::Convention => "yes",
+    };
+    let rows = explain::ALL.iter();
+    let rows = rows.map(|fault| vec![code(fault.id), fault.name.to_owned(), kind(fault.kind).to_owned()]);
+    table("fault | what the other renderer does | only another convention", rows)
 }
 
 fn settings() -> String {

@@ -123,13 +123,10 @@ pub(crate) fn guard_band_widening(width: u32, height: u32) -> f32 {
 }
 
 /// Clips all triangles of a draw, in order. `first` is the identifier of the first triangle.
-///
-/// If `needed` is `false`, because the whole object lies inside the frustum, no triangle is tested.
 pub(crate) fn clip<O: Observer>(
     vertices: &[ClipVertex],
     triangles: &[[u32; 3]],
     first: TriangleId,
-    needed: bool,
     widening: f32,
     observer: &mut O,
 ) -> Vec<ClippedTriangle> {
@@ -140,10 +137,6 @@ pub(crate) fn clip<O: Observer>(
         let mut triangle = corners.map(|c| vertices[c as usize]);
         for (corner, vertex) in triangle.iter_mut().enumerate() {
             vertex.varyings.source_weights = Vec3::AXES[corner];
-        }
-        if !needed {
-            out.push(ClippedTriangle { id, vertices: triangle });
-            continue;
         }
         match polygon.clip(&triangle, widening) {
             Err(fate) => observer.rejected(id, fate),

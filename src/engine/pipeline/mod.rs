@@ -60,7 +60,7 @@ pub(crate) mod wireframe;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-use glam::DMat4;
+use glam::{DMat4, Vec3};
 
 use blending::Sorting;
 use depth::{DepthComparison, DepthScale};
@@ -281,6 +281,9 @@ fn finish_draw<O: Observer>(
     out: &mut Geometry,
     observer: &mut O,
 ) {
+    if !draw.may_cross {
+        return finish_unclipped(draw, settings, viewport, out, observer);
+    }
     let widening = clip::guard_band_widening(viewport.width, viewport.height);
     let depth_scale = out.depth_scale;
     let mut triangles = std::mem::take(&mut out.triangles).into_vec();
@@ -288,7 +291,7 @@ fn finish_draw<O: Observer>(
     let firsts = (draw.first.0..).step_by(BATCH).map(TriangleId);
     for (batch, first) in draw.triangles.chunks(BATCH).zip(firsts) {
         let transformed = Instant::now();
-        let clipped = clip::clip(draw.vertices, batch, first, draw.may_cross, widening, observer);
+        let clipped = clip::clip(draw.vertices, batch, first, widening, observer);
         out.triangles_clipped += clipped.len();
         let clipping_done = Instant::now();
 
@@ -304,6 +307,43 @@ fn finish_draw<O: Observer>(
         out.times.project += projected_at - clipping_done;
         out.times.cull += projected_at.elapsed();
     }
+    out.triangles = triangles.into();
+}
+
+/// Runs the geometry stages of a draw that no plane cuts. Each vertex is projected once, not once per triangle, and
+/// only the corners of triangles that are kept are copied.
+fn finish_unclipped<O: Observer>(
+    draw: &ClipSpaceDraw<'_>,
+    settings: &Settings,
+    viewport: Viewport,
+    out: &mut Geometry,
+    observer: &mut O,
+) {
+    let begun = Instant::now();
+    let depth_scale = out.depth_scale;
+    let projected: Vec<ScreenVertex> =
+        draw.vertices.iter().map(|vertex| viewport.project_vertex(vertex, &depth_scale)).collect();
+    let projected_at = Instant::now();
+    let mut triangles = std::mem::take(&mut out.triangles).into_vec();
+    triangles.reserve(draw.triangles.len());
+    for (id, corners) in (draw.first.0..).map(TriangleId).zip(draw.triangles) {
+        let corners = corners.map(|corner| &projected[corner as usize]);
+        let (area, scale) = doubled_area(settings.arithmetic, corners.map(|corner| corner.position_px));
+        if let Some(fate) = cull::cull(area, settings.culling) {
+            observer.rejected(id, fate);
+            continue;
+        }
+        let mut vertices = corners.map(|corner| *corner);
+        for (vertex, own) in vertices.iter_mut().zip(Vec3::AXES) {
+            vertex.varyings.source_weights = own;
+        }
+        let owner = (id, draw.instance);
+        let area = (area * scale).abs();
+        triangles.push(ScreenTriangle::new(owner, vertices, area, &depth_scale, draw.divides_by_w));
+    }
+    out.triangles_clipped += draw.triangles.len();
+    out.times.project += projected_at - begun;
+    out.times.cull += projected_at.elapsed();
     out.triangles = triangles.into();
 }
 

@@ -1,13 +1,13 @@
 //! Faults in the view: aspect ratio, field of view, handedness, position of samples, clipping at the near plane.
 
 use glam::Vec3;
-use rasterscope_engine::pipeline::settings::Culling;
+use rasterscope_engine::pipeline::settings::DisabledOptimisation;
 use rasterscope_engine::pipeline::viewport::Viewport;
 use rasterscope_engine::scene::{Camera, Projection};
 
 use crate::fault::{Change, Fault, Slot};
 use crate::geometry;
-use crate::setup::{OutputChange, Setup};
+use crate::setup::Setup;
 
 pub(super) const FAULTS: &[Fault] = &[
     Fault::error(
@@ -48,12 +48,11 @@ pub(super) const FAULTS: &[Fault] = &[
         "the view is left-handed: left and right are swapped, and front faces count as back faces",
         Slot::Handedness,
         Change::Setup(|setup| {
-            setup.output.push(OutputChange::FlipColumns);
-            setup.recipe.pipeline.culling = match setup.recipe.pipeline.culling {
-                Culling::Back => Culling::Front,
-                Culling::Front => Culling::Back,
-                Culling::None => Culling::None,
-            };
+            let view = setup.sub_view_mut();
+            view.scale[0] *= -1.0;
+            view.shift[0] *= -1.0;
+            // Clusters of triangles are culled by their facing in space, which the mirrored view does not show.
+            setup.recipe.pipeline.force = DisabledOptimisation::Clusters;
         }),
     ),
     Fault::error(
@@ -107,8 +106,9 @@ pub(super) const FAULTS: &[Fault] = &[
     Fault::error(
         "near-plane-ignored",
         "surfaces between the eye and the near plane are drawn",
-        Slot::NearPlane,
-        Change::Setup(|setup| setup.camera.near *= 1e-3),
+        // It needs a depth format of its own.
+        Slot::DepthFormat,
+        Change::Setup(geometry::ignore_near_plane),
     ),
 ];
 

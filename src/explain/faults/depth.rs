@@ -18,9 +18,21 @@ pub(super) const FAULTS: &[Fault] = &[
     ),
     Fault::error(
         "painters-algorithm",
-        "triangles are sorted by distance and drawn without a depth test (painter's algorithm)",
+        "triangles are sorted by depth and drawn without a depth test (painter's algorithm)",
         Slot::DepthTest,
-        Change::Setup(geometry::sort_by_distance),
+        Change::Setup(|setup| {
+            let (eye, forward) = (setup.camera.eye, setup.camera.forward());
+            geometry::sort_triangles(setup, |[a, b, c]| (a + b + c - 3.0 * eye).dot(forward));
+        }),
+    ),
+    Fault::error(
+        "painters-algorithm-by-eye",
+        "triangles are sorted by the distance of their centroids from the eye and drawn without a depth test",
+        Slot::DepthTest,
+        Change::Setup(|setup| {
+            let eye = setup.camera.eye;
+            geometry::sort_triangles(setup, |[a, b, c]| ((a + b + c) / 3.0).distance(eye));
+        }),
     ),
     Fault::error(
         "depth-not-cleared",

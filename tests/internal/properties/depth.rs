@@ -217,7 +217,7 @@ fn vertices_clipped_at_a_plane_have_exactly_the_depth_of_that_plane() {
             let matrices = DrawMatrices::new(instance, camera.clip_from_world_f64(VIEW.aspect(), format.mapping()));
             let vertices = transform(mesh, &matrices, &recipe.pipeline, plan);
             let widening = guard_band_widening(VIEW.width, VIEW.height);
-            for triangle in clip(&vertices, &mesh.triangles, TriangleId(0), true, widening, &mut ()) {
+            for triangle in clip(&vertices, &mesh.triangles, TriangleId(0), widening, &mut ()) {
                 let corners = VIEW.project(&triangle, &scale);
                 for (vertex, corner) in triangle.vertices.iter().zip(corners).filter(|(v, _)| v.cut_at.is_some()) {
                     let w = vertex.position.w;

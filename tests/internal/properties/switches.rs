@@ -10,11 +10,11 @@ use rasterscope::pipeline::interpolate::{AttributeSelection, Fragment, interpola
 use rasterscope::pipeline::observe::{DepthOutcome, Observer};
 use rasterscope::pipeline::plan::PipelinePart;
 use rasterscope::pipeline::raster::{RasterSample, Scissor};
-use rasterscope::pipeline::settings::{Choice, DepthFormat, DepthTest, Interpolation, Shading};
+use rasterscope::pipeline::settings::{Choice, DepthFormat, DepthTest, DisabledOptimisation, Interpolation, Shading};
 use rasterscope::pipeline::shade::Shader;
 use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport, relative_inv_w};
-use rasterscope::pipeline::{Extent, LastStage, clip, draw, vertex};
-use rasterscope::scene::{DepthMapping, Scene, Transparency, TriangleId};
+use rasterscope::pipeline::{Extent, LastStage, draw};
+use rasterscope::scene::{Scene, Transparency, TriangleId};
 
 use crate::internal::common::{
     SceneBuilder, coplanar_scene, cube, for_seeds, ground_and_cube, in_cube, recipe, render, scenes, soup,
@@ -307,22 +307,17 @@ fn skipping_the_clipping_of_an_object_inside_the_view_changes_no_bit() {
             .with(soup(rng, 20), Mat4::IDENTITY, None)
             .0;
         let recipe = Recipe::default();
-        let instance = &scene.instances[0];
-        let mesh = scene.library.mesh(instance.mesh);
-        let matrices =
-            vertex::DrawMatrices::new(instance, scene.home.clip_from_world_f64(VIEW.aspect(), DepthMapping::Standard));
-        let plan = render(&scene, &recipe, SIZE).geometry.plans[0];
-        if plan.runs(PipelinePart::Clipping) {
+        let frame = render(&scene, &recipe, SIZE);
+        if frame.plans[0].runs(PipelinePart::Clipping) {
             return;
         }
         compared += 1;
-        let vertices = vertex::transform(mesh, &matrices, &recipe.pipeline, &plan);
-        let widening = clip::guard_band_widening(SIZE.0, SIZE.1);
-        let clipped = |needed| {
-            let all = clip::clip(&vertices, &mesh.triangles, TriangleId(0), needed, widening, &mut ());
-            all.iter().map(|t| (t.id, t.vertices)).collect::<Vec<_>>()
-        };
-        assert_eq!(clipped(false), clipped(true));
+        let mut clipping = recipe;
+        clipping.pipeline.force = DisabledOptimisation::Clipping;
+        let clipped = render(&scene, &clipping, SIZE);
+        assert!(clipped.plans[0].runs(PipelinePart::Clipping));
+        assert_eq!(frame.geometry.triangles[..], clipped.geometry.triangles[..]);
+        assert_eq!(frame.geometry.triangles_clipped, clipped.geometry.triangles_clipped);
     });
     assert!(compared > 10, "only {compared} objects were inside");
 }

@@ -166,7 +166,7 @@ impl<'a> SurveyedDraw<'a> {
         not_finite: &mut Vec<(TriangleId, u32)>,
     ) -> Vec<[[f32; 2]; 3]> {
         let mut not_finite = NotFinite { found: not_finite, instance: self.instance };
-        let pieces = clip(whole, &[[0, 1, 2]], id, true, self.widening, &mut not_finite);
+        let pieces = clip(whole, &[[0, 1, 2]], id, self.widening, &mut not_finite);
         pieces.iter().map(|piece| piece.vertices.each_ref().map(|corner| position_px(self.raster, corner))).collect()
     }
 
