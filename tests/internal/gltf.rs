@@ -569,7 +569,7 @@ fn faults_are_errors_that_name_their_place() {
         (|json| json["nodes"][0]["rotation"] = json!([0, 0, 0, 0]), "nodes[0]: its rotation is zero"),
         (
             |json| {
-                json["nodes"] = json!([{"children": [1], "scale": [1e30, 1, 1]}, {"mesh": 0, "scale": [1e30, 1, 1]}])
+                json["nodes"] = json!([{"children": [1], "scale": [1e30, 1, 1]}, {"mesh": 0, "scale": [1e30, 1, 1]}]);
             },
             "nodes[1]: its transform is too large",
         ),
@@ -714,7 +714,7 @@ fn external_files_load_as_described() {
                 assert_eq!(counts, expected, "{name}: {:?}", loaded.warnings);
                 if name.contains("Box") && name != "CornellBox.glb" {
                     let beside = path.with_file_name("CesiumLogoFlat.png");
-                    check_as_obj(&loaded, Some(&beside).filter(|path| path.is_file()).map(|path| path.as_path()));
+                    check_as_obj(&loaded, Some(&beside).filter(|path| path.is_file()).map(std::path::PathBuf::as_path));
                 }
             }
             (Err(part), Err(error)) => {

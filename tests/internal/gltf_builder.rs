@@ -83,7 +83,9 @@ impl GltfBuilder {
 
     /// Adds a mesh of one primitive, and returns its index.
     pub(crate) fn mesh(&mut self, primitive: Value) -> usize {
-        push(&mut self.json["meshes"], json!({"primitives": [primitive]}))
+        let mut mesh = json!({});
+        mesh["primitives"] = Value::Array(vec![primitive]);
+        push(&mut self.json["meshes"], mesh)
     }
 
     /// Writes the file with embedded data, and returns its path.

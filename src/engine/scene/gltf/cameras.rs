@@ -9,6 +9,7 @@ use super::nodes::{Placed, PlacedCamera};
 use super::{Remarks, valid};
 use crate::math::{Aabb, unit_or};
 use crate::scene::{Camera, Projection, SceneView};
+use crate::text;
 
 /// Far plane of a camera without one, as a multiple of the distance to the farthest point of the scene.
 const FAR_MARGIN: f32 = 2.0;
@@ -25,7 +26,7 @@ pub(super) fn views(placed: &Placed, bounds: Aabb, remarks: &mut Remarks<'_>) ->
         match camera.check() {
             Ok(()) => views.push(SceneView { name: placed.name.clone(), camera }),
             Err(reason) => {
-                remarks.warn(format!("the camera {:?} is not usable: {reason}", crate::text::message(&placed.name)))
+                remarks.warn(format!("the camera {:?} is not usable: {reason}", text::message(&placed.name)));
             }
         }
     }

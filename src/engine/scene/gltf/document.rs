@@ -22,10 +22,10 @@ const RENDERED: [&str; 3] = ["KHR_texture_transform", "KHR_lights_punctual", "KH
 
 /// Extensions that compress data, each with a description of the data and a remedy.
 const COMPRESSIONS: [(&str, &str, &str); 4] = [
-    ("KHR_draco_mesh_compression", "its meshes are compressed", "export it without Draco compression"),
-    ("EXT_meshopt_compression", "its buffers are compressed", "export it without meshopt compression"),
-    ("KHR_meshopt_compression", "its buffers are compressed", "export it without meshopt compression"),
-    ("KHR_texture_basisu", "its textures are KTX2 files", "export it with PNG or JPEG textures"),
+    ("KHR_draco_mesh_compression", "its meshes are compressed by", "export it without Draco compression"),
+    ("EXT_meshopt_compression", "its buffers are compressed by", "export it without meshopt compression"),
+    ("KHR_meshopt_compression", "its buffers are compressed by", "export it without meshopt compression"),
+    ("KHR_texture_basisu", "its textures are KTX2 files of", "export it with PNG or JPEG textures"),
 ];
 
 /// Largest number of components of an accessor, a 4 × 4 matrix.
@@ -154,7 +154,7 @@ fn refuse_unsupported(head: &Head) -> Result<(), String> {
 fn compression(extensions: &[String]) -> Option<String> {
     let known = |extension: &String| COMPRESSIONS.iter().find(|(name, ..)| name == extension);
     let (name, what, remedy) = extensions.iter().find_map(known)?;
-    Some(format!("{what} by the extension {name}, which is not supported: {remedy}").replace("files by", "files of"))
+    Some(format!("{what} the extension {name}, which is not supported: {remedy}"))
 }
 
 /// Validates the JSON: required fields, valid values, and all indices in range. The error names the first fault.

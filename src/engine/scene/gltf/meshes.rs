@@ -298,11 +298,14 @@ fn unit_normals(
 fn remark_attributes(primitive: &Primitive, set: Option<u32>, remarks: &mut Remarks<'_>) {
     for semantic in primitive.attributes.keys() {
         let Checked::Valid(semantic) = semantic else { continue };
+        // Skins have a warning of their own.
         let is_rendered = match semantic {
-            Semantic::Positions | Semantic::Normals | Semantic::Colors(0) => true,
+            Semantic::Positions
+            | Semantic::Normals
+            | Semantic::Colors(0)
+            | Semantic::Joints(_)
+            | Semantic::Weights(_) => true,
             Semantic::TexCoords(own) => set.is_none_or(|set| set == *own),
-            // Skins have a warning of their own.
-            Semantic::Joints(_) | Semantic::Weights(_) => true,
             Semantic::Tangents | Semantic::Colors(_) | Semantic::Extras(_) => false,
         };
         if !is_rendered {
