@@ -12,7 +12,7 @@ use crate::pipeline::viewport::Viewport;
 use crate::report::upscaling::csv::csv;
 use crate::report::upscaling::page::page;
 use crate::report::upscaling::sweep::{self, NamedView, UpscalingPlan, UpscalingProgress, every_upscaler};
-use crate::scene::obj::Loaded;
+use crate::scene::Loaded;
 use clap::Args;
 
 use super::failure::Failure;
@@ -26,7 +26,7 @@ const FILES: [&str; 3] = ["index.html", "report.csv", "report.json"];
 /// Arguments of `report`.
 #[derive(Args, Debug)]
 pub(crate) struct ReportArgs {
-    /// Ids of built-in scenes, or paths of OBJ files; the first built-in scene if omitted
+    /// Ids of built-in scenes, or paths of models; the first built-in scene if omitted
     #[arg(value_name = "SCENE")]
     scenes: Vec<PathBuf>,
 

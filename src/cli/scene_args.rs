@@ -9,8 +9,10 @@ use crate::chain::{Frame, Recipe, Renderer, run};
 use crate::inspect::scrub::{Moment, Scrubber};
 use crate::pipeline::settings::{Arithmetic, Rasterizer};
 use crate::pipeline::viewport::Viewport;
-use crate::scene::obj::{Loaded, TrMeaning};
-use crate::scene::{Camera, LoadControl, MemoryLimit, Scene, SceneSource, Warning, builtin, camera_file};
+use crate::scene::obj::TrMeaning;
+use crate::scene::{
+    Camera, LoadControl, Loaded, MemoryLimit, Scene, SceneFormat, SceneSource, Warning, builtin, camera_file,
+};
 use clap::Args;
 
 use super::failure::Failure;
@@ -21,7 +23,7 @@ use super::{output, parse};
 /// Options for scene, camera and settings.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct SceneArgs {
-    /// Id of a built-in scene (see `rasterscope scenes`) or path of an OBJ file; the first built-in scene if omitted
+    #[arg(help = scene_help())]
     scene: Option<PathBuf>,
 
     /// Setting to change; may be given several times, in any order
@@ -43,6 +45,10 @@ pub(crate) struct SceneArgs {
     /// Axis that points up in the scene's home view; `auto` guesses it from the model
     #[arg(long, value_name = "AXIS", default_value = "auto", conflicts_with = "camera", value_parser = parse::up())]
     up: Up,
+
+    /// View of the scene by the name of a camera in its file, instead of the home view
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["camera", "up"])]
+    view: Option<String>,
 
     /// Meaning of `Tr` in material libraries: transparency (0 is opaque) or opacity; `auto` guesses it from the file
     #[arg(long, value_name = "MEANING", default_value = "auto", value_parser = parse::tr())]
@@ -139,7 +145,8 @@ impl RequestedView {
 impl SceneArgs {
     /// Loads the scene, and reads the camera and the recipe. Warnings of the loader go to standard error.
     pub(crate) fn view(&self) -> Result<RequestedView, Failure> {
-        let recipe = self.recipe()?;
+        // Invalid options are reported before the scene is loaded.
+        self.recipe(Recipe::default())?;
         let camera = self.camera.as_deref().map(camera).transpose()?;
         let source = source(self.scene.as_deref())?.with_tr(self.tr);
         let Loaded { scene, warnings, notes } = self.memory.load(&source)?;
@@ -151,9 +158,12 @@ impl SceneArgs {
         if let Up::Axis(up) = self.up {
             scene.home = scene.first_view(up);
         }
+        let mut recipe = Recipe::default();
+        recipe.take_light(&scene, None);
+        let view = self.view.as_deref().map(|name| view(&scene, name)).transpose()?;
         Ok(RequestedView {
-            recipe,
-            camera: camera.unwrap_or(scene.home),
+            recipe: self.recipe(recipe)?,
+            camera: camera.or(view).unwrap_or(scene.home),
             source,
             scene: Arc::new(scene),
             warnings,
@@ -165,17 +175,39 @@ impl SceneArgs {
 
     fn is_default(&self) -> bool {
         let keeps_recipe = self.set.is_empty() && self.rasterizer.is_none() && self.arithmetic.is_none();
-        keeps_recipe && !self.mirror_z && self.up == Up::Auto && self.scene.is_none() && self.camera.is_none()
+        let keeps_view = self.camera.is_none() && self.view.is_none();
+        keeps_recipe && keeps_view && !self.mirror_z && self.up == Up::Auto && self.scene.is_none()
     }
 
-    fn recipe(&self) -> Result<Recipe, Failure> {
-        let mut recipe = Recipe::default();
+    /// Returns the recipe with the settings of the options.
+    fn recipe(&self, mut recipe: Recipe) -> Result<Recipe, Failure> {
         recipe.set_all(&self.set)?;
         let settings = &mut recipe.pipeline;
         settings.rasterizer = self.rasterizer.unwrap_or(settings.rasterizer);
         settings.arithmetic = self.arithmetic.unwrap_or(settings.arithmetic);
         Ok(recipe)
     }
+}
+
+/// Returns the help text of the argument that names a scene.
+fn scene_help() -> String {
+    let formats = SceneFormat::names();
+    format!(
+        "Id of a built-in scene (see `rasterscope scenes`) or path of a model ({formats}); the first built-in scene if \
+         omitted"
+    )
+}
+
+/// Returns the camera of a view that the file of the scene defines.
+fn view(scene: &Scene, name: &str) -> Result<Camera, Failure> {
+    let known = || match scene.views.as_slice() {
+        [] => "its file has no cameras".to_owned(),
+        views => {
+            format!("its views are {}", views.iter().map(|view| view.name.as_str()).collect::<Vec<_>>().join(", "))
+        }
+    };
+    let found = scene.views.iter().find(|view| view.name == name).map(|view| view.camera);
+    found.ok_or_else(|| Failure::Usage(format!("--view {name}: the scene has no such view; {}", known())))
 }
 
 /// Reads a camera from a file, or from the argument itself if it starts with `{`.

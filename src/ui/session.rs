@@ -266,13 +266,15 @@ impl Session {
         })
     }
 
-    /// Replaces the scene. Resets the camera, the pick and the playback; the recipe stays.
+    /// Replaces the scene. Resets the camera, the pick and the playback. The recipe stays, except
+    /// for the light of a scene that has one.
     pub(crate) fn show_scene(&mut self, scene: Scene, source: SceneSource) {
         if let SceneSource::File(path, _) = &source {
             self.remember(path);
         }
         self.report(Severity::Info, format!("Opened {}: {} triangles", scene.name, scene.triangle_count()));
         self.state.camera = scene.home;
+        self.state.recipe.take_light(&scene, Some(&self.scene));
         (self.messages.offered_picture, self.messages.notice) = (None, None);
         self.close_case();
         let is_shown = |lesson: &&BlackPixelLesson| source.name() == Path::new(lesson.scene);

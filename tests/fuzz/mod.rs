@@ -6,6 +6,7 @@
 mod cases;
 mod driver;
 mod equal;
+mod gltf;
 mod images;
 mod input;
 mod mutate;
@@ -31,6 +32,7 @@ macro_rules! targets {
 
 targets! {
     obj: obj::Obj;
+    gltf: gltf::Gltf;
     images: images::Images;
     cases: cases::Cases;
     strings: strings::Strings;

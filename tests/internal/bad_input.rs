@@ -16,8 +16,8 @@ use rasterscope::image::{Image, file};
 use rasterscope::inspect::inspect;
 use rasterscope::pipeline::settings::{Culling, Settings};
 use rasterscope::pipeline::viewport::Viewport;
-use rasterscope::scene::obj::{self, Loaded, TrMeaning};
-use rasterscope::scene::{LoadControl, MemoryLimit, Mesh, SceneError};
+use rasterscope::scene::obj::{self, TrMeaning};
+use rasterscope::scene::{LoadControl, Loaded, MemoryLimit, Mesh, SceneError};
 
 const LONGEST: Duration = Duration::from_secs(10);
 

@@ -7,6 +7,8 @@ mod depth_cases;
 mod exact_cases;
 mod fate_sums;
 mod fates;
+mod gltf;
+pub(crate) mod gltf_builder;
 mod golden;
 mod models;
 mod properties;

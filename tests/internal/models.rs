@@ -4,8 +4,8 @@
 use std::path::{Path, PathBuf};
 
 use crate::internal::samples;
-use rasterscope::scene::obj::{self, Loaded};
-use rasterscope::scene::{DepthMapping, MeshData, SceneError};
+use rasterscope::scene::obj;
+use rasterscope::scene::{DepthMapping, Loaded, MeshData, SceneError};
 
 /// Models with triangles that the loader drops because they have no area or repeat others: name, remaining triangles,
 /// reason. The independent count, corners − 2 per face, includes the dropped ones.

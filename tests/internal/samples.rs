@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// Subfolders that the project's own inputs must have.
-const OWN: [&str; 3] = ["bad", "cases", "models"];
+const OWN: [&str; 4] = ["bad", "cases", "gltf", "models"];
 
 /// Subfolders that external samples must have.
 const EXTERNAL: [&str; 4] = ["bad", "cases", "images", "models"];

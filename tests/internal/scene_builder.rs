@@ -80,6 +80,8 @@ impl SceneBuilder {
             instances: Vec::new(),
             background: [30, 60, 90],
             home,
+            views: Vec::new(),
+            light: None,
         })
     }
 

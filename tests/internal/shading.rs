@@ -40,7 +40,15 @@ fn scene_of(mesh: Mesh, world_from_model: Mat4, make: impl FnOnce(&mut Library) 
     let (mesh, material) = (library.add_mesh(mesh), library.add_material(material));
     let instance = Instance { name: "object".into(), mesh, material, world_from_model, tint: Vec3::ONE };
     let home = Camera::look_at(Vec3::new(0.3, 0.2, 2.6), Vec3::ZERO);
-    Scene { name: "test".into(), library, instances: vec![instance], background: [0, 0, 90], home }
+    Scene {
+        name: "test".into(),
+        library,
+        instances: vec![instance],
+        background: [0, 0, 90],
+        home,
+        views: Vec::new(),
+        light: None,
+    }
 }
 
 fn texture(library: &mut Library, image: Image<Rgba8>) -> TextureId {

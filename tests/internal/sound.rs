@@ -1,8 +1,7 @@
 //! Check of the properties that every loaded scene must have.
 
 use glam::Vec3;
-use rasterscope::scene::DepthMapping;
-use rasterscope::scene::obj::Loaded;
+use rasterscope::scene::{DepthMapping, Loaded};
 
 /// Checks that a loaded scene is not empty, that all its numbers are finite, and that normals have unit length. A
 /// normal may be zero if a warning reports a normal in the file that is not finite.

@@ -14,8 +14,8 @@ use rasterscope::inspect::pixel::{TextureMap, inspect};
 use rasterscope::inspect::selection::TriangleSelection;
 use rasterscope::pipeline::settings::{Choice as _, Settings};
 use rasterscope::pipeline::viewport::Viewport;
-use rasterscope::scene::obj::{self, Loaded, TrMeaning};
-use rasterscope::scene::{Alpha, LoadControl, Material, MemoryLimit, Scene, TriangleId};
+use rasterscope::scene::obj::{self, TrMeaning};
+use rasterscope::scene::{Alpha, LoadControl, Loaded, Material, MemoryLimit, Scene, TriangleId};
 
 const SQUARE: &str = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
 const FACE: &str = "f 1/1 2/2 3/3 4/4\n";

@@ -5,7 +5,8 @@ use serde_json::Value;
 use thiserror::Error;
 
 use crate::antialias::settings::{Antialiasing, PostFilter, PostFilterKind, centred_in_5x5};
-use crate::pipeline::settings::{Choice as _, Execution, Settings};
+use crate::pipeline::settings::{Choice as _, Execution, Light, Settings};
+use crate::scene::Scene;
 use crate::upscale::{self, Offers, Scale, Upscaler, Upscaling};
 
 /// All settings that determine how a scene is drawn, as plain data. Panels edit them, the command line parses them, and
@@ -78,6 +79,17 @@ pub enum SetError {
 }
 
 impl Recipe {
+    /// Takes the light of `scene`, which replaces that of `before` if a scene was shown before. Without a light of its
+    /// own, `scene` keeps the light of the recipe, unless that is the light of `before`.
+    pub fn take_light(&mut self, scene: &Scene, before: Option<&Scene>) {
+        let direction = &mut self.pipeline.light.direction;
+        match (scene.light, before.and_then(|before| before.light)) {
+            (Some(own), _) => *direction = own,
+            (None, Some(old)) if old == *direction => *direction = Light::default().direction,
+            (None, _) => {}
+        }
+    }
+
     /// Changes one setting by its dotted key, as in `light.direction=0.4,0.7,0.6`. Keys and values may be written with
     /// `-` or `_`. On error nothing changes.
     ///

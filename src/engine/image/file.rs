@@ -101,6 +101,12 @@ impl PictureFile {
     pub(crate) fn read_header(path: &Path) -> Result<Self, ImageFileError> {
         let bytes = disk::read(path, MAX_FILE_BYTES)
             .map_err(|source| ImageFileError::Unreadable { path: path.to_owned(), source })?;
+        Self::of_bytes(path, bytes)
+    }
+
+    /// Reads the header of a picture that is part of another file. `path` names it in messages. The limits of
+    /// [`PictureFile::read_header`] apply.
+    pub(crate) fn of_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, ImageFileError> {
         let (format, kind) = recognize(path, &bytes)?;
         let (width, height) =
             reader(&bytes, format).into_dimensions().map_err(|e| undecodable(path, kind, &e.to_string()))?;
@@ -111,6 +117,11 @@ impl PictureFile {
             return Err(ImageFileError::TooManyPixels { path: path.to_owned(), width, height });
         }
         Ok(Self { path: path.to_owned(), bytes, format, kind, width, height })
+    }
+
+    /// Returns the path that names the picture in messages.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
     }
 
     /// Returns the width and height of the image, in pixels.

@@ -12,6 +12,7 @@ use crate::image::{Image, Rgba8};
 use crate::math::fixed::to_pixels;
 use crate::pipeline::cull::cull;
 use crate::pipeline::observe::Observer;
+use crate::pipeline::plan::culling;
 use crate::pipeline::raster::{RasterSample, doubled_area};
 use crate::pipeline::settings::{Choice, Culling, Settings, Shading, choice};
 use crate::pipeline::shade::id_color;
@@ -87,7 +88,7 @@ pub fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, s
         Stage::Cull => {
             let wires = Wires::of(scene, camera, recipe, frame.viewport);
             let mut image = wires.edges(|_| REJECTED_COLOR);
-            for triangle in wires.triangles.iter().filter(|t| is_kept(t, &recipe.pipeline)) {
+            for triangle in wires.triangles.iter().filter(|t| is_kept(t, scene, &recipe.pipeline)) {
                 plot(triangle, REMAINING_COLOR, &mut image);
             }
             image
@@ -127,9 +128,10 @@ fn spread(packed: &Image<Rgba8>, frame: &Frame) -> Image<Rgba8> {
     })
 }
 
-fn is_kept(triangle: &ScreenTriangle, settings: &Settings) -> bool {
+fn is_kept(triangle: &ScreenTriangle, scene: &Scene, settings: &Settings) -> bool {
     let (area, _) = doubled_area(settings.arithmetic, triangle.corners_px());
-    cull(area, settings.culling).is_none()
+    let culling = culling(&scene.library, &scene.instances[triangle.instance as usize], settings);
+    cull(area, culling).is_none()
 }
 
 /// All projected triangles before face culling, for drawing as lines.

@@ -248,6 +248,7 @@ fn prepare_draw<O: Observer>(
         first,
         may_cross: plan.runs(PipelinePart::Clipping),
         divides_by_w: plan.runs(PipelinePart::PerspectiveDivision),
+        culling: plan.culling(),
     };
     finish_draw(&draw, settings, viewport, out, observer);
 }
@@ -267,6 +268,8 @@ struct ClipSpaceDraw<'a> {
     may_cross: bool,
     /// Whether attributes are interpolated perspective-correctly.
     divides_by_w: bool,
+    /// Culling of the triangles by their facing.
+    culling: Culling,
 }
 
 /// Number of triangles that pass through the geometry stages together. The results of each stage then stay in the
@@ -356,9 +359,16 @@ pub(crate) fn from_clip_space<O: Observer>(
     viewport: Viewport,
     observer: &mut O,
 ) -> Vec<ScreenTriangle> {
-    let draw =
-        ClipSpaceDraw { instance: 0, vertices, triangles, first: TriangleId(0), may_cross: true, divides_by_w: true };
-    let settings = Settings { culling: Culling::None, arithmetic, ..Settings::default() };
+    let draw = ClipSpaceDraw {
+        instance: 0,
+        vertices,
+        triangles,
+        first: TriangleId(0),
+        may_cross: true,
+        divides_by_w: true,
+        culling: Culling::None,
+    };
+    let settings = Settings { arithmetic, ..Settings::default() };
     let mut geometry = Geometry::default();
     finish_draw(&draw, &settings, viewport, &mut geometry, observer);
     geometry.triangles.into_vec()
@@ -379,7 +389,7 @@ fn set_up<O: Observer>(
     for (id, corners) in pieces {
         let positions_px = corners.each_ref().map(|v| v.position_px);
         let (area, scale) = doubled_area(settings.arithmetic, positions_px);
-        match cull::cull(area, settings.culling) {
+        match cull::cull(area, draw.culling) {
             // A piece of zero area does not determine whether the triangle is front-facing or back-facing.
             Some(Fate::ZeroArea) => rejected = rejected.or(Some((*id, Fate::ZeroArea))),
             Some(facing) => rejected = Some((*id, facing)),

@@ -198,6 +198,9 @@ pub struct DrawPlan {
     steps: [PlanStep; PipelinePart::ALL.len()],
     transparency: Transparency,
     clusters: CullStats,
+    /// Culling of the draw's triangles by their facing.
+    #[serde(skip)]
+    culling: Culling,
     /// Scale and offset of texture coordinates, or `None` if they are the identity.
     #[serde(skip)]
     uv_transform: Option<[Vec2; 2]>,
@@ -224,6 +227,7 @@ impl DrawPlan {
             steps,
             transparency: facts.transparency,
             clusters: CullStats::default(),
+            culling: culling(library, instance, settings),
             uv_transform: (uv_transform != [Vec2::ONE, Vec2::ZERO]).then_some(uv_transform),
             eye: Viewpoint::of(camera),
             first_triangle: TriangleId(0),
@@ -262,14 +266,19 @@ impl DrawPlan {
     }
 
     /// Returns whether the settings and the location of the mesh allow clusters to be culled.
-    pub(super) fn may_cull_clusters(settings: &Settings, containment: Containment) -> bool {
+    pub(super) fn may_cull_clusters(&self, settings: &Settings, containment: Containment) -> bool {
         let some = match containment {
             // The whole draw is skipped. If the settings force it to run, no cluster is culled either.
             Containment::Outside => false,
-            Containment::Inside => settings.culling != Culling::None,
+            Containment::Inside => self.culling != Culling::None,
             Containment::Crossing => true,
         };
         some && !matches!(settings.force, DisabledOptimisation::Everything | DisabledOptimisation::Clusters)
+    }
+
+    /// Returns the culling of the draw's triangles by their facing.
+    pub(crate) fn culling(&self) -> Culling {
+        self.culling
     }
 
     /// Returns the cluster counts. All of them, even the total, are zero if no cluster was culled.
@@ -375,7 +384,8 @@ impl<'a> DrawFacts<'a> {
             PipelinePart::Clipping => {
                 (self.containment == Containment::Inside).then_some("the whole object is inside the view")
             }
-            PipelinePart::Culling => (settings.culling == Culling::None).then_some("culling is off"),
+            PipelinePart::Culling if settings.culling == Culling::None => Some("culling is off"),
+            PipelinePart::Culling => self.material.double_sided.then_some("the material is double-sided"),
             PipelinePart::Depth => (settings.depth_test == DepthTest::Off).then_some("the depth test is off"),
             PipelinePart::PerspectiveDivision if settings.interpolation != Interpolation::Perspective => {
                 Some("interpolation is affine")
@@ -424,6 +434,11 @@ impl<'a> DrawFacts<'a> {
             },
         }
     }
+}
+
+/// Returns the culling of an instance's triangles: that of the settings, or none if its material is double-sided.
+pub(crate) fn culling(library: &Library, instance: &Instance, settings: &Settings) -> Culling {
+    if library.material(instance.material).double_sided { Culling::None } else { settings.culling }
 }
 
 /// Returns the transparency of an instance in a shading mode. Modes that ignore the material are opaque.

@@ -31,7 +31,6 @@ use super::viewport::ScreenTriangle;
 use crate::image::color::{Tables, decode_rgb, quantize};
 use crate::image::{Image, Rgba8};
 use crate::math::unit_or;
-use crate::scene::material::ALPHA_TEST_THRESHOLD;
 use crate::scene::{Alpha, Instance, Library, Texture, Transparency, TriangleId};
 
 /// Value of N·L above which cel shading uses the light texture; at or below it, the dark one.
@@ -169,6 +168,8 @@ pub(crate) struct Shader<'a> {
     emission_texture: Option<Readable<'a>>,
     /// Opacity of the material in [0, 1], before it is multiplied by the alpha of textures.
     opacity: f32,
+    /// Threshold of the alpha test: fragments with a lower alpha are discarded.
+    alpha_cutoff: f32,
     transparency: Transparency,
     attributes: AttributeSelection,
 }
@@ -208,6 +209,7 @@ impl<'a> Shader<'a> {
             emission: emits.then(|| to_working_space(material.emission, settings.color_space)),
             emission_texture: material.emission_texture.filter(|_| emits && reads_texels).map(image),
             opacity: material.opacity,
+            alpha_cutoff: material.alpha_cutoff,
             transparency: plan.transparency(),
             attributes: AttributeSelection::read_by(plan, settings),
         }
@@ -222,6 +224,12 @@ impl<'a> Shader<'a> {
     /// Returns the opacity of the material in [0, 1], before it is multiplied by the alpha of textures.
     pub(crate) fn opacity(&self) -> f32 {
         self.opacity
+    }
+
+    /// Returns the threshold of the alpha test: fragments with a lower alpha are discarded.
+    #[inline]
+    pub(crate) fn alpha_cutoff(&self) -> f32 {
+        self.alpha_cutoff
     }
 
     /// Returns the attributes that the draw interpolates for its fragments.
@@ -337,10 +345,10 @@ impl<'a> Shader<'a> {
         self.alpha_texture.map_or(alpha, |texture| alpha * texture.alpha(self.sampler, fragment))
     }
 
-    /// Returns whether a fragment fails the alpha test: its alpha is below [`ALPHA_TEST_THRESHOLD`].
+    /// Returns whether a fragment fails the alpha test: its alpha is below [`Shader::alpha_cutoff`].
     #[inline]
     pub(crate) fn fails_alpha_test(&self, fragment: &Fragment) -> bool {
-        self.alpha(fragment) < ALPHA_TEST_THRESHOLD
+        self.alpha(fragment) < self.alpha_cutoff
     }
 
     /// Returns the colour of a blended fragment of `triangle` over `below`: colour·α + below·(1 − α) in the working

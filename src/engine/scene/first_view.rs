@@ -5,7 +5,7 @@
 //! the preferred direction is used. A single sheet that faces away would be culled and leave the picture empty. The
 //! first view therefore moves to a side that shows clearly more front-facing area.
 
-use glam::{DVec3, Vec3};
+use glam::{DMat3, DVec3, Vec3};
 
 use super::{Camera, Scene};
 use crate::math::Aabb;
@@ -95,14 +95,20 @@ pub(super) fn first_view(scene: &Scene, up: UpAxis) -> Camera {
     Camera { up: up.unit(), ..Camera::fit(scene.bounds(), best.0) }
 }
 
-/// Returns the projected area of the triangles that face `direction`, in square world units. Instance transforms are
-/// ignored, because loaded models have none.
+/// Returns the projected area of the triangles that face `direction`, in square world units.
 fn front_area(scene: &Scene, direction: Vec3) -> f64 {
     let towards_eye = direction.as_dvec3().normalize();
-    let meshes = scene.library.meshes().iter();
-    meshes
-        .flat_map(|mesh| {
-            mesh.triangles.iter().map(|corners| {
+    let instances = scene.instances.iter().map(|instance| {
+        // Area vectors are transformed by the matrix of cofactors; here, the direction is transformed instead of each of
+        // them.
+        let [x, y, z] = DMat3::from_mat4(instance.world_from_model.as_dmat4()).to_cols_array_2d().map(DVec3::from);
+        let cofactors = [y.cross(z), z.cross(x), x.cross(y)];
+        let towards_eye = DVec3::from(cofactors.map(|column| column.dot(towards_eye)));
+        (scene.library.mesh(instance.mesh), towards_eye)
+    });
+    instances
+        .flat_map(|(mesh, towards_eye)| {
+            mesh.triangles.iter().map(move |corners| {
                 let [a, b, c]: [DVec3; 3] = corners.map(|i| mesh.positions[i as usize].as_dvec3());
                 let area = (0.5 * (b - a).cross(c - a)).dot(towards_eye).max(0.0);
                 if area.is_finite() { area } else { 0.0 }

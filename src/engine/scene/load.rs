@@ -4,7 +4,39 @@ use std::fmt;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::SceneError;
+use super::{Scene, SceneError, Warning};
+use crate::image::file::PictureFile;
+use crate::image::{Image, Rgba8};
+
+/// Background colour of a loaded model, as sRGB codes. It contrasts with both bright and dark surfaces.
+pub(super) const BACKGROUND: [u8; 3] = [38, 38, 38];
+
+/// Maximum magnitude of a coordinate. The product of three such coordinates, as in a determinant, is still finite in
+/// f32.
+pub(super) const MAX_COORDINATE: f32 = 1e12;
+
+/// Memory per texel, in bytes: 4 for the codes, and at most 28 for the linear-light copies and mip levels made for
+/// rendering.
+const BYTES_PER_TEXEL: u64 = 32;
+
+/// Loaded scene, with warnings about skipped or repaired content.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// Loaded scene, which is valid and has at least one triangle.
+    pub scene: Scene,
+    /// Warnings in order of first occurrence; repetitions are counted instead of listed.
+    pub warnings: Vec<Warning>,
+    /// Assumptions about properties that the file does not specify, and properties that are not rendered by design;
+    /// they do not indicate a fault.
+    pub notes: Vec<Warning>,
+}
+
+impl From<Scene> for Loaded {
+    /// Converts a scene to a loaded scene without warnings or notes.
+    fn from(scene: Scene) -> Self {
+        Self { scene, warnings: Vec::new(), notes: Vec::new() }
+    }
+}
 
 /// Memory limit for the meshes and textures of a model, including temporary buffers used while loading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -170,11 +202,31 @@ impl<'a> Load<'a> {
         Ok(())
     }
 
+    /// Decodes a picture. Returns an error of one sentence without decoding it if the load is cancelled, or if the size
+    /// in the picture's header would exceed the memory limit.
+    pub(super) fn decode(&mut self, picture: PictureFile) -> Result<Image<Rgba8>, String> {
+        if self.is_cancelled() {
+            return Err("loading was cancelled".to_owned());
+        }
+        let ((width, height), path) = (picture.size(), picture.path().display().to_string());
+        let bytes = texture_bytes((width, height));
+        self.charge(bytes).map_err(|reason| format!("{path}: {width} × {height} texels, {reason}"))?;
+        picture.decode().map_err(|e| {
+            self.release(bytes);
+            e.to_string()
+        })
+    }
+
     /// Drops a list that was filled by [`Load::push`] or [`Load::reserve`], and removes its memory from the accounting.
     pub(super) fn free<T>(&mut self, list: Vec<T>) {
         self.release(bytes_of::<T>(list.capacity()));
         drop(list);
     }
+}
+
+/// Returns the memory that a texture of this width and height may take, in bytes.
+pub(super) fn texture_bytes((width, height): (u32, u32)) -> u64 {
+    u64::from(width) * u64::from(height) * BYTES_PER_TEXEL
 }
 
 /// Returns the size of `count` elements of type `T`, in bytes.

@@ -19,7 +19,7 @@ pub enum Transparency {
     Blended,
 }
 
-/// Alpha-test threshold: fragments with a lower filtered alpha are discarded.
+/// Default of [`Material::alpha_cutoff`].
 pub(crate) const ALPHA_TEST_THRESHOLD: f32 = 0.5;
 
 /// Surface properties used for shading.
@@ -57,6 +57,13 @@ pub struct Material {
     pub uv_offset: Vec2,
     /// Whether texture coordinates are clamped, regardless of the address mode in the settings.
     pub clamp: bool,
+    /// Whether back faces are drawn like front faces, regardless of the culling in the settings.
+    pub double_sided: bool,
+    /// Transparency where an alpha below 1 may occur; `None` if the values of alpha determine it.
+    pub transparency: Option<Transparency>,
+    /// Threshold of the alpha test, at least 0: fragments with a lower filtered alpha are discarded. A threshold above 1
+    /// discards all fragments.
+    pub alpha_cutoff: f32,
 }
 
 impl Material {
@@ -79,6 +86,9 @@ impl Material {
             uv_scale: Vec2::ONE,
             uv_offset: Vec2::ZERO,
             clamp: false,
+            double_sided: false,
+            transparency: None,
+            alpha_cutoff: ALPHA_TEST_THRESHOLD,
         }
     }
 
@@ -89,8 +99,16 @@ impl Material {
 
     /// Returns the transparency of this material for a shading that samples only the textures in `read`. The material's
     /// opacity and the alpha channel of each of these textures imply a transparency. The strongest one wins: blended
-    /// before alpha-tested before opaque.
+    /// before alpha-tested before opaque. [`Material::transparency`] replaces it where alpha may be below 1.
     pub(crate) fn transparency(&self, library: &Library, read: impl IntoIterator<Item = TextureId>) -> Transparency {
+        match (self.transparency, self.implied_transparency(library, read)) {
+            (Some(Transparency::AlphaTested), _) if self.alpha_cutoff > 1.0 => Transparency::AlphaTested,
+            (Some(fixed), Transparency::AlphaTested | Transparency::Blended) => fixed,
+            (_, implied) => implied,
+        }
+    }
+
+    fn implied_transparency(&self, library: &Library, read: impl IntoIterator<Item = TextureId>) -> Transparency {
         if self.opacity < 1.0 {
             return Transparency::Blended;
         }

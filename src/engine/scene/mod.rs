@@ -12,7 +12,13 @@ pub(crate) mod depth_mapping;
 
 pub(crate) mod error;
 
+mod file_names;
+
 pub(crate) mod first_view;
+
+pub(crate) mod format;
+
+pub mod gltf;
 
 pub(crate) mod library;
 
@@ -32,6 +38,8 @@ pub(crate) mod source;
 
 pub(crate) mod texture;
 
+mod warnings;
+
 pub use camera::Camera;
 pub use camera::Projection;
 pub use camera::SubView;
@@ -39,11 +47,13 @@ pub use depth_mapping::DepthMapping;
 pub use error::SceneError;
 pub use error::Warning;
 pub use first_view::UpAxis;
+pub use format::SceneFormat;
 pub use library::Library;
 pub(crate) use library::MaterialId;
 pub(crate) use library::MeshId;
 pub(crate) use library::TextureId;
 pub use load::LoadControl;
+pub use load::Loaded;
 pub use load::MemoryLimit;
 pub use material::Material;
 pub use material::Transparency;
@@ -97,6 +107,20 @@ pub struct Scene {
     pub background: [u8; 3],
     /// Initial view, to which a view reset returns.
     pub home: Camera,
+    /// Views that the file of the scene defines by its cameras, in file order.
+    pub views: Vec<SceneView>,
+    /// World-space direction towards the light that the file of the scene defines, as a unit vector; `None` if it
+    /// defines none. It replaces the light direction of the settings when the scene is opened.
+    pub light: Option<Vec3>,
+}
+
+/// View of a scene with a name, from a camera in the scene's file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneView {
+    /// Display name of the view.
+    pub name: String,
+    /// Camera of the view.
+    pub camera: Camera,
 }
 
 impl Scene {
@@ -111,16 +135,25 @@ impl Scene {
     /// handedness.
     pub fn mirrored_z(&self) -> Self {
         let mirror = Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0));
-        let mut scene = Self { library: self.library.mirrored_z(), home: self.home.mirrored_z(), ..self.clone() };
+        let mut scene = Self {
+            library: self.library.mirrored_z(),
+            home: self.home.mirrored_z(),
+            light: self.light.map(|direction| direction * Vec3::new(1.0, 1.0, -1.0)),
+            ..self.clone()
+        };
+        for view in &mut scene.views {
+            view.camera = view.camera.mirrored_z();
+        }
         for instance in &mut scene.instances {
             instance.world_from_model = mirror * instance.world_from_model * mirror;
         }
         scene
     }
 
-    /// Removes control characters from the names of the scene and its instances, which may come from files.
+    /// Removes control characters from the names of the scene, its instances and its views, which may come from files.
     fn clean_names(&mut self) {
-        let names = self.instances.iter_mut().map(|instance| &mut instance.name).chain([&mut self.name]);
+        let instances = self.instances.iter_mut().map(|instance| &mut instance.name);
+        let names = instances.chain(self.views.iter_mut().map(|view| &mut view.name)).chain([&mut self.name]);
         for name in names {
             *name = text::clean(name).into_owned();
         }

@@ -71,7 +71,7 @@ fn content(ui: &mut Ui, session: &Session, thumbnails: &mut Thumbnails) -> Optio
     });
     let show = |workspace| Command::Workspace(WorkspaceChange::Show(workspace));
     let starts = [
-        (Icon::FolderOpen, "Open a model…", "Open an OBJ model or a case", Command::ShowFileDialog),
+        (Icon::FolderOpen, "Open a model…", "Open a model or a case", Command::ShowFileDialog),
         (Icon::Columns2, "Compare upscalers", Workspace::Compare.help(), show(Workspace::Compare)),
         (Icon::Grid3x3, "2D lab", Workspace::Lab.help(), show(Workspace::Lab)),
     ];

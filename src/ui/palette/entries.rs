@@ -162,6 +162,7 @@ pub(crate) fn all(session: &Session) -> Vec<PaletteEntry> {
     let mut entries = commands();
     entries.extend(of_the_picture(session));
     entries.extend(bookmarks(session));
+    entries.extend(views(session));
     entries.extend(scenes(session));
     entries.extend(Buffer::ALL.iter().map(|buffer| {
         let shown = Shown::Buffer(*buffer);
@@ -269,6 +270,15 @@ fn bookmarks(session: &Session) -> impl Iterator<Item = PaletteEntry> {
     session.places.bookmarks.iter().enumerate().map(|(number, bookmark)| {
         let jump = Command::Place(place::PlaceChange::Jump(number));
         entry(EntryKind::Bookmark, format!("Go to {}", bookmark.name), jump)
+    })
+}
+
+/// Returns an entry for each view that the file of the scene defines.
+fn views(session: &Session) -> impl Iterator<Item = PaletteEntry> {
+    session.scene.views.iter().map(|view| {
+        let holds = session.state.camera == view.camera;
+        let title = format!("Go to the camera {}", view.name);
+        entry(EntryKind::Command, title, Command::SetCamera(view.camera)).with("Camera of the scene's file", holds)
     })
 }
 

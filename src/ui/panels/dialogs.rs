@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use eframe::egui::{Frame, Id, Key, Modal, RichText, TextEdit, Ui};
 
 use super::system_dialog::{Answer, SystemDialog};
+use crate::scene::SceneFormat;
 use crate::ui::command::Command;
 use crate::ui::key_sheet;
 use crate::ui::palette::Palette;
@@ -89,10 +90,11 @@ impl OpenDialog {
     fn ui(&mut self, ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> bool {
         let chosen = self.poll();
         let stays = modal(ui, "Open a model", |ui| {
-            ui.label(
-                "Path of a model (OBJ), a case (JSON), or a picture for the 2D lab. You can also drop the file on \
-                      the window.",
-            );
+            ui.label(format!(
+                "Path of a model ({}), a case (JSON), or a picture for the 2D lab. You can also drop the file on the \
+                 window.",
+                SceneFormat::names()
+            ));
             let field =
                 TextEdit::singleline(&mut self.path).hint_text("/path/to/model.obj").desired_width(f32::INFINITY);
             let field = ui.add(field);
@@ -136,7 +138,7 @@ impl OpenDialog {
         self.hint = None;
         self.browsing = Some(SystemDialog::open(ui, || {
             rfd::FileDialog::new()
-                .add_filter("Models and cases", &["obj", "OBJ", "json"])
+                .add_filter("Models and cases", &model_extensions())
                 .add_filter("Pictures, for the 2D lab", &["png", "jpg", "jpeg", "bmp", "gif", "tif", "tiff", "tga"])
                 .pick_file()
         }));
@@ -158,6 +160,12 @@ impl OpenDialog {
             }
         }
     }
+}
+
+/// Returns the extensions of models and cases, in lower and upper case, because some file dialogs distinguish them.
+fn model_extensions() -> Vec<String> {
+    let known = SceneFormat::all_extensions().into_iter().chain(["json"]);
+    known.flat_map(|extension| [extension.to_owned(), extension.to_uppercase()]).collect()
 }
 
 fn recent(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> bool {

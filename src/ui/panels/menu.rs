@@ -171,6 +171,13 @@ fn view(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ui.separator();
     entry(ui, "Reset view", Command::ResetCamera, commands);
     entry(ui, "Fit scene", Command::FitCamera, commands);
+    if !session.scene.views.is_empty() {
+        ui.menu_button("Cameras of the file", |ui| {
+            for view in &session.scene.views {
+                entry(ui, &view.name, Command::SetCamera(view.camera), commands);
+            }
+        });
+    }
     ui.separator();
     entry(ui, "Hide or show panels", Command::Workspace(WorkspaceChange::TogglePanels), commands);
     entry(ui, "Reset layout", Command::Workspace(WorkspaceChange::ResetLayout), commands);

@@ -14,7 +14,7 @@ use crate::pipeline::observe::Fate;
 use crate::pipeline::plan::PipelinePart;
 use crate::pipeline::settings::{Choice as _, DepthTest, Execution, Shading};
 use crate::scene::obj::TrMeaning;
-use crate::scene::{Camera, DepthMapping, Projection, SceneSource, UpAxis, builtin};
+use crate::scene::{Camera, DepthMapping, Projection, SceneFormat, SceneSource, UpAxis, builtin};
 use crate::ui::command::Command;
 use crate::ui::engine::{RenderedView, StageFigures};
 use crate::ui::format;
@@ -111,7 +111,9 @@ fn model_reading(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             commands.push(Command::SetCamera(session.scene.first_view(up)));
         }
     });
-    if let SceneSource::File(path, tr) = &session.source {
+    if let SceneSource::File(path, tr) = &session.source
+        && SceneFormat::by_extension(path).is_none_or(|format| format.has_tr)
+    {
         let mut tr = *tr;
         row(
             ui,

@@ -8,9 +8,10 @@ sys.dont_write_bytecode = True
 
 import cases
 import damaged
+import gltf
 import models
 
 inputs = Path(__file__).resolve().parent.parent
-for name, writer in (("bad", damaged), ("cases", cases), ("models", models)):
+for name, writer in (("bad", damaged), ("cases", cases), ("gltf", gltf), ("models", models)):
     shutil.rmtree(inputs / name, ignore_errors=True)
     writer.write(inputs / name)

@@ -8,6 +8,7 @@ use rasterscope::scene::builtin;
 use rasterscope::ui::session::Severity;
 
 use super::bench::Bench;
+use crate::internal::samples;
 
 const QUAD: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
 
@@ -43,6 +44,27 @@ fn a_dropped_model_replaces_the_scene_and_is_listed_as_recent() {
     bench.click("Recent files");
     bench.click("quad.obj");
     assert_eq!(bench.session().source.name(), path);
+}
+
+#[test]
+fn a_dropped_gltf_file_brings_its_cameras_and_its_light() {
+    let path = samples::own().join("gltf/features.glb");
+    let mut bench = Bench::small("chess");
+    let light = bench.session().state.recipe.pipeline.light;
+    bench.drop_file(&path);
+    assert_eq!(bench.session().messages.error, None);
+    assert_eq!(bench.session().recent, std::slice::from_ref(&path));
+    assert_eq!(Some(bench.session().state.recipe.pipeline.light.direction), bench.session().scene.light);
+    let front = bench.session().scene.views[0].clone();
+    assert_ne!(bench.session().state.camera, front.camera);
+    bench.click("View");
+    bench.click("Cameras of the file");
+    bench.click(&front.name);
+    assert_eq!(bench.session().state.camera, front.camera);
+
+    bench.click("Scene");
+    bench.click(builtin::ALL[0].title);
+    assert_eq!(bench.session().state.recipe.pipeline.light, light);
 }
 
 #[test]

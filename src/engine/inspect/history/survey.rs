@@ -17,7 +17,7 @@ use crate::image::Image;
 use crate::pipeline::clip::{ClipPlane, clip, guard_band_widening};
 use crate::pipeline::cull::{Facing, cull, facing};
 use crate::pipeline::observe::{Fate, Observer};
-use crate::pipeline::plan::PipelinePart;
+use crate::pipeline::plan::{PipelinePart, culling};
 use crate::pipeline::raster::{Scissor, Span, cover_within, doubled_area};
 use crate::pipeline::settings::{Choice as _, Culling, Settings};
 use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
@@ -91,6 +91,7 @@ struct SurveyedDraw<'a> {
     /// Whether the draw plan transforms vertices; otherwise no triangle of the draw reaches the screen.
     runs: bool,
     may_cross: bool,
+    culling: Culling,
     vertices: Vec<ClipVertex>,
     positions_px: Vec<[f32; 2]>,
 }
@@ -121,6 +122,7 @@ impl<'a> SurveyedDraw<'a> {
             triangles: &mesh.triangles,
             runs: plan.runs(PipelinePart::Vertices),
             may_cross: plan.runs(PipelinePart::Clipping),
+            culling: plan.culling(),
             vertices,
             positions_px,
         }
@@ -174,7 +176,7 @@ impl<'a> SurveyedDraw<'a> {
     fn take_pieces(&self, pieces: &[[[f32; 2]; 3]], id: TriangleId, found: &mut SurveyedTriangles) {
         let causes = pieces.iter().map(|corners_px| {
             let (area, _) = doubled_area(self.settings.arithmetic, *corners_px);
-            match cull(area, self.settings.culling) {
+            match cull(area, self.culling) {
                 None => Cause::NotDrawnYet,
                 Some(Fate::BackFacing) => Cause::BackFacing,
                 Some(Fate::FrontFacing) => Cause::FrontFacing,
@@ -266,7 +268,8 @@ impl Survey {
         let later: &[PlacedTriangle] = if is_whole { &[] } else { &self.triangles.rasterized };
         let later = later.iter().filter(is_there).filter(|piece| !is_drawn(piece));
         let dropped = self.triangles.dropped.iter().filter(is_there).chain(later);
-        let crossing = self.triangles.crossing.iter().filter_map(|t| Some((t, self.cut_away(t, settings, pixel)?)));
+        let crossing =
+            self.triangles.crossing.iter().filter_map(|t| Some((t, self.cut_away(scene, t, settings, pixel)?)));
         dropped
             .map(|piece| Absent {
                 corners_px: Some(piece.corners_px),
@@ -284,6 +287,7 @@ impl Survey {
     /// if neither plane does, or if the triangle would be culled anyway.
     fn cut_away(
         &self,
+        scene: &Scene,
         triangle: &CrossingTriangle,
         settings: &Settings,
         (x, y): (u32, u32),
@@ -292,8 +296,8 @@ impl Survey {
         let ndc = DVec2::new(share(x, self.raster.width) * 2.0 - 1.0, 1.0 - share(y, self.raster.height) * 2.0);
         let met = meeting(triangle.corners, ndc)?;
         let side = if met.shows_front { Facing::Front } else { Facing::Back };
-        let is_culled =
-            matches!((side, settings.culling), (Facing::Front, Culling::Front) | (Facing::Back, Culling::Back));
+        let culling = culling(&scene.library, &scene.instances[triangle.instance as usize], settings);
+        let is_culled = matches!((side, culling), (Facing::Front, Culling::Front) | (Facing::Back, Culling::Back));
         let is_before_zero = met.z < 0.0;
         if is_culled || (0.0..=met.w).contains(&met.z) {
             return None;

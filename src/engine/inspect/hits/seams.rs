@@ -16,6 +16,7 @@ use crate::math::fixed::{snap, to_pixels};
 use crate::pipeline::clip::{Cut, Polygon, guard_band_widening};
 use crate::pipeline::cull::{Facing, cull, facing};
 use crate::pipeline::observe::Fate;
+use crate::pipeline::plan::culling;
 use crate::pipeline::raster::{AnyTriangle, Scissor, doubled_area};
 use crate::pipeline::settings::{Arithmetic, FillRule, Settings};
 use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
@@ -192,7 +193,9 @@ impl<'a> Placing<'a> {
         let px: Vec<[f32; 2]> = pieces.iter().map(|vertex| self.position_px(vertex)).collect();
         let areas = px[1..].windows(2).map(|pair| doubled_area(self.settings.arithmetic, [px[0], pair[0], pair[1]]).0);
         let area = areas.max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
-        match cull(area, self.settings.culling) {
+        let instance = self.first_triangles.partition_point(|first| *first <= triangle).checked_sub(1)?;
+        let culling = culling(&self.scene.library, self.scene.instances.get(instance)?, self.settings);
+        match cull(area, culling) {
             None if !self.is_drawn(triangle) => return None,
             None | Some(Fate::ZeroArea) => {}
             Some(_) => return None,

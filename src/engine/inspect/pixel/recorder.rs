@@ -14,7 +14,6 @@ use crate::pipeline::sample::{Sampler, TexelTap};
 use crate::pipeline::settings::{Arithmetic, Choice as _, DepthTest, Interpolation};
 use crate::pipeline::shade::{NormalMap, Readable, Shader};
 use crate::pipeline::viewport::ScreenTriangle;
-use crate::scene::material::ALPHA_TEST_THRESHOLD;
 use crate::scene::{Scene, Transparency};
 
 /// Observer that records every fragment at the sample of a replayed pixel.
@@ -137,11 +136,12 @@ impl Observer for FragmentRecorder<'_> {
     }
 
     fn alpha_rejected(&mut self, triangle: &ScreenTriangle, fragment: &Fragment) {
-        let alpha = self.shaders[triangle.instance as usize].alpha(fragment);
+        let shader = &self.shaders[triangle.instance as usize];
+        let (alpha, cutoff) = (shader.alpha(fragment), shader.alpha_cutoff());
         let Some(record) = self.records.last_mut() else { return };
         record.alpha = Some(alpha);
         record.outcome = FragmentOutcome::AlphaRejected;
-        record.reason = format!("failed the alpha test: alpha {alpha} < {ALPHA_TEST_THRESHOLD}");
+        record.reason = format!("failed the alpha test: alpha {alpha} < {cutoff}");
     }
 
     fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, color: Rgba8) {

@@ -31,12 +31,15 @@ pub(super) fn scene(scene: &Scene, probe: Probe, run: u16) -> Scene {
         // Positions stay finite and nothing else changes, so a valid mesh stays valid.
         Mesh::new(MeshData { positions, ..data.clone() }).unwrap_or_else(|_| mesh.clone())
     });
+    // The meshes of the scene, which take most of its memory, are not cloned.
     Scene {
         name: scene.name.clone(),
         library,
         instances: scene.instances.clone(),
         background: scene.background,
         home: scene.home,
+        views: scene.views.clone(),
+        light: scene.light,
     }
 }
 

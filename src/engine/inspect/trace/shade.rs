@@ -15,7 +15,6 @@ use crate::pipeline::plan::PipelinePart;
 use crate::pipeline::settings::{Choice as _, ColorSpace, Shading};
 use crate::pipeline::shade::{CEL_THRESHOLD, Highlight, NormalMap};
 use crate::scene::Transparency;
-use crate::scene::material::ALPHA_TEST_THRESHOLD;
 
 /// Writes the trace lines for the fragment's lighting, opacity and colour.
 pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
@@ -188,9 +187,10 @@ fn opacity(subject: &TracedFragment<'_>, alpha: f32, scribe: &mut TraceRecorder)
     };
     scribe.compute("alpha", alpha, &formula).shown_by(Intermediate::Alpha);
     if subject.record.transparency == Transparency::AlphaTested {
-        let words = format!("alpha < {ALPHA_TEST_THRESHOLD}: discarded");
-        let line = scribe.decide("alpha test", words, if alpha < ALPHA_TEST_THRESHOLD { "fails" } else { "passes" });
-        line.flag(Notable::Tie, alpha == ALPHA_TEST_THRESHOLD);
+        let cutoff = subject.shader.alpha_cutoff();
+        let words = format!("alpha < {cutoff}: discarded");
+        let line = scribe.decide("alpha test", words, if alpha < cutoff { "fails" } else { "passes" });
+        line.flag(Notable::Tie, alpha == cutoff);
     }
 }
 

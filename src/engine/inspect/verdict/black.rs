@@ -158,7 +158,15 @@ mod tests {
         let world_from_model = glam::Mat4::IDENTITY;
         let instances = vec![Instance { name: "cow".into(), mesh, material, world_from_model, tint: Vec3::ONE }];
         let home = Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO);
-        let scene = Scene { name: "test".into(), library, instances, background: [40; 3], home };
+        let scene = Scene {
+            name: "test".into(),
+            library,
+            instances,
+            background: [40; 3],
+            home,
+            views: Vec::new(),
+            light: None,
+        };
         let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
         inspect(&scene, &recipe, &frame, 4, 4).unwrap().verdict
     }

@@ -266,7 +266,7 @@ impl Binning<'_> {
             // Excludes the padding lanes. All three vertices of a padding lane are vertex 0 of the draw, so its area is
             // zero, or NaN if the screen position of that vertex is NaN.
             whole &= u64::from(u32::MAX) >> (u32::BITS as usize - group.len());
-            let (shown, alive, tiles) = self.cull_lanes(simd, vertices, corners, whole);
+            let (shown, alive, tiles) = self.cull_lanes(simd, (vertices, corners), whole, draw.plan.culling());
             chunk.rasterized += shown.count_ones() as usize;
             let count = alive.count_ones();
             if cut != 0 {
@@ -293,9 +293,9 @@ impl Binning<'_> {
     fn cull_lanes<S: Simd>(
         &self,
         simd: S,
-        vertices: &[PackedVertex],
-        corners: &[[u32; 3]; LANES],
+        (vertices, corners): (&[PackedVertex], &[[u32; 3]; LANES]),
         whole: u64,
+        culling: Culling,
     ) -> (u64, u64, i32x8<S>) {
         let nowhere = PackedVertex::default();
         let positions = each!(corner in [0, 1, 2] => {
@@ -306,7 +306,7 @@ impl Binning<'_> {
         });
         let [dx, dy] = each!(axis in [0, 1] => each!(corner in [0, 1, 2] => widen(simd, positions[corner][axis])));
         let area = (dx[1] - dx[0]) * (dy[2] - dy[0]) - (dx[2] - dx[0]) * (dy[1] - dy[0]);
-        let shown = match self.settings.culling {
+        let shown = match culling {
             Culling::Back => area.simd_lt(0.0),
             Culling::Front => area.simd_gt(0.0),
             Culling::None => area.simd_ne(0.0),
@@ -337,6 +337,7 @@ impl Binning<'_> {
             first: TriangleId(id),
             may_cross: true,
             divides_by_w: draw.plan.runs(PipelinePart::PerspectiveDivision),
+            culling: draw.plan.culling(),
         };
         let mut out = Geometry { depth_scale: self.scale, ..Geometry::default() };
         finish_draw(&one, self.settings, self.viewport, &mut out, &mut ());

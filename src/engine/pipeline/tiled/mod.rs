@@ -359,11 +359,11 @@ fn plan<'a>(
         let inside = containment(mesh.visible_bounds(), matrices.clip_from_model);
         let mut plan = DrawPlan::new(&scene.library, instance, camera, settings, inside).starting_at(first);
         let mut kept = VisibleClusters::all(mesh);
-        if !mesh.clusters().is_empty() && DrawPlan::may_cull_clusters(settings, inside) {
+        if !mesh.clusters().is_empty() && plan.may_cull_clusters(settings, inside) {
             let unseen;
             (kept, unseen) = VisibleClusters::cull_clusters(
                 mesh,
-                &ClusterCulling::new(matrices.clip_from_model, inside, settings.culling, viewport),
+                &ClusterCulling::new(matrices.clip_from_model, inside, plan.culling(), viewport),
                 lanes,
             );
             plan = plan.with_cull_stats(unseen);

@@ -108,7 +108,8 @@ impl<'a> DrawShader<'a> {
         let mut firsts = HashMap::new();
         let first = |(number, shader): (usize, &Self)| {
             let texture = shader.texture.map(|texture| texture.address());
-            let surface = (shader.shader.diffuse.to_array().map(f32::to_bits), shader.shader.opacity().to_bits());
+            let alpha = [shader.shader.opacity(), shader.shader.alpha_cutoff()].map(f32::to_bits);
+            let surface = (shader.shader.diffuse.to_array().map(f32::to_bits), alpha);
             let looks = (texture, surface, shader.shader.sampler().address, shader.plan);
             if shader.on_lanes { *firsts.entry(looks).or_insert(number) } else { number }
         };

@@ -11,7 +11,6 @@ use super::record::{ShadedTriangle, TriangleSource as _};
 use super::setup::{EdgeFunctions, Setup};
 use super::target::ColorRows;
 use crate::math::lanes::*;
-use crate::scene::material::ALPHA_TEST_THRESHOLD;
 
 /// Returns the indices of the set bits among the lowest [`WIDE`], in ascending order.
 pub(super) fn set_bits(bits: u64) -> impl Iterator<Item = usize> {
@@ -157,12 +156,15 @@ pub(super) fn keep_tested<S: Simd>(
         #[inline(always)]
         || {
             let shader = frame.shader(subject.draw);
-            let (Some(texture), Some(layout)) = (&shader.texture, shader.plan.texture) else { return tested.passed };
+            let cutoff = shader.shader.alpha_cutoff();
+            let (Some(texture), Some(layout)) = (&shader.texture, shader.plan.texture) else {
+                return if shader.shader.opacity() < cutoff { 0 } else { tested.passed };
+            };
             let (mut taps, mut coarse) = (Taps::default(), shader.plan.mipmapped.then(CoarseTaps::default));
             let weights = tested.weights(simd, subject);
             locate_texels(simd, shader, shader.plan, subject.one, weights, (&mut taps, coarse.as_mut()));
             let alpha = texture.read_levels_alpha(simd, layout, (&taps, coarse.as_ref())) * shader.shader.opacity();
-            let failed = alpha.simd_lt(ALPHA_TEST_THRESHOLD).to_bitmask();
+            let failed = alpha.simd_lt(cutoff).to_bitmask();
             tested.passed & !failed
         },
     )

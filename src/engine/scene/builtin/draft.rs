@@ -89,6 +89,6 @@ impl SceneDraft {
     /// Finishes the scene and gives it a name.
     pub(super) fn finish(self, name: &str) -> Scene {
         let Self { library, instances, background, home } = self;
-        Scene { name: name.to_owned(), library, instances, background, home }
+        Scene { name: name.to_owned(), library, instances, background, home, views: Vec::new(), light: None }
     }
 }

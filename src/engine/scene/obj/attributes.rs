@@ -9,10 +9,10 @@ use std::path::Path;
 use glam::{Vec2, Vec3};
 
 use super::decode::joined_lines;
-use super::warnings::Warnings;
 use crate::math::unit_or;
 use crate::scene::SceneError;
 use crate::scene::load::Load;
+use crate::scene::warnings::Warnings;
 
 /// Maximum number of entries in one list: indices have 32 bits, and one value is reserved for “none”.
 const MAX_ENTRIES: usize = u32::MAX as usize;

@@ -9,6 +9,8 @@ use std::borrow::Cow;
 
 use memchr::memchr2;
 
+use crate::scene::SceneFormat;
+
 /// Decoded text of a file, and whether padding was removed.
 #[derive(Debug, PartialEq)]
 pub(super) struct Decoded {
@@ -28,7 +30,7 @@ pub(super) fn decode(mut bytes: Vec<u8>) -> Result<Decoded, String> {
         return Ok(Decoded { text: from_utf16(rest, u16::from_le_bytes), padded: false });
     }
     if let Some(other) = foreign_format(&bytes) {
-        return Err(other.to_owned());
+        return Err(other);
     }
     if bytes.starts_with(b"\xEF\xBB\xBF") {
         bytes.drain(..3);
@@ -60,25 +62,26 @@ fn is_binary(byte: u8) -> bool {
 
 /// Recognises a file of another format by its first bytes. Returns a message that names the format; `None` if the file
 /// may be OBJ or MTL text.
-fn foreign_format(bytes: &[u8]) -> Option<&'static str> {
+pub(in crate::scene) fn foreign_format(bytes: &[u8]) -> Option<String> {
     const KNOWN: [(&[u8], &str); 14] = [
         (b"\x89PNG", "this is a PNG image"),
         (b"\xFF\xD8\xFF", "this is a JPEG image"),
         (b"GIF8", "this is a GIF image"),
         (b"PK\x03\x04", "this is a ZIP archive; unpack it first"),
         (b"\x1F\x8B", "this is gzip-compressed; unpack it first"),
-        (b"glTF", "this is a binary glTF model; export it as OBJ"),
-        (b"Kaydara FBX", "this is an FBX model; export it as OBJ"),
-        (b"BLENDER", "this is a Blender file; export it as OBJ"),
-        (b"ply", "this is a PLY model; export it as OBJ"),
-        (b"solid ", "this is an STL model; export it as OBJ"),
-        (b"OFF", "this is an OFF model; export it as OBJ"),
+        (b"glTF", "this is a binary glTF model"),
+        (b"Kaydara FBX", "this is an FBX model; export it as {formats}"),
+        (b"BLENDER", "this is a Blender file; export it as {formats}"),
+        (b"ply", "this is a PLY model; export it as {formats}"),
+        (b"solid ", "this is an STL model; export it as {formats}"),
+        (b"OFF", "this is an OFF model; export it as {formats}"),
         (b"version https://git-lfs", "this is a Git LFS pointer, not the model itself; fetch it with `git lfs pull`"),
         (b"<", "this is a web page or XML, not a model; the download may have failed"),
-        (b"{", "this is JSON; if it is a glTF model, export it as OBJ"),
+        (b"{", "this is JSON"),
     ];
     let start = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes).trim_ascii_start();
-    KNOWN.iter().find(|(signature, _)| start.starts_with(signature)).map(|(_, what)| *what)
+    let (_, what) = KNOWN.iter().find(|(signature, _)| start.starts_with(signature))?;
+    Some(what.replace("{formats}", &SceneFormat::names()))
 }
 
 /// Iterator over the lines of a text with their numbers from 1. Lines end with LF, CR LF or CR; a form feed does not

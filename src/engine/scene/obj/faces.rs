@@ -15,10 +15,10 @@ use super::attributes::{AttributeLists, quoted};
 use super::decode::joined_lines;
 use super::polygon::{OutlineCrossing, Triangulation, TriangulationOutcome, Triangulator};
 use super::statements::{self, Format, Treatment};
-use super::warnings::Warnings;
 use crate::math::unit_or;
 use crate::scene::SceneError;
 use crate::scene::load::Load;
+use crate::scene::warnings::Warnings;
 
 /// Value that represents "no texture coordinate" or "no normal" in a [`FaceCorner`].
 pub(super) const NONE: u32 = u32::MAX;

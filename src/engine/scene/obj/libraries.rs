@@ -10,11 +10,11 @@ use std::path::{Component, Path, PathBuf};
 use super::attributes::quoted;
 use super::decode::decode;
 use super::faces::{Faces, MeshPart};
-use super::file_names::{self, NameDifference};
 use super::mtl::{self, Description, Descriptions};
 use super::opacity::{self, TrMeaning};
-use super::warnings::Warnings;
 use crate::disk;
+use crate::scene::file_names::{self, NameDifference};
+use crate::scene::warnings::Warnings;
 
 /// Maximum size of a material library, in bytes.
 const MAX_BYTES: u64 = 16 << 20;

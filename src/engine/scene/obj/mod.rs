@@ -14,9 +14,8 @@
 //! malformed number) is an error. Content that can be skipped gives a warning.
 
 mod attributes;
-mod decode;
+pub(super) mod decode;
 mod faces;
-mod file_names;
 mod libraries;
 mod mtl;
 mod normals;
@@ -25,7 +24,6 @@ mod polygon;
 pub mod statements;
 mod textures;
 mod vertices;
-mod warnings;
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -39,10 +37,12 @@ use self::mtl::{Description, PictureReference, TextureOptions};
 pub use self::opacity::TrMeaning;
 use self::textures::{Reading, Textures, Use, repeats_alpha};
 use self::vertices::Stopped;
-use self::warnings::Warnings;
-use super::load::Load;
+use super::format::SceneFormat;
+use super::load::{BACKGROUND, Load, MAX_COORDINATE};
+use super::warnings::Warnings;
 use super::{
-    Camera, Instance, Library, LoadControl, Material, MaterialId, Mesh, MeshData, Scene, SceneError, UpAxis, Warning,
+    Camera, Instance, Library, LoadControl, Loaded, Material, MaterialId, Mesh, MeshData, Scene, SceneError, UpAxis,
+    Warning,
 };
 use crate::disk;
 
@@ -50,23 +50,9 @@ use crate::disk;
 /// of 10 million triangles without normals.
 const SHARES: [f32; 5] = [0.25, 0.35, 0.15, 0.15, 0.1];
 
-/// Maximum magnitude of a coordinate; a larger model is scaled down. The product of three such coordinates, as in a
-/// determinant, is still finite in f32.
-const MAX_COORDINATE: f32 = 1e12;
-
-/// Background colour of a loaded model, as sRGB codes. It contrasts with both bright and dark surfaces.
-const BACKGROUND: [u8; 3] = [38, 38, 38];
-
-/// Loaded scene, with warnings about skipped or repaired content.
-#[derive(Clone, Debug)]
-pub struct Loaded {
-    /// Loaded scene, which is valid and has at least one triangle.
-    pub scene: Scene,
-    /// Warnings in order of first occurrence; repetitions are counted instead of listed.
-    pub warnings: Vec<Warning>,
-    /// Assumptions about properties that the file does not specify; they do not indicate a fault.
-    pub notes: Vec<Warning>,
-}
+/// Entry of the format in the list of formats.
+pub(super) const FORMAT: SceneFormat =
+    SceneFormat { name: "OBJ", extensions: &["obj"], starts: |_| false, load: load_with, has_tr: true };
 
 /// Loads a model within the default memory limit.
 #[cfg(test)]
@@ -196,7 +182,7 @@ fn assemble<'a>(
     }
     materials.textures.advance(1.0)?;
     let home = Camera::look_at(Vec3::Z, Vec3::ZERO);
-    let mut scene = Scene { name, library, instances, background: BACKGROUND, home };
+    let mut scene = Scene { name, library, instances, background: BACKGROUND, home, views: Vec::new(), light: None };
     scene.home = scene.first_view(UpAxis::guess(scene.bounds()));
     Ok(scene)
 }

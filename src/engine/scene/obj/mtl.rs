@@ -12,7 +12,7 @@ use glam::{Vec2, Vec3};
 use super::attributes::{number, quoted};
 use super::decode::lines;
 use super::statements::{self, Format, Treatment};
-use super::warnings::Warnings;
+use crate::scene::warnings::Warnings;
 
 /// Description of a material, as parsed from a library.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::libraries::Libraries;
 use super::mtl::{Description, Descriptions, Located};
-use super::warnings::Warnings;
+use crate::scene::warnings::Warnings;
 
 /// Meaning of the MTL statement `Tr`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

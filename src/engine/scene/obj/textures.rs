@@ -9,18 +9,14 @@ use std::collections::hash_map::Entry;
 use std::path::{Path, PathBuf};
 
 use super::attributes::quoted;
-use super::file_names::{self, NameDifference};
 use super::mtl::{PictureChannel, PictureReference};
-use super::warnings::Warnings;
 use crate::disk;
 use crate::image::file::PictureFile;
 use crate::image::{Image, Rgba8};
-use crate::scene::load::Load;
+use crate::scene::file_names::{self, NameDifference};
+use crate::scene::load::{Load, texture_bytes};
+use crate::scene::warnings::Warnings;
 use crate::scene::{Alpha, Library, SceneError, Texture, TextureId};
-
-/// Memory per texel, in bytes: 4 for the codes, and at most 28 for the linear-light copies and mip levels made for
-/// rendering.
-const BYTES_PER_TEXEL: u64 = 32;
 
 /// Use of a picture in a material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -85,7 +81,7 @@ impl<'a> Textures<'a> {
         };
         let texture = match read(&path, &mut self.load) {
             Ok(image) => {
-                let bytes = bytes_of_texels(image.size());
+                let bytes = texture_bytes(image.size());
                 let texture = adapt(image, purpose, &path, &mut warn)
                     .and_then(|image| Some(reading.library.add_texture(Texture::new(image)?)));
                 if texture.is_none() {
@@ -106,23 +102,12 @@ impl<'a> Textures<'a> {
     }
 }
 
-fn bytes_of_texels((width, height): (u32, u32)) -> u64 {
-    u64::from(width) * u64::from(height) * BYTES_PER_TEXEL
-}
-
-/// Decodes a picture. Returns an error without decoding it if the size in its header would exceed the memory limit.
+/// Reads and decodes a picture within the memory limit.
 fn read(path: &Path, load: &mut Load<'_>) -> Result<Image<Rgba8>, String> {
     if load.is_cancelled() {
         return Err("loading was cancelled".to_owned());
     }
-    let picture = PictureFile::read_header(path).map_err(|e| e.to_string())?;
-    let (width, height) = picture.size();
-    let bytes = bytes_of_texels((width, height));
-    load.charge(bytes).map_err(|reason| format!("{}: {width} × {height} texels, {reason}", path.display()))?;
-    picture.decode().map_err(|e| {
-        load.release(bytes);
-        e.to_string()
-    })
+    load.decode(PictureFile::read_header(path).map_err(|e| e.to_string())?)
 }
 
 /// Converts a picture for its use in a material; `None` if it is unusable.

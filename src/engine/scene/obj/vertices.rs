@@ -185,8 +185,9 @@ mod tests {
     use std::path::Path;
 
     use super::super::attributes::tests::unlimited;
-    use super::super::{attributes, faces, warnings::Warnings};
+    use super::super::{attributes, faces};
     use super::*;
+    use crate::scene::warnings::Warnings;
 
     /// Reads the OBJ text with this module and with `tobj`, and returns the meshes of both.
     fn both(text: &str) -> (Vec<MeshData>, Vec<tobj::Mesh>) {

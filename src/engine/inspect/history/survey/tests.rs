@@ -25,7 +25,15 @@ fn scene_of(triangles: &[[Vec3; 3]], world_from_model: Mat4) -> Scene {
     let (mesh, material) = (library.add_mesh(mesh), library.add_material(Material::default()));
     let instance = Instance { name: "wall".into(), mesh, material, world_from_model, tint: Vec3::ONE };
     let home = Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO);
-    Scene { name: "test".into(), library, instances: vec![instance], background: [0; 3], home }
+    Scene {
+        name: "test".into(),
+        library,
+        instances: vec![instance],
+        background: [0; 3],
+        home,
+        views: Vec::new(),
+        light: None,
+    }
 }
 
 fn soup(count: usize) -> Scene {

@@ -48,7 +48,8 @@ impl Warnings {
         let more = (self.dropped > 0).then(|| Warning::file(path, format!("and {} more warnings", self.dropped)));
         let counted = |(mut warning, count): (Warning, usize)| {
             if count > 1 {
-                warning.text.push_str(&format!(" ({count} times, here first)"));
+                let here = if warning.line.is_some() { ", here first" } else { "" };
+                warning.text.push_str(&format!(" ({count} times{here})"));
             }
             warning
         };

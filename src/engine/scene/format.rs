@@ -1,0 +1,142 @@
+//! Registry of the file formats of models.
+//!
+//! The command line, the window and the error messages read this list. A new format is a module with a `FORMAT`, and a
+//! line in [`SceneFormat::ALL`].
+
+use std::fs::File;
+use std::io::Read as _;
+use std::path::Path;
+
+use super::obj::TrMeaning;
+use super::{LoadControl, Loaded, SceneError, gltf, obj};
+
+/// File format of models.
+#[derive(Clone, Copy, Debug)]
+pub struct SceneFormat {
+    /// Display name.
+    pub name: &'static str,
+    /// File extensions in lower case, without the dot; at least one.
+    pub extensions: &'static [&'static str],
+    /// Returns whether a file that starts with these bytes is certainly in this format. A file that no format recognises
+    /// is chosen by its extension.
+    pub(super) starts: fn(&[u8]) -> bool,
+    /// Loads a file in this format.
+    pub(super) load: fn(&Path, TrMeaning, LoadControl<'_>) -> Result<Loaded, SceneError>,
+    /// Whether materials of this format have a transparency `Tr` whose meaning can be chosen.
+    pub has_tr: bool,
+}
+
+/// Number of bytes at the start of a file by which a format is recognised.
+const START_BYTES: u64 = 256;
+
+impl SceneFormat {
+    /// All formats. The first one is assumed for a file that none of them recognises.
+    pub const ALL: &[Self] = &[obj::FORMAT, gltf::FORMAT];
+
+    /// Returns the format of the file at `path`: by its content if that is conclusive, otherwise by its extension.
+    /// Returns `None` if neither is known.
+    pub fn of(path: &Path) -> Option<&'static Self> {
+        let start = start(path);
+        Self::ALL.iter().find(|format| (format.starts)(&start)).or_else(|| Self::by_extension(path))
+    }
+
+    /// Returns the format whose extension the path has, or `None` if there is none. Reads no file.
+    pub fn by_extension(path: &Path) -> Option<&'static Self> {
+        let own = path.extension()?;
+        Self::ALL.iter().find(|format| format.extensions.iter().any(|known| own.eq_ignore_ascii_case(known)))
+    }
+
+    /// Loads a model in any format. `tr` is the meaning of `Tr` in its materials; `control` holds the memory limit, the
+    /// progress callback and the cancellation flag.
+    ///
+    /// # Errors
+    /// Returns an error that names the file and, if known, the place in it. Causes are an unreadable file, an unknown
+    /// format, malformed content, no triangle to draw, or more memory than the limit.
+    pub(super) fn load_file(path: &Path, tr: TrMeaning, control: LoadControl<'_>) -> Result<Loaded, SceneError> {
+        match Self::of(path) {
+            Some(format) => (format.load)(path, tr, control),
+            None => (Self::ALL[0].load)(path, tr, control).map_err(|error| match error {
+                SceneError::Unusable { path, reason } => {
+                    let reason = format!("{reason} (models are read in the formats {})", Self::names_and_extensions());
+                    SceneError::Unusable { path, reason }
+                }
+                other => other,
+            }),
+        }
+    }
+
+    /// Returns the names of all formats, as in “OBJ or glTF”.
+    pub fn names() -> String {
+        Self::ALL.iter().map(|format| format.name).collect::<Vec<_>>().join(" or ")
+    }
+
+    /// Returns the names of all formats with their extensions, as in “OBJ (.obj), glTF (.gltf, .glb)”.
+    pub fn names_and_extensions() -> String {
+        let described = |format: &Self| format!("{} (.{})", format.name, format.extensions.join(", ."));
+        Self::ALL.iter().map(described).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Returns the extensions of all formats, in lower case and without the dot.
+    pub fn all_extensions() -> Vec<&'static str> {
+        Self::ALL.iter().flat_map(|format| format.extensions).copied().collect()
+    }
+}
+
+/// Returns the first bytes of a regular file, without a byte-order mark and white space; empty if it cannot be read.
+fn start(path: &Path) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let is_regular = std::fs::metadata(path).is_ok_and(|metadata| metadata.is_file());
+    if is_regular && let Ok(file) = File::open(path) {
+        // A file that cannot be read gives an error when it is loaded.
+        let _ = file.take(START_BYTES).read_to_end(&mut bytes);
+    }
+    bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&bytes).trim_ascii_start().to_vec()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn content_decides_before_the_extension() {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, content, expected) in [
+            ("a.obj", "v 0 0 0\n", Some("OBJ")),
+            ("a.OBJ", "", Some("OBJ")),
+            ("a.GlTF", "", Some("glTF")),
+            ("b.glb", "glTF\u{2}", Some("glTF")),
+            ("c.obj", "glTF\u{2}", Some("glTF")),
+            ("d.obj", "\u{feff} \n {}", Some("glTF")),
+            ("e", "{\"asset\": {}}", Some("glTF")),
+            ("f.txt", "v 0 0 0\n", None),
+        ] {
+            let path = folder.path().join(name);
+            std::fs::write(&path, content).unwrap();
+            assert_eq!(SceneFormat::of(&path).map(|format| format.name), expected, "{name}");
+        }
+        assert_eq!(SceneFormat::of(Path::new("/nowhere/x.glb")).map(|format| format.name), Some("glTF"));
+        assert!(SceneFormat::of(folder.path()).is_none());
+    }
+
+    #[test]
+    fn a_file_of_no_known_format_is_an_error_that_lists_the_formats() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("model.xyz");
+        std::fs::write(&path, [0, 1, 2, 3]).unwrap();
+        let message =
+            SceneFormat::load_file(&path, TrMeaning::Auto, LoadControl::quiet(crate::scene::MemoryLimit::mib(1)))
+                .unwrap_err()
+                .to_string();
+        let lists_all = SceneFormat::ALL.iter().all(|format| message.contains(format.name));
+        assert!(message.contains("model.xyz") && lists_all, "{message}");
+    }
+
+    #[test]
+    fn extensions_are_distinct_and_in_lower_case() {
+        let mut extensions = SceneFormat::all_extensions();
+        assert!(extensions.iter().all(|extension| extension.to_lowercase() == **extension));
+        extensions.sort_unstable();
+        extensions.dedup();
+        assert_eq!(extensions.len(), SceneFormat::all_extensions().len());
+    }
+}
