@@ -576,7 +576,14 @@ fn faults_are_errors_that_name_their_place() {
         (|json| json["nodes"][0]["scale"] = json!([1e39, 1, 1]), "number out of range"),
         (|json| json["nodes"][0]["translation"] = json!([1e30, 1, 1]), "too large"),
         (|json| json["accessors"][0]["count"] = json!(5), "accessors[0]: 5 elements"),
-        (|json| json["accessors"][1]["count"] = json!(3), "accessors[1]: it has 3 elements for 4 vertices"),
+        (
+            |json| {
+                json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(3);
+                let colors = json!({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"});
+                json["accessors"].as_array_mut().unwrap().push(colors);
+            },
+            "accessors[3]: it has 3 elements for 4 vertices",
+        ),
         (|json| json["accessors"][0]["count"] = json!(4_294_967_296_u64), "accessors[0]: it has too many elements"),
         (|json| json["accessors"][0]["byteOffset"] = json!(u64::MAX), "accessors[0]: 4 elements from byte"),
         (|json| json["accessors"][0]["type"] = json!("VEC2"), "accessors[0]: its type must be VEC3"),
