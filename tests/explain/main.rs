@@ -150,7 +150,7 @@ fn unknown_faults_are_not_blamed_on_known_ones() {
 #[test]
 #[ignore = "takes many minutes; prints a table"]
 fn all_faults_and_pairs_in_all_scenes() {
-    let mut named = [[0, 0]; 2];
+    let mut named = [[0_u32; 2]; 2];
     let mut seconds = Vec::new();
     for scene in scenes::all() {
         let singles = scene.faults().map(|fault| vec![fault]);
@@ -176,7 +176,7 @@ fn all_faults_and_pairs_in_all_scenes() {
                 0 => assert!(is_right, "{}: {found}", scene.name),
                 count => {
                     let [right, of] = &mut named[count - 1];
-                    *right += usize::from(is_right);
+                    *right += u32::from(is_right);
                     *of += 1;
                 }
             }
