@@ -18,7 +18,7 @@ const BAD_INPUT: u8 = 2;
 /// Exit code if the requested window cannot be opened.
 const NO_WINDOW: u8 = 3;
 
-/// Exit code for violated assertions and unequal pictures.
+/// Exit code for violated assertions, unequal pictures, and errors beyond a bound.
 const VIOLATED: u8 = 1;
 
 /// Reason for the failure of a command.
@@ -45,7 +45,7 @@ pub(crate) enum Failure {
     /// `--fragment` exceeds the number of fragments.
     #[error("--fragment {number}: the pixel has fragments 1 to {there_are} only")]
     NoSuchFragment { number: u32, there_are: usize },
-    /// A picture cannot be written.
+    /// A picture cannot be read or written.
     #[error(transparent)]
     Picture(#[from] ImageFileError),
     /// A drawing cannot be written.
@@ -69,6 +69,9 @@ pub(crate) enum Failure {
     /// Pictures that must be bit-identical differ.
     #[error("{differing} of {of} variants of tiled execution differ from classic execution")]
     Unequal { differing: usize, of: usize },
+    /// The error of a picture is beyond a bound of `compare`.
+    #[error("{0}")]
+    OutOfBounds(String),
     /// A command was interrupted.
     #[error("interrupted: {0}")]
     Interrupted(&'static str),
@@ -83,7 +86,7 @@ impl Failure {
         ExitCode::from(match self {
             Self::NoWindow(_) => NO_WINDOW,
             Self::Interrupted(_) => INTERRUPTED,
-            Self::Violated { .. } | Self::Unequal { .. } => VIOLATED,
+            Self::Violated { .. } | Self::Unequal { .. } | Self::OutOfBounds(_) => VIOLATED,
             _ => BAD_INPUT,
         })
     }

@@ -1,8 +1,8 @@
 //! The command line: one file per subcommand, which defines its options and a function that runs it.
 //!
 //! Results go to standard output or to files; warnings and errors go to standard error, one line each. Exit codes: 0
-//! success; 1 a violation found by `check` or `bench --verify`; 2 unusable input or unwritable output; 3 the requested
-//! window cannot be opened; 130 interrupted measurement, whose complete results are written.
+//! success; 1 a violation found by `check`, `compare` or `bench --verify`; 2 unusable input or unwritable output; 3 the
+//! requested window cannot be opened; 130 interrupted measurement, whose complete results are written.
 
 mod bench;
 mod bench_scrub;
@@ -10,6 +10,7 @@ mod bench_verify;
 mod bench_window;
 mod case;
 mod check;
+mod compare;
 mod diff;
 mod explain;
 mod failure;
@@ -66,8 +67,8 @@ struct Cli {
 /// Version, and the licences of the embedded fonts and icons.
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\n\n", include_str!("../../assets/NOTICES.txt"));
 
-const EXIT_CODES: &str = "Exit codes: 0 success; 1 violation found by `check` or `bench --verify`; 2 unusable input or \
-    unwritable output; 3 window cannot be opened; 130 interrupted, the results so far are written";
+const EXIT_CODES: &str = "Exit codes: 0 success; 1 violation found by `check`, `compare` or `bench --verify`; 2 unusable \
+    input or unwritable output; 3 window cannot be opened; 130 interrupted, the results so far are written";
 
 /// Returns the final part of a command's help text: an example and the exit codes.
 fn example(arguments: &str) -> String {
@@ -102,6 +103,9 @@ enum CliCommand {
     /// Find the faults of another renderer by which its picture of a scene differs from ours
     #[command(after_help = example("explain theirs.png model.obj --camera view.json"))]
     Explain(explain::ExplainArgs),
+    /// Measure the error between two picture files, or of both against a reference, without a scene
+    #[command(after_help = example("compare a.exr b.exr --reference converged.exr --max flip=0.05"))]
+    Compare(compare::CompareArgs),
     /// Render the workbench to a PNG, without a window
     #[command(after_help = example("screenshot chess --compare four -o compared.png"))]
     Screenshot(screenshot::ScreenshotArgs),
@@ -162,6 +166,7 @@ fn execute(cli: &Cli) -> Result<(), Failure> {
         Some(CliCommand::Plan(args)) => plan::run(args),
         Some(CliCommand::Diff(args)) => diff::run(args),
         Some(CliCommand::Explain(args)) => explain::run(args),
+        Some(CliCommand::Compare(args)) => compare::run(args),
         Some(CliCommand::Screenshot(args)) => screenshot::run(args),
         Some(CliCommand::Bench(args)) => bench::run(args),
         Some(CliCommand::Scaling(args)) => scaling::run(args),

@@ -1,6 +1,8 @@
 //! Options that select how the frame is displayed. The command “Copy view as command” adds them to the options for
 //! scene, camera and settings.
 
+use std::path::PathBuf;
+
 use crate::inspect::display::Display;
 use crate::inspect::overlays::OverlayLayer;
 use crate::inspect::scrub::Moment;
@@ -40,6 +42,18 @@ pub(crate) struct SeenArgs {
     /// Number of fragments to draw of the last of these triangles; all if omitted
     #[arg(long, value_name = "N", requires = "triangles")]
     pub(crate) fragments: Option<usize>,
+
+    /// Picture file to compare as A
+    #[arg(long, value_name = "FILE")]
+    pub(crate) picture_a: Option<PathBuf>,
+
+    /// Picture file to compare as B
+    #[arg(long, value_name = "FILE")]
+    pub(crate) picture_b: Option<PathBuf>,
+
+    /// Picture file to measure the compared pictures against
+    #[arg(long, value_name = "FILE")]
+    pub(crate) picture_reference: Option<PathBuf>,
 
     /// Width and height of the scene's picture in pixels; the size of the canvas if omitted
     #[arg(long, value_name = "WxH", value_parser = parse::size)]

@@ -15,6 +15,7 @@ use crate::measure::motion::Turn;
 use crate::measure::window_cost::{AnswerTime, WindowCost};
 use crate::pipeline::viewport::Viewport;
 use crate::ui::command::Command;
+use crate::ui::compare::files::PictureRole;
 use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::engine::Shown;
 use crate::ui::onboarding::OnboardingChange;
@@ -146,7 +147,10 @@ fn initial_view(args: SeenArgs, pixel: Option<(u32, u32)>) -> InitialView {
         Either::First(buffer) => Shown::Buffer(buffer),
         Either::Second(number) => Shown::Intermediate(number),
     });
+    let files = [args.picture_a, args.picture_b, args.picture_reference];
+    let files = PictureRole::LISTED.into_iter().zip(files).filter_map(|(role, file)| Some((role, file?)));
     InitialView {
+        files: files.collect(),
         pixel,
         shown: args.stage.map(Shown::Stage).or(quantity),
         display: args.look,

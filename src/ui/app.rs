@@ -10,6 +10,8 @@ mod keeping;
 
 mod opening;
 
+mod pictures;
+
 mod saving;
 
 mod tasks;
@@ -48,6 +50,7 @@ use super::thumbnails::Thumbnails;
 use super::what_if;
 use super::worker::{Worker, WorkerRequest};
 use super::workspace::{self, Docks, PanelContext, PanelWidgets, StoredLayouts, WorkspaceChange};
+use crate::image::file::is_named_picture;
 use crate::inspect::Buffer;
 use crate::inspect::find::{SearchResult, SearchTarget};
 use crate::scene::SceneSource;
@@ -70,6 +73,8 @@ pub(crate) struct Workbench {
     measuring_stability: Option<StabilityTask>,
     measuring_savings: Option<SavingsTask>,
     measuring_scaling: Option<ScalingTask>,
+    /// Picture files that are being read, and the watch on those that are open.
+    pictures: pictures::PictureFiles,
     /// Exports that background threads are writing to files.
     saving: Vec<PendingExport>,
     /// Task that opens the folder of a saved file.
@@ -112,6 +117,7 @@ impl Workbench {
             measuring_stability: None,
             measuring_savings: None,
             measuring_scaling: None,
+            pictures: pictures::PictureFiles::default(),
             saving: Vec::new(),
             opening_folder: None,
             widgets: PanelWidgets {
@@ -173,9 +179,10 @@ impl Workbench {
     /// requests.
     pub(crate) fn show(&mut self, ui: &mut Ui) {
         self.receive_answers();
+        self.reload_changed_pictures(ui);
         let mut commands = std::mem::take(&mut self.queued);
         self.keys(ui, &mut commands);
-        dropped_files(ui, &mut commands);
+        dropped_files(ui, &self.session, &mut commands);
         self.layout(ui, &mut commands);
         for command in commands {
             let nudges = matches!(command, Command::NudgePick(..));
@@ -262,6 +269,8 @@ impl Workbench {
         let Some(command) = self.session.apply(command) else { return };
         match command {
             Command::ShowFileDialog => self.dialog = Dialog::Open(OpenDialog::default()),
+            Command::ShowPictureDialog(role) => self.dialog = Dialog::Open(OpenDialog::of_picture(role)),
+            Command::OpenPicture(role, path) => self.open_picture(ui, role, path),
             Command::Open(path) => self.open(ui, SceneSource::File(path, TrMeaning::Auto)),
             Command::Reopen(path, tr) => self.open(ui, SceneSource::File(path, tr)),
             Command::OpenLesson(lesson) => self.open_lesson(ui, lesson),
@@ -438,8 +447,13 @@ impl eframe::App for Workbench {
     }
 }
 
-fn dropped_files(ui: &Ui, commands: &mut Vec<Command>) {
-    if let Some(file) = ui.input(|i| i.raw.dropped_files.last().cloned()) {
-        commands.push(Command::Open(file.path().to_owned()));
+/// Opens the last of the files dropped on the window. Pictures dropped during a comparison take part in it.
+fn dropped_files(ui: &Ui, session: &Session, commands: &mut Vec<Command>) {
+    let Some(file) = ui.input(|i| i.raw.dropped_files.last().cloned()) else { return };
+    let path = file.path().to_owned();
+    let is_compared = session.comparison.is_on() && session.case.is_none() && is_named_picture(&path);
+    // The tiles find out on which of them the file was dropped.
+    if !is_compared {
+        commands.push(Command::Open(path));
     }
 }

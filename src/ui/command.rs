@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::checks;
+use super::compare::files::PictureRole;
 use super::compare::{CompareChange, Mode};
 use super::engine::Shown;
 use super::fates;
@@ -103,6 +104,10 @@ pub(crate) enum Command {
     ChooseUpscaler(usize),
     /// Changes the comparison of pictures.
     Compare(CompareChange),
+    /// Shows the dialog for opening a picture file in a comparison.
+    ShowPictureDialog(PictureRole),
+    /// Opens a picture file in a comparison.
+    OpenPicture(PictureRole, PathBuf),
     /// Changes the filmstrip of all upscaling methods below a comparison.
     Filmstrip(FilmstripChange),
     /// Resets the recipe to the default.

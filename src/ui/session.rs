@@ -24,6 +24,7 @@ use std::sync::Arc;
 use super::checks::Checks;
 use super::command::Command;
 use super::compare::compute::{CompareRequest, Compared};
+use super::compare::files::{OpenedPicture, PictureRole};
 use super::compare::{CompareChange, CompareSettings, Mode, TileSet};
 use super::engine::{RenderedView, Request, Shown, StageFigures};
 use super::fates::FatesView;
@@ -260,6 +261,7 @@ impl Session {
             camera: self.state.camera,
             viewport: self.viewport(),
             recipes: tiles.map(|tile| self.state.tiles.recipe(tile, self.state.recipe)).collect(),
+            files: self.comparison.files(&self.state.tiles),
             reference,
             region,
             difference: shows_difference.then_some((difference, gain)),
@@ -419,6 +421,21 @@ impl Session {
         if self.comparison.is_on() {
             self.shown = Shown::Buffer(Buffer::Color);
         }
+    }
+
+    /// Shows an opened picture file in a comparison. The drawn pictures take its size if they can, because only pictures
+    /// of one size can be compared.
+    pub(in crate::ui) fn show_compared_picture(&mut self, role: PictureRole, picture: Arc<OpenedPicture>) {
+        let (width, height) = picture.picture.size();
+        let mut text = format!("Opened {} as {}: {}", picture.name(), role.name(), picture.picture.description());
+        let size = Viewport { width, height };
+        if size != self.viewport() && size.check().is_ok() {
+            self.state.size = PictureSize::Fixed(width, height);
+            text += "; the picture has its size now";
+        }
+        self.compare(CompareChange::File(role, picture));
+        self.messages.offered_picture = None;
+        self.report(Severity::Info, text);
     }
 
     /// Returns the number of triangles that are rasterized if the frame on screen is drawn completely.

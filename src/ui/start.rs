@@ -11,6 +11,7 @@ use super::app::Workbench;
 use super::checks;
 use super::command::Command;
 use super::compare::CompareChange;
+use super::compare::files::PictureRole;
 use super::engine::Shown;
 use super::fates;
 use super::headless::Headless;
@@ -72,6 +73,8 @@ pub(crate) struct PendingScene {
 /// Initial view of the frame; `None` and empty fields mean the defaults.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct InitialView {
+    /// Picture files to compare, with their roles.
+    pub(crate) files: Vec<(PictureRole, PathBuf)>,
     /// Column and row of the picked pixel.
     pub(crate) pixel: Option<(u32, u32)>,
     /// Shown buffer, stage or intermediate value.
@@ -292,10 +295,12 @@ pub(crate) fn workbench(start: WindowStart, preferences: Preferences, worker: Wo
     session.mirrored = start.mirrored;
     session.memory_limit = start.memory_limit;
     session.state.size = preferences.size.checked();
+    let files = start.initial_view.files.clone();
     start.initial_view.show(&mut session);
     session.settle_silently();
     let mut workbench = Workbench::new(session, worker);
     workbench.warn(&start.warnings);
+    workbench.queue(files.into_iter().map(|(role, path)| Command::OpenPicture(role, path)).collect());
     if let Some(PendingScene { path, camera }) = start.pending {
         let open = match camera {
             Some(camera) => {

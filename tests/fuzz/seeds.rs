@@ -5,6 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+use rasterscope::image::picture::suffixes;
+
 use crate::internal::samples;
 
 /// Size of the largest seed file, in bytes.
@@ -35,7 +37,7 @@ pub(crate) fn files(kind: &'static str, is_wanted: fn(&str) -> bool) -> &'static
 
 /// Returns whether a suffix belongs to a picture format.
 pub(crate) fn is_picture(suffix: &str) -> bool {
-    ["png", "jpg", "jpeg", "bmp", "tga", "gif", "tif", "tiff"].contains(&suffix)
+    suffixes().any(|known| known == suffix)
 }
 
 fn collect(folder: &Path, is_wanted: fn(&str) -> bool, paths: &mut Vec<PathBuf>) {

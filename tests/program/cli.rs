@@ -23,6 +23,8 @@ use rasterscope::report::upscaling::sweep::{self, NamedView, UpscalingPlan, ever
 use rasterscope::scene::{SceneSource, builtin};
 #[cfg(feature = "ui")]
 use rasterscope::ui::compare::compute::{CompareRequest, Comparer};
+#[cfg(feature = "ui")]
+use rasterscope::ui::compare::files::ComparedFiles;
 use rasterscope::upscale;
 use tempfile::TempDir;
 
@@ -374,6 +376,7 @@ fn reports_and_tiles_have_the_pictures_that_the_same_settings_draw() {
                 camera: subject.camera,
                 viewport,
                 recipes: vec![row.recipe],
+                files: ComparedFiles::default(),
                 reference: Reference::Native,
                 region: None,
                 difference: None,

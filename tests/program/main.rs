@@ -2,6 +2,7 @@
 
 mod claims;
 mod cli;
+mod compare;
 mod files;
 #[cfg(feature = "ui")]
 mod manual;

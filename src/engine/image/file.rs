@@ -1,10 +1,11 @@
 //! Image files: bounded reading of untrusted files, and writing of PNG.
 //!
-//! Reading a path gives 8-bit RGBA (sRGB codes and straight alpha), or an error that names the file and the cause. The
-//! format is recognised by content, not by name, because wrong suffixes are common; only TGA has no signature and needs
-//! its suffix. Sizes are checked after the header and before any allocation, so a small file cannot cause a large
-//! allocation. 16-bit channels are rounded to 8 bits, grey becomes RGB, and only the first frame of an animation is
-//! read. Colour profiles and orientation tags are ignored, because a texture needs its texels unchanged.
+//! Reading a path gives 8-bit RGBA (sRGB codes and straight alpha), or an error that names the file and the cause;
+//! [`super::picture`] gives the exact samples. The format is recognised by content, not by name, because wrong suffixes
+//! are common; only TGA has no signature and needs its suffix. Sizes are checked after the header and before any
+//! allocation, so a small file cannot cause a large allocation. 16-bit channels are rounded to 8 bits, linear light is
+//! clamped to [0, 1] and encoded as sRGB, grey becomes RGB, and only the first frame of an animation is read. Colour
+//! profiles and orientation tags are ignored, because a texture needs its texels unchanged.
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -13,6 +14,8 @@ use image::codecs::png::PngEncoder;
 use image::{DynamicImage, ExtendedColorType, ImageEncoder as _, ImageFormat, ImageReader, Limits};
 use thiserror::Error;
 
+use super::picture::formats::{self, Codec, Format};
+use super::picture::{Picture, standard};
 use super::{Image, Rgba8};
 use crate::{disk, text};
 
@@ -20,14 +23,14 @@ use crate::{disk, text};
 const MAX_FILE_BYTES: u64 = 256 << 20;
 
 /// Maximum width and height of an image that can be read, in pixels.
-const MAX_SIDE: u32 = 16_384;
+pub(super) const MAX_SIDE: u32 = 16_384;
 
 /// Maximum number of pixels of an image that can be read (8192 × 8192). Decoding and converting such an image takes
 /// well under a gigabyte of memory.
-const MAX_PIXELS: u64 = 1 << 26;
+pub(super) const MAX_PIXELS: u64 = 1 << 26;
 
 /// Maximum number of bytes that an image decoder may allocate.
-const MAX_DECODER_BYTES: u64 = 256 << 20;
+pub(super) const MAX_DECODER_BYTES: u64 = 256 << 20;
 
 /// Error from reading or writing an image file.
 #[derive(Debug, Error)]
@@ -41,7 +44,7 @@ pub enum ImageFileError {
         source: std::io::Error,
     },
     /// The content is not in a supported image format.
-    #[error("{}: not a supported picture (PNG, JPEG, BMP, TGA, GIF or TIFF); {hint}", path.display())]
+    #[error("{}: not a supported picture ({}); {hint}", path.display(), formats::names())]
     Unsupported {
         /// Path of the file.
         path: PathBuf,
@@ -88,9 +91,7 @@ pub fn read(path: &Path) -> Result<Image<Rgba8>, ImageFileError> {
 pub(crate) struct PictureFile {
     path: PathBuf,
     bytes: Vec<u8>,
-    format: ImageFormat,
-    /// Name of the format in messages, such as `PNG`.
-    kind: &'static str,
+    format: &'static Format,
     width: u32,
     height: u32,
 }
@@ -107,16 +108,20 @@ impl PictureFile {
     /// Reads the header of a picture that is part of another file. `path` names it in messages. The limits of
     /// [`PictureFile::read_header`] apply.
     pub(crate) fn of_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, ImageFileError> {
-        let (format, kind) = recognize(path, &bytes)?;
-        let (width, height) =
-            reader(&bytes, format).into_dimensions().map_err(|e| undecodable(path, kind, &e.to_string()))?;
+        let format = Format::of(path, &bytes)
+            .ok_or_else(|| ImageFileError::Unsupported { path: path.to_owned(), hint: hint(&bytes) })?;
+        let size = match format.codec {
+            Codec::Image(codec) => reader(&bytes, codec).into_dimensions().map_err(|error| error.to_string()),
+            Codec::Own(size, _) => size(&bytes),
+        };
+        let (width, height) = size.map_err(|error| undecodable(path, format, &error))?;
         if width == 0 || height == 0 {
-            return Err(undecodable(path, kind, "it has no pixels"));
+            return Err(undecodable(path, format, "it has no pixels"));
         }
         if width.max(height) > MAX_SIDE || u64::from(width) * u64::from(height) > MAX_PIXELS {
             return Err(ImageFileError::TooManyPixels { path: path.to_owned(), width, height });
         }
-        Ok(Self { path: path.to_owned(), bytes, format, kind, width, height })
+        Ok(Self { path: path.to_owned(), bytes, format, width, height })
     }
 
     /// Returns the path that names the picture in messages.
@@ -131,22 +136,45 @@ impl PictureFile {
 
     /// Decodes the pixels to 8-bit RGBA with straight alpha.
     pub(crate) fn decode(self) -> Result<Image<Rgba8>, ImageFileError> {
-        let decoded = reader(&self.bytes, self.format).decode();
-        decoded.map(to_rgba).map_err(|e| undecodable(&self.path, self.kind, &e.to_string()))
+        let decoded = match self.format.codec {
+            Codec::Image(codec) => reader(&self.bytes, codec).decode().map_err(|error| error.to_string()),
+            Codec::Own(..) => return self.decode_samples().map(|picture| picture.to_rgba8()),
+        };
+        match decoded {
+            Ok(DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_)) => {
+                self.decode_samples().map(|picture| picture.to_rgba8())
+            }
+            Ok(decoded) => Ok(to_rgba(decoded)),
+            Err(error) => Err(undecodable(&self.path, self.format, &error)),
+        }
+    }
+
+    /// Decodes the exact samples of all channels.
+    pub(super) fn decode_samples(self) -> Result<Picture, ImageFileError> {
+        let Self { path, bytes, format, .. } = self;
+        let decoded = match format.codec {
+            Codec::Own(_, decode) => decode(&bytes),
+            Codec::Image(codec) => {
+                let decoded = reader(&bytes, codec).decode().map_err(|error| error.to_string());
+                decoded.and_then(|decoded| standard::of_dynamic(format.name, decoded))
+            }
+        };
+        decoded.map_err(|error| undecodable(&path, format, &error))
     }
 }
 
-fn undecodable(path: &Path, kind: &'static str, reason: &str) -> ImageFileError {
-    ImageFileError::Undecodable { path: path.to_owned(), kind, reason: text::message(reason) }
+fn undecodable(path: &Path, format: &Format, reason: &str) -> ImageFileError {
+    ImageFileError::Undecodable { path: path.to_owned(), kind: format.name, reason: text::message(reason) }
 }
 
-/// Returns whether a path has the extension of a known image format.
+/// Returns whether a path has the extension of a known image format, supported or not.
 pub fn is_named_picture(path: &Path) -> bool {
-    path.extension().and_then(ImageFormat::from_extension).is_some()
+    formats::ALL.iter().any(|format| format.has_suffix_of(path))
+        || path.extension().and_then(ImageFormat::from_extension).is_some()
 }
 
 /// Returns an image reader for the bytes of a file, with a limit on the memory that decoding may allocate.
-fn reader(bytes: &[u8], format: ImageFormat) -> ImageReader<Cursor<&[u8]>> {
+pub(super) fn reader(bytes: &[u8], format: ImageFormat) -> ImageReader<Cursor<&[u8]>> {
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::default();
     limits.max_image_width = None;
@@ -156,25 +184,16 @@ fn reader(bytes: &[u8], format: ImageFormat) -> ImageReader<Cursor<&[u8]>> {
     reader
 }
 
-/// Detects the image format from the content. Returns the format and its display name, or an error if it is not
-/// supported.
-fn recognize(path: &Path, bytes: &[u8]) -> Result<(ImageFormat, &'static str), ImageFileError> {
-    let named_tga = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("tga"));
-    let hint = match image::guess_format(bytes) {
-        Ok(ImageFormat::Png) => return Ok((ImageFormat::Png, "PNG")),
-        Ok(ImageFormat::Jpeg) => return Ok((ImageFormat::Jpeg, "JPEG")),
-        Ok(ImageFormat::Bmp) => return Ok((ImageFormat::Bmp, "BMP")),
-        Ok(ImageFormat::Gif) => return Ok((ImageFormat::Gif, "GIF")),
-        Ok(ImageFormat::Tiff) => return Ok((ImageFormat::Tiff, "TIFF")),
+/// Returns the likely content of a file that is in no supported format.
+fn hint(bytes: &[u8]) -> String {
+    match image::guess_format(bytes) {
         Ok(other) => format!("it looks like {other:?}"),
         Err(_) if bytes.is_empty() => "it is empty".to_owned(),
-        Err(_) if named_tga => return Ok((ImageFormat::Tga, "TGA")),
         Err(_) if bytes.iter().all(|b| b.is_ascii_graphic() || b.is_ascii_whitespace()) => {
             "it looks like text".to_owned()
         }
         Err(_) => "its format is unknown".to_owned(),
-    };
-    Err(ImageFileError::Unsupported { path: path.to_owned(), hint })
+    }
 }
 
 fn to_rgba(decoded: DynamicImage) -> Image<Rgba8> {

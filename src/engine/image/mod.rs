@@ -6,6 +6,8 @@ pub mod file;
 
 pub mod pfm;
 
+pub mod picture;
+
 /// Four 8-bit channels: red, green, blue (sRGB codes) and alpha (straight, not premultiplied).
 pub type Rgba8 = [u8; 4];
 

@@ -72,16 +72,27 @@ pub fn compare(a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<ImageError> {
     }
     let mse = sum_of_squares as f64 / (3 * a.pixels().len()) as f64;
     let psnr_db = 10.0 * (255.0 * 255.0 / mse).log10();
-    Some(ImageError { mse, psnr_db, ssim: ssim(&a.map(luma), &b.map(luma)), max_abs, differing_pixels })
+    Some(ImageError {
+        mse,
+        psnr_db,
+        ssim: ssim(&a.map(luma_of_codes), &b.map(luma_of_codes)),
+        max_abs,
+        differing_pixels,
+    })
 }
 
-/// Computes ITU-R BT.601 luma from 8-bit sRGB-encoded values, in [0, 255], as in the SSIM paper.
-fn luma([red, green, blue, _]: Rgba8) -> f64 {
-    0.299 * f64::from(red) + 0.587 * f64::from(green) + 0.114 * f64::from(blue)
+/// Computes ITU-R BT.601 luma from sRGB-encoded values in [0, 255], as in the SSIM paper.
+pub(super) fn luma([red, green, blue]: [f64; 3]) -> f64 {
+    0.299 * red + 0.587 * green + 0.114 * blue
+}
+
+/// Computes the [`luma`] of 8-bit sRGB codes.
+pub(super) fn luma_of_codes([red, green, blue, _]: Rgba8) -> f64 {
+    luma([red, green, blue].map(f64::from))
 }
 
 /// Computes the mean structural similarity of two greyscale images of equal size, at least 1 × 1 px.
-fn ssim(a: &Image<f64>, b: &Image<f64>) -> f64 {
+pub(super) fn ssim(a: &Image<f64>, b: &Image<f64>) -> f64 {
     let across = window(a.width());
     let down = window(a.height());
     let windows_down = a.height() - down.len() as u32 + 1;
@@ -232,9 +243,9 @@ mod tests {
             let mean = |value: &dyn Fn(u32, u32) -> f64| -> f64 {
                 places().map(|(i, j)| gaussian(i, j) / total * value(x + i, y + j)).sum()
             };
-            let (mean_a, mean_b) = (mean(&|x, y| luma(a.at(x, y))), mean(&|x, y| luma(b.at(x, y))));
-            let off_a = |x, y| luma(a.at(x, y)) - mean_a;
-            let off_b = |x, y| luma(b.at(x, y)) - mean_b;
+            let (mean_a, mean_b) = (mean(&|x, y| luma_of_codes(a.at(x, y))), mean(&|x, y| luma_of_codes(b.at(x, y))));
+            let off_a = |x, y| luma_of_codes(a.at(x, y)) - mean_a;
+            let off_b = |x, y| luma_of_codes(b.at(x, y)) - mean_b;
             let variance_a = mean(&|x, y| off_a(x, y).powi(2));
             let variance_b = mean(&|x, y| off_b(x, y).powi(2));
             let covariance = mean(&|x, y| off_a(x, y) * off_b(x, y));

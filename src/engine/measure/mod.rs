@@ -24,6 +24,8 @@ pub mod noise;
 
 pub mod pair;
 
+pub mod picture_error;
+
 pub mod reference;
 
 pub mod region;
@@ -37,5 +39,7 @@ pub mod scaling;
 pub mod stages;
 
 pub mod timing;
+
+pub mod tone;
 
 pub mod window_cost;

@@ -25,6 +25,7 @@ impl Workbench {
         self.poll_opened_folder();
         self.poll_loading();
         self.poll_case();
+        self.poll_pictures();
     }
 
     pub(super) fn handle(&mut self, answer: WorkerResponse) {

@@ -1,11 +1,13 @@
 //! Bar above the compared pictures: comparison mode, tile count, region and reference.
 
-use eframe::egui::{self, Align, Button, Layout, Response, RichText, Ui, Vec2};
+use eframe::egui::{self, Align, Button, DragValue, Layout, Response, RichText, Ui, Vec2};
 
+use super::files::PictureRole;
 use super::{CompareChange, Mode};
 use crate::manual::Chapter;
 use crate::measure::difference::{Difference, GAINS};
 use crate::measure::reference::Reference;
+use crate::measure::tone::ToneCurve;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
 use crate::ui::filmstrip::{self, FilmstripChange};
@@ -41,6 +43,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, widgets: &PanelWidgets, command
             changes.push(CompareChange::Swap);
         }
         region(ui, session, &mut changes);
+        files(ui, session, &mut changes, commands);
         let strip = Button::selectable(session.filmstrip.is_shown_in(widgets.picture_panel_height), "Filmstrip");
         let strip = ui.add_enabled(filmstrip::has_room(widgets.picture_panel_height), strip);
         let help = "Show every upscaling method in a strip below the pictures";
@@ -144,9 +147,51 @@ fn region(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>) {
     }
 }
 
+/// Draws the menu that opens picture files, and exposure and tone curve if a file has linear light.
+fn files(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>, commands: &mut Vec<Command>) {
+    let help = "Open a picture file as A, as B or as reference; it can also be dropped on a picture";
+    ui.menu_button("Open picture…", |ui| {
+        for role in PictureRole::LISTED {
+            if ui.button(format!("As {}…", role.name())).clicked() {
+                commands.push(Command::ShowPictureDialog(role));
+                ui.close();
+            }
+        }
+    })
+    .response
+    .on_hover_text(help);
+    if !session.comparison.pictures.have_tone() {
+        return;
+    }
+    let mut tone = session.comparison.pictures.tone();
+    let help = "Exposure of float pictures in stops: for display, for FLIP and for the other errors";
+    ui.name_inputs("Exposure", |ui| {
+        let field = DragValue::new(&mut tone.exposure).speed(0.05).range(-20.0..=20.0).suffix(" EV");
+        ui.add(field).on_hover_text(help);
+    });
+    ui.name_inputs("Tone curve", |ui| {
+        combo("tone curve", tone.curve.name(), 90.0).show_ui(ui, |ui| {
+            for curve in ToneCurve::ALL {
+                ui.selectable_value(&mut tone.curve, *curve, curve.name()).on_hover_text(curve.help());
+            }
+        });
+    });
+    if tone != session.comparison.pictures.tone() {
+        changes.push(CompareChange::Tone(tone));
+    }
+}
+
 fn reference(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>) {
     ui.label(RichText::new("against").color(tokens(ui).text_weak));
-    changes.extend(reference_list(ui, "Reference", 124.0, session.comparison.reference));
+    let Some(file) = session.comparison.opened(&session.state.tiles, PictureRole::Reference) else {
+        changes.extend(reference_list(ui, "Reference", 124.0, session.comparison.reference));
+        return;
+    };
+    let label = ui.add_sized([100.0, theme::CONTROL_HEIGHT], egui::Label::new(file.name()).truncate());
+    label.on_hover_text(file.picture.description());
+    if icon_button(ui, Icon::X, "Close the reference file and draw the reference").clicked() {
+        changes.push(CompareChange::RemoveFile(PictureRole::Reference));
+    }
 }
 
 /// Draws the list of references, `width` points wide. `name` is its accessible name. Returns the change if another

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::files::{ComparedFiles, OpenedPicture, is_same};
 use crate::chain::{Recipe, Renderer};
 use crate::image::{Image, Rgba8};
 use crate::inspect::what_if::Changes;
@@ -25,6 +26,8 @@ pub struct CompareRequest {
     pub viewport: Viewport,
     /// Recipe of each picture.
     pub recipes: Vec<Recipe>,
+    /// Pictures from files, in place of drawn ones.
+    pub files: ComparedFiles,
     /// Reference that errors are measured against.
     pub reference: Reference,
     /// Region whose error metrics are measured in addition to those of the whole picture.
@@ -49,9 +52,14 @@ impl CompareRequest {
     fn same_as(&self, other: &Self) -> bool {
         self.same_view(other)
             && self.recipes == other.recipes
-            && self.reference == other.reference
+            && self.files.has_same_tiles(&other.files)
+            && self.has_same_reference(other)
             && self.region == other.region
             && self.difference == other.difference
+    }
+
+    fn has_same_reference(&self, other: &Self) -> bool {
+        self.reference == other.reference && self.files.has_same_reference(&other.files)
     }
 
     fn same_view(&self, other: &Self) -> bool {
@@ -64,7 +72,9 @@ impl CompareRequest {
 pub struct TileResult {
     /// Recipe of the tile.
     pub recipe: Recipe,
-    /// Final picture of the recipe.
+    /// File of the picture; `None` if the picture is drawn.
+    pub(crate) file: Option<Arc<OpenedPicture>>,
+    /// Final picture of the recipe, or the picture of the file as displayed.
     pub picture: Arc<Image<Rgba8>>,
     /// Fraction of the picture's pixels that were rasterized and shaded, from 0 to 1.
     pub(crate) drawn_share: f64,
@@ -72,6 +82,13 @@ pub struct TileResult {
     pub measured: Option<TileMetrics>,
     /// Error metrics within the region; `None` if there is no region or it contains no pixels.
     pub region_figures: Option<ErrorMetrics>,
+}
+
+impl TileResult {
+    /// Returns the name of the picture's file, or of its upscaler with the anchor.
+    pub(crate) fn title(&self) -> String {
+        self.file.as_ref().map_or_else(|| self.recipe.upscaler.label_with_anchor(), |file| file.name())
+    }
 }
 
 /// Error metrics of a picture against the reference.
@@ -126,15 +143,20 @@ impl Comparer {
         self.begun = false;
         let same_view = self.results.as_ref().is_some_and(|known| known.request.same_view(&request));
         let same_reference =
-            same_view && self.results.as_ref().is_some_and(|known| known.request.reference == request.reference);
+            same_view && self.results.as_ref().is_some_and(|known| known.request.has_same_reference(&request));
         if !same_reference {
             self.references.clear();
             self.rendering_reference = None;
         }
         let old = self.results.take().filter(|_| same_view);
-        let tiles = request.recipes.iter().map(|recipe| {
-            let kept = old.iter().flat_map(|old| &old.tiles).find(|tile| tile.recipe == *recipe);
-            let mut tile = kept.cloned().unwrap_or_else(|| self.drawn(&request, *recipe));
+        let tiles = request.recipes.iter().enumerate().map(|(index, recipe)| {
+            let file = request.files.of_tile(index);
+            let is_kept = |tile: &&TileResult| tile.recipe == *recipe && is_same(tile.file.as_ref(), file);
+            let kept = old.iter().flat_map(|old| &old.tiles).find(is_kept);
+            let mut tile = kept.cloned().unwrap_or_else(|| match file {
+                Some(file) => of_file(*recipe, file),
+                None => self.drawn(&request, *recipe),
+            });
             tile.measured = tile.measured.filter(|_| same_reference);
             tile.region_figures = None;
             tile
@@ -204,6 +226,7 @@ impl Comparer {
         let frame = self.renderer.render_converged(scene, camera, &recipe, *viewport);
         let tile = TileResult {
             recipe,
+            file: None,
             picture: Arc::new(frame.image().clone()),
             drawn_share: frame.drawn_share(),
             measured: None,
@@ -213,8 +236,12 @@ impl Comparer {
         tile
     }
 
-    /// Returns the finished reference for `recipe`, if there is one. Tiles with the same [`reference_recipe`] share it.
+    /// Returns the reference from a file or the finished reference for `recipe`, if there is one. Tiles with the same
+    /// [`reference_recipe`] share it.
     fn reference(&self, recipe: Recipe) -> Option<Arc<Image<Rgba8>>> {
+        if let Some(file) = self.results.as_ref().and_then(|known| known.request.files.reference.as_ref()) {
+            return Some(file.shown.clone());
+        }
         let wanted = reference_recipe(recipe);
         self.references.iter().find(|(known, _)| *known == wanted).map(|(_, picture)| picture.clone())
     }
@@ -234,6 +261,18 @@ impl Comparer {
         } else {
             self.references.push((wanted, Arc::new(gathering.picture())));
         }
+    }
+}
+
+/// Returns the tile of a picture file.
+fn of_file(recipe: Recipe, file: &Arc<OpenedPicture>) -> TileResult {
+    TileResult {
+        recipe,
+        file: Some(file.clone()),
+        picture: file.shown.clone(),
+        drawn_share: 1.0,
+        measured: None,
+        region_figures: None,
     }
 }
 
@@ -280,6 +319,7 @@ mod tests {
             scene: Arc::new(scene),
             viewport: Viewport { width: 48, height: 32 },
             recipes: methods.iter().map(recipe).collect(),
+            files: ComparedFiles::default(),
             reference: Reference::Native,
             region: None,
             difference: None,

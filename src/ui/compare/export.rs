@@ -35,7 +35,7 @@ struct Figure {
     picture: Arc<Image<Rgba8>>,
     /// Error metrics of the whole picture and, if there is a region, of the region; empty for a difference image.
     metrics: Vec<String>,
-    /// Command that shows the picture in the window; `None` for a difference image.
+    /// Command that shows the picture in the window; `None` for a difference image and for a picture file.
     command: Option<String>,
 }
 
@@ -52,7 +52,10 @@ impl ComparisonPage {
         let compared = complete.ok_or("The errors of the pictures are still being measured: save again in a moment")?;
         let request = &compared.request;
         let size = format!("{} × {} px", request.viewport.width, request.viewport.height);
-        let mut summary = format!("{size} · reference: {}", request.reference.name());
+        let mut summary = format!(
+            "{size} · reference: {}",
+            request.files.reference.as_ref().map_or_else(|| request.reference.name().to_owned(), |file| file.name())
+        );
         if let Some(region) = request.region {
             let PixelRegion { left, top, right, bottom } = region;
             summary += &format!(" · region: columns {left} to {}, rows {top} to {}", right - 1, bottom - 1);
@@ -99,10 +102,10 @@ impl Figure {
             ..session.place()
         };
         Self {
-            label: format!("{} · {}", letter(tile), result.recipe.upscaler.label_with_anchor()),
+            label: format!("{} · {}", letter(tile), result.title()),
             picture: result.picture.clone(),
             metrics: whole.into_iter().chain(region).collect(),
-            command: Some(state.command_line()),
+            command: result.file.is_none().then(|| state.command_line()),
         }
     }
 

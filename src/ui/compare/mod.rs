@@ -1,5 +1,6 @@
 //! Comparison of several pictures of one view, each with its own recipe. They are shown as tiles side by side, as a
-//! wipe, as a flip, or as a difference image. Every mode shows error metrics against a named reference.
+//! wipe, as a flip, or as a difference image. Every mode shows error metrics against a named reference. A tile or the
+//! reference may also be a picture from a file.
 //!
 //! The active tile shows the session's own recipe: the pipeline panel edits it and the inspector explains it. Clicking
 //! another tile makes it active. The first tile is A, the second B.
@@ -10,12 +11,20 @@ pub mod compute;
 
 pub(crate) mod export;
 
+pub mod files;
+
 pub(crate) mod tiles;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use files::{ComparedFiles, OpenedPicture, OpenedPictures, PictureRole};
 
 use crate::chain::Recipe;
 use crate::measure::difference::Difference;
 use crate::measure::reference::Reference;
 use crate::measure::region::PixelRegion;
+use crate::measure::tone::Tone;
 use crate::pipeline::settings::Choice as _;
 use crate::upscale::{self, Scale, Upscaling};
 
@@ -56,11 +65,22 @@ impl Mode {
     ];
 }
 
-/// Recipes of all tiles, and the index of the active one.
+/// Content of a tile.
+#[derive(Clone, Debug, PartialEq)]
+struct Tile {
+    /// Recipe with which the tile is drawn.
+    recipe: Recipe,
+    /// Picture file that the tile shows instead.
+    file: Option<PathBuf>,
+}
+
+/// Contents of all tiles, and the index of the active one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct TileSet {
-    /// Recipe of each tile. The entry of the active tile may be outdated: the session stores its current recipe.
-    recipes: Vec<Recipe>,
+    /// Content of each tile. The recipe of the active tile may be outdated: the session stores its current recipe.
+    tiles: Vec<Tile>,
+    /// Picture file to measure against; `None` if the reference is drawn.
+    reference: Option<PathBuf>,
     /// Index of the tile that shows the session's recipe.
     pub(crate) active: usize,
 }
@@ -68,29 +88,37 @@ pub(crate) struct TileSet {
 impl TileSet {
     /// Returns the number of tiles, visible or not; at least 1.
     pub(crate) fn count(&self) -> usize {
-        self.recipes.len().max(1)
+        self.tiles.len().max(1)
     }
 
     /// Returns the recipe of a tile. `of_active` is the recipe of the active tile, which the session stores.
     pub(crate) fn recipe(&self, tile: usize, of_active: Recipe) -> Recipe {
-        if tile == self.active { of_active } else { self.recipes.get(tile).copied().unwrap_or(of_active) }
+        if tile == self.active { of_active } else { self.tiles.get(tile).map_or(of_active, |tile| tile.recipe) }
     }
 
     /// Stores the session's recipe as the recipe of the active tile. No-op if no recipes are stored yet.
     pub(crate) fn store(&mut self, of_active: Recipe) {
-        if let Some(recipe) = self.recipes.get_mut(self.active) {
-            *recipe = of_active;
+        if let Some(tile) = self.tiles.get_mut(self.active) {
+            tile.recipe = of_active;
+        }
+    }
+
+    /// Returns the picture file of a role; `None` if its picture is drawn.
+    pub(crate) fn file(&self, role: PictureRole) -> Option<&Path> {
+        match role {
+            PictureRole::Tile(tile) => self.tiles.get(tile)?.file.as_deref(),
+            PictureRole::Reference => self.reference.as_deref(),
         }
     }
 
     /// Adds tiles until there are `count`. Each added tile gets an upscaler that no other tile uses, if there is one.
     fn fill(&mut self, count: usize, of_active: Recipe) {
-        while self.recipes.len() < count {
-            let base = *self.recipes.first().unwrap_or(&of_active);
-            let used = |upscaler: &Upscaling| self.recipes.iter().any(|tile| tile.upscaler == *upscaler);
+        while self.tiles.len() < count {
+            let base = self.tiles.first().map_or(of_active, |tile| tile.recipe);
+            let used = |upscaler: &Upscaling| self.tiles.iter().any(|tile| tile.recipe.upscaler == *upscaler);
             let next = suggestions().find(|upscaler| !used(upscaler)).unwrap_or(base.upscaler);
-            let recipe = if self.recipes.is_empty() { of_active } else { Recipe { upscaler: next, ..base } };
-            self.recipes.push(recipe);
+            let recipe = if self.tiles.is_empty() { of_active } else { Recipe { upscaler: next, ..base } };
+            self.tiles.push(Tile { recipe, file: None });
         }
     }
 }
@@ -102,8 +130,10 @@ pub(crate) struct CompareSettings {
     pub(crate) mode: Mode,
     /// Mode of the last comparison, which the workspace “Compare” continues.
     pub(crate) last_mode: Mode,
-    /// Reference that errors are measured against.
+    /// Reference that errors are measured against, unless it is a picture file.
     pub(crate) reference: Reference,
+    /// Opened picture files.
+    pub(crate) pictures: OpenedPictures,
     /// Kind of difference that the difference image shows.
     pub(crate) difference: Difference,
     /// Factor by which the difference image amplifies differences.
@@ -122,6 +152,7 @@ impl Default for CompareSettings {
             mode: Mode::Off,
             last_mode: Mode::Tiles,
             reference: Reference::ALL[0],
+            pictures: OpenedPictures::default(),
             difference: Difference::ALL[0],
             gain: 1,
             wipe: 0.5,
@@ -162,8 +193,16 @@ pub(crate) enum CompareChange {
     DrawRegion(bool),
     /// Toggles whether dragging on a picture draws the region.
     ToggleRegion,
-    /// Sets the reference that errors are measured against.
+    /// Sets the reference that errors are measured against, and draws it.
     Reference(Reference),
+    /// Shows a picture file in a tile or as reference.
+    File(PictureRole, Arc<OpenedPicture>),
+    /// Draws the picture of a tile or the reference again, in place of a picture file.
+    RemoveFile(PictureRole),
+    /// Replaces the content of an opened picture file after the file has changed.
+    Reload(Arc<OpenedPicture>),
+    /// Sets exposure and tone curve of float pictures.
+    Tone(Tone),
 }
 
 impl CompareSettings {
@@ -200,29 +239,30 @@ impl CompareSettings {
             CompareChange::Toggle(mode) => self.mode = if self.mode == mode { Mode::Off } else { mode },
             CompareChange::Count(count) => {
                 self.mode = Mode::Tiles;
-                tiles.recipes.truncate(count.max(1));
+                tiles.tiles.truncate(count.max(1));
                 tiles.fill(count.min(MAX_TILES), *recipe);
             }
             CompareChange::Every(scale) => {
                 self.mode = Mode::Tiles;
                 let recipes = methods(scale).map(|upscaler| Recipe { upscaler, ..*recipe }).take(MAX_TILES);
-                *tiles = TileSet { recipes: recipes.collect(), active: 0 };
+                tiles.tiles = recipes.map(|recipe| Tile { recipe, file: None }).collect();
+                tiles.active = 0;
             }
             CompareChange::Activate(tile) => tiles.active = tile,
             CompareChange::Recipe(tile, wanted) => {
                 tiles.fill((tile + 1).min(MAX_TILES), *recipe);
-                if let Some(place) = tiles.recipes.get_mut(tile) {
-                    *place = *wanted;
+                if let Some(place) = tiles.tiles.get_mut(tile) {
+                    place.recipe = *wanted;
                 }
             }
             CompareChange::Remove(tile) => {
-                if tiles.recipes.len() > 2 && tile < tiles.recipes.len() {
-                    tiles.recipes.remove(tile);
+                if tiles.tiles.len() > 2 && tile < tiles.tiles.len() {
+                    tiles.tiles.remove(tile);
                     tiles.active -= usize::from(tiles.active > tile);
                 }
             }
             CompareChange::Swap => {
-                if let [a, b, ..] = &mut tiles.recipes[..] {
+                if let [a, b, ..] = &mut tiles.tiles[..] {
                     std::mem::swap(a, b);
                 }
             }
@@ -232,14 +272,56 @@ impl CompareSettings {
             CompareChange::Region(region) => self.region = region,
             CompareChange::DrawRegion(draws) => self.draws_region = draws,
             CompareChange::ToggleRegion => self.draws_region ^= self.is_on() || self.draws_region,
-            CompareChange::Reference(reference) => self.reference = reference,
+            CompareChange::Reference(reference) => (self.reference, tiles.reference) = (reference, None),
+            CompareChange::File(role, picture) => {
+                self.set_file(role, Some(picture.path.clone()), tiles, recipe);
+                self.pictures.insert(picture);
+            }
+            CompareChange::RemoveFile(role) => self.set_file(role, None, tiles, recipe),
+            CompareChange::Reload(picture) => self.pictures.insert(picture),
+            CompareChange::Tone(tone) => self.pictures.set_tone(tone),
         }
         if self.is_on() {
             self.last_mode = self.mode;
             tiles.fill(2, *recipe);
         }
-        tiles.active = tiles.active.min(tiles.recipes.len() - 1);
-        *recipe = tiles.recipes[tiles.active];
+        tiles.active = tiles.active.min(tiles.tiles.len() - 1);
+        *recipe = tiles.tiles[tiles.active].recipe;
+    }
+
+    /// Sets the file of a tile or of the reference. Starts a comparison if there is none.
+    fn set_file(&mut self, role: PictureRole, file: Option<PathBuf>, tiles: &mut TileSet, recipe: &Recipe) {
+        if !self.is_on() && file.is_some() {
+            self.mode = self.last_mode;
+        }
+        match role {
+            PictureRole::Reference => tiles.reference = file,
+            PictureRole::Tile(tile) => {
+                tiles.fill((tile + 1).min(MAX_TILES), *recipe);
+                if let Some(place) = tiles.tiles.get_mut(tile) {
+                    place.file = file;
+                }
+            }
+        }
+    }
+
+    /// Returns the opened picture of a role; `None` if its picture is drawn.
+    pub(crate) fn opened(&self, tiles: &TileSet, role: PictureRole) -> Option<Arc<OpenedPicture>> {
+        self.pictures.get(tiles.file(role)?)
+    }
+
+    /// Returns the name of the reference: that of its file, or its kind.
+    pub(crate) fn reference_name(&self, tiles: &TileSet) -> String {
+        let file = self.opened(tiles, PictureRole::Reference);
+        file.map_or_else(|| self.reference.name().to_owned(), |file| file.name())
+    }
+
+    /// Returns the picture files of all visible tiles and of the reference.
+    pub(crate) fn files(&self, tiles: &TileSet) -> ComparedFiles {
+        ComparedFiles {
+            tiles: (0..self.shown(tiles)).map(|tile| self.opened(tiles, PictureRole::Tile(tile))).collect(),
+            reference: self.opened(tiles, PictureRole::Reference),
+        }
     }
 }
 

@@ -3,6 +3,8 @@
 
 pub(super) mod figures;
 
+mod files;
+
 mod header;
 
 mod layout;
@@ -100,8 +102,12 @@ impl TilesView {
             if compared.is_some() {
                 marks(ui, &painter, placement, size, (session, self.dragging), cross);
             }
+            if let Some((compared, pixel)) = compared.zip(hovered_before.or(session.pick)) {
+                files::readout(ui, *place, index, pixel, (session, compared));
+            }
             frame(ui, index, *place, session);
         }
+        files::dropped(ui, &responses, session, commands);
         ui.data_mut(|data| data.insert_temp(hover_id(), hovered));
         hovered
     }

@@ -53,6 +53,7 @@ mod tests {
     use crate::measure::reference::Reference;
     use crate::pipeline::viewport::Viewport;
     use crate::scene::SceneSource;
+    use crate::ui::compare::files::ComparedFiles;
     use crate::ui::compare::methods;
 
     #[test]
@@ -65,6 +66,7 @@ mod tests {
             scene: Arc::new(scene),
             viewport: Viewport { width: 32, height: 24 },
             recipes: recipes.clone(),
+            files: ComparedFiles::default(),
             reference: Reference::Native,
             region: None,
             difference: None,

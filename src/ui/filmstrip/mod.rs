@@ -11,6 +11,7 @@ use std::collections::BTreeSet;
 
 use super::compare;
 use super::compare::compute::{CompareRequest, Compared};
+use super::compare::files::ComparedFiles;
 use super::session::Session;
 use super::timings::RowOrder;
 use crate::chain::Recipe;
@@ -92,6 +93,7 @@ impl Session {
             recipes: compare::methods(self.filmstrip.scale)
                 .map(|upscaler| Recipe { upscaler, ..self.state.recipe })
                 .collect(),
+            files: ComparedFiles::default(),
             reference: self.comparison.reference,
             region: None,
             difference: None,

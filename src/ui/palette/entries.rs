@@ -10,6 +10,7 @@ use crate::inspect::{Buffer, Intermediate, Stage, fields, lesson};
 use crate::pipeline::settings::Choice as _;
 use crate::scene::{SceneSource, builtin};
 use crate::ui::command::{BINDINGS, Command};
+use crate::ui::compare::files::PictureRole;
 use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::engine::Shown;
 use crate::ui::filmstrip::FilmstripChange;
@@ -253,6 +254,11 @@ fn commands() -> Vec<PaletteEntry> {
         keyless("Start the introduction in four steps", Command::Onboarding(OnboardingChange::StartCoach))
             .also(["tutorial", "tour", "coach"]),
     ]);
+    for role in PictureRole::LISTED {
+        let title = format!("Open picture as {}…", role.name());
+        let open = entry(EntryKind::Command, title, Command::ShowPictureDialog(role));
+        entries.push(open.also(["compare image file", "exr", "png"]));
+    }
     for item in SaveItem::LISTED.into_iter().filter(|item| *item != SaveItem::Picture) {
         let title = format!("Save {} as…", item.name());
         entries.push(entry(EntryKind::Command, title, Command::SaveAs(item)));

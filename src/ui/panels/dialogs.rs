@@ -5,8 +5,10 @@ use std::path::PathBuf;
 use eframe::egui::{Frame, Id, Key, Modal, RichText, TextEdit, Ui};
 
 use super::system_dialog::{Answer, SystemDialog};
+use crate::image::picture::suffixes;
 use crate::scene::SceneFormat;
 use crate::ui::command::Command;
+use crate::ui::compare::files::PictureRole;
 use crate::ui::key_sheet;
 use crate::ui::palette::Palette;
 use crate::ui::place::{bookmarks, go_to as go_to_wanted};
@@ -20,7 +22,7 @@ pub(crate) enum Dialog {
     /// No dialog is open.
     #[default]
     Closed,
-    /// Dialog for opening a model.
+    /// Dialog for opening a model or a picture.
     Open(OpenDialog),
     /// Dialog for choosing the path of a saved file.
     Save(SaveDialog),
@@ -34,9 +36,11 @@ pub(crate) enum Dialog {
     Bookmarks,
 }
 
-/// Dialog for opening a model: by path, from the recent files, or with the system's file dialog.
+/// Dialog for opening a model or a picture: by path, from the recent files, or with the system's file dialog.
 #[derive(Default)]
 pub(crate) struct OpenDialog {
+    /// Role in a comparison of the picture to open; `None` opens a model.
+    role: Option<PictureRole>,
     path: String,
     browsing: Option<SystemDialog>,
     hint: Option<&'static str>,
@@ -87,16 +91,44 @@ fn modal_of_width(ui: &Ui, title: &str, width: f32, content: impl FnOnce(&mut Ui
 }
 
 impl OpenDialog {
+    /// Returns a dialog that opens a picture file in a comparison.
+    pub(crate) fn of_picture(role: PictureRole) -> Self {
+        Self { role: Some(role), ..Self::default() }
+    }
+
+    /// Returns the command that opens a file.
+    fn command(&self, path: PathBuf) -> Command {
+        self.role.map_or_else(|| Command::Open(path.clone()), |role| Command::OpenPicture(role, path.clone()))
+    }
+
+    /// Returns title, explanation and example of a path.
+    fn words(&self) -> (String, String, &'static str) {
+        match self.role {
+            Some(role) => (
+                format!("Open a picture as {}", role.name()),
+                "Path of a picture: PNG, JPEG, BMP, TGA, GIF, TIFF, Radiance HDR, OpenEXR or PFM. You can also drop the \
+                 file on a compared picture."
+                    .to_owned(),
+                "/path/to/picture.exr",
+            ),
+            None => (
+                "Open a model".to_owned(),
+                format!(
+                    "Path of a model ({}), a case (JSON), or a picture for the 2D lab. You can also drop the file on the \
+                     window.",
+                    SceneFormat::names()
+                ),
+                "/path/to/model.obj",
+            ),
+        }
+    }
+
     fn ui(&mut self, ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> bool {
         let chosen = self.poll();
-        let stays = modal(ui, "Open a model", |ui| {
-            ui.label(format!(
-                "Path of a model ({}), a case (JSON), or a picture for the 2D lab. You can also drop the file on the \
-                 window.",
-                SceneFormat::names()
-            ));
-            let field =
-                TextEdit::singleline(&mut self.path).hint_text("/path/to/model.obj").desired_width(f32::INFINITY);
+        let (title, explanation, example) = self.words();
+        let stays = modal(ui, &title, |ui| {
+            ui.label(explanation);
+            let field = TextEdit::singleline(&mut self.path).hint_text(example).desired_width(f32::INFINITY);
             let field = ui.add(field);
             if self.path.is_empty() {
                 field.request_focus();
@@ -107,7 +139,7 @@ impl OpenDialog {
                 let ready = !self.path.trim().is_empty();
                 let open = ui.add_enabled(ready, eframe::egui::Button::new("Open"));
                 if (open.clicked() || entered) && ready {
-                    commands.push(Command::Open(PathBuf::from(self.path.trim())));
+                    commands.push(self.command(PathBuf::from(self.path.trim())));
                     done = true;
                 }
                 let idle = self.browsing.is_none();
@@ -125,10 +157,10 @@ impl OpenDialog {
             if let Some(hint) = self.hint {
                 ui.label(RichText::new(hint).color(tokens(ui).warning));
             }
-            done | recent(ui, session, commands)
+            done | (self.role.is_none() && recent(ui, session, commands))
         });
         if let Some(path) = chosen {
-            commands.push(Command::Open(path));
+            commands.push(self.command(path));
             return false;
         }
         stays
@@ -136,11 +168,17 @@ impl OpenDialog {
 
     fn browse(&mut self, ui: &Ui) {
         self.hint = None;
-        self.browsing = Some(SystemDialog::open(ui, || {
-            rfd::FileDialog::new()
-                .add_filter("Models and cases", &model_extensions())
-                .add_filter("Pictures, for the 2D lab", &["png", "jpg", "jpeg", "bmp", "gif", "tif", "tiff", "tga"])
-                .pick_file()
+        let opens_picture = self.role.is_some();
+        self.browsing = Some(SystemDialog::open(ui, move || {
+            let pictures: Vec<_> = suffixes().collect();
+            let dialog = rfd::FileDialog::new();
+            let dialog = if opens_picture {
+                dialog.add_filter("Pictures", &pictures)
+            } else {
+                let models = dialog.add_filter("Models and cases", &model_extensions());
+                models.add_filter("Pictures, for the 2D lab", &pictures)
+            };
+            dialog.pick_file()
         }));
     }
 

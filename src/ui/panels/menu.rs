@@ -8,6 +8,7 @@ use crate::inspect::Buffer;
 use crate::inspect::outline::OutlineKind;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::{BINDINGS, Command};
+use crate::ui::compare::files::PictureRole;
 use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::engine::Shown;
 use crate::ui::format;
@@ -146,6 +147,10 @@ fn compare(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     );
     entry(ui, "Compare all upscalers in tiles", Command::Compare(CompareChange::Every(None)), commands);
     let is_on = session.comparison.is_on();
+    for role in PictureRole::LISTED {
+        let title = format!("Open picture as {}…", role.name());
+        entry(ui, &title, Command::ShowPictureDialog(role), commands);
+    }
     entry_if(ui, is_on, "Swap pictures A and B", Command::Compare(CompareChange::Swap), commands);
     entry_if(ui, is_on, "Save comparison (HTML)", Command::SaveComparison, commands);
     entry_if(ui, is_on, "Stop comparing", Command::Compare(CompareChange::Mode(Mode::Off)), commands);

@@ -7,6 +7,7 @@ use eframe::egui::{Align, Color32, Label, Layout, ProgressBar, Rect, RichText, S
 
 use crate::text;
 use crate::ui::command::Command;
+use crate::ui::compare::files::PictureRole;
 use crate::ui::session::{Notice, Session};
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::icon_button;
@@ -28,6 +29,9 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, 
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             if ui.button("Open in the 2D lab").on_hover_text("Fill and sample the picture in the 2D lab").clicked() {
                 commands.push(Command::OpenInLab(path.clone()));
+            }
+            if ui.button("Compare as B").on_hover_text("Compare the picture with the rendered one").clicked() {
+                commands.push(Command::OpenPicture(PictureRole::Tile(1), path.clone()));
             }
             let text = format!("{} is a picture, not a scene", text::clean(&name));
             line(ui, Icon::Image, tokens(ui).accent, &text, Some(Command::CloseOffer), commands);

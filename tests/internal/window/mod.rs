@@ -19,6 +19,7 @@ mod onboarding;
 mod outside;
 mod overlays;
 mod picking;
+mod picture_files;
 mod places;
 mod ranges;
 mod saving;

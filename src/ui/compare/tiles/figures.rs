@@ -4,7 +4,6 @@ use eframe::egui::{self, Align2, Color32, FontId, Rect, Role, Sense, Ui, WidgetI
 
 use super::small;
 use crate::measure::against::ErrorMetrics;
-use crate::pipeline::settings::Choice as _;
 use crate::ui::compare::compute::Compared;
 use crate::ui::compare::letter;
 use crate::ui::format;
@@ -57,7 +56,10 @@ pub(super) fn figures_of_both(ui: &Ui, footer: Rect, compared: &Compared, sessio
 pub(super) fn figures_of(ui: &Ui, index: usize, footer: Rect, compared: &Compared, session: &Session) {
     let Some(tile) = compared.tiles.get(index) else { return };
     let response = ui.interact(footer, egui::Id::unique(("figures of tile", index)), Sense::hover());
-    let drawn = format!("{} of the pixels drawn", format::percent(tile.drawn_share));
+    let drawn = match &tile.file {
+        Some(file) => file.picture.description(),
+        None => format!("{} of the pixels drawn", format::percent(tile.drawn_share)),
+    };
     let lines = figure_lines(footer.width()) as f32 * LINE;
     let words = match &tile.measured {
         None => "measuring…".to_owned(),
@@ -76,7 +78,7 @@ pub(super) fn figures_of(ui: &Ui, index: usize, footer: Rect, compared: &Compare
     let name = format!("Figures of {}: {words}", letter(index));
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &name));
     response.on_hover_ui(|ui| {
-        ui.label(egui::RichText::new(tile.recipe.upscaler.label()).strong());
+        ui.label(egui::RichText::new(tile.title()).strong());
         ui.label(&drawn);
         for (figures, of) in
             [(tile.measured.as_ref().and_then(|m| m.figures), "Whole picture"), (tile.region_figures, "Region")]
@@ -85,7 +87,7 @@ pub(super) fn figures_of(ui: &Ui, index: usize, footer: Rect, compared: &Compare
                 ui.label(format!("{of}: {}", words_of_all(&figures)));
             }
         }
-        ui.label(format!("{FIGURES_HELP}: {}", session.comparison.reference.name()));
+        ui.label(format!("{FIGURES_HELP}: {}", session.comparison.reference_name(&session.state.tiles)));
     });
 }
 

@@ -1,5 +1,7 @@
 //! Header above a picture: the letter of its tile and a list of upscalers.
 
+use std::path::Path;
+
 use eframe::egui::{self, Rect, Role, Ui, UiBuilder, WidgetInfo, vec2};
 
 use super::color;
@@ -7,6 +9,7 @@ use super::layout::TileLayout;
 use crate::chain::Recipe;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
+use crate::ui::compare::files::PictureRole;
 use crate::ui::compare::{CompareChange, Mode, letter};
 use crate::ui::session::Session;
 use crate::ui::theme::{CONTROL_HEIGHT, space};
@@ -44,6 +47,10 @@ fn header(ui: &mut Ui, tile: usize, rect: Rect, session: &Session, commands: &mu
     if label.on_hover_text("Edit this tile's settings on the left and inspect its pixels on the right").clicked() {
         commands.push(Command::Compare(CompareChange::Activate(tile)));
     }
+    if let Some(file) = session.state.tiles.file(PictureRole::Tile(tile)) {
+        file_name(&mut row, tile, file, session, commands);
+        return;
+    }
     let width = row.available_width() - if removable { CONTROL_HEIGHT + space::S } else { 0.0 };
     let anchors_differ = session.comparison.anchors_differ(&session.state.tiles, session.state.recipe);
     let anchor = recipe.upscaler.block_anchor().filter(|_| anchors_differ);
@@ -53,6 +60,25 @@ fn header(ui: &mut Ui, tile: usize, rect: Rect, session: &Session, commands: &mu
     }
     if removable && icon_button(&mut row, crate::ui::theme::Icon::X, &format!("Remove {name}")).clicked() {
         commands.push(Command::Compare(CompareChange::Remove(tile)));
+    }
+}
+
+/// Draws the name of the picture file in a tile, and a button to draw the scene again.
+fn file_name(row: &mut Ui, tile: usize, file: &Path, session: &Session, commands: &mut Vec<Command>) {
+    let role = PictureRole::Tile(tile);
+    let opened = session.comparison.opened(&session.state.tiles, role);
+    let name = opened.as_ref().map_or_else(|| crate::text::path(file), |opened| opened.name());
+    let width = (row.available_width() - CONTROL_HEIGHT - space::S).max(20.0);
+    let label = egui::Label::new(name.as_str()).truncate();
+    let label = row.add_sized([width, CONTROL_HEIGHT], label);
+    label.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("File of {}: {name}", letter(tile))));
+    label.on_hover_ui(|ui| {
+        ui.label(crate::text::path(file));
+        ui.label(opened.as_ref().map_or_else(|| "not opened".to_owned(), |opened| opened.picture.description()));
+    });
+    let close = format!("Close the file of {} and draw the scene", letter(tile));
+    if icon_button(row, crate::ui::theme::Icon::X, &close).clicked() {
+        commands.push(Command::Compare(CompareChange::RemoveFile(role)));
     }
 }
 

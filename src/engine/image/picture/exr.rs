@@ -1,0 +1,95 @@
+//! OpenEXR files: layers of half, float and integer channels, with a data window of their own. Deep data and subsampled
+//! channels are not supported.
+
+use std::io::Cursor;
+
+use exr::image::{AnyChannels, FlatSamples, Layer};
+use exr::meta::MetaData;
+use exr::meta::attribute::IntegerBounds;
+use exr::meta::header::Header;
+use exr::prelude::{ReadChannels as _, ReadLayers as _, read};
+
+use super::{Channel, DataWindow, Picture, Samples};
+use crate::image::file::{MAX_PIXELS, MAX_SIDE};
+
+/// Maximum size of all decoded samples, in bytes. With the file itself, reading stays below a gigabyte.
+const MAX_SAMPLE_BYTES: u64 = 512 << 20;
+
+/// Returns the width and height of the display window in pixels.
+pub(super) fn size(bytes: &[u8]) -> Result<(u32, u32), String> {
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|error| error.to_string())?;
+    check(&meta.headers)?;
+    let header = meta.headers.first().ok_or("it has no layer")?;
+    let size = header.shared_attributes.display_window.size;
+    let side = |length: usize| u32::try_from(length).map_err(|_| "its display window is too large".to_owned());
+    Ok((side(size.width())?, side(size.height())?))
+}
+
+/// Decodes all layers at their largest resolution.
+pub(super) fn decode(bytes: &[u8]) -> Result<Picture, String> {
+    let size = size(bytes)?;
+    let reader = read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
+    let image = reader.non_parallel().from_buffered(Cursor::new(bytes)).map_err(|error| error.to_string())?;
+    let display = image.attributes.display_window;
+    let has_several = image.layer_data.len() > 1;
+    let channels: Result<Vec<_>, String> =
+        image.layer_data.into_iter().map(|layer| channels(layer, display, has_several)).collect();
+    let channels: Vec<_> = channels?.into_iter().flatten().collect();
+    if channels.is_empty() {
+        return Err("it has no channels".to_owned());
+    }
+    Ok(Picture::new("OpenEXR", size, channels))
+}
+
+/// Checks that the channels are supported and that their samples fit into memory, before any are allocated.
+fn check(headers: &[Header]) -> Result<(), String> {
+    let mut total = 0_u64;
+    for header in headers {
+        let (width, height) = (header.layer_size.width() as u64, header.layer_size.height() as u64);
+        if header.deep {
+            return Err("deep data are not supported".to_owned());
+        }
+        if width.max(height) > MAX_SIDE.into() || width * height > MAX_PIXELS {
+            return Err(format!("its data window of {width} × {height} px is too large"));
+        }
+        for channel in &header.channels.list {
+            if channel.sampling.x() != 1 || channel.sampling.y() != 1 {
+                return Err(format!("its channel {} is subsampled, which is not supported", channel.name));
+            }
+            total = total.saturating_add(width * height * channel.sample_type.bytes_per_sample() as u64);
+        }
+    }
+    if total > MAX_SAMPLE_BYTES {
+        return Err(format!("its samples need more than {} MiB, the maximum", MAX_SAMPLE_BYTES >> 20));
+    }
+    Ok(())
+}
+
+/// Returns the channels of a layer. `is_named` adds the name of the layer to theirs.
+fn channels(
+    layer: Layer<AnyChannels<FlatSamples>>,
+    display: IntegerBounds,
+    is_named: bool,
+) -> Result<Vec<Channel>, String> {
+    let place = layer.attributes.layer_position;
+    let offset = |data: i32, display: i32| data.checked_sub(display).ok_or("its data window is out of range");
+    let window = DataWindow {
+        left: offset(place.x(), display.position.x())?,
+        top: offset(place.y(), display.position.y())?,
+        width: layer.size.width() as u32,
+        height: layer.size.height() as u32,
+    };
+    let prefix = layer.attributes.layer_name.filter(|_| is_named).map_or_else(String::new, |name| format!("{name}."));
+    let channel = |channel: exr::image::AnyChannel<FlatSamples>| {
+        let samples = match channel.sample_data {
+            FlatSamples::F16(values) => Samples::F16(values),
+            FlatSamples::F32(values) => Samples::F32(values),
+            FlatSamples::U32(values) => Samples::U32(values),
+        };
+        // Many programs write the name of the layer into that of the channel, too.
+        let name = channel.name.to_string();
+        let name = if name.starts_with(&prefix) { name } else { format!("{prefix}{name}") };
+        Channel::new(name, samples, window)
+    };
+    Ok(layer.channel_data.list.into_iter().map(channel).collect())
+}

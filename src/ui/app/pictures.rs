@@ -1,0 +1,207 @@
+//! Opens picture files of a comparison in background threads, and reloads them when they change.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+
+use eframe::egui::{Context, Ui};
+use notify::{RecommendedWatcher, RecursiveMode, Watcher as _};
+
+use super::Workbench;
+use crate::image::file::ImageFileError;
+use crate::ui::command::Command;
+use crate::ui::compare::CompareChange;
+use crate::ui::compare::files::{OpenedPicture, PictureRole};
+use crate::ui::session::Severity;
+use crate::ui::task::{BackgroundTask, TaskStatus};
+
+/// Time after the last change of a file before it is read again, so that a file that is being written is rarely read.
+const QUIET: Duration = Duration::from_millis(100);
+
+/// Time for which a changed file may stay unreadable before the error is reported; the old picture stays on screen.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// Picture files that are being read, and the watch on those that are open.
+#[derive(Default)]
+pub(super) struct PictureFiles {
+    opening: Vec<OpeningPicture>,
+    changed: Vec<ChangedFile>,
+    watch: Option<FolderWatch>,
+}
+
+/// Reason to read a file.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Purpose {
+    /// The user opened the file.
+    Open(PictureRole),
+    /// The open file has changed. The time is that of its first unread change.
+    Reload(Instant),
+}
+
+/// Picture file that a background thread reads.
+struct OpeningPicture {
+    purpose: Purpose,
+    path: PathBuf,
+    task: BackgroundTask<(), Result<OpenedPicture, ImageFileError>>,
+}
+
+/// Open picture file that has changed since it was read.
+struct ChangedFile {
+    path: PathBuf,
+    since: Instant,
+    read_at: Instant,
+}
+
+/// Watch on the folders of all open picture files. Folders are watched instead of files, because many programs replace a
+/// file by renaming another one.
+struct FolderWatch {
+    watcher: RecommendedWatcher,
+    folders: BTreeSet<PathBuf>,
+    events: Receiver<notify::Result<notify::Event>>,
+}
+
+impl FolderWatch {
+    /// Creates a watch without folders. Returns `None` if the system has no notifications left.
+    fn new(context: Context) -> Option<Self> {
+        let (sender, events) = channel();
+        let watcher = notify::recommended_watcher(move |event| {
+            // The receiver is gone if the window is closed.
+            drop(sender.send(event));
+            context.request_repaint();
+        });
+        Some(Self { watcher: watcher.ok()?, folders: BTreeSet::new(), events })
+    }
+
+    /// Watches the folder of a file. Returns whether that is possible.
+    fn add(&mut self, file: &Path) -> bool {
+        let folder = folder_of(file);
+        if self.folders.contains(&folder) {
+            return true;
+        }
+        let is_watched = self.watcher.watch(&folder, RecursiveMode::NonRecursive).is_ok();
+        if is_watched {
+            self.folders.insert(folder);
+        }
+        is_watched
+    }
+}
+
+/// Returns the absolute folder of a file.
+fn folder_of(file: &Path) -> PathBuf {
+    let absolute = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
+    absolute.parent().map_or_else(PathBuf::new, Path::to_owned)
+}
+
+impl Workbench {
+    /// Opens a picture file for a comparison.
+    pub(super) fn open_picture(&mut self, ui: &Ui, role: PictureRole, path: PathBuf) {
+        if self.widgets.is_synchronous {
+            let read = OpenedPicture::read(&path, self.session.comparison.pictures.tone());
+            self.picture_read(Purpose::Open(role), &path, read);
+            return;
+        }
+        self.watch_file(ui, &path);
+        // The most recent request for a role replaces an earlier one.
+        self.pictures.opening.retain(|opening| opening.purpose != Purpose::Open(role));
+        self.read_picture(ui.ctx(), Purpose::Open(role), path);
+    }
+
+    fn read_picture(&mut self, context: &Context, purpose: Purpose, path: PathBuf) {
+        let (tone, wanted) = (self.session.comparison.pictures.tone(), path.clone());
+        let task = BackgroundTask::start(context.clone(), move |_, _| Some(OpenedPicture::read(&wanted, tone)));
+        self.pictures.opening.push(OpeningPicture { purpose, path, task });
+    }
+
+    fn watch_file(&mut self, ui: &Ui, path: &Path) {
+        if self.pictures.watch.is_none() {
+            self.pictures.watch = FolderWatch::new(ui.ctx().clone());
+        }
+        let is_watched = self.pictures.watch.as_mut().is_some_and(|watch| watch.add(path));
+        if !is_watched {
+            let text = format!("{}: changes of the file are not noticed; open it again to reload it", path.display());
+            self.session.report(Severity::Warning, text);
+        }
+    }
+
+    /// Shows the pictures that have been read, or reports why they cannot be read.
+    pub(super) fn poll_pictures(&mut self) {
+        let mut ended = Vec::new();
+        self.pictures.opening.retain(|OpeningPicture { purpose, path, task }| match task.poll(&mut None) {
+            TaskStatus::Running => true,
+            TaskStatus::Ended(result) => {
+                ended.extend(result.map(|result| (*purpose, path.clone(), Some(*result))));
+                false
+            }
+            TaskStatus::Lost => {
+                ended.push((*purpose, path.clone(), None));
+                false
+            }
+        });
+        for (purpose, path, result) in ended {
+            match result {
+                Some(result) => self.picture_read(purpose, &path, result),
+                None => {
+                    let text = format!("Reading {} stopped: internal error", path.display());
+                    self.session.report(Severity::Error, text);
+                }
+            }
+        }
+    }
+
+    /// Reads open picture files again after they have changed.
+    pub(super) fn reload_changed_pictures(&mut self, ui: &Ui) {
+        let now = Instant::now();
+        let events: Vec<_> = self.pictures.watch.iter().flat_map(|watch| watch.events.try_iter()).collect();
+        for path in events.into_iter().flatten().filter(|event| !event.kind.is_access()).flat_map(|event| event.paths) {
+            let is_it = |opened: &&Path| {
+                opened.file_name() == path.file_name()
+                    && path.parent().is_some_and(|folder| folder == folder_of(opened))
+            };
+            let changed = self.session.comparison.pictures.paths().find(is_it).map(Path::to_owned);
+            if let Some(opened) = changed {
+                self.note_change(opened, now, now + QUIET);
+            }
+        }
+        let opening = &self.pictures.opening;
+        let is_due = |changed: &ChangedFile| {
+            changed.read_at <= now && !opening.iter().any(|opening| opening.path == changed.path)
+        };
+        let due: Vec<_> = self.pictures.changed.extract_if(.., |changed| is_due(changed)).collect();
+        for ChangedFile { path, since, .. } in due {
+            self.read_picture(ui.ctx(), Purpose::Reload(since), path);
+        }
+        if let Some(next) = self.pictures.changed.iter().map(|changed| changed.read_at).min() {
+            ui.request_repaint_after(next.saturating_duration_since(now));
+        }
+    }
+
+    /// Records that an open file must be read at a time. An earlier unread change keeps its time.
+    fn note_change(&mut self, path: PathBuf, since: Instant, read_at: Instant) {
+        match self.pictures.changed.iter_mut().find(|changed| changed.path == path) {
+            // A file that changes all the time is read from time to time.
+            Some(changed) => changed.read_at = changed.read_at.max(read_at.min(changed.since + 2 * QUIET)),
+            None => self.pictures.changed.push(ChangedFile { path, since, read_at }),
+        }
+    }
+
+    fn picture_read(&mut self, purpose: Purpose, path: &Path, result: Result<OpenedPicture, ImageFileError>) {
+        match (purpose, result) {
+            (Purpose::Open(role), Ok(picture)) => self.session.show_compared_picture(role, Arc::new(picture)),
+            (Purpose::Reload(_), Ok(picture)) => {
+                let text = format!("Reloaded {}", picture.name());
+                self.session.apply(Command::Compare(CompareChange::Reload(Arc::new(picture))));
+                self.session.report(Severity::Info, text);
+            }
+            // Another program may still be writing the file.
+            (Purpose::Reload(since), Err(_)) if since.elapsed() < PATIENCE => {
+                self.note_change(path.to_owned(), since, Instant::now() + QUIET);
+            }
+            (Purpose::Reload(_), Err(error)) => {
+                self.session.report(Severity::Warning, format!("{error}; the last complete picture is kept"));
+            }
+            (Purpose::Open(_), Err(error)) => self.session.report(Severity::Error, error.to_string()),
+        }
+    }
+}

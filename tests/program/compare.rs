@@ -1,0 +1,123 @@
+//! Tests of `rasterscope compare`: figures, better picture, bounds, exit codes and messages.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use rasterscope::image::file::{self, write_png};
+use rasterscope::image::pfm::{Floats, write_pfm};
+use rasterscope::image::{Image, Rgba8};
+use rasterscope::measure::against::figures;
+use rasterscope::measure::difference::{Difference, picture, values};
+use serde_json::Value;
+use tempfile::TempDir;
+
+fn gradient(shift: u8) -> Image<Rgba8> {
+    Image::from_fn(40, 30, |x, y| [(x * 6) as u8, (y * 8) as u8, (x * y / 5) as u8 | shift, 255])
+}
+
+/// Creates a folder with the PNG files `a`, `b` (nearer to `r`) and `r`, a smaller `small.png`, and PFM files.
+fn pictures() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, picture) in [("a.png", gradient(64)), ("b.png", gradient(4)), ("r.png", gradient(0))] {
+        write_png(&folder.path().join(name), &picture).unwrap();
+    }
+    write_png(&folder.path().join("small.png"), &Image::filled(39, 30, [0, 0, 0, 255])).unwrap();
+    let floats = |scale: f32| Floats::Three(Image::from_fn(40, 30, |x, y| [x as f32 * scale, y as f32, 0.25]));
+    write_pfm(&folder.path().join("bright.pfm"), &floats(1.0)).unwrap();
+    write_pfm(&folder.path().join("brighter.pfm"), &floats(1.5)).unwrap();
+    std::fs::write(folder.path().join("text.exr"), "no picture").unwrap();
+    folder
+}
+
+fn compare(folder: &Path, args: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rasterscope"));
+    command.arg("compare").args(args).current_dir(folder).output().unwrap()
+}
+
+fn json(output: &Output) -> Value {
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)))
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn figures_of_png_files_are_those_of_the_engine() {
+    let folder = pictures();
+    let output = compare(folder.path(), &["a.png", "b.png", "--json", "-o", "d.png", "--gain", "2"]);
+    assert_eq!(output.status.code(), Some(0));
+    let metrics = &json(&output)["errors"][0]["metrics"];
+    let (expected, _) = figures(&gradient(64), &gradient(4)).unwrap();
+    for (name, value) in [
+        ("psnr", expected.codes.psnr_db),
+        ("ssim", expected.codes.ssim),
+        ("flip", expected.flip),
+        ("mse", expected.codes.mse),
+        ("max", expected.codes.max_abs.into()),
+        ("changed", expected.codes.differing_pixels as f64),
+    ] {
+        let measured = metrics[name].as_f64().unwrap();
+        assert!((measured - value).abs() <= 1e-9 * value.abs(), "{name}: {measured} is not {value}");
+    }
+    let absolute = values(Difference::Absolute, &gradient(64), &gradient(4)).unwrap();
+    assert_eq!(file::read(&folder.path().join("d.png")).unwrap(), picture(Difference::Absolute, 2, &absolute));
+}
+
+#[test]
+fn floats_are_compared_as_linear_light_and_stated_to_be() {
+    let folder = pictures();
+    let report = json(&compare(folder.path(), &["bright.pfm", "brighter.pfm", "--json", "--metric", "max"]));
+    assert_eq!(report["errors"][0]["scale"], "linear");
+    assert_eq!(report["errors"][0]["metrics"], serde_json::json!({ "max": 39.0 * 0.5 }));
+    assert_eq!(report["pictures"][1]["channels"][2], serde_json::json!({ "name": "B", "type": "32-bit float" }));
+    let text = compare(folder.path(), &["bright.pfm", "brighter.pfm", "--tone-curve", "aces", "--exposure", "-2"]);
+    let text = String::from_utf8(text.stdout).unwrap();
+    assert!(text.contains("SSIM and FLIP: exposure -2 EV, tone curve ACES (fit)"), "{text}");
+}
+
+#[test]
+fn the_picture_nearer_to_the_reference_is_named() {
+    let folder = pictures();
+    let text = compare(folder.path(), &["a.png", "b.png", "--reference", "r.png"]);
+    assert!(String::from_utf8_lossy(&text.stdout).contains("B is better: b.png"));
+    let swapped = json(&compare(folder.path(), &["b.png", "a.png", "--reference", "r.png", "--json"]));
+    assert_eq!((&swapped["better"]["flip"], &swapped["better"]["psnr"]), (&Value::from("A"), &Value::from("A")));
+    let same = compare(folder.path(), &["a.png", "a.png", "--reference", "r.png"]);
+    assert!(String::from_utf8_lossy(&same.stdout).contains("A and B are equally good"));
+}
+
+#[test]
+fn bounds_decide_about_the_exit_code() {
+    let folder = pictures();
+    let code = |bounds: &[&str]| {
+        let output = compare(folder.path(), &[&["b.png", "r.png"], bounds].concat());
+        (output.status.code(), stderr(&output))
+    };
+    assert_eq!(code(&["--max", "max=4", "--min", "psnr=20"]), (Some(0), String::new()));
+    let (status, message) = code(&["--max", "max=3.5"]);
+    assert_eq!((status, message.as_str()), (Some(1), "error: A against B: max 4 is above 3.5\n"));
+    let (status, message) = code(&["--min", "ssim=1"]);
+    assert!(status == Some(1) && message.contains("ssim") && message.contains("is below 1"), "{message}");
+}
+
+#[test]
+fn bad_input_is_one_sentence_and_exit_code_2() {
+    let folder = pictures();
+    for (args, culprit) in [
+        (
+            &["a.png", "small.png"][..],
+            "a.png and small.png: the pictures have different sizes: 40 × 30 px and 39 × 30 px",
+        ),
+        (&["a.png", "missing.png"], "missing.png: cannot read it"),
+        (&["text.exr", "a.png"], "text.exr: not a supported picture"),
+        (&["a.png", "b.png", "--layer", "Z"], "a.png: no layer Z; its layers are RGB"),
+        (&["a.png", "b.png", "--max", "psnr=30"], "use --min psnr=VALUE"),
+        (&["a.png", "b.png", "--max", "flop=1"], "flop is not a metric"),
+    ] {
+        let output = compare(folder.path(), args);
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {message}");
+        assert!(message.contains(culprit) && message.lines().count() == 1, "{args:?}: {message}");
+    }
+}
