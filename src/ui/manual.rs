@@ -9,6 +9,7 @@ use super::command::Command;
 use super::theme::{self, CONTROL_HEIGHT, Icon, space, tokens};
 use super::widgets::{copy_button, icon_button};
 use crate::manual::{Chapter, Passage, Section, SectionPart, find};
+use crate::ui::window_task::DialogCommand;
 
 /// Initial size of the manual window, in points.
 const DEFAULT_SIZE_POINTS: [f32; 2] = [820.0, 560.0];
@@ -196,6 +197,6 @@ fn result(ui: &mut Ui, passage: &Passage) -> bool {
 /// Adds the “?” button of a panel, which opens its chapter of the manual.
 pub(crate) fn manual_button(ui: &mut Ui, chapter: Chapter, commands: &mut Vec<Command>) {
     if icon_button(ui, Icon::CircleQuestionMark, &format!("Manual: {}", chapter.title())).clicked() {
-        commands.push(Command::OpenManual(Some(chapter)));
+        commands.push(Command::Dialog(DialogCommand::Manual(Some(chapter))));
     }
 }

@@ -20,7 +20,6 @@ use super::place;
 use super::session::{PictureSize, Preferences, Session, Severity, WindowState};
 use super::store::{self, LoadedPreferences, Store};
 use super::theme;
-use super::watch;
 use super::worker::Worker;
 use super::workspace::{Panel, Workspace};
 use crate::chain::Recipe;
@@ -34,6 +33,7 @@ use crate::inspect::scrub::Moment;
 use crate::lab::Page;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, LoadControl, MemoryLimit, Scene, SceneError, SceneSource, Warning};
+use crate::ui::files::FileCommand;
 
 /// Initial state of the workbench.
 #[derive(Clone, Debug)]
@@ -91,12 +91,12 @@ impl InitialView {
         session.pick = self.pixel;
         session.set_shown(self.shown.unwrap_or(session.shown));
         if let Some(display) = self.display {
-            session.range.show_by(display, session.shown);
+            session.features.range.show_by(display, session.shown);
         }
         for layer in self.layers {
             // Each overlay occurs once: a repeated one takes its last position.
-            session.overlays.layers.retain(|other| other.overlay != layer.overlay);
-            session.overlays.layers.push(layer);
+            session.features.overlays.layers.retain(|other| other.overlay != layer.overlay);
+            session.features.overlays.layers.push(layer);
         }
         if let Some(moment) = self.moment {
             session.begin_at(moment);
@@ -281,16 +281,12 @@ pub(crate) fn resumed(start: WindowStart, preferences: &Preferences, patience: D
 /// Creates the application from its initial state and the stored preferences.
 pub(crate) fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -> Workbench {
     let mut session = Session::new(start.scene, start.source, start.recipe, start.camera);
-    session.recent = preferences.recent;
-    session.onboarding.seen = preferences.seen;
+    session.features.restore(&preferences);
     if start.resume {
-        session.onboarding.begin();
+        session.features.onboarding.begin();
     }
-    session.places.bookmarks = preferences.bookmarks;
-    session.watch.pixels = preferences.watched;
-    session.watch.pixels.truncate(watch::MAX_PIXELS);
     session.mirrored = start.mirrored;
-    session.memory_limit = start.memory_limit;
+    session.features.files.memory_limit = start.memory_limit;
     session.state.size = preferences.size.checked();
     start.initial_view.show(&mut session);
     session.settle_silently();
@@ -302,7 +298,7 @@ pub(crate) fn workbench(start: WindowStart, preferences: Preferences, worker: Wo
                 let place = InspectionState { scene: path, camera, ..workbench.session().place() };
                 Command::Place(place::PlaceChange::Go(Box::new(place)))
             }
-            None => Command::Open(path),
+            None => Command::File(FileCommand::Open(path)),
         };
         workbench.queue(vec![open]);
     }
@@ -328,10 +324,10 @@ pub(crate) fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Vi
         app.session_mut().apply(Command::Compare(change));
     }
     if request.panel == Some(Panel::Assertions) {
-        app.session_mut().checks.apply(checks::ChecksChange::Run);
+        app.session_mut().features.checks.apply(checks::ChecksChange::Run);
     }
     if let Some(style) = request.mesh {
-        let mesh = &mut app.session_mut().mesh_view;
+        let mesh = &mut app.session_mut().features.mesh_view;
         (mesh.open, mesh.style) = (true, style);
     }
     if let Some(workspace) = request.workspace {
@@ -354,7 +350,7 @@ pub(crate) fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Vi
         let changes =
             [lab::LabChange::Open(true), lab::LabChange::Page(page), lab::LabChange::Go(step.unwrap_or(usize::MAX))];
         changes.into_iter().chain(request.measure.then_some(lab::LabChange::Compare)).for_each(|change| {
-            app.session_mut().lab.apply(change);
+            app.session_mut().features.lab.apply(change);
         });
     }
     app.queue(request.first.clone());

@@ -83,9 +83,9 @@ fn preferences(rng: &mut Rng) -> Preferences {
     session.pick = rng.bool().then_some((20, 10));
     session.state.size = *mutate::pick(rng, &[PictureSize::MatchWindow, PictureSize::Fixed(96, 64)]);
     let bookmark = |session: &Session| Bookmark { name: "kept".to_owned(), place: session.place() };
-    session.places.bookmarks = (0..rng.usize(..3)).map(|_| bookmark(&session)).collect();
-    session.watch.pixels = (0..rng.u32(..4)).map(|n| (n * 7, n)).collect();
-    session.recent = (0..rng.usize(..3)).map(|n| format!("/models/{n}.obj").into()).collect();
+    session.features.places.bookmarks = (0..rng.usize(..3)).map(|_| bookmark(&session)).collect();
+    session.features.watch.pixels = (0..rng.u32(..4)).map(|n| (n * 7, n)).collect();
+    session.features.files.recent = (0..rng.usize(..3)).map(|n| format!("/models/{n}.obj").into()).collect();
     let scale = *mutate::pick(rng, &[0.0, 1.0, 1.5]);
     session.preferences(&WindowState { light_theme: rng.bool(), scale, ..WindowState::default() })
 }

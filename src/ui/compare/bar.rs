@@ -8,6 +8,7 @@ use crate::measure::difference::{Difference, GAINS};
 use crate::measure::reference::Reference;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
+use crate::ui::files::FileCommand;
 use crate::ui::filmstrip::{self, FilmstripChange};
 use crate::ui::manual::manual_button;
 use crate::ui::session::Session;
@@ -41,7 +42,8 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, widgets: &PanelWidgets, command
             changes.push(CompareChange::Swap);
         }
         region(ui, session, &mut changes);
-        let strip = Button::selectable(session.filmstrip.is_shown_in(widgets.picture_panel_height), "Filmstrip");
+        let strip =
+            Button::selectable(session.features.filmstrip.is_shown_in(widgets.picture_panel_height), "Filmstrip");
         let strip = ui.add_enabled(filmstrip::has_room(widgets.picture_panel_height), strip);
         let help = "Show every upscaling method in a strip below the pictures";
         let why = "The window is too low for a strip of all upscaling methods below the pictures";
@@ -62,7 +64,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, widgets: &PanelWidgets, command
             );
         }
         if icon_button(ui, Icon::Download, "Save comparison (HTML)").clicked() {
-            commands.push(Command::SaveComparison);
+            commands.push(Command::File(FileCommand::SaveComparison));
         }
         manual_button(ui, Chapter::ComparingUpscalers, commands);
         if icon_button(ui, Icon::X, "Stop comparing  (Esc)").clicked() {
@@ -90,7 +92,7 @@ fn counts(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>) {
     }
     let help = "Show a tile for every upscaling method, at the scale of the filmstrip";
     if ui.button("All").on_hover_text(help).clicked() {
-        changes.push(CompareChange::Every(session.filmstrip.scale));
+        changes.push(CompareChange::Every(session.features.filmstrip.scale));
     }
     if count < super::MAX_TILES && icon_button(ui, Icon::Plus, "Add a tile").clicked() {
         changes.push(CompareChange::Count(count + 1));

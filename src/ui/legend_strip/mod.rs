@@ -70,8 +70,8 @@ fn draw(ui: &mut Ui, chip: Chip, session: &Session, commands: &mut Vec<Command>)
                 legend::inline(ui, sheet, TOTALS);
             }
         }
-        Chip::Probe => probe::legend(ui, &session.probing),
-        Chip::Marks if !session.overlays.vectors => {
+        Chip::Probe => probe::legend(ui, &session.features.probing),
+        Chip::Marks if !session.features.overlays.vectors => {
             note(ui, "zoom in to see sample points and edges");
         }
         Chip::TriangleLimit => {
@@ -95,9 +95,9 @@ fn shown(ui: &mut Ui, session: &Session, view: &RenderedView, commands: &mut Vec
         ui.add(Label::new(RichText::new(missing).small().color(tokens(ui).warning)).extend());
         return;
     }
-    let range = view.range.filter(|_| kind(shown) == ValueKind::Numbers && !session.range.open);
+    let range = view.range.filter(|_| kind(shown) == ValueKind::Numbers && !session.features.range.open);
     if let Some(range) = range {
-        let colors = legend_colors(shown, &session.range.setting(shown), range);
+        let colors = legend_colors(shown, &session.features.range.setting(shown), range);
         ScaleLegend { ends: [short(range.low), short(range.high)] }.ui(ui, colors);
     }
     let hits = view.buffers.as_ref().and_then(|buffers| buffers.hits.as_ref());

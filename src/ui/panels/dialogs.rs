@@ -6,6 +6,7 @@ use eframe::egui::{Frame, Id, Key, Modal, RichText, TextEdit, Ui};
 
 use super::system_dialog::{Answer, SystemDialog};
 use crate::ui::command::Command;
+use crate::ui::files::FileCommand;
 use crate::ui::key_sheet;
 use crate::ui::palette::Palette;
 use crate::ui::place::{bookmarks, go_to as go_to_wanted};
@@ -105,7 +106,7 @@ impl OpenDialog {
                 let ready = !self.path.trim().is_empty();
                 let open = ui.add_enabled(ready, eframe::egui::Button::new("Open"));
                 if (open.clicked() || entered) && ready {
-                    commands.push(Command::Open(PathBuf::from(self.path.trim())));
+                    commands.push(Command::File(FileCommand::Open(PathBuf::from(self.path.trim()))));
                     done = true;
                 }
                 let idle = self.browsing.is_none();
@@ -126,7 +127,7 @@ impl OpenDialog {
             done | recent(ui, session, commands)
         });
         if let Some(path) = chosen {
-            commands.push(Command::Open(path));
+            commands.push(Command::File(FileCommand::Open(path)));
             return false;
         }
         stays
@@ -161,15 +162,15 @@ impl OpenDialog {
 }
 
 fn recent(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> bool {
-    if session.recent.is_empty() {
+    if session.features.files.recent.is_empty() {
         return false;
     }
     ui.add_space(8.0);
     ui.label(RichText::new("Recent files").color(tokens(ui).text_weak));
     let mut done = false;
-    for path in &session.recent {
+    for path in &session.features.files.recent {
         if ui.add(eframe::egui::Button::new(path.display().to_string()).truncate().frame(false)).clicked() {
-            commands.push(Command::Open(path.clone()));
+            commands.push(Command::File(FileCommand::Open(path.clone())));
             done = true;
         }
     }

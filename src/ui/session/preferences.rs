@@ -6,12 +6,13 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::{Map, Value, json};
 
-use super::{RECENT_FILES, Session};
+use super::Session;
 use crate::chain::Recipe;
 use crate::disk::stored_path::StoredPath;
 use crate::inspect::InspectionState;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::Camera;
+use crate::ui::files::MAX_RECENT;
 use crate::ui::onboarding::Seen;
 use crate::ui::place::Bookmark;
 use crate::ui::watch;
@@ -158,7 +159,7 @@ impl Preferences {
         let mut recent = self.recent.clone();
         let others = theirs.recent.iter().filter(|path| !self.recent.contains(path) && !base.recent.contains(path));
         recent.extend(others.cloned());
-        recent.truncate(RECENT_FILES);
+        recent.truncate(MAX_RECENT);
         let mut watched = merged_list(&self.watched, &base.watched, &theirs.watched);
         watched.truncate(watch::MAX_PIXELS);
         Self {
@@ -229,18 +230,17 @@ impl Session {
     pub(crate) fn preferences(&self, window: &WindowState) -> Preferences {
         // While a scene is loading, that scene is the one to store.
         let InspectionState { scene, camera, mirrored, .. } =
-            self.places.pending.clone().unwrap_or_else(|| self.place());
-        Preferences {
+            self.features.places.pending.clone().unwrap_or_else(|| self.place());
+        let mut preferences = Preferences {
             source: Some(scene),
             recipe: self.state.recipe,
             camera: Some(if mirrored { camera.mirrored_z() } else { camera }),
             size: self.state.size,
-            recent: self.recent.clone(),
-            seen: self.onboarding.seen,
             window: window.clone(),
-            bookmarks: self.places.bookmarks.clone(),
-            watched: self.watch.pixels.clone(),
-        }
+            ..Preferences::default()
+        };
+        self.features.store(&mut preferences);
+        preferences
     }
 }
 
@@ -258,7 +258,8 @@ mod tests {
         let home = scene.home;
         let mut session = Session::new(Arc::new(scene), source, Recipe::default(), home);
         let camera = Camera { far: 77.0, ..home };
-        session.places.pending = Some(InspectionState { scene: "/models/large.obj".into(), camera, ..session.place() });
+        session.features.places.pending =
+            Some(InspectionState { scene: "/models/large.obj".into(), camera, ..session.place() });
         let kept = session.preferences(&WindowState::default());
         assert_eq!((kept.source, kept.camera), (Some("/models/large.obj".into()), Some(camera)));
     }

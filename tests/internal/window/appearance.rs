@@ -28,7 +28,7 @@ fn keys_do_nothing_under_a_dialog() {
     bench.press(Key::ArrowLeft);
     bench.press(Key::Home);
     assert_eq!(bench.session().pick, pick);
-    assert_eq!(bench.session().triangle_limit, None);
+    assert_eq!(bench.session().features.scrub.triangle_limit, None);
     bench.press(Key::Escape);
     assert!(!bench.says("Keys and mouse"), "Escape closes the sheet");
     assert_eq!(bench.session().pick, pick, "and nothing else");

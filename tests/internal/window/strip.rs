@@ -17,14 +17,16 @@ type Removable = (&'static str, Command, fn(&Session) -> bool);
 fn removables() -> [Removable; 5] {
     [
         ("Remove the overlay: Facing", Command::Overlays(OverlayChange::Toggle(Overlay::Facing)), |session| {
-            session.overlays.layer(Overlay::Facing).is_some()
+            session.features.overlays.layer(Overlay::Facing).is_some()
         }),
-        ("Remove the marks: ", Command::Overlays(OverlayChange::Marks(true)), |session| session.overlays.marks),
+        ("Remove the marks: ", Command::Overlays(OverlayChange::Marks(true)), |session| {
+            session.features.overlays.marks
+        }),
         ("Show the colour: Depth", Command::Show(Shown::Buffer(Buffer::Depth)), |session| {
             session.shown == Shown::Buffer(Buffer::Depth)
         }),
         ("Draw all triangles: First 5 of ", Command::LimitTriangles(Some(5)), |session| {
-            session.triangle_limit.is_some()
+            session.features.scrub.triangle_limit.is_some()
         }),
         ("Mirror the scene back: ", Command::MirrorZ, |session| session.mirrored),
     ]

@@ -77,13 +77,13 @@ fn the_pick_and_the_picture_stay_in_every_workspace_and_window() {
     let mut bench = Bench::small("chess");
     let (pick, picture) = (bench.session().pick, bench.image());
     assert!(pick.is_some());
-    let point = bench.session().picked_point.clone().expect("a triangle is picked");
+    let point = bench.session().features.picking.point.clone().expect("a triangle is picked");
     for window in [Vec2::new(900.0, 560.0), Vec2::new(1920.0, 1080.0)] {
         resize(&mut bench, window);
         for workspace in Workspace::ALL.iter().copied() {
             change(&mut bench, WorkspaceChange::Show(workspace));
             assert_eq!((bench.session().pick, &bench.image()), (pick, &picture), "{workspace:?} {window}");
-            let now = bench.session().picked_point.as_ref().expect("it is kept");
+            let now = bench.session().features.picking.point.as_ref().expect("it is kept");
             assert_eq!((now.triangle, now.weights), (point.triangle, point.weights));
         }
     }
