@@ -27,6 +27,7 @@ use opening::{Opening, SLOW_LOAD};
 use requests::SentRequests;
 use saving::Saving;
 
+use super::appearance;
 use super::checks;
 use super::command::Command;
 use super::engine::Shown;
@@ -119,6 +120,7 @@ impl Workbench {
     /// Runs one frame of the window: receives responses, handles input, lays out the panels, applies commands and sends
     /// requests.
     pub(crate) fn show(&mut self, ui: &mut Ui) {
+        appearance::set_motion(ui.ctx(), self.session.features.appearance.reduces_motion());
         self.receive_answers();
         let mut commands = std::mem::take(&mut self.queued);
         self.keys(ui, &mut commands);
@@ -178,7 +180,11 @@ impl Workbench {
 
 impl eframe::App for Workbench {
     /// Turns the Tab key into a command while the pointer is over the picture. Otherwise, the toolkit moves the focus.
+    /// With reduced motion, also prevents smooth scrolling.
     fn raw_input_hook(&mut self, context: &Context, raw_input: &mut egui::RawInput) {
+        if self.session.features.appearance.reduces_motion() {
+            appearance::split_wheel_events(context, raw_input);
+        }
         if self.widgets.canvas.hovered.is_none() || context.egui_wants_keyboard_input() {
             return;
         }

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use eframe::egui::{self, Vec2, ViewportBuilder};
 
 use super::app::Workbench;
+use super::appearance::desktop_reduces_motion;
 use super::checks;
 use super::command::Command;
 use super::compare::CompareChange;
@@ -218,6 +219,7 @@ fn windowed(
     let start = if start.resume { resumed(start, &preferences, LOAD_TIMEOUT) } else { start };
     let store = folder.map(|folder| Store::new(folder, preferences.clone()));
     let mut workbench = workbench(start, preferences, worker);
+    workbench.session_mut().features.appearance.desktop_reduces_motion = desktop_reduces_motion();
     match store {
         Some(store) => workbench.save_preferences_to(store),
         None => {

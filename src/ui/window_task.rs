@@ -1,6 +1,5 @@
 //! Tasks that the session leaves to the window, because they need files, threads, dialogs or the toolkit.
 
-use super::appearance::AppearanceChange;
 use super::files::FileCommand;
 use super::long_tasks::MeasureCommand;
 use super::save_as::SaveItem;
@@ -32,8 +31,10 @@ pub(crate) enum WindowTask {
     Search(SearchTarget),
     /// Copies text to the clipboard.
     CopyText(String),
-    /// Changes the theme or the scale of the window.
-    Appearance(AppearanceChange),
+    /// Switches between the dark and the light theme.
+    ToggleTheme,
+    /// Sets the scale of the whole interface; 1 is the default.
+    SetScale(f32),
     /// Shows a workspace or a panel, or changes the layout.
     Workspace(WorkspaceChange),
     /// Shows a panel.

@@ -6,7 +6,6 @@ use super::Workbench;
 use super::opening::Opening;
 use crate::scene::SceneSource;
 use crate::scene::obj::TrMeaning;
-use crate::ui::appearance::AppearanceChange;
 use crate::ui::command::Command;
 use crate::ui::files::FileCommand;
 use crate::ui::long_tasks::MeasureCommand;
@@ -39,7 +38,11 @@ impl Workbench {
             WindowTask::Dialog(command) => self.show_dialog(command),
             WindowTask::Search(wanted) => self.search(ui, wanted),
             WindowTask::CopyText(text) => ui.ctx().copy_text(text),
-            WindowTask::Appearance(change) => change_appearance(ui, change),
+            WindowTask::ToggleTheme => {
+                let dark = ui.visuals().dark_mode;
+                ui.ctx().set_theme(if dark { egui::Theme::Light } else { egui::Theme::Dark });
+            }
+            WindowTask::SetScale(scale) => ui.ctx().set_zoom_factor(scale),
             WindowTask::Workspace(change) => self.change_workspace(ui, change),
             WindowTask::ShowPanel(panel) => self.show_panel(panel),
             WindowTask::Fit => self.widgets.canvas.fit(),
@@ -130,15 +133,5 @@ impl Workbench {
             WorkspaceChange::NextPanel => self.docks.focus_next(ui),
             WorkspaceChange::ResetLayout => self.docks.reset(workspace),
         }
-    }
-}
-
-fn change_appearance(ui: &Ui, change: AppearanceChange) {
-    match change {
-        AppearanceChange::ToggleTheme => {
-            let dark = ui.visuals().dark_mode;
-            ui.ctx().set_theme(if dark { egui::Theme::Light } else { egui::Theme::Dark });
-        }
-        AppearanceChange::Scale(scale) => ui.ctx().set_zoom_factor(scale),
     }
 }

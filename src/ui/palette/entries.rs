@@ -241,6 +241,12 @@ fn commands() -> Vec<PaletteEntry> {
         keyless("Save the picked triangle as a case file", Command::File(FileCommand::SaveCase)),
         keyless("Switch between dark and light theme", Command::Appearance(AppearanceChange::ToggleTheme))
             .also(["dark mode", "light mode"]),
+        keyless("Reduce motion", Command::Appearance(AppearanceChange::ToggleMotion)).also([
+            "animation",
+            "accessibility",
+            "blinking",
+            "smooth scrolling",
+        ]),
         keyless("Manage bookmarks", Command::Dialog(DialogCommand::Bookmarks)),
         keyless("Compare all upscalers in tiles", Command::Compare(CompareChange::Every(None))),
         keyless("Filmstrip of all upscaling methods", Command::Filmstrip(FilmstripChange::Toggle)).also(["thumbnails"]),

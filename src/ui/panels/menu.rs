@@ -181,6 +181,11 @@ fn view(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     entry(ui, "Reset layout", Command::Workspace(WorkspaceChange::ResetLayout), commands);
     ui.separator();
     entry(ui, "Switch between dark and light theme", Command::Appearance(AppearanceChange::ToggleTheme), commands);
+    let mut reduced = session.features.appearance.reduces_motion();
+    let help = "Switch off animations, fading, blinking and smooth scrolling";
+    if ui.checkbox(&mut reduced, "Reduce motion").on_hover_text(help).changed() {
+        commands.push(Command::Appearance(AppearanceChange::ToggleMotion));
+    }
     ui.menu_button("Interface scale", |ui| {
         for scale in SCALES {
             let current = (ui.ctx().zoom_factor() - scale).abs() < 0.01;

@@ -71,6 +71,8 @@ pub(crate) struct WindowState {
     pub(crate) light_theme: bool,
     /// Interface scale, as a factor of the default size; 0 means 1.
     pub(crate) scale: f32,
+    /// Whether the window avoids motion; `None` follows the desktop.
+    pub(crate) reduce_motion: Option<bool>,
     /// Width and height of the window while it is not maximized, in points at interface scale 1; `None` means the
     /// default size.
     pub(crate) window_size: Option<[f32; 2]>,
@@ -87,6 +89,7 @@ impl WindowState {
         Self {
             light_theme: latest(&self.light_theme, &base.light_theme, &theirs.light_theme),
             scale: latest(&self.scale, &base.scale, &theirs.scale),
+            reduce_motion: latest(&self.reduce_motion, &base.reduce_motion, &theirs.reduce_motion),
             window_size: latest(&self.window_size, &base.window_size, &theirs.window_size),
             maximized: latest(&self.maximized, &base.maximized, &theirs.maximized),
             layout: latest(&self.layout, &base.layout, &theirs.layout),
