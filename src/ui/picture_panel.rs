@@ -66,8 +66,8 @@ fn ui(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     if asks {
         Panel::top("what-if").frame(frame).show(ui, |ui| what_if::bar::ui(ui, session, commands));
     }
-    let is_single = !compares && session.features.case.is_none();
-    let strip = if is_single { legend_strip::show(ui, frame, session, commands) } else { 0.0 };
+    let shows_case = session.features.case.is_some();
+    let strip = if shows_case { 0.0 } else { legend_strip::show(ui, frame, compares, session, commands) };
     CentralPanel::default().frame(theme::canvas_frame(ui)).show(ui, |ui| canvas(ui, cx, compares, strip));
 }
 
