@@ -171,7 +171,7 @@ impl Workbench {
         range::panel::notify_open(shows_histogram, &self.session, commands);
         self.widgets.mesh.hovered &= self.docks.shows(workspace::Panel::MeshView);
         self.dialog.ui(ui, &self.session, commands);
-        self.manual.ui(ui);
+        self.manual.ui(ui, commands);
         if self.opening.is_running() {
             ui.request_repaint_after(SLOW_LOAD);
         }

@@ -56,6 +56,8 @@ pub(crate) enum FileCommand {
     SaveTo(SaveItem, PathBuf),
     /// Opens the folder of a saved file with the desktop's file manager.
     OpenFolder(PathBuf),
+    /// Opens a web address in the browser.
+    OpenAddress(String),
     /// Saves the triangle visible at the picked pixel as a minimal case.
     SaveCase,
     /// Saves the picture on the canvas as PNG.

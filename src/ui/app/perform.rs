@@ -81,6 +81,7 @@ impl Workbench {
             FileCommand::SaveAs(item) => self.ask_where_to_save(ui, item),
             FileCommand::SaveTo(item, path) => self.save_item(ui, item, Destination::File(path)),
             FileCommand::OpenFolder(file) => self.open_folder(ui, &file),
+            FileCommand::OpenAddress(address) => self.open_outside(ui, "page", address.into()),
             FileCommand::SaveCase => save(SaveItem::Case),
             FileCommand::SavePicture => save(SaveItem::Picture),
             FileCommand::SaveComparison => save(SaveItem::Comparison),

@@ -31,7 +31,7 @@ impl Workbench {
         }
         self.poll_tasks();
         self.poll_saving();
-        self.poll_opened_folder();
+        self.poll_opener();
         self.poll_loading();
         self.poll_case();
     }

@@ -1,5 +1,6 @@
 //! Exporting files and copying to the clipboard.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -40,11 +41,12 @@ impl PendingExport {
     }
 }
 
-/// Exports that background threads are writing to files, and the folder of a saved file that is being opened.
+/// Exports that background threads are writing to files, and what is being opened outside the window.
 #[derive(Default)]
 pub(super) struct Saving {
     exports: Vec<PendingExport>,
-    opening_folder: Option<FolderTask>,
+    /// Task that opens a folder or a web address outside the window.
+    opener: Option<OpenerTask>,
 }
 
 impl Saving {
@@ -81,8 +83,8 @@ impl SavedFile {
     }
 }
 
-/// Task that opens a folder with the desktop's file manager. Its result is an error message on failure.
-type FolderTask = BackgroundTask<(), Result<(), String>>;
+/// Task that opens a folder or a web address. Its result is an error message on failure.
+type OpenerTask = BackgroundTask<(), Result<(), String>>;
 
 impl Workbench {
     /// Asks for a path at which to save `item`, with the system's file dialog if there is one. Reports an error instead
@@ -184,22 +186,25 @@ impl Workbench {
         self.save(ui, file, overlays::save::totals(&self.session));
     }
 
-    /// Opens the folder of a saved file with the desktop's file manager, in a background thread because some openers
-    /// block until the file manager is closed.
+    /// Opens the folder of a saved file with the desktop's file manager.
     pub(super) fn open_folder(&mut self, ui: &Ui, file: &Path) {
-        let folder = file.parent().unwrap_or(file).to_owned();
-        self.saving.opening_folder =
-            Some(BackgroundTask::start(ui.ctx().clone(), move |_: &(dyn Fn(()) + Sync), _| {
-                let failure = |error| format!("Cannot open the folder {}: {error}", folder.display());
-                Some(open::that(&folder).map_err(failure))
-            }));
+        self.open_outside(ui, "folder", file.parent().unwrap_or(file).into());
     }
 
-    /// Reports an error if a folder could not be opened.
-    pub(super) fn poll_opened_folder(&mut self) {
-        let Some(opening) = &self.saving.opening_folder else { return };
-        if let TaskStatus::Ended(outcome) = opening.poll(&mut None) {
-            self.saving.opening_folder = None;
+    /// Opens a path or a web address with the desktop's program for it, in a background thread because some openers
+    /// block until that program is closed. `noun` says what it is.
+    pub(super) fn open_outside(&mut self, ui: &Ui, noun: &'static str, target: OsString) {
+        self.saving.opener = Some(BackgroundTask::start(ui.ctx().clone(), move |_: &(dyn Fn(()) + Sync), _| {
+            let failure = |error| format!("Cannot open the {noun} {}: {error}", target.display());
+            Some(open::that(&target).map_err(failure))
+        }));
+    }
+
+    /// Reports an error if a folder or a page could not be opened.
+    pub(super) fn poll_opener(&mut self) {
+        let Some(opener) = &self.saving.opener else { return };
+        if let TaskStatus::Ended(outcome) = opener.poll(&mut None) {
+            self.saving.opener = None;
             if let Some(Err(error)) = outcome.map(|outcome| *outcome) {
                 self.session.report(Severity::Error, error);
             }
