@@ -1,4 +1,4 @@
-//! The pipeline panel on the left: one row per stage with its count, its time and its share of the frame time, and below
+//! The pipeline panel: one row per stage with its count, its time and its share of the frame time, and below
 //! them the switches of the selected stage.
 
 use std::time::Duration;

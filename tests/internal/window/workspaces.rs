@@ -104,6 +104,22 @@ fn the_picture_has_most_of_the_window() {
 }
 
 #[test]
+fn a_picture_in_16_9_fills_most_of_the_canvas() {
+    let mut bench = Bench::small("triangle");
+    for (window, least) in [(WINDOW, 0.55), (Vec2::new(1024.0, 700.0), 0.44), (Vec2::new(1920.0, 1080.0), 0.7)] {
+        resize(&mut bench, window);
+        let canvas = bench.canvas().size();
+        let width = canvas.x.min(canvas.y * 16.0 / 9.0);
+        let share = width * width * 9.0 / 16.0 / (window.x * window.y);
+        assert!(share >= least, "{window}: {share}");
+        for panel in [Panel::Stages, Panel::Pixel] {
+            let place = bench.window.get_by_role_and_label(Role::Group, panel.name()).rect();
+            assert!(place.width() >= 240.0 && place.height() >= 240.0, "{window}: {panel:?} {place}");
+        }
+    }
+}
+
+#[test]
 fn a_comparison_has_three_quarters_of_the_window() {
     let mut bench = Bench::small("triangle");
     bench.press_with(Modifiers::COMMAND, Key::Num3);
@@ -144,5 +160,5 @@ fn f6_leads_through_all_panels() {
         bench.press(Key::F6);
         names.push(focused(&bench).expect("a panel has the focus"));
     }
-    assert_eq!(names, ["Stages", "Picture", "Pixel", "Stages"]);
+    assert_eq!(names, ["Picture", "Stages", "Pixel", "Picture"]);
 }
