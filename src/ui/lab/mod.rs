@@ -133,6 +133,19 @@ pub(crate) enum LabChange {
     Save(&'static str),
 }
 
+/// Part of a change that needs a file or the rest of the session.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum LabTask {
+    /// Opens the lab, or returns to the pipeline.
+    Toggle,
+    /// Opens a picture file in the lab.
+    OpenPicture(PathBuf),
+    /// Loads an image file into the current page.
+    Picture(PathBuf),
+    /// Saves the drawing of the current page, in the format with this file name extension.
+    Save(&'static str),
+}
+
 impl Default for Lab {
     fn default() -> Self {
         let lessons: Vec<_> = Page::ALL.iter().map(|page| Lesson::new(*page)).collect();
@@ -217,8 +230,8 @@ impl Lab {
         Some(Command::Lab(change))
     }
 
-    /// Applies a change that needs neither a file nor the rest of the session. Returns any other change.
-    pub(crate) fn apply(&mut self, change: LabChange) -> Option<LabChange> {
+    /// Applies a change. Returns a task if the change needs a file or the rest of the session.
+    pub(crate) fn apply(&mut self, change: LabChange) -> Option<LabTask> {
         match change {
             LabChange::Open(open) => {
                 self.open = open;
@@ -257,9 +270,10 @@ impl Lab {
             LabChange::View(view) => self.view = view,
             LabChange::Compare => self.comparison = self.lesson().compare(),
             LabChange::CloseComparison => self.comparison = None,
-            other @ (LabChange::Toggle | LabChange::OpenPicture(_) | LabChange::Save(_) | LabChange::Picture(_)) => {
-                return Some(other);
-            }
+            LabChange::Toggle => return Some(LabTask::Toggle),
+            LabChange::OpenPicture(path) => return Some(LabTask::OpenPicture(path)),
+            LabChange::Picture(path) => return Some(LabTask::Picture(path)),
+            LabChange::Save(extension) => return Some(LabTask::Save(extension)),
         }
         None
     }
@@ -325,20 +339,19 @@ impl Feature for Lab {
 
     fn apply(session: &mut Session, change: LabChange) -> Option<WindowTask> {
         match session.features.lab.apply(change)? {
-            LabChange::Toggle => {
+            LabTask::Toggle => {
                 let is_open = session.features.lab.open;
                 session.show_workspace(if is_open { session.base_workspace } else { Workspace::Lab });
             }
-            LabChange::OpenPicture(path) => {
+            LabTask::OpenPicture(path) => {
                 session.messages.offered_picture = None;
                 if session.open_picture(&path) {
                     session.features.lab.apply(LabChange::Open(true));
                     session.report(Severity::Info, format!("Opened {} in the 2D lab", path.display()));
                 }
             }
-            LabChange::Picture(path) => drop(session.open_picture(&path)),
-            LabChange::Save(extension) => return Some(WindowTask::Save(SaveItem::LabDrawing(extension))),
-            _ => {}
+            LabTask::Picture(path) => drop(session.open_picture(&path)),
+            LabTask::Save(extension) => return Some(WindowTask::Save(SaveItem::LabDrawing(extension))),
         }
         None
     }
