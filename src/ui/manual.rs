@@ -235,4 +235,22 @@ mod tests {
         let [Command::File(FileCommand::OpenAddress(address))] = &commands[..] else { panic!("{commands:?}") };
         assert!(address.starts_with("https://") && address.ends_with("/README.md"), "{address}");
     }
+
+    #[test]
+    fn tables_do_not_widen_the_window() {
+        for chapter in [Chapter::Settings, Chapter::Commands, Chapter::Reference] {
+            let mut manual = ManualWindow::default();
+            manual.open(Some(chapter));
+            let mut headless = Headless::new(vec2(1280.0, 800.0), 1.0, egui::Theme::Dark);
+            for _ in 0..4 {
+                headless.pass(Vec::new(), |ui| manual.ui(ui, &mut Vec::new()));
+            }
+            let picture = headless.picture();
+            let background = picture.at(1270, 780);
+            let (width, height) = picture.size();
+            let widened = DEFAULT_SIZE_POINTS[0] as u32 + 60;
+            let is_empty = |x: u32| (0..height).all(|y| picture.at(x, y) == background);
+            assert!((widened..width).all(is_empty), "{}", chapter.file());
+        }
+    }
 }

@@ -218,7 +218,7 @@ fn windowed(
     close_on_signals(cc.egui_ctx.clone());
     let start = if start.resume { resumed(start, &preferences, LOAD_TIMEOUT) } else { start };
     let store = folder.map(|folder| Store::new(folder, preferences.clone()));
-    let mut workbench = workbench(start, preferences, worker);
+    let mut workbench = workbench(start, &preferences, worker);
     workbench.session_mut().features.appearance.desktop_reduces_motion = desktop_reduces_motion();
     match store {
         Some(store) => workbench.save_preferences_to(store),
@@ -281,9 +281,9 @@ pub(crate) fn resumed(start: WindowStart, preferences: &Preferences, patience: D
 }
 
 /// Creates the application from its initial state and the stored preferences.
-pub(crate) fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -> Workbench {
+pub(crate) fn workbench(start: WindowStart, preferences: &Preferences, worker: Worker) -> Workbench {
     let mut session = Session::new(start.scene, start.source, start.recipe, start.camera);
-    session.features.restore(&preferences);
+    session.features.restore(preferences);
     if start.resume {
         session.features.onboarding.begin();
     }
@@ -320,7 +320,7 @@ pub(crate) fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Vi
     };
     let size_points = Vec2::new(width as f32, height as f32) / request.pixels_per_point;
     let mut headless = Headless::new(size_points, request.pixels_per_point, theme);
-    let mut app = workbench(request.start.clone(), Preferences::default(), Worker::inline());
+    let mut app = workbench(request.start.clone(), &Preferences::default(), Worker::inline());
     app.session_mut().pick = request.selected.or(request.start.initial_view.pixel);
     if let Some(change) = request.compare.clone() {
         app.session_mut().apply(Command::Compare(change));
@@ -416,7 +416,7 @@ mod tests {
             ..WindowState::default()
         };
         let preferences = Preferences { window: window.clone(), ..Preferences::default() };
-        let mut app = workbench(start(), preferences.clone(), Worker::inline());
+        let mut app = workbench(start(), &preferences, Worker::inline());
         app.save_preferences_to(Store::new(folder.path().to_owned(), preferences));
         let mut headless = Headless::new(DEFAULT_SIZE, 1.0, egui::Theme::Light);
         headless.pass(Vec::new(), |ui| app.show(ui));
@@ -446,7 +446,7 @@ mod tests {
             assert_eq!(resumed.source.name(), SceneSource::default().name());
             assert_eq!(resumed.pending, Some(PendingScene { path: path.clone(), camera }));
             let mut headless = Headless::new(DEFAULT_SIZE, 1.0, egui::Theme::Dark);
-            let mut app = workbench(resumed, preferences, Worker::inline());
+            let mut app = workbench(resumed, &preferences, Worker::inline());
             for _ in 0..2 {
                 headless.pass(Vec::new(), |ui| app.show(ui));
             }

@@ -11,6 +11,7 @@ use super::lab;
 use super::mesh_view;
 use super::overlays;
 use super::range;
+use super::session::Preferences;
 use super::start::{WindowStart, workbench};
 use super::watch;
 use super::what_if;
@@ -130,7 +131,7 @@ fn everything() -> Vec<Command> {
 fn cost(start: &WindowStart, size: Viewport, passes: usize, what: String, first: Vec<Command>) -> Option<WindowCost> {
     let points = Vec2::new(size.width as f32, size.height as f32);
     let mut headless = Headless::new(points, 1.0, egui::Theme::Dark);
-    let mut app = workbench(start.clone(), Default::default(), Worker::inline());
+    let mut app = workbench(start.clone(), &Preferences::default(), Worker::inline());
     headless.pass(Vec::new(), |ui| app.show(ui));
     headless.pass(Vec::new(), |ui| app.show(ui));
     plot_something(&mut app);

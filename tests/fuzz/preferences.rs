@@ -134,7 +134,7 @@ fn start(preferences: Preferences) -> Result<(), Failure> {
     let bookmarks = preferences.bookmarks.len().min(MOST_BOOKMARKS);
     let scale = if preferences.window.scale > 0.0 { preferences.window.scale.clamp(0.5, 3.0) } else { 1.0 };
     let mut headless = Headless::new(WINDOW_PX / scale, scale, Theme::Dark);
-    let mut app = workbench(resumed(start, &preferences, Duration::MAX), preferences, Worker::inline());
+    let mut app = workbench(resumed(start, &preferences, Duration::MAX), &preferences, Worker::inline());
     pass(&mut headless, &mut app);
     for bookmark in 0..bookmarks {
         app.queue(vec![Command::Place(place::PlaceChange::Jump(bookmark))]);

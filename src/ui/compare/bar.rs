@@ -22,10 +22,17 @@ const COUNTS: [usize; 2] = [2, 4];
 /// Width reserved for the list of references and its label, in points.
 const REFERENCE_POINTS: f32 = 190.0;
 
+/// Width reserved for the list of references without its label, in points.
+const REFERENCE_LIST_POINTS: f32 = 136.0;
+
+/// Width of the bar from which the list of references has a label, in points.
+const LABEL_POINTS: f32 = 960.0;
+
 /// Draws the comparison modes, the tile count, the region, the filmstrip switch and the reference.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, widgets: &PanelWidgets, commands: &mut Vec<Command>) {
     let comparison = &session.comparison;
     let mut changes = Vec::new();
+    let has_label = ui.available_width() >= LABEL_POINTS;
     ui.horizontal_wrapped(|ui| {
         for (mode, name, help) in Mode::ALL {
             if ui.selectable_label(comparison.mode == mode, name).on_hover_text(help).clicked() {
@@ -52,10 +59,11 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, widgets: &PanelWidgets, command
         }
         ui.separator();
         // One allocation keeps the label and its list on the same row.
+        let width = if has_label { REFERENCE_POINTS } else { REFERENCE_LIST_POINTS };
         ui.allocate_ui_with_layout(
-            Vec2::new(REFERENCE_POINTS, theme::CONTROL_HEIGHT),
+            Vec2::new(width, theme::CONTROL_HEIGHT),
             Layout::left_to_right(Align::Center),
-            |ui| reference(ui, session, &mut changes),
+            |ui| reference(ui, has_label, session, &mut changes),
         );
         if let Some(scale) = widgets.canvas.scale().filter(|scale| *scale < 1.0) {
             let text = format!("shown at {:.0} % of full size", scale * 100.0);
@@ -146,8 +154,10 @@ fn region(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>) {
     }
 }
 
-fn reference(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>) {
-    ui.label(RichText::new("against").color(tokens(ui).text_weak));
+fn reference(ui: &mut Ui, has_label: bool, session: &Session, changes: &mut Vec<CompareChange>) {
+    if has_label {
+        ui.label(RichText::new("against").color(tokens(ui).text_weak));
+    }
     changes.extend(reference_list(ui, "Reference", 124.0, session.comparison.reference));
 }
 

@@ -10,7 +10,7 @@ mod difference;
 
 mod scale;
 
-pub(crate) use scale::ScaleLegend;
+pub(crate) use scale::{ScaleLegend, color_bar};
 
 use eframe::egui::{Button, Frame, Label, Panel, RichText, ScrollArea, Ui, WidgetInfo};
 

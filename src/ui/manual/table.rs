@@ -1,6 +1,6 @@
 //! Tables of the manual. Their columns fit the width of the page, and their cells wrap.
 
-use eframe::egui::{self, Align, Layout, RichText, Shape, TextStyle, TextWrapMode, Ui, vec2};
+use eframe::egui::{self, Align, Layout, Rect, RichText, Shape, TextStyle, TextWrapMode, Ui, UiBuilder, pos2, vec2};
 
 use crate::ui::theme::{RADIUS, space, tokens};
 
@@ -84,21 +84,21 @@ pub(super) fn ui(ui: &mut Ui, rows: &[Vec<String>]) -> Option<String> {
     let room = ui.available_width() - spacing * columns.saturating_sub(1) as f32 - 2.0 * space::S;
     let widths = widths(&natural, room);
     let mut clicked = None;
+    ui.add_space(space::XS);
     for (index, row) in rows.iter().enumerate() {
         let background = ui.painter().add(Shape::Noop);
-        let drawn = ui.horizontal_top(|ui| {
-            ui.spacing_mut().item_spacing.x = spacing;
-            ui.add_space(space::S - spacing);
-            for (cell, width) in row.iter().zip(&widths) {
-                let layout = Layout::top_down(Align::Min);
-                ui.allocate_ui_with_layout(vec2(*width, 0.0), layout, |ui| {
-                    ui.set_width(*width);
-                    clicked = clicked.take().or(draw_cell(ui, cell, index == 0));
-                });
-            }
-        });
+        let corner = ui.cursor().min;
+        let (mut left, mut height) = (corner.x + space::S, 0.0_f32);
+        for (cell, width) in row.iter().zip(&widths) {
+            // The cell must not widen the table, even if a trailing space protrudes.
+            let place = Rect::from_min_size(pos2(left, corner.y), vec2(*width, 0.0));
+            let mut inner = ui.new_child(UiBuilder::new().max_rect(place).layout(Layout::top_down(Align::Min)));
+            inner.push_id((index, left as i32), |ui| clicked = clicked.take().or(draw_cell(ui, cell, index == 0)));
+            (left, height) = (left + width + spacing, height.max(inner.min_rect().height()));
+        }
+        let place = Rect::from_min_size(corner, vec2(ui.available_width(), height));
+        ui.advance_cursor_after_rect(place);
         if index % 2 == 1 {
-            let place = drawn.response.rect.with_max_x(ui.max_rect().right());
             ui.painter().set(background, Shape::rect_filled(place, RADIUS, tokens(ui).raised));
         }
     }
