@@ -124,6 +124,49 @@ pub(crate) enum SectionPart {
     Text(String),
     /// Content of a fenced code block, without its fences.
     Code(String),
+    /// Table with its header as the first row. Each cell is Markdown without line breaks.
+    Table(Vec<Vec<String>>),
+}
+
+/// Returns the cells of a line of a table, without escapes.
+fn cells(line: &str) -> Vec<String> {
+    let mut cells = vec![String::new()];
+    let mut is_escaped = false;
+    for c in line.trim().trim_start_matches('|').chars() {
+        match (c, cells.last_mut()) {
+            ('\\', _) if !is_escaped => {
+                is_escaped = true;
+                continue;
+            }
+            ('|', _) if !is_escaped => cells.push(String::new()),
+            (c, Some(cell)) => {
+                if is_escaped && c != '|' {
+                    cell.push('\\');
+                }
+                cell.push(c);
+            }
+            (_, None) => {}
+        }
+        is_escaped = false;
+    }
+    if line.trim_end().ends_with('|') {
+        cells.pop();
+    }
+    cells.iter().map(|cell| cell.trim().to_owned()).collect()
+}
+
+/// Splits text into paragraphs and tables, and appends them to `parts`.
+fn split_tables(text: &str, parts: &mut Vec<SectionPart>) {
+    for line in text.split_inclusive('\n') {
+        let is_row = line.starts_with('|');
+        match parts.last_mut() {
+            Some(SectionPart::Table(_)) if is_row && line.starts_with("| ---") => {}
+            Some(SectionPart::Table(rows)) if is_row => rows.push(cells(line)),
+            Some(SectionPart::Text(text)) if !is_row => text.push_str(line),
+            _ if is_row => parts.push(SectionPart::Table(vec![cells(line)])),
+            _ => parts.push(SectionPart::Text(line.to_owned())),
+        }
+    }
 }
 
 impl Section {
@@ -132,7 +175,7 @@ impl Section {
         let mut parts = Vec::new();
         for (index, part) in self.markdown.split("```").enumerate() {
             if index % 2 == 0 {
-                parts.push(SectionPart::Text(part.to_owned()));
+                split_tables(part, &mut parts);
             } else if let Some((_language, code)) = part.split_once('\n') {
                 parts.push(SectionPart::Code(code.trim_end().to_owned()));
             }
@@ -145,6 +188,17 @@ impl Section {
     pub(crate) fn links(&self) -> impl Iterator<Item = &str> {
         self.markdown.split("](").skip(1).filter_map(|rest| rest.split(')').next())
     }
+}
+
+/// Returns the web address of a link that leads outside the manual. A link to another file of the package leads to its
+/// page on docs.rs.
+pub(crate) fn web_address(link: &str) -> String {
+    if link.contains("://") {
+        return link.to_owned();
+    }
+    let path = link.trim_start_matches("../");
+    concat!("https://docs.rs/crate/", env!("CARGO_PKG_NAME"), "/", env!("CARGO_PKG_VERSION"), "/source/").to_owned()
+        + path
 }
 
 /// Returns the sections that contain all words of `query`, ignoring case. Sections whose heading contains all words
@@ -245,6 +299,32 @@ mod tests {
             }
         }
         assert!(count > 10, "{count} links");
+    }
+
+    #[test]
+    fn tables_are_parts_with_their_header_first() {
+        let markdown = "Text.\n\n| a | b |\n| --- | --- |\n| `x\\|y` | [z](t.md) |\nMore.\n".to_owned();
+        let parts = Section { heading: "Title", markdown }.parts();
+        let [SectionPart::Text(_), SectionPart::Table(rows), SectionPart::Text(last)] = &parts[..] else {
+            panic!("{parts:?}")
+        };
+        assert_eq!(rows, &[["a", "b"], ["`x|y`", "[z](t.md)"]]);
+        assert_eq!(last, "More.\n");
+    }
+
+    #[test]
+    fn every_link_out_of_the_manual_leads_to_a_page_or_a_file_of_the_package() {
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+        for chapter in Chapter::ALL {
+            for link in chapter.sections().iter().flat_map(Section::links) {
+                if chapter.linked_section(link).is_none() && !link.contains("://") {
+                    assert!(root.join("assets/manual").join(link).exists(), "{}: {link}", chapter.file());
+                    assert!(link.starts_with("../"), "{link}");
+                }
+            }
+        }
+        assert!(web_address("../../README.md").ends_with("/source/README.md"));
+        assert_eq!(web_address("https://example.org/a"), "https://example.org/a");
     }
 
     #[test]

@@ -24,6 +24,7 @@ use crate::ui::place;
 use crate::ui::range;
 use crate::ui::watch;
 use crate::ui::what_if;
+use crate::ui::window_task::DialogCommand;
 use crate::ui::{self, InitialView, ScreenshotRequest, WindowStart};
 
 pub(crate) use crate::ui::workspace::{Panel, Workspace};
@@ -121,11 +122,11 @@ fn comparison(compare: CompareArg) -> CompareChange {
 
 fn open_first(open: Open) -> Vec<Command> {
     match open {
-        Open::Keys => vec![Command::ToggleKeys],
-        Open::Manual => vec![Command::OpenManual(None)],
-        Open::Palette => vec![Command::OpenPalette],
+        Open::Keys => vec![Command::Dialog(DialogCommand::Keys)],
+        Open::Manual => vec![Command::Dialog(DialogCommand::Manual(None))],
+        Open::Palette => vec![Command::Dialog(DialogCommand::Palette)],
         Open::Bookmarks => {
-            vec![Command::Place(place::PlaceChange::Bookmark), Command::Place(place::PlaceChange::Manage)]
+            vec![Command::Place(place::PlaceChange::Bookmark), Command::Dialog(DialogCommand::Bookmarks)]
         }
         Open::StartCard => vec![Command::Onboarding(OnboardingChange::OpenCard)],
         Open::Coach => vec![Command::Onboarding(OnboardingChange::StartCoach)],

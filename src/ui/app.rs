@@ -4,13 +4,17 @@
 
 mod idle_measurement;
 
-mod requests;
+mod input;
 
 mod keeping;
 
 mod opening;
 
+mod perform;
+
 mod pictures;
+
+mod requests;
 
 mod saving;
 
@@ -18,43 +22,29 @@ mod tasks;
 
 use eframe::egui::{self, CentralPanel, Context, Panel, Ui};
 
-use idle_measurement::IdleMeasurement;
-use opening::{Loading, OpeningCase, SLOW_LOAD};
-use saving::{FolderTask, PendingExport};
+use idle_measurement::UpscalerMeasurement;
+use input::dropped_files;
+use keeping::KeptWindow;
+use opening::{Opening, SLOW_LOAD};
+use pictures::PictureFiles;
+use requests::SentRequests;
+use saving::Saving;
 
+use super::appearance;
 use super::checks;
-use super::command::{BINDINGS, Command};
-use super::compare::compute::CompareRequest;
-use super::compare::{CompareChange, Mode};
-use super::engine::{Request, Shown};
-use super::fates;
-use super::fates::finder::Finder;
-use super::lab;
-use super::layout;
-use super::long_tasks::{SavingsTask, ScalingTask, StabilityTask};
+use super::command::Command;
+use super::engine::Shown;
+use super::fates::finder;
 use super::manual::ManualWindow;
-use super::navigate::FLYING_KEYS;
 use super::onboarding::Observed;
-use super::overlays;
-use super::palette::Palette;
-use super::panels::dialogs::{Dialog, OpenDialog};
+use super::panels::dialogs::Dialog;
 use super::panels::{menu, message};
-use super::place;
 use super::range;
-use super::save_as::{Destination, SaveItem};
-use super::session::{PointerMode, Session, Severity, WindowState};
-use super::store::Store;
-use super::task::BackgroundTask;
+use super::session::Session;
 use super::theme;
 use super::thumbnails::Thumbnails;
-use super::what_if;
-use super::worker::{Worker, WorkerRequest};
+use super::worker::Worker;
 use super::workspace::{self, Docks, PanelContext, PanelWidgets, StoredLayouts, WorkspaceChange};
-use crate::image::file::is_named_picture;
-use crate::inspect::Buffer;
-use crate::inspect::find::{SearchResult, SearchTarget};
-use crate::scene::SceneSource;
-use crate::scene::obj::TrMeaning;
 
 /// Height of the message bar at the bottom of the window, in points.
 const MESSAGE_HEIGHT: f32 = theme::ROW_HEIGHT;
@@ -63,42 +53,26 @@ const MESSAGE_HEIGHT: f32 = theme::ROW_HEIGHT;
 pub(crate) struct Workbench {
     session: Session,
     worker: Worker,
-    last_request: Option<Request>,
-    /// Sequence number of the latest measurement of all upscalers; responses with another number are discarded.
-    measurement: u64,
-    /// Decides when a measurement starts by itself.
-    idle: IdleMeasurement,
-    loading: Option<Loading>,
-    opening_case: Option<OpeningCase>,
-    measuring_stability: Option<StabilityTask>,
-    measuring_savings: Option<SavingsTask>,
-    measuring_scaling: Option<ScalingTask>,
+    /// Requests that the worker has received last.
+    sent: SentRequests,
+    /// Measurements of all upscalers.
+    measuring: UpscalerMeasurement,
+    /// Model or case that is being opened.
+    opening: Opening,
     /// Picture files that are being read, and the watch on those that are open.
-    pictures: pictures::PictureFiles,
-    /// Exports that background threads are writing to files.
-    saving: Vec<PendingExport>,
-    /// Task that opens the folder of a saved file.
-    opening_folder: Option<FolderTask>,
+    pictures: PictureFiles,
+    /// Exports that are being written.
+    saving: Saving,
     /// State of the widgets in the panels.
     widgets: PanelWidgets,
     /// Layouts of the workspaces.
     docks: Docks,
-    last_compare_request: Option<CompareRequest>,
-    last_filmstrip_request: Option<CompareRequest>,
-    last_watch_request: Vec<(u32, u32)>,
-    searching: Option<BackgroundTask<(), (SearchTarget, SearchResult)>>,
-    checks: checks::Runner,
-    fates: Finder,
     dialog: Dialog,
     manual: ManualWindow,
-    /// Window state as of the last frame.
-    window: WindowState,
-    /// egui context of the window; `None` until the first frame.
-    context: Option<Context>,
+    /// State of the window that is stored between runs.
+    kept: KeptWindow,
     /// Commands queued from outside the window, applied in the next frame.
     queued: Vec<Command>,
-    /// Preferences on disk; `None` if nothing is stored, as in screenshots and tests.
-    store: Option<Store>,
 }
 
 impl Workbench {
@@ -109,35 +83,21 @@ impl Workbench {
         Self {
             session,
             worker,
-            last_request: None,
-            measurement: 0,
-            idle: IdleMeasurement::default(),
-            loading: None,
-            opening_case: None,
-            measuring_stability: None,
-            measuring_savings: None,
-            measuring_scaling: None,
-            pictures: pictures::PictureFiles::default(),
-            saving: Vec::new(),
-            opening_folder: None,
+            sent: SentRequests::default(),
+            measuring: UpscalerMeasurement::default(),
+            opening: Opening::default(),
+            pictures: PictureFiles::default(),
+            saving: Saving::default(),
             widgets: PanelWidgets {
                 is_synchronous,
                 thumbnails: Thumbnails::new(is_synchronous),
                 ..PanelWidgets::default()
             },
             docks: Docks::new(&StoredLayouts::default()),
-            last_compare_request: None,
-            last_filmstrip_request: None,
-            last_watch_request: Vec::new(),
-            searching: None,
-            checks: checks::Runner::default(),
-            fates: Finder::default(),
             dialog: Dialog::default(),
             manual: ManualWindow::default(),
-            window: WindowState::default(),
-            context: None,
+            kept: KeptWindow::default(),
             queued: Vec::new(),
-            store: None,
         }
     }
 
@@ -158,18 +118,6 @@ impl Workbench {
         self.docks.reveal(workspace, panel);
     }
 
-    fn change_workspace(&mut self, ui: &Ui, change: WorkspaceChange) {
-        let workspace = self.session.workspace();
-        match change {
-            WorkspaceChange::Show(workspace) => self.session.show_workspace(workspace),
-            WorkspaceChange::Panel(panel) => self.show_panel(panel),
-            WorkspaceChange::Maximize(panel) => self.docks.maximize(workspace, panel),
-            WorkspaceChange::TogglePanels => self.docks.toggle_panels(workspace),
-            WorkspaceChange::NextPanel => self.docks.focus_next(ui),
-            WorkspaceChange::ResetLayout => self.docks.reset(workspace),
-        }
-    }
-
     /// Queues commands for the next frame, as if the user had triggered them.
     pub(crate) fn queue(&mut self, commands: Vec<Command>) {
         self.queued.extend(commands);
@@ -178,6 +126,7 @@ impl Workbench {
     /// Runs one frame of the window: receives responses, handles input, lays out the panels, applies commands and sends
     /// requests.
     pub(crate) fn show(&mut self, ui: &mut Ui) {
+        appearance::set_motion(ui.ctx(), self.session.features.appearance.reduces_motion());
         self.receive_answers();
         self.reload_changed_pictures(ui);
         let mut commands = std::mem::take(&mut self.queued);
@@ -185,14 +134,10 @@ impl Workbench {
         dropped_files(ui, &self.session, &mut commands);
         self.layout(ui, &mut commands);
         for command in commands {
-            let nudges = matches!(command, Command::NudgePick(..));
-            self.session.onboarding.observe_command(&command);
+            self.session.features.onboarding.observe_command(&command);
             self.run(ui, command);
-            if let Some(pixel) = self.session.pick.filter(|_| nudges) {
-                self.widgets.canvas.zoom.keep_in_view(pixel, self.widgets.visible_px);
-            }
         }
-        self.session.onboarding.observe(Observed {
+        self.session.features.onboarding.observe(Observed {
             zoom: self.widgets.canvas.scale(),
             shows_stage: matches!(self.session.shown, Shown::Stage(_)),
             compares: self.session.comparison.is_on(),
@@ -203,13 +148,10 @@ impl Workbench {
         self.send_request(ui);
         self.send_compare_request(ui);
         self.send_filmstrip_request(ui);
-        self.checks.step(&mut self.session, ui.ctx(), self.widgets.is_synchronous);
-        self.fates.update(
-            ui,
-            &mut self.session,
-            self.docks.shows(workspace::Panel::TriangleFates),
-            self.widgets.is_synchronous,
-        );
+        let is_synchronous = self.widgets.is_synchronous;
+        checks::step(&mut self.session, ui.ctx(), is_synchronous);
+        let shows_fates = self.docks.shows(workspace::Panel::TriangleFates);
+        finder::update(ui, &mut self.session, shows_fates, is_synchronous);
         self.send_what_if_request(ui);
         self.send_watch_request(ui);
         self.measure_when_idle(ui);
@@ -222,194 +164,34 @@ impl Workbench {
             .frame(tight)
             .show(ui, |ui| menu::ui(ui, &self.session, &mut self.widgets.thumbnails, commands));
         Panel::bottom("message").frame(tight).exact_size(MESSAGE_HEIGHT).show(ui, |ui| {
-            message::ui(ui, &self.session, self.slow_open(), commands);
+            message::ui(ui, &self.session, self.opening.slow(), commands);
         });
         CentralPanel::no_frame().show(ui, |ui| {
             let context = PanelContext { session: &self.session, widgets: &mut self.widgets, commands };
             self.docks.ui(ui, self.session.workspace(), context);
         });
-        self.session.canvas_px = self.widgets.canvas_px;
+        self.session.features.canvas.size_px = self.widgets.canvas_px;
         // A workspace without the picture draws no filmstrip.
         let shows_picture = self.docks.shows(workspace::Panel::Picture);
-        self.session.filmstrip.is_shown = self.widgets.shows_filmstrip && shows_picture;
+        self.session.features.filmstrip.is_shown = self.widgets.shows_filmstrip && shows_picture;
         let shows_histogram = self.docks.shows(workspace::Panel::Histogram);
         range::panel::notify_open(shows_histogram, &self.session, commands);
         self.widgets.mesh.hovered &= self.docks.shows(workspace::Panel::MeshView);
         self.dialog.ui(ui, &self.session, commands);
-        self.manual.ui(ui);
-        if self.loading.is_some() || self.opening_case.is_some() {
+        self.manual.ui(ui, commands);
+        if self.opening.is_running() {
             ui.request_repaint_after(SLOW_LOAD);
-        }
-    }
-
-    fn keys(&self, ui: &Ui, commands: &mut Vec<Command>) {
-        // An open menu handles its own keys: Esc closes the menu and nothing else.
-        if ui.text_edit_focused() || self.dialog.is_open() || egui::Popup::is_any_open(ui.ctx()) {
-            return;
-        }
-        // A focused widget handles plain keys such as Space and the arrows itself.
-        let has_focus = ui.egui_wants_keyboard_input();
-        // In camera mode, or while the pointer is over the mesh view, the flying keys (W A S D Q E) are reserved for
-        // moving a camera and run no commands.
-        let flies = self.session.pointer_mode == PointerMode::Camera || self.widgets.mesh.hovered;
-        for binding in BINDINGS {
-            let is_flying = flies && binding.modifiers == egui::Modifiers::NONE && FLYING_KEYS.contains(&binding.key);
-            let is_taken = is_flying || (has_focus && !binding.works_beside_focus());
-            if !is_taken && ui.input_mut(|i| i.consume_shortcut(&binding.shortcut())) {
-                commands.push((binding.command)());
-            }
-        }
-        // The toolkit reports the copy shortcut as a separate event.
-        if !has_focus && ui.input(|i| i.events.contains(&egui::Event::Copy)) {
-            commands.push(Command::CopyPicture);
-        }
-    }
-
-    fn run(&mut self, ui: &Ui, command: Command) {
-        let Some(command) = self.session.apply(command) else { return };
-        match command {
-            Command::ShowFileDialog => self.dialog = Dialog::Open(OpenDialog::default()),
-            Command::ShowPictureDialog(role) => self.dialog = Dialog::Open(OpenDialog::of_picture(role)),
-            Command::OpenPicture(role, path) => self.open_picture(ui, role, path),
-            Command::Open(path) => self.open(ui, SceneSource::File(path, TrMeaning::Auto)),
-            Command::Reopen(path, tr) => self.open(ui, SceneSource::File(path, tr)),
-            Command::OpenLesson(lesson) => self.open_lesson(ui, lesson),
-            Command::OpenBuiltin(id) => self.open(ui, SceneSource::named(id.into())),
-            Command::SaveAs(item) => self.ask_where_to_save(ui, item),
-            Command::SaveTo(item, path) => self.save_item(ui, item, Destination::File(path)),
-            Command::OpenFolder(file) => self.open_folder(ui, &file),
-            Command::SaveCase => self.save_item(ui, SaveItem::Case, Destination::Automatic),
-            Command::RunStability => self.measure_stability(ui),
-            Command::Probe(change) => self.probe(ui, change),
-            Command::MeasurePlan => self.measure_plan(ui),
-            Command::CancelPlan => {
-                if let Some(task) = &self.measuring_savings {
-                    task.cancel();
-                }
-            }
-            Command::MeasureScaling => self.measure_scaling(ui),
-            Command::CancelScaling => {
-                if let Some(task) = &self.measuring_scaling {
-                    task.cancel();
-                }
-            }
-            Command::CancelStability => {
-                if let Some(judging) = &self.measuring_stability {
-                    judging.cancel();
-                }
-            }
-            Command::CancelLoading => {
-                (self.loading, self.opening_case, self.session.places.pending) = (None, None, None);
-            }
-            Command::CancelExport => self.saving.iter().for_each(PendingExport::cancel),
-            Command::Measure => self.measure(),
-            Command::CancelMeasure => {
-                self.idle.decline(self.session.request());
-                self.session.tasks.measuring = None;
-                self.worker.send(WorkerRequest::CancelMeasure);
-            }
-            Command::ClearTimings => {
-                self.idle.decline(self.session.request());
-                self.session.timings.clear();
-            }
-            Command::ExportTimings => self.save_item(ui, SaveItem::FrameTimes, Destination::Automatic),
-            Command::ZoomFit => self.widgets.canvas.fit(),
-            Command::ZoomOne => {
-                let viewport = self.session.viewport();
-                self.widgets.canvas.one_to_one((viewport.width, viewport.height), self.widgets.visible_px);
-            }
-            Command::StepFault(step) => self.step_fault(step > 0),
-            Command::Trace(_) => self.show_panel(workspace::Panel::Calculation),
-            Command::WhatIf(what_if::WhatIfChange::Step(step)) => {
-                if let Some(pixel) = self.session.change_beside_pick(step > 0) {
-                    self.session.pick = Some(pixel);
-                    self.widgets.canvas.bring_into_view(pixel, self.widgets.visible_px);
-                }
-            }
-            Command::Overlays(overlays::OverlayChange::SaveTotals) => {
-                self.save_overlay_totals(ui);
-            }
-            Command::Lab(lab::LabChange::Save(end)) => {
-                self.save_item(ui, SaveItem::LabDrawing(end), Destination::Automatic);
-            }
-            Command::Lab(lab::LabChange::Picture(path)) => self.session.open_picture(&path),
-            Command::SaveData => self.save_item(ui, SaveItem::Values, Destination::Automatic),
-            Command::SavePicture => self.save_item(ui, SaveItem::Picture, Destination::Automatic),
-            Command::SaveComparison => self.save_item(ui, SaveItem::Comparison, Destination::Automatic),
-            Command::SaveOutline(kind, end) => {
-                self.save_item(ui, SaveItem::Outline(kind, end), Destination::Automatic);
-            }
-            Command::CopyPicture => self.copy_picture(ui),
-            Command::ToggleTheme => {
-                let dark = ui.visuals().dark_mode;
-                ui.ctx().set_theme(if dark { egui::Theme::Light } else { egui::Theme::Dark });
-            }
-            Command::SetScale(scale) => ui.ctx().set_zoom_factor(scale),
-            Command::ToggleKeys => self.dialog = Dialog::Keys(String::new()),
-            Command::OpenManual(chapter) => self.manual.open(chapter),
-            Command::Workspace(change) => self.change_workspace(ui, change),
-            Command::OpenPalette => self.dialog = Dialog::Palette(Box::new(Palette::new(&self.session, ""))),
-            Command::Place(place::PlaceChange::Manage) => self.dialog = Dialog::Bookmarks,
-            Command::Place(place::PlaceChange::Find(SearchTarget::View(x, y, percent))) => {
-                let center = (x as f32 + 0.5, y as f32 + 0.5);
-                self.widgets.canvas.zoom.set_view(percent as f32 / 100.0, self.widgets.visible_px, center);
-            }
-            Command::Place(place::PlaceChange::Find(wanted)) => self.search(ui, wanted),
-            Command::Place(place::PlaceChange::Copy) => {
-                ui.ctx().copy_text(self.session.command_line());
-                self.session.report(Severity::Info, format!("Copied: {}", self.session.command_line()));
-            }
-            Command::ShowPixelDialog => self.dialog = Dialog::Pixel(String::new()),
-            Command::Escape => self.escape(),
-            _ => {}
-        }
-    }
-
-    /// Picks the next or the previous fault (a crack or double hit), starting at the picked pixel, and brings it into
-    /// view. If no faults are shown, shows the hit count instead.
-    fn step_fault(&mut self, forwards: bool) {
-        if self.session.shown != Shown::Buffer(Buffer::Hits) && self.session.overlays.stepped().is_none() {
-            self.session.shown = Shown::Buffer(Buffer::Hits);
-        } else if let Some((x, y)) = self.session.fault_beside_pick(forwards) {
-            self.session.pick = Some((x, y));
-            self.widgets.canvas.bring_into_view((x, y), self.widgets.visible_px);
-        }
-    }
-
-    fn escape(&mut self) {
-        if self.manual.is_open() {
-            self.manual.close();
-            return;
-        }
-        if self.session.onboarding.escape() {
-            return;
-        }
-        if self.session.case.is_some() {
-            self.session.close_case();
-            return;
-        }
-        if !self.session.selection.is_empty() {
-            self.session.apply(Command::Fates(fates::FatesChange::Clear));
-            return;
-        }
-        if self.session.pick.take().is_some() {
-            return;
-        }
-        if self.session.probing.hide() {
-            return;
-        }
-        if self.session.comparison.is_on() {
-            self.session.apply(Command::Compare(CompareChange::Mode(Mode::Off)));
-        } else {
-            self.session.shown = Shown::Buffer(Buffer::Color);
-            self.session.apply(Command::LimitTriangles(None));
         }
     }
 }
 
 impl eframe::App for Workbench {
     /// Turns the Tab key into a command while the pointer is over the picture. Otherwise, the toolkit moves the focus.
+    /// With reduced motion, also prevents smooth scrolling.
     fn raw_input_hook(&mut self, context: &Context, raw_input: &mut egui::RawInput) {
+        if self.session.features.appearance.reduces_motion() {
+            appearance::split_wheel_events(context, raw_input);
+        }
         if self.widgets.canvas.hovered.is_none() || context.egui_wants_keyboard_input() {
             return;
         }
@@ -422,7 +204,7 @@ impl eframe::App for Workbench {
 
     fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
         if let Some(seconds) = frame.info().cpu_usage {
-            self.session.window_times.record(f64::from(seconds) * 1e3);
+            self.session.features.timings.window.record(f64::from(seconds) * 1e3);
         }
         self.show(ui);
         self.observe_window(ui);
@@ -434,9 +216,7 @@ impl eframe::App for Workbench {
         // Earlier versions stored geometry and layout under these keys. If they still existed, the toolkit would
         // restore their values instead of those in the preferences.
         ["window", "egui"].into_iter().for_each(|key| storage.remove_string(key));
-        if let Some(context) = &self.context {
-            self.window.layout = layout::text(context);
-        }
+        self.kept.record_layout();
         self.save_preferences();
     }
 
@@ -444,16 +224,5 @@ impl eframe::App for Workbench {
     /// file, which is replaced atomically.
     fn persist_egui_memory(&self) -> bool {
         false
-    }
-}
-
-/// Opens the last of the files dropped on the window. Pictures dropped during a comparison take part in it.
-fn dropped_files(ui: &Ui, session: &Session, commands: &mut Vec<Command>) {
-    let Some(file) = ui.input(|i| i.raw.dropped_files.last().cloned()) else { return };
-    let path = file.path().to_owned();
-    let is_compared = session.comparison.is_on() && session.case.is_none() && is_named_picture(&path);
-    // The tiles find out on which of them the file was dropped.
-    if !is_compared {
-        commands.push(Command::Open(path));
     }
 }

@@ -121,15 +121,15 @@ impl CanvasView {
         self.pick(&response, placement, view, commands);
         self.paint(ui, placement, session, view);
         let vectors = placement.points_per_px >= marks::VECTORS_FROM;
-        if vectors != session.overlays.vectors {
+        if vectors != session.features.overlays.vectors {
             commands.push(Command::Overlays(overlays::OverlayChange::Vectors(vectors)));
         }
         overlays::card::ui(ui, rect, session, view, commands);
         let visible = region::visible(placement, view.picture.size());
-        if visible != session.range.visible {
+        if visible != session.features.range.visible {
             commands.push(Command::Range(range::RangeChange::Visible(visible)));
         }
-        if session.range.open && session.probing.picture(view).is_none() {
+        if session.features.range.open && session.features.probing.picture(view).is_none() {
             card::ui(ui, rect, session, view, commands);
         }
         response
@@ -148,7 +148,7 @@ impl CanvasView {
 
     fn paint(&mut self, ui: &Ui, placement: Placement, session: &Session, view: &RenderedView) {
         let (width, height) = view.picture.size();
-        let heat = session.probing.picture(view);
+        let heat = session.features.probing.picture(view);
         let shown = heat.unwrap_or(&view.picture);
         let texture = self.texture.show(ui, shown);
         let painter = ui.painter().with_clip_rect(placement.canvas);
@@ -162,7 +162,7 @@ impl CanvasView {
         self.selection.paint(ui, &painter, placement, session);
         grid(&painter, placement, (width, height));
         let value = |x, y| match heat {
-            Some(_) => Value::Count(session.probing.count((x, y)).unwrap_or(0).into()),
+            Some(_) => Value::Count(session.features.probing.count((x, y)).unwrap_or(0).into()),
             None => view.value(x, y),
         };
         numbers(&painter, placement, shown, ui.input(|i| i.modifiers.alt), value);

@@ -3,235 +3,130 @@
 //! Widgets and keys push [`Command`]s; nothing changes while a frame of the window is being laid out. The key map is
 //! one table, shared by shortcuts, tooltips and the key sheet.
 
-use std::path::PathBuf;
-
 use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 
-use super::checks;
-use super::compare::files::PictureRole;
+use super::canvas_state::CanvasChange;
 use super::compare::{CompareChange, Mode};
 use super::engine::Shown;
-use super::fates;
-use super::filmstrip::FilmstripChange;
-use super::lab;
-use super::long_tasks::StabilityView;
+use super::features::{Feature, with_features};
+use super::files::FileCommand;
+use super::lab::LabChange;
 use super::mesh_view;
-use super::onboarding::OnboardingChange;
 use super::overlays;
 use super::place;
-use super::probe;
 use super::range;
 use super::save_as::SaveItem;
-use super::scrub;
-use super::session::{PictureSize, PointerMode};
-use super::timings::TimingsChange;
+use super::scrub::{self, ScrubChange};
+use super::session::{PictureSize, PointerMode, Session};
+use super::stages::StageChange;
 use super::trace;
-use super::vertices;
 use super::watch;
 use super::what_if;
+use super::window_task::{DialogCommand, WindowTask};
 use super::workspace::{Workspace, WorkspaceChange};
-use crate::case::Options;
 use crate::chain::Recipe;
 use crate::inspect::Remedy;
-use crate::inspect::Stage;
-use crate::inspect::lesson::BlackPixelLesson;
-use crate::inspect::outline::OutlineKind;
 use crate::inspect::range::RangeFit;
 use crate::inspect::scrub::Unit;
 use crate::inspect::selection::TriangleSelection;
 use crate::inspect::trace::StepDirection;
-use crate::manual::Chapter;
-use crate::measure::motion::Turn;
-use crate::report::stability::column::ReportColumn;
 use crate::scene::Camera;
-use crate::scene::obj::TrMeaning;
 
-/// User action, applied after the window is laid out.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Command {
-    /// Shows the dialog for opening a model or a case.
-    ShowFileDialog,
-    /// Opens a model, case or picture file.
-    Open(PathBuf),
-    /// Reloads a model with another interpretation of `Tr` in its MTL files.
-    Reopen(PathBuf, TrMeaning),
-    /// Opens a built-in scene by id.
-    OpenBuiltin(String),
-    /// Opens the scene of a lesson with its settings, and picks its black spot.
-    OpenLesson(&'static BlackPixelLesson),
-    /// Mirrors the scene along the z axis.
-    MirrorZ,
-    /// Closes the open case.
-    CloseCase,
-    /// Shows the part with this index of the open case.
-    ShowPart(usize),
-    /// Sets the rasterizer and the arithmetic of the open case.
-    SetCaseOptions(Options),
-    /// Opens the worst case of a cell of the stability report, with the rasterizer and the arithmetic of the cell's
-    /// column. The string is the case as JSON.
-    OpenWorst(ReportColumn, String),
-    /// Saves the triangle visible at the picked pixel as a minimal case.
-    SaveCase,
-    /// Runs the stability report over all classes of difficult test cases.
-    RunStability,
-    /// Cancels the stability report.
-    CancelStability,
-    /// Changes the view of the stability report.
-    ShowStability(StabilityView),
-    /// Measures how much frame time the current view saves because its draws skip unneeded parts of the pipeline.
-    MeasurePlan,
-    /// Cancels the measurement started by [`Self::MeasurePlan`].
-    CancelPlan,
-    /// Changes or runs the stability probe.
-    Probe(probe::ProbeChange),
-    /// Changes which vertices the vertex table lists, or which vertex is marked in the picture.
-    Vertices(vertices::VerticesChange),
-    /// Changes the mesh view, which shows the scene from a second camera.
-    MeshView(mesh_view::MeshViewChange),
-    /// Measures how the frame time scales with triangles, pixels, overlapping layers and threads.
-    MeasureScaling,
-    /// Cancels the scaling measurement.
-    CancelScaling,
-    /// Cancels loading a model or case.
-    CancelLoading,
-    /// Cancels all running exports.
-    CancelExport,
-    /// Replaces the recipe.
-    SetRecipe(Recipe),
-    /// Applies a remedy for the picked pixel to the settings or to the camera.
-    ApplyRemedy(Remedy),
-    /// Selects the upscaler at this index of the registry.
-    ChooseUpscaler(usize),
-    /// Changes the comparison of pictures.
-    Compare(CompareChange),
-    /// Shows the dialog for opening a picture file in a comparison.
-    ShowPictureDialog(PictureRole),
-    /// Opens a picture file in a comparison.
-    OpenPicture(PictureRole, PathBuf),
-    /// Changes the filmstrip of all upscaling methods below a comparison.
-    Filmstrip(FilmstripChange),
-    /// Resets the recipe to the default.
-    ResetRecipe,
-    /// Replaces the camera.
-    SetCamera(Camera),
-    /// Resets the camera to the scene's home view.
-    ResetCamera,
-    /// Moves the camera until the whole scene is visible.
-    FitCamera,
-    /// Changes the picture size.
-    SetSize(PictureSize),
-    /// Picks this pixel, or clears the pick.
-    Pick(Option<(u32, u32)>),
-    /// Moves the pick by this many pixels right and down.
-    NudgePick(i64, i64),
-    /// Shows this buffer, pipeline stage or intermediate value on the canvas.
-    Show(Shown),
-    /// Selects the stage whose switches the pipeline panel shows. If a stage picture is shown, also shows the picture
-    /// after this stage.
-    SelectStage(Stage),
-    /// Moves the selection forwards or backwards by this many stages, as with [`Self::SelectStage`].
-    StepStage(i64),
-    /// Picks the next (positive) or previous (negative) crack or double hit, and zooms in on its pixel.
-    StepFault(i64),
-    /// Draws only this many triangles; all if `None`.
-    LimitTriangles(Option<usize>),
-    /// Draws one more triangle (positive) or one fewer (negative).
-    StepTriangle(i64),
-    /// Sets the pointer mode.
-    SetPointerMode(PointerMode),
-    /// Sets the pointer mode, or returns to the default mode if this one is already on.
-    TogglePointerMode(PointerMode),
-    /// Fits the picture into the canvas.
-    ZoomFit,
-    /// Shows the picture at 1:1: one picture pixel per screen pixel.
-    ZoomOne,
-    /// Measures time and error of every upscaler.
-    Measure,
-    /// Cancels the measurement of the upscalers.
-    CancelMeasure,
-    /// Sets the camera motion for the next measurement of the upscalers.
-    MeasureOver(Turn),
-    /// Changes the plots of frame times, or the time budget.
-    Timings(TimingsChange),
-    /// Pauses or resumes the recording of recent frame times.
-    PauseTimings,
-    /// Exports all frame times to a CSV file.
-    ExportTimings,
-    /// Clears all frame times.
-    ClearTimings,
-    /// Asks for a path, and saves this item there.
-    SaveAs(SaveItem),
-    /// Saves an item at this path, and replaces an existing file.
-    SaveTo(SaveItem, PathBuf),
-    /// Opens the folder of a saved file with the desktop's file manager.
-    OpenFolder(PathBuf),
-    /// Saves the picture on the canvas as PNG.
-    SavePicture,
-    /// Saves the compared pictures and their errors as an HTML page.
-    SaveComparison,
-    /// Saves the exact values on the canvas as floats (PFM).
-    SaveData,
-    /// Saves the scene as a vector drawing, in the format with this file name extension.
-    SaveOutline(OutlineKind, &'static str),
-    /// Copies the picture to the clipboard.
-    CopyPicture,
-    /// Undoes the last change of settings, view or size.
-    Undo,
-    /// Redoes the last undone change.
-    Redo,
-    /// Opens a picture file in the 2D lab.
-    OpenInLab(PathBuf),
-    /// Dismisses the offer to open a picture in the 2D lab.
-    CloseOffer,
-    /// Dismisses the notice about a saved file or warnings.
-    CloseNotice,
-    /// Dismisses the error bar.
-    CloseError,
-    /// Changes the introduction for new users.
-    Onboarding(OnboardingChange),
-    /// Switches between the dark and the light theme.
-    ToggleTheme,
-    /// Sets the scale of the whole interface; 1 is the default.
-    SetScale(f32),
-    /// Shows the key sheet.
-    ToggleKeys,
-    /// Opens the manual at a chapter; `None` focuses its search field.
-    OpenManual(Option<Chapter>),
-    /// Shows the dialog for going to a pixel, triangle, vertex or object.
-    ShowPixelDialog,
-    /// Performs the first applicable action: closes the manual, closes the introduction, closes the case, clears the selection, clears the pick,
-    /// hides the probe's heat map, ends the comparison, or shows the colour buffer of the complete frame.
-    Escape,
-    /// Changes the overlays.
-    Overlays(overlays::OverlayChange),
-    /// Changes the range or the colour map of the shown quantity.
-    Range(range::RangeChange),
-    /// Opens the 2D lab, or returns to the pipeline.
-    ToggleLab,
-    /// Changes the state of the 2D lab.
-    Lab(lab::LabChange),
-    /// Runs or cancels the assertion checks, or toggles checking every new frame.
-    Checks(checks::ChecksChange),
-    /// Steps through the arithmetic of the picked pixel.
-    Trace(trace::TraceChange),
-    /// Steps or plays through the drawing of the frame.
-    Scrub(scrub::ScrubChange),
-    /// Changes the filter that selects triangles by fate, object or text.
-    Fates(fates::FatesChange),
-    /// Replaces the selection of triangles.
-    Select(TriangleSelection),
-    /// Shows a workspace or a panel, or changes the layout.
-    Workspace(WorkspaceChange),
-    /// Opens the command palette.
-    OpenPalette,
-    /// Changes the what-if comparison, which shows the effect of the last change of settings.
-    WhatIf(what_if::WhatIfChange),
-    /// Changes the list of watched pixels.
-    Watch(watch::WatchChange),
-    /// Adds or edits a bookmark, goes to a bookmark, history entry or search target, or copies the command line of the
-    /// current inspection state.
-    Place(place::PlaceChange),
+/// Declares [`Command`]: a variant for each feature, and the commands that change the document and the window.
+macro_rules! define_command {
+    ($($(#[$doc:meta])* $field:ident: $state:ty => $variant:ident,)+) => {
+        /// User action, applied after the window is laid out.
+        #[derive(Clone, Debug, PartialEq)]
+        pub(crate) enum Command {
+            $($(#[$doc])* $variant(<$state as Feature>::Change),)+
+            /// Changes the comparison of pictures.
+            Compare(CompareChange),
+            /// Opens a dialog or the manual.
+            Dialog(DialogCommand),
+            /// Shows a workspace or a panel, or changes the layout.
+            Workspace(WorkspaceChange),
+            /// Mirrors the scene along the z axis.
+            MirrorZ,
+            /// Replaces the recipe.
+            SetRecipe(Recipe),
+            /// Applies a remedy for the picked pixel to the settings or to the camera.
+            ApplyRemedy(Remedy),
+            /// Selects the upscaler at this index of the registry.
+            ChooseUpscaler(usize),
+            /// Resets the recipe to the default.
+            ResetRecipe,
+            /// Replaces the camera.
+            SetCamera(Camera),
+            /// Resets the camera to the scene's home view.
+            ResetCamera,
+            /// Moves the camera until the whole scene is visible.
+            FitCamera,
+            /// Changes the picture size.
+            SetSize(PictureSize),
+            /// Moves the pick by this many pixels right and down.
+            NudgePick(i64, i64),
+            /// Shows this buffer, pipeline stage or intermediate value on the canvas.
+            Show(Shown),
+            /// Picks the next (positive) or previous (negative) crack or double hit, and zooms in on its pixel.
+            StepFault(i64),
+            /// Draws only this many triangles; all if `None`.
+            LimitTriangles(Option<usize>),
+            /// Draws one more triangle (positive) or one fewer (negative).
+            StepTriangle(i64),
+            /// Replaces the selection of triangles.
+            Select(TriangleSelection),
+            /// Undoes the last change of settings, view or size.
+            Undo,
+            /// Redoes the last undone change.
+            Redo,
+            /// Dismisses the offer to open a picture in the 2D lab.
+            CloseOffer,
+            /// Dismisses the notice about a saved file or warnings.
+            CloseNotice,
+            /// Dismisses the error bar.
+            CloseError,
+            /// Performs the first applicable action: closes the manual, closes the introduction, closes the case, clears
+            /// the selection, clears the pick, hides the probe's heat map, ends the comparison, or shows the colour buffer
+            /// of the complete frame.
+            Escape,
+        }
+
+        impl Command {
+            /// Applies the command to the session. Returns a task if the window must complete it.
+            pub(super) fn apply(self, session: &mut Session) -> Option<WindowTask> {
+                match self {
+                    $(Self::$variant(change) => return <$state as Feature>::apply(session, change),)+
+                    Self::Compare(change) => session.compare(change),
+                    Self::Dialog(command) => return Some(WindowTask::Dialog(command)),
+                    Self::Workspace(change) => return Some(WindowTask::Workspace(change)),
+                    Self::MirrorZ => session.mirror_z(),
+                    Self::SetRecipe(recipe) => session.state.recipe = recipe,
+                    Self::ApplyRemedy(remedy) => remedy.apply(&mut session.state.recipe, &mut session.state.camera),
+                    Self::ChooseUpscaler(place) => session.choose_upscaler(place),
+                    Self::ResetRecipe => session.state.recipe = Recipe::default(),
+                    Self::SetCamera(camera) => session.state.camera = camera,
+                    Self::ResetCamera => session.state.camera = session.scene.home,
+                    Self::FitCamera => session.fit_camera(),
+                    Self::SetSize(size) => session.state.size = size,
+                    Self::NudgePick(dx, dy) => return session.nudge(dx, dy).map(WindowTask::KeepInView),
+                    Self::Show(shown) => session.show(shown),
+                    Self::StepFault(step) => return session.step_fault(step > 0).map(WindowTask::BringIntoView),
+                    Self::LimitTriangles(limit) => session.limit_triangles(limit),
+                    Self::StepTriangle(step) => session.scrub(ScrubChange::Step(Unit::Triangle, step > 0)),
+                    Self::Select(selection) => session.features.fates.adopt_selection(selection, &mut session.selection),
+                    Self::Undo => session.travel(true),
+                    Self::Redo => session.travel(false),
+                    Self::CloseOffer => session.messages.offered_picture = None,
+                    Self::CloseNotice => session.messages.notice = None,
+                    Self::CloseError => session.messages.error = None,
+                    Self::Escape => return Some(WindowTask::Escape),
+                }
+                None
+            }
+        }
+    };
 }
+with_features!(define_command);
 
 /// Key binding with its description.
 pub(crate) struct KeyBinding {
@@ -299,23 +194,34 @@ impl KeyBinding {
 /// Key map of the window. Among the bindings of one key, those with more modifiers come first, so that the first match
 /// is the most specific.
 pub(crate) const BINDINGS: &[KeyBinding] = &[
-    bind(Modifiers::COMMAND, Key::O, || Command::ShowFileDialog, "Open a model or a case").also(&["import", "load"]),
+    bind(Modifiers::COMMAND, Key::O, || Command::Dialog(DialogCommand::Open), "Open a model or a case")
+        .also(&["import", "load"]),
     bind(
         Modifiers::COMMAND.plus(Modifiers::ALT),
         Key::S,
-        || Command::SaveData,
+        || Command::File(FileCommand::SaveData),
         "Save the exact values of the shown buffer as floats (PFM)",
     ),
-    bind(CONTROL_SHIFT, Key::S, || Command::SaveAs(SaveItem::Picture), "Save the picture as PNG under a chosen name")
-        .also(&["export", "save as"]),
-    bind(Modifiers::COMMAND, Key::S, || Command::SavePicture, "Save the picture as PNG")
+    bind(
+        CONTROL_SHIFT,
+        Key::S,
+        || Command::File(FileCommand::SaveAs(SaveItem::Picture)),
+        "Save the picture as PNG under a chosen name",
+    )
+    .also(&["export", "save as"]),
+    bind(Modifiers::COMMAND, Key::S, || Command::File(FileCommand::SavePicture), "Save the picture as PNG")
         .also(&["screenshot", "capture"]),
     bind(CONTROL_SHIFT, Key::C, || Command::Place(place::PlaceChange::Copy), "Copy the view as a command"),
-    bind(Modifiers::COMMAND, Key::C, || Command::CopyPicture, "Copy the picture"),
+    bind(Modifiers::COMMAND, Key::C, || Command::File(FileCommand::CopyPicture), "Copy the picture"),
     bind(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z, || Command::Redo, "Redo the last undone change"),
     bind(Modifiers::COMMAND, Key::Z, || Command::Undo, "Undo the last change").also(&["undo", "revert"]),
-    bind(Modifiers::COMMAND, Key::G, || Command::ShowPixelDialog, "Go to a pixel, triangle, vertex or object"),
-    bind(CONTROL_SHIFT, Key::P, || Command::OpenPalette, "Find anything"),
+    bind(
+        Modifiers::COMMAND,
+        Key::G,
+        || Command::Dialog(DialogCommand::GoTo),
+        "Go to a pixel, triangle, vertex or object",
+    ),
+    bind(CONTROL_SHIFT, Key::P, || Command::Dialog(DialogCommand::Palette), "Find anything"),
     bind(Modifiers::COMMAND, Key::B, || Command::Place(place::PlaceChange::Bookmark), "Bookmark the current view"),
     show(Key::Num1, || Command::Workspace(WorkspaceChange::Show(Workspace::Inspect))),
     show(Key::Num2, || Command::Workspace(WorkspaceChange::Show(Workspace::Geometry))),
@@ -351,11 +257,16 @@ pub(crate) const BINDINGS: &[KeyBinding] = &[
         || Command::Place(place::PlaceChange::Forward),
         "Go forward to the next view",
     ),
-    bind(Modifiers::NONE, Key::F, || Command::ZoomFit, "Fit the picture into the canvas")
+    bind(Modifiers::NONE, Key::F, || Command::Canvas(CanvasChange::Fit), "Fit the picture into the canvas")
         .also(&["zoom", "zoom to fit"]),
-    bind(Modifiers::NONE, Key::Num0, || Command::ZoomOne, "Show one picture pixel per screen pixel"),
-    bind(Modifiers::NONE, Key::OpenBracket, || Command::StepStage(-1), "Select the previous stage"),
-    bind(Modifiers::NONE, Key::CloseBracket, || Command::StepStage(1), "Select the next stage"),
+    bind(
+        Modifiers::NONE,
+        Key::Num0,
+        || Command::Canvas(CanvasChange::OneToOne),
+        "Show one picture pixel per screen pixel",
+    ),
+    bind(Modifiers::NONE, Key::OpenBracket, || Command::Stage(StageChange::Step(-1)), "Select the previous stage"),
+    bind(Modifiers::NONE, Key::CloseBracket, || Command::Stage(StageChange::Step(1)), "Select the next stage"),
     bind(
         Modifiers::COMMAND,
         Key::Comma,
@@ -478,8 +389,8 @@ pub(crate) const BINDINGS: &[KeyBinding] = &[
         || Command::Compare(CompareChange::ToggleRegion),
         "Reset the value range; while comparing, draw a rectangle to measure",
     ),
-    bind(Modifiers::NONE, Key::L, || Command::ToggleLab, "Switch between the 2D lab and the pipeline"),
-    bind(Modifiers::NONE, Key::K, || Command::Lab(lab::LabChange::TogglePlay), "Play the steps of the 2D lab, or stop"),
+    bind(Modifiers::NONE, Key::L, || Command::Lab(LabChange::Toggle), "Switch between the 2D lab and the pipeline"),
+    bind(Modifiers::NONE, Key::K, || Command::Lab(LabChange::TogglePlay), "Play the steps of the 2D lab, or stop"),
     bind(
         Modifiers::SHIFT,
         Key::F10,
@@ -525,14 +436,14 @@ pub(crate) const BINDINGS: &[KeyBinding] = &[
     bind(
         Modifiers::NONE,
         Key::C,
-        || Command::TogglePointerMode(PointerMode::Camera),
+        || Command::Canvas(CanvasChange::TogglePointerMode(PointerMode::Camera)),
         "Turn camera mode on or off: dragging orbits, the wheel dollies, W A S D Q E fly",
     )
     .also(&["fly", "wasd", "first person"]),
     bind(
         Modifiers::NONE,
         Key::P,
-        || Command::TogglePointerMode(PointerMode::Pan),
+        || Command::Canvas(CanvasChange::TogglePointerMode(PointerMode::Pan)),
         "Turn pan mode on or off: dragging pans the picture",
     )
     .also(&["pan", "hand tool", "scroll"]),
@@ -545,13 +456,16 @@ pub(crate) const BINDINGS: &[KeyBinding] = &[
         || Command::Escape,
         "Clear the selection; without one, stop comparing; otherwise show the finished picture",
     ),
-    bind(Modifiers::SHIFT, Key::Slash, || Command::ToggleKeys, "Show all keys and mouse gestures").also(&[
-        "shortcuts",
-        "hotkeys",
-        "controls",
-    ]),
-    bind(Modifiers::NONE, Key::Questionmark, || Command::ToggleKeys, "Show all keys and mouse gestures"),
-    bind(Modifiers::NONE, Key::F1, || Command::OpenManual(None), "Open and search the manual").also(&["help", "docs"]),
+    bind(Modifiers::SHIFT, Key::Slash, || Command::Dialog(DialogCommand::Keys), "Show all keys and mouse gestures")
+        .also(&["shortcuts", "hotkeys", "controls"]),
+    bind(
+        Modifiers::NONE,
+        Key::Questionmark,
+        || Command::Dialog(DialogCommand::Keys),
+        "Show all keys and mouse gestures",
+    ),
+    bind(Modifiers::NONE, Key::F1, || Command::Dialog(DialogCommand::Manual(None)), "Open and search the manual")
+        .also(&["help", "docs"]),
 ];
 
 /// Mouse gestures and their effects, for the key sheet.

@@ -5,6 +5,10 @@ use eframe::egui::{Key, Label, RichText, ScrollArea, TextEdit, Ui, WidgetInfo, v
 use super::command::{BINDINGS, Command, KeyBinding, MOUSE};
 use super::palette::fuzzy::fit;
 use super::theme::{space, tokens};
+use crate::ui::canvas_state::CanvasChange;
+use crate::ui::files::FileCommand;
+use crate::ui::stages::StageChange;
+use crate::ui::window_task::DialogCommand;
 
 /// Width of a column, in points.
 const COLUMN_POINTS: f32 = 380.0;
@@ -69,23 +73,25 @@ impl Topic {
             Command::NudgePick(..) | Command::Pick(_) | Command::Watch(_) | Command::StepFault(_) | Command::Escape => {
                 Self::Pixel
             }
-            Command::ZoomFit
-            | Command::ZoomOne
-            | Command::SaveAs(_)
-            | Command::SavePicture
-            | Command::SaveData
-            | Command::CopyPicture => Self::Picture,
-            Command::StepStage(_) | Command::Show(_) => Self::Stages,
+            Command::Canvas(CanvasChange::Fit)
+            | Command::Canvas(CanvasChange::OneToOne)
+            | Command::File(FileCommand::SaveAs(_))
+            | Command::File(FileCommand::SavePicture)
+            | Command::File(FileCommand::SaveData)
+            | Command::File(FileCommand::CopyPicture) => Self::Picture,
+            Command::Stage(StageChange::Step(_)) | Command::Show(_) => Self::Stages,
             Command::StepTriangle(_) | Command::LimitTriangles(_) | Command::Scrub(_) => Self::Making,
             Command::Range(_) | Command::Overlays(_) => Self::Showing,
             Command::Trace(_) => Self::Arithmetic,
-            Command::ShowFileDialog
-            | Command::TogglePointerMode(_)
+            Command::Dialog(DialogCommand::Open)
+            | Command::Canvas(CanvasChange::TogglePointerMode(_))
             | Command::ResetCamera
             | Command::FitCamera
             | Command::MeshView(_) => Self::Scene,
             Command::Undo | Command::Redo | Command::ChooseUpscaler(_) | Command::SetRecipe(_) => Self::Settings,
-            Command::Place(_) | Command::OpenPalette | Command::ShowPixelDialog => Self::Places,
+            Command::Place(_) | Command::Dialog(DialogCommand::Palette) | Command::Dialog(DialogCommand::GoTo) => {
+                Self::Places
+            }
             Command::Compare(_) | Command::WhatIf(_) => Self::Comparing,
             _ => Self::General,
         }

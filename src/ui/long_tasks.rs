@@ -8,6 +8,9 @@ use crate::chain::Recipe;
 use crate::measure::scaling::{Scaling, ScalingQuantity};
 use crate::measure::skipped_work::Savings;
 use crate::report::stability::sweep::{StabilityProgress, StabilityReport};
+use crate::ui::features::Feature;
+use crate::ui::session::Session;
+use crate::ui::window_task::WindowTask;
 
 /// Progress and results of measurements and exports that take long.
 #[derive(Debug, Default)]
@@ -22,6 +25,53 @@ pub(crate) struct LongTasks {
     pub(crate) scaling: ScalingState,
     /// Completed fraction of the running export of a vector drawing, in [0, 1]; `None` if none is running.
     pub(crate) export_progress: Option<f32>,
+}
+
+/// Command that starts or cancels a measurement, or changes the view of its results.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum MeasureCommand {
+    /// Measures time and error of every upscaler.
+    MeasureUpscalers,
+    /// Cancels the measurement of the upscalers.
+    CancelUpscalers,
+    /// Runs the stability report over all classes of difficult test cases.
+    RunStability,
+    /// Cancels the stability report.
+    CancelStability,
+    /// Changes the view of the stability report.
+    ShowStability(StabilityView),
+    /// Measures how much frame time the current view saves because its draws skip unneeded parts of the pipeline.
+    MeasurePlan,
+    /// Cancels the measurement started by [`Self::MeasurePlan`].
+    CancelPlan,
+    /// Measures how the frame time scales with triangles, pixels, overlapping layers and threads.
+    MeasureScaling,
+    /// Cancels the scaling measurement.
+    CancelScaling,
+}
+
+impl Feature for LongTasks {
+    type Change = MeasureCommand;
+
+    fn apply(session: &mut Session, change: MeasureCommand) -> Option<WindowTask> {
+        let tasks = &mut session.features.tasks;
+        match change {
+            MeasureCommand::ShowStability(view) => tasks.stability.view = view,
+            MeasureCommand::CancelStability => tasks.stability.task.iter().for_each(BackgroundTask::cancel),
+            MeasureCommand::CancelPlan => tasks.savings.task.iter().for_each(BackgroundTask::cancel),
+            MeasureCommand::CancelScaling => tasks.scaling.task.iter().for_each(BackgroundTask::cancel),
+            MeasureCommand::MeasureUpscalers
+            | MeasureCommand::CancelUpscalers
+            | MeasureCommand::RunStability
+            | MeasureCommand::MeasurePlan
+            | MeasureCommand::MeasureScaling => return Some(WindowTask::Measure(change)),
+        }
+        None
+    }
+
+    fn leave_scene(&mut self) {
+        self.measuring = None;
+    }
 }
 
 /// Progress of a running measurement of all upscalers.
@@ -42,8 +92,10 @@ pub(crate) enum StabilityView {
 }
 
 /// State of the stability report.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(crate) struct Stability {
+    /// The running measurement; `None` if none is running.
+    pub(crate) task: Option<StabilityTask>,
     /// Last complete stability report.
     pub(crate) report: Option<Arc<StabilityReport>>,
     /// Progress of the running report; `None` if none is running.
@@ -53,8 +105,10 @@ pub(crate) struct Stability {
 }
 
 /// State of the measurement of how much frame time the draws of a view save by skipping unneeded parts of the pipeline.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(crate) struct PlanSavings {
+    /// The running measurement; `None` if none is running.
+    pub(crate) task: Option<SavingsTask>,
     /// Last result, and the request that was measured.
     pub(crate) found: Option<(Arc<Savings>, Request)>,
     /// Completed fraction of the running measurement, from 0 to 1; `None` if none is running.
@@ -62,8 +116,10 @@ pub(crate) struct PlanSavings {
 }
 
 /// State of the scaling measurement.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(crate) struct ScalingState {
+    /// The running measurement; `None` if none is running.
+    pub(crate) task: Option<ScalingTask>,
     /// Last result, and the recipe with which it was measured.
     pub(crate) found: Option<(Arc<Scaling>, Recipe)>,
     /// Quantity that is being measured, and the completed fraction of this measurement, from 0 to 1; `None` if no

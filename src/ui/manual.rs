@@ -1,5 +1,7 @@
 //! The manual window: search field and list of chapters on the left, the open chapter on the right.
 
+mod table;
+
 use std::collections::BTreeSet;
 
 use eframe::egui::{self, Key, Label, RichText, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2};
@@ -8,7 +10,9 @@ use egui_commonmark::{CommonMarkCache, CommonMarkViewer};
 use super::command::Command;
 use super::theme::{self, CONTROL_HEIGHT, Icon, space, tokens};
 use super::widgets::{copy_button, icon_button};
-use crate::manual::{Chapter, Passage, Section, SectionPart, find};
+use crate::manual::{Chapter, Passage, Section, SectionPart, find, web_address};
+use crate::ui::files::FileCommand;
+use crate::ui::window_task::DialogCommand;
 
 /// Initial size of the manual window, in points.
 const DEFAULT_SIZE_POINTS: [f32; 2] = [820.0, 560.0];
@@ -30,7 +34,7 @@ pub(crate) struct ManualWindow {
     /// Whether the search field gets the keyboard focus in the next frame.
     focuses_search: bool,
     cache: CommonMarkCache,
-    /// Targets of all links in the manual, except web addresses.
+    /// Targets of all links in the manual.
     links: BTreeSet<String>,
 }
 
@@ -44,8 +48,7 @@ impl ManualWindow {
         }
         if self.links.is_empty() {
             let sections: Vec<_> = Chapter::ALL.iter().flat_map(|chapter| chapter.sections()).collect();
-            let links = sections.iter().flat_map(Section::links).filter(|link| !link.contains("://"));
-            self.links = links.map(str::to_owned).collect();
+            self.links = sections.iter().flat_map(Section::links).map(str::to_owned).collect();
             for link in &self.links {
                 self.cache.add_link_hook(link);
             }
@@ -67,8 +70,8 @@ impl ManualWindow {
         self.scroll_to = Some(section);
     }
 
-    /// Draws the manual window if it is open.
-    pub(crate) fn ui(&mut self, ui: &Ui) {
+    /// Draws the manual window if it is open. A link that leads outside the manual becomes a command.
+    pub(crate) fn ui(&mut self, ui: &Ui, commands: &mut Vec<Command>) {
         let mut is_open = self.is_open;
         let room = (ui.ctx().content_rect().size() - vec2(40.0, 80.0)).max(vec2(1.0, 1.0));
         egui::Window::new("Manual")
@@ -83,7 +86,7 @@ impl ManualWindow {
                         self.list(ui);
                     });
                     ui.separator();
-                    ui.vertical(|ui| self.page(ui));
+                    ui.vertical(|ui| self.page(ui, commands));
                 });
             });
         self.is_open = is_open;
@@ -124,7 +127,7 @@ impl ManualWindow {
     }
 
     /// Draws the open chapter, and follows the link that was clicked.
-    fn page(&mut self, ui: &mut Ui) {
+    fn page(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let scroll_to = self.scroll_to.take();
         let mut clicked = None;
         ScrollArea::vertical().id_salt(("page", self.chapter)).auto_shrink(false).show(ui, |ui| {
@@ -138,9 +141,16 @@ impl ManualWindow {
                 }
             }
         });
-        let target = clicked.and_then(|link| self.chapter.linked_section(&link));
-        if let Some((chapter, section)) = target {
-            self.go_to(chapter, section);
+        if let Some(link) = clicked {
+            self.follow(&link, commands);
+        }
+    }
+
+    /// Goes to the target of a link in the open chapter.
+    fn follow(&mut self, link: &str, commands: &mut Vec<Command>) {
+        match self.chapter.linked_section(link) {
+            Some((chapter, section)) => self.go_to(chapter, section),
+            None => commands.push(Command::File(FileCommand::OpenAddress(web_address(link)))),
         }
     }
 }
@@ -157,6 +167,7 @@ fn content(ui: &mut Ui, cache: &mut CommonMarkCache, section: &Section, links: &
                 clicked = clicked.take().or(link);
             }
             SectionPart::Code(code) => code_block(ui, &code),
+            SectionPart::Table(rows) => clicked = clicked.take().or(table::ui(ui, &rows)),
         });
     }
     clicked
@@ -196,6 +207,50 @@ fn result(ui: &mut Ui, passage: &Passage) -> bool {
 /// Adds the “?” button of a panel, which opens its chapter of the manual.
 pub(crate) fn manual_button(ui: &mut Ui, chapter: Chapter, commands: &mut Vec<Command>) {
     if icon_button(ui, Icon::CircleQuestionMark, &format!("Manual: {}", chapter.title())).clicked() {
-        commands.push(Command::OpenManual(Some(chapter)));
+        commands.push(Command::Dialog(DialogCommand::Manual(Some(chapter))));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ui::headless::Headless;
+
+    #[test]
+    fn a_link_out_of_the_manual_opens_its_web_address() {
+        let mut manual = ManualWindow::default();
+        manual.open(Some(Chapter::GettingStarted));
+        let mut commands = Vec::new();
+        let mut headless = Headless::new(vec2(1280.0, 800.0), 1.0, egui::Theme::Dark);
+        let mut page = |manual: &mut ManualWindow, commands: &mut Vec<Command>, events| {
+            headless.pass(events, |ui| manual.ui(ui, commands));
+        };
+        for _ in 0..3 {
+            page(&mut manual, &mut commands, Vec::new());
+        }
+        assert!(commands.is_empty());
+        manual.follow("../../README.md", &mut commands);
+        manual.follow("03-stages.md", &mut commands);
+        assert_eq!(manual.chapter, Chapter::Stages);
+        let [Command::File(FileCommand::OpenAddress(address))] = &commands[..] else { panic!("{commands:?}") };
+        assert!(address.starts_with("https://") && address.ends_with("/README.md"), "{address}");
+    }
+
+    #[test]
+    fn tables_do_not_widen_the_window() {
+        for chapter in [Chapter::Settings, Chapter::Commands, Chapter::Reference] {
+            let mut manual = ManualWindow::default();
+            manual.open(Some(chapter));
+            let mut headless = Headless::new(vec2(1280.0, 800.0), 1.0, egui::Theme::Dark);
+            for _ in 0..4 {
+                headless.pass(Vec::new(), |ui| manual.ui(ui, &mut Vec::new()));
+            }
+            let picture = headless.picture();
+            let background = picture.at(1270, 780);
+            let (width, height) = picture.size();
+            let widened = DEFAULT_SIZE_POINTS[0] as u32 + 60;
+            let is_empty = |x: u32| (0..height).all(|y| picture.at(x, y) == background);
+            assert!((widened..width).all(is_empty), "{}", chapter.file());
+        }
     }
 }

@@ -48,6 +48,18 @@ pub(crate) mod trace;
 
 pub(crate) mod probe;
 
+pub(crate) mod features;
+
+pub(crate) mod files;
+
+pub(crate) mod appearance;
+
+pub(crate) mod canvas_state;
+
+pub(crate) mod stages;
+
+pub(crate) mod window_task;
+
 pub(crate) mod command;
 
 pub(crate) mod timings;
@@ -59,6 +71,8 @@ pub(crate) mod open_case;
 pub(crate) mod session;
 
 pub(crate) mod checks;
+
+pub(crate) mod first_pick;
 
 pub(crate) mod picked_point;
 

@@ -32,7 +32,7 @@ pub(crate) fn navigate(
     commands: &mut Vec<Command>,
 ) {
     let delta = response.drag_delta();
-    let camera_mode = session.pointer_mode == PointerMode::Camera;
+    let camera_mode = session.features.canvas.pointer_mode == PointerMode::Camera;
     let shift = ui.input(|i| i.modifiers.shift);
     let middle = response.dragged_by(egui::PointerButton::Middle);
     let primary = drag_is_free && response.dragged_by(egui::PointerButton::Primary);
@@ -42,14 +42,14 @@ pub(crate) fn navigate(
             let height = height_px as f32 * placement.points_per_px;
             camera.pan(glam::Vec2::new(delta.x / height, delta.y / height));
             commands.push(Command::SetCamera(camera));
-        } else if middle || session.pointer_mode == PointerMode::Pan {
+        } else if middle || session.features.canvas.pointer_mode == PointerMode::Pan {
             zoom.pan(ui, placement, delta);
         } else {
             camera.orbit(delta.x * ORBIT_RATE, delta.y * ORBIT_RATE);
             commands.push(Command::SetCamera(camera));
         }
     }
-    if response.hovered() && session.pointer_mode == PointerMode::Pan {
+    if response.hovered() && session.features.canvas.pointer_mode == PointerMode::Pan {
         ui.set_cursor_icon(if primary { egui::CursorIcon::Grabbing } else { egui::CursorIcon::Grab });
     }
     if let Some(pointer) = response.hover_pos() {
@@ -70,7 +70,7 @@ fn wheel(
 ) {
     let (scroll, pinch, ctrl) =
         ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta(), i.modifiers.command || i.modifiers.ctrl));
-    if session.pointer_mode == PointerMode::Camera || ctrl {
+    if session.features.canvas.pointer_mode == PointerMode::Camera || ctrl {
         let factor = (-scroll * WHEEL_RATE).exp() / pinch;
         if factor != 1.0 {
             let mut camera = session.state.camera;

@@ -6,6 +6,8 @@ use std::sync::Arc;
 use super::session::{Session, Severity};
 use crate::case::{Case, Options};
 use crate::report::stability::column::ReportColumn;
+use crate::ui::features::Feature;
+use crate::ui::window_task::WindowTask;
 
 /// Case that is shown in place of the scene.
 #[derive(Clone, Debug)]
@@ -25,6 +27,38 @@ impl OpenCase {
     }
 }
 
+/// Change to the open case.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum CaseChange {
+    /// Closes the open case.
+    Close,
+    /// Shows the part with this index.
+    Part(usize),
+    /// Sets the rasterizer and the arithmetic with which the case is evaluated.
+    Options(Options),
+    /// Opens the worst case of a cell of the stability report, with the rasterizer and the arithmetic of the cell's
+    /// column. The string is the case as JSON.
+    Worst(ReportColumn, String),
+}
+
+impl Feature for Option<OpenCase> {
+    type Change = CaseChange;
+
+    fn apply(session: &mut Session, change: CaseChange) -> Option<WindowTask> {
+        match change {
+            CaseChange::Close => session.close_case(),
+            CaseChange::Part(part) => session.features.case.iter_mut().for_each(|open| open.part = part),
+            CaseChange::Options(options) => session.set_case_options(options),
+            CaseChange::Worst(column, json) => session.open_worst(column, &json),
+        }
+        None
+    }
+
+    fn leave_scene(&mut self) {
+        *self = None;
+    }
+}
+
 impl Session {
     /// Shows a test case in place of the scene. The scene stays loaded, and a previously open case is closed.
     pub(crate) fn show_case(&mut self, case: impl Into<Arc<Case>>) {
@@ -32,12 +66,12 @@ impl Session {
         self.close_case();
         self.report(Severity::Info, format!("Opened case {}", case.id));
         self.messages.error = None;
-        self.case = Some(OpenCase::new(case));
+        self.features.case = Some(OpenCase::new(case));
     }
 
     /// Shows `json`, the worst case of a cell of the stability report, with the rasterizer and the arithmetic of the
     /// cell's column. The recipe stays as it is.
-    pub(super) fn open_worst(&mut self, column: ReportColumn, json: &str) {
+    fn open_worst(&mut self, column: ReportColumn, json: &str) {
         let case = match Case::parse(json.as_bytes(), Path::new("worst case")) {
             Ok(case) => case,
             Err(error) => return self.report(Severity::Error, error.to_string()),
@@ -50,7 +84,7 @@ impl Session {
             // The case itself contains the depth format.
             ReportColumn::Depth(_) => None,
         };
-        self.case.iter_mut().for_each(|open| open.own_options = own_options);
+        self.features.case.iter_mut().for_each(|open| open.own_options = own_options);
     }
 
     fn recipe_options(&self) -> Options {
@@ -65,8 +99,8 @@ impl Session {
 
     /// Sets the rasterizer and the arithmetic of the open case. Changes the recipe if the case has no options of its
     /// own.
-    pub(super) fn set_case_options(&mut self, options: Options) {
-        match &mut self.case {
+    fn set_case_options(&mut self, options: Options) {
+        match &mut self.features.case {
             Some(OpenCase { own_options: Some(own), .. }) => *own = options,
             Some(_) => {
                 let settings = &mut self.state.recipe.pipeline;
@@ -78,6 +112,6 @@ impl Session {
 
     /// Closes the open case.
     pub(super) fn close_case(&mut self) {
-        self.case = None;
+        self.features.case = None;
     }
 }

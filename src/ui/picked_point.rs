@@ -10,6 +10,9 @@ use super::session::Session;
 use crate::inspect::vertices::corners_of;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, DepthMapping, Scene, TriangleId};
+use crate::ui::features::Feature;
+use crate::ui::first_pick::FirstPick;
+use crate::ui::window_task::WindowTask;
 
 /// Point on a triangle, and the pixel that shows its place in the current view.
 #[derive(Clone, Debug)]
@@ -26,6 +29,29 @@ pub(crate) struct PickedPoint {
     pixel: Option<(u32, u32)>,
     camera: Camera,
     viewport: Viewport,
+}
+
+/// Picked point, and the state of the automatic first pick. The picked pixel itself is part of the session.
+#[derive(Debug, Default)]
+pub(crate) struct Picking {
+    /// Point on the triangle at the picked pixel; `None` if the pixel shows no triangle or is not explained yet.
+    pub(crate) point: Option<PickedPoint>,
+    /// State of the automatic first pick.
+    pub(crate) first: FirstPick,
+}
+
+impl Feature for Picking {
+    /// Column and row of the pixel to pick; `None` clears the pick.
+    type Change = Option<(u32, u32)>;
+
+    fn apply(session: &mut Session, pixel: Self::Change) -> Option<WindowTask> {
+        session.pick = pixel;
+        None
+    }
+
+    fn leave_scene(&mut self) {
+        self.first = FirstPick::Due;
+    }
 }
 
 /// Visibility of the picked point in the frame on screen.
@@ -114,12 +140,12 @@ impl Session {
     /// after a change of the camera or the picture size.
     pub(crate) fn follow_picked_point(&mut self) {
         let (camera, viewport) = (self.state.camera, self.viewport());
-        if let Some(point) = &mut self.picked_point {
+        if let Some(point) = &mut self.features.picking.point {
             if !Arc::ptr_eq(&point.scene, &self.scene) || point.pixel != self.pick {
-                self.picked_point = None;
+                self.features.picking.point = None;
             } else if (point.camera, point.viewport) != (camera, viewport) {
                 point.project(camera, viewport);
-                if let Some((_, with)) = &mut self.mesh_view.selected
+                if let Some((_, with)) = &mut self.features.mesh_view.selected
                     && *with == self.pick
                 {
                     *with = point.pixel;
@@ -132,17 +158,17 @@ impl Session {
             let is_current = view.request.camera == camera && view.frame.viewport == viewport;
             is_current && view.report.as_ref().is_some_and(|report| Some((report.x, report.y)) == self.pick)
         });
-        if self.picked_point.is_none()
+        if self.features.picking.point.is_none()
             && let Some(point) = view.and_then(PickedPoint::of)
         {
-            self.picked_point = Some(point);
+            self.features.picking.point = Some(point);
         }
     }
 
     /// Returns the visibility of the picked point in the frame on screen; `None` if it is not known yet, or if no
     /// triangle was picked.
     pub(crate) fn point_visibility(&self) -> Option<PointVisibility> {
-        self.picked_point.as_ref()?.visibility(self.view_of_scene()?)
+        self.features.picking.point.as_ref()?.visibility(self.view_of_scene()?)
     }
 }
 
@@ -178,10 +204,10 @@ mod tests {
         rest(&mut app);
         app.session_mut().apply(Command::Pick(Some((84, 48))));
         rest(&mut app);
-        let first = app.session().picked_point.clone().expect("a triangle");
+        let first = app.session().features.picking.point.clone().expect("a triangle");
         assert!((first.weights.iter().sum::<f64>() - 1.0).abs() < 1e-9 && first.weights.iter().all(|w| *w > 0.0));
         let same = |app: &Workbench| {
-            let point = app.session().picked_point.as_ref().expect("it is kept");
+            let point = app.session().features.picking.point.as_ref().expect("it is kept");
             assert_eq!((point.triangle, point.weights), (first.triangle, first.weights));
         };
         app.session_mut().state.size = PictureSize::Fixed(320, 180);
@@ -210,6 +236,6 @@ mod tests {
         assert_eq!(app.session().pick, Some((84, 48)));
         app.session_mut().apply(Command::Pick(Some((20, 80))));
         rest(&mut app);
-        assert_ne!(app.session().picked_point.as_ref().unwrap().triangle, first.triangle);
+        assert_ne!(app.session().features.picking.point.as_ref().unwrap().triangle, first.triangle);
     }
 }

@@ -36,7 +36,7 @@ const BAR_HEIGHT: f32 = theme::ROW_HEIGHT + 8.0;
 
 fn ui(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     let PanelContext { session, widgets, commands } = cx;
-    if session.case.is_none() {
+    if session.features.case.is_none() {
         widgets.case = Default::default();
     }
     let frame = theme::panel_frame(ui);
@@ -44,7 +44,7 @@ fn ui(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     Panel::top("toolbar").frame(frame).exact_size(BAR_HEIGHT).show(ui, |ui| {
         transport::toolbar(ui, session, widgets.canvas.scale(), commands);
     });
-    let compares = session.comparison.is_on() && session.case.is_none();
+    let compares = session.comparison.is_on() && session.features.case.is_none();
     if compares {
         // Compared pictures are complete: there is nothing to play back.
         Panel::top("compare").frame(frame).show(ui, |ui| {
@@ -55,19 +55,19 @@ fn ui(ui: &mut Ui, cx: &mut PanelContext<'_>) {
             scrub::transport::ui(ui, session, commands);
         });
     }
-    widgets.shows_filmstrip = compares && session.filmstrip.is_shown_in(widgets.picture_panel_height);
+    widgets.shows_filmstrip = compares && session.features.filmstrip.is_shown_in(widgets.picture_panel_height);
     if widgets.shows_filmstrip {
         let tight = frame.inner_margin(egui::Margin::symmetric(theme::space::S as i8, filmstrip::strip::MARGIN));
         Panel::bottom("filmstrip").frame(tight).exact_size(filmstrip::strip::HEIGHT).show(ui, |ui| {
             widgets.filmstrip.ui(ui, session, commands);
         });
     }
-    let asks = session.what_if.open && !compares && session.case.is_none();
+    let asks = session.features.what_if.open && !compares && session.features.case.is_none();
     if asks {
         Panel::top("what-if").frame(frame).show(ui, |ui| what_if::bar::ui(ui, session, commands));
     }
-    let is_single = !compares && session.case.is_none();
-    let strip = if is_single { legend_strip::show(ui, frame, session, commands) } else { 0.0 };
+    let shows_case = session.features.case.is_some();
+    let strip = if shows_case { 0.0 } else { legend_strip::show(ui, frame, compares, session, commands) };
     CentralPanel::default().frame(theme::canvas_frame(ui)).show(ui, |ui| canvas(ui, cx, compares, strip));
 }
 
@@ -84,7 +84,7 @@ fn canvas(ui: &mut Ui, cx: &mut PanelContext<'_>, compares: bool, strip: f32) {
         (size.x.max(1.0) as u32, size.y.max(1.0) as u32)
     };
     (*visible_px, *canvas_px) = (in_pixels(size), in_pixels(size + egui::vec2(0.0, strip)));
-    if session.case.is_some() {
+    if session.features.case.is_some() {
         case.ui(ui, session, *is_synchronous, commands);
     } else if compares {
         canvas.hovered = tiles.ui(ui, &mut canvas.zoom, session, commands);
@@ -92,7 +92,7 @@ fn canvas(ui: &mut Ui, cx: &mut PanelContext<'_>, compares: bool, strip: f32) {
         canvas.ui(ui, session, commands);
         what_if::bar::label(ui, rect, session);
     }
-    if session.case.is_none() {
+    if session.features.case.is_none() {
         onboarding::card::ui(ui, rect, session, thumbnails, commands);
         onboarding::coach::ui(ui, rect, session, commands);
     }

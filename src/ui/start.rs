@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use eframe::egui::{self, Vec2, ViewportBuilder};
 
 use super::app::Workbench;
+use super::appearance::desktop_reduces_motion;
 use super::checks;
 use super::command::Command;
 use super::compare::CompareChange;
@@ -21,7 +22,6 @@ use super::place;
 use super::session::{PictureSize, Preferences, Session, Severity, WindowState};
 use super::store::{self, LoadedPreferences, Store};
 use super::theme;
-use super::watch;
 use super::worker::Worker;
 use super::workspace::{Panel, Workspace};
 use crate::chain::Recipe;
@@ -35,6 +35,7 @@ use crate::inspect::scrub::Moment;
 use crate::lab::Page;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, LoadControl, MemoryLimit, Scene, SceneError, SceneSource, Warning};
+use crate::ui::files::FileCommand;
 
 /// Initial state of the workbench.
 #[derive(Clone, Debug)]
@@ -94,12 +95,12 @@ impl InitialView {
         session.pick = self.pixel;
         session.set_shown(self.shown.unwrap_or(session.shown));
         if let Some(display) = self.display {
-            session.range.show_by(display, session.shown);
+            session.features.range.show_by(display, session.shown);
         }
         for layer in self.layers {
             // Each overlay occurs once: a repeated one takes its last position.
-            session.overlays.layers.retain(|other| other.overlay != layer.overlay);
-            session.overlays.layers.push(layer);
+            session.features.overlays.layers.retain(|other| other.overlay != layer.overlay);
+            session.features.overlays.layers.push(layer);
         }
         if let Some(moment) = self.moment {
             session.begin_at(moment);
@@ -220,7 +221,8 @@ fn windowed(
     close_on_signals(cc.egui_ctx.clone());
     let start = if start.resume { resumed(start, &preferences, LOAD_TIMEOUT) } else { start };
     let store = folder.map(|folder| Store::new(folder, preferences.clone()));
-    let mut workbench = workbench(start, preferences, worker);
+    let mut workbench = workbench(start, &preferences, worker);
+    workbench.session_mut().features.appearance.desktop_reduces_motion = desktop_reduces_motion();
     match store {
         Some(store) => workbench.save_preferences_to(store),
         None => {
@@ -282,32 +284,29 @@ pub(crate) fn resumed(start: WindowStart, preferences: &Preferences, patience: D
 }
 
 /// Creates the application from its initial state and the stored preferences.
-pub(crate) fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -> Workbench {
+pub(crate) fn workbench(start: WindowStart, preferences: &Preferences, worker: Worker) -> Workbench {
     let mut session = Session::new(start.scene, start.source, start.recipe, start.camera);
-    session.recent = preferences.recent;
-    session.onboarding.seen = preferences.seen;
+    session.features.restore(preferences);
     if start.resume {
-        session.onboarding.begin();
+        session.features.onboarding.begin();
     }
-    session.places.bookmarks = preferences.bookmarks;
-    session.watch.pixels = preferences.watched;
-    session.watch.pixels.truncate(watch::MAX_PIXELS);
     session.mirrored = start.mirrored;
-    session.memory_limit = start.memory_limit;
+    session.features.files.memory_limit = start.memory_limit;
     session.state.size = preferences.size.checked();
     let files = start.initial_view.files.clone();
     start.initial_view.show(&mut session);
     session.settle_silently();
     let mut workbench = Workbench::new(session, worker);
     workbench.warn(&start.warnings);
-    workbench.queue(files.into_iter().map(|(role, path)| Command::OpenPicture(role, path)).collect());
+    workbench
+        .queue(files.into_iter().map(|(role, path)| Command::File(FileCommand::OpenPicture(role, path))).collect());
     if let Some(PendingScene { path, camera }) = start.pending {
         let open = match camera {
             Some(camera) => {
                 let place = InspectionState { scene: path, camera, ..workbench.session().place() };
                 Command::Place(place::PlaceChange::Go(Box::new(place)))
             }
-            None => Command::Open(path),
+            None => Command::File(FileCommand::Open(path)),
         };
         workbench.queue(vec![open]);
     }
@@ -327,16 +326,16 @@ pub(crate) fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Vi
     };
     let size_points = Vec2::new(width as f32, height as f32) / request.pixels_per_point;
     let mut headless = Headless::new(size_points, request.pixels_per_point, theme);
-    let mut app = workbench(request.start.clone(), Preferences::default(), Worker::inline());
+    let mut app = workbench(request.start.clone(), &Preferences::default(), Worker::inline());
     app.session_mut().pick = request.selected.or(request.start.initial_view.pixel);
     if let Some(change) = request.compare.clone() {
         app.session_mut().apply(Command::Compare(change));
     }
     if request.panel == Some(Panel::Assertions) {
-        app.session_mut().checks.apply(checks::ChecksChange::Run);
+        app.session_mut().features.checks.apply(checks::ChecksChange::Run);
     }
     if let Some(style) = request.mesh {
-        let mesh = &mut app.session_mut().mesh_view;
+        let mesh = &mut app.session_mut().features.mesh_view;
         (mesh.open, mesh.style) = (true, style);
     }
     if let Some(workspace) = request.workspace {
@@ -359,7 +358,7 @@ pub(crate) fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Vi
         let changes =
             [lab::LabChange::Open(true), lab::LabChange::Page(page), lab::LabChange::Go(step.unwrap_or(usize::MAX))];
         changes.into_iter().chain(request.measure.then_some(lab::LabChange::Compare)).for_each(|change| {
-            app.session_mut().lab.apply(change);
+            app.session_mut().features.lab.apply(change);
         });
     }
     app.queue(request.first.clone());
@@ -423,7 +422,7 @@ mod tests {
             ..WindowState::default()
         };
         let preferences = Preferences { window: window.clone(), ..Preferences::default() };
-        let mut app = workbench(start(), preferences.clone(), Worker::inline());
+        let mut app = workbench(start(), &preferences, Worker::inline());
         app.save_preferences_to(Store::new(folder.path().to_owned(), preferences));
         let mut headless = Headless::new(DEFAULT_SIZE, 1.0, egui::Theme::Light);
         headless.pass(Vec::new(), |ui| app.show(ui));
@@ -453,7 +452,7 @@ mod tests {
             assert_eq!(resumed.source.name(), SceneSource::default().name());
             assert_eq!(resumed.pending, Some(PendingScene { path: path.clone(), camera }));
             let mut headless = Headless::new(DEFAULT_SIZE, 1.0, egui::Theme::Dark);
-            let mut app = workbench(resumed, preferences, Worker::inline());
+            let mut app = workbench(resumed, &preferences, Worker::inline());
             for _ in 0..2 {
                 headless.pass(Vec::new(), |ui| app.show(ui));
             }

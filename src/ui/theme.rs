@@ -37,6 +37,9 @@ pub(crate) const ROW_HEIGHT: f32 = 24.0;
 /// Height of buttons, fields and sliders, in points: a row minus the gap to the next.
 pub(crate) const CONTROL_HEIGHT: f32 = ROW_HEIGHT - space::XS;
 
+/// Duration of animations, such as opening a menu, in seconds.
+pub(crate) const ANIMATION_SECONDS: f32 = 0.1;
+
 /// Corner radius of controls, in points.
 pub(crate) const RADIUS: u8 = 4;
 
@@ -267,7 +270,7 @@ fn style(dark_mode: bool) -> Style {
         ]
         .into(),
         drag_value_text_style: TextStyle::Monospace,
-        animation_time: 0.1,
+        animation_time: ANIMATION_SECONDS,
         visuals: visuals(dark_mode, tokens),
         ..Style::default()
     };

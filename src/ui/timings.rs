@@ -25,6 +25,11 @@ use crate::measure::noise::Noise;
 use crate::measure::other_programs::DISTURBING_SHARE;
 use crate::measure::timing::{Summary, summarize};
 use crate::report::upscaling::tradeoff::{Standing, standings};
+use crate::ui::features::Feature;
+use crate::ui::save_as::SaveItem;
+use crate::ui::session::Session;
+use crate::ui::window_task::WindowTask;
+use crate::ui::window_time::WindowTimes;
 use crate::upscale::Upscaling;
 
 /// Maximum number of recent frames stored for each upscaler.
@@ -69,6 +74,8 @@ pub(crate) struct Timings {
     measurement_request: Option<MeasureRequest>,
     /// Largest share of the processors that other programs used during the measurement; `None` if unknown.
     others_share: Option<f64>,
+    /// Time spent in the user interface itself, for each of the most recent frames of the window.
+    pub(crate) window: WindowTimes,
 }
 
 impl Default for Timings {
@@ -88,6 +95,7 @@ impl Default for Timings {
             noise: None,
             measurement_request: None,
             others_share: None,
+            window: WindowTimes::default(),
         }
     }
 }
@@ -239,19 +247,6 @@ impl Timings {
         known.iter().zip(standings(&points, &noise)).map(point).collect()
     }
 
-    /// Applies a change to the plots of frame times.
-    pub(crate) fn apply(&mut self, change: TimingsChange) {
-        match change {
-            TimingsChange::View(view) => self.view = view,
-            TimingsChange::Automatic(automatic) => self.automatic = automatic,
-            TimingsChange::Order(order) => self.list.order = order,
-            TimingsChange::ToggleScale(scale) => self.list.toggle_scale(scale),
-            TimingsChange::ToggleChecked(upscaling) => self.list.toggle_checked(upscaling),
-            TimingsChange::Hover(tab, upscaling) => self.list.set_hovered(tab, upscaling),
-            TimingsChange::Budget(ms) => self.list.budget_ms = Some(budget::rounded(ms)),
-        }
-    }
-
     /// Returns the time budget in milliseconds: the one that the user has set, or about half of the median time of
     /// native rendering.
     pub(crate) fn budget_ms(&self) -> f64 {
@@ -283,9 +278,8 @@ impl Timings {
 
     /// Discards all recorded times.
     pub(crate) fn clear(&mut self) {
-        let list = std::mem::take(&mut self.list);
-        let Self { view, paused, automatic, turn, .. } = *self;
-        *self = Self { view, paused, automatic, turn, list, ..Self::default() };
+        let Self { view, paused, automatic, turn, list, window, .. } = std::mem::take(self);
+        *self = Self { view, paused, automatic, turn, list, window, ..Self::default() };
     }
 
     /// Whether there is a running or complete measurement to show.
@@ -331,6 +325,35 @@ impl Timings {
     /// otherwise from the recent frames.
     pub(crate) fn series(&self) -> Vec<(Upscaling, Vec<f64>)> {
         if self.has_measurement() { per_method(&self.measured) } else { per_method(&self.recent) }
+    }
+}
+
+impl Feature for Timings {
+    type Change = TimingsChange;
+
+    fn apply(session: &mut Session, change: TimingsChange) -> Option<WindowTask> {
+        let timings = &mut session.features.timings;
+        match change {
+            TimingsChange::View(view) => timings.view = view,
+            TimingsChange::Automatic(automatic) => timings.automatic = automatic,
+            TimingsChange::Order(order) => timings.list.order = order,
+            TimingsChange::ToggleScale(scale) => timings.list.toggle_scale(scale),
+            TimingsChange::ToggleChecked(upscaling) => timings.list.toggle_checked(upscaling),
+            TimingsChange::Hover(tab, upscaling) => timings.list.set_hovered(tab, upscaling),
+            TimingsChange::Budget(ms) => timings.list.budget_ms = Some(budget::rounded(ms)),
+            TimingsChange::Turn(turn) => timings.turn = turn,
+            TimingsChange::TogglePaused => timings.paused ^= true,
+            TimingsChange::Export => return Some(WindowTask::Save(SaveItem::FrameTimes)),
+            TimingsChange::Clear => {
+                timings.clear();
+                return Some(WindowTask::DeclineMeasurement);
+            }
+        }
+        None
+    }
+
+    fn leave_scene(&mut self) {
+        self.clear();
     }
 }
 

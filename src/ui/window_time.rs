@@ -11,6 +11,7 @@ use super::lab;
 use super::mesh_view;
 use super::overlays;
 use super::range;
+use super::session::Preferences;
 use super::start::{WindowStart, workbench};
 use super::watch;
 use super::what_if;
@@ -26,6 +27,8 @@ use crate::measure::timing::{Summary, summarize};
 use crate::measure::window_cost::WindowCost;
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
+use crate::ui::stages::StageChange;
+use crate::ui::window_task::DialogCommand;
 use crate::upscale::Upscaling;
 use eframe::egui::{self, Event, Pos2, Vec2};
 
@@ -89,9 +92,9 @@ fn situations() -> Vec<(String, Vec<Command>)> {
         ("Mesh view", vec![Command::MeshView(mesh_view::MeshViewChange::Toggle)]),
         ("What changed?", vec![Command::WhatIf(what_if::WhatIfChange::Toggle)]),
         ("Value range and overlays", laid_over()),
-        ("Switches of “Shade”", vec![Command::SelectStage(Stage::Shade)]),
-        ("Keys", vec![Command::ToggleKeys]),
-        ("Find anything", vec![Command::OpenPalette]),
+        ("Switches of “Shade”", vec![Command::Stage(StageChange::Select(Stage::Shade))]),
+        ("Keys", vec![Command::Dialog(DialogCommand::Keys)]),
+        ("Find anything", vec![Command::Dialog(DialogCommand::Palette)]),
         ("Everything at once", everything()),
     ];
     let more = more.map(|(name, first)| (name.to_owned(), first));
@@ -117,7 +120,7 @@ fn laid_over() -> Vec<Command> {
 fn everything() -> Vec<Command> {
     let more = [
         show(Panel::Calculation),
-        Command::SelectStage(Stage::Shade),
+        Command::Stage(StageChange::Select(Stage::Shade)),
         Command::MeshView(mesh_view::MeshViewChange::Toggle),
         Command::WhatIf(what_if::WhatIfChange::Toggle),
         Command::Watch(watch::WatchChange::AddPick),
@@ -128,7 +131,7 @@ fn everything() -> Vec<Command> {
 fn cost(start: &WindowStart, size: Viewport, passes: usize, what: String, first: Vec<Command>) -> Option<WindowCost> {
     let points = Vec2::new(size.width as f32, size.height as f32);
     let mut headless = Headless::new(points, 1.0, egui::Theme::Dark);
-    let mut app = workbench(start.clone(), Default::default(), Worker::inline());
+    let mut app = workbench(start.clone(), &Preferences::default(), Worker::inline());
     headless.pass(Vec::new(), |ui| app.show(ui));
     headless.pass(Vec::new(), |ui| app.show(ui));
     plot_something(&mut app);
@@ -150,7 +153,7 @@ fn cost(start: &WindowStart, size: Viewport, passes: usize, what: String, first:
 /// not affect the cost of the window.
 fn plot_something(app: &mut Workbench) {
     let request = app.session().request();
-    let timings = &mut app.session_mut().timings;
+    let timings = &mut app.session_mut().features.timings;
     let reference = Reference::Native;
     timings.begin_measurement(MeasureRequest { number: 0, of: request, reference, turn: Turn::default() });
     for (place, upscaling) in Upscaling::every().enumerate() {

@@ -60,7 +60,7 @@ impl Target for StoredPreferences {
         let found = store::read(copy.path()).ok_or_else(|| Failure::Wrong("no preferences found".to_owned()))?;
         check_backup(copy.path(), &bytes, found.warning.as_deref())?;
         check_written(&found.preferences)?;
-        start(found.preferences)
+        start(&found.preferences)
     }
 }
 
@@ -83,9 +83,9 @@ fn preferences(rng: &mut Rng) -> Preferences {
     session.pick = rng.bool().then_some((20, 10));
     session.state.size = *mutate::pick(rng, &[PictureSize::MatchWindow, PictureSize::Fixed(96, 64)]);
     let bookmark = |session: &Session| Bookmark { name: "kept".to_owned(), place: session.place() };
-    session.places.bookmarks = (0..rng.usize(..3)).map(|_| bookmark(&session)).collect();
-    session.watch.pixels = (0..rng.u32(..4)).map(|n| (n * 7, n)).collect();
-    session.recent = (0..rng.usize(..3)).map(|n| format!("/models/{n}.obj").into()).collect();
+    session.features.places.bookmarks = (0..rng.usize(..3)).map(|_| bookmark(&session)).collect();
+    session.features.watch.pixels = (0..rng.u32(..4)).map(|n| (n * 7, n)).collect();
+    session.features.files.recent = (0..rng.usize(..3)).map(|n| format!("/models/{n}.obj").into()).collect();
     let scale = *mutate::pick(rng, &[0.0, 1.0, 1.5]);
     session.preferences(&WindowState { light_theme: rng.bool(), scale, ..WindowState::default() })
 }
@@ -115,7 +115,7 @@ fn check_written(preferences: &Preferences) -> Result<(), Failure> {
 }
 
 /// Starts a window with preferences, opens its bookmarks, and checks the preferences that would be stored at the end.
-fn start(preferences: Preferences) -> Result<(), Failure> {
+fn start(preferences: &Preferences) -> Result<(), Failure> {
     let source = SceneSource::named("triangle".into());
     let scene = source.load().expect("built in").scene;
     let camera = scene.home;
@@ -134,7 +134,7 @@ fn start(preferences: Preferences) -> Result<(), Failure> {
     let bookmarks = preferences.bookmarks.len().min(MOST_BOOKMARKS);
     let scale = if preferences.window.scale > 0.0 { preferences.window.scale.clamp(0.5, 3.0) } else { 1.0 };
     let mut headless = Headless::new(WINDOW_PX / scale, scale, Theme::Dark);
-    let mut app = workbench(resumed(start, &preferences, Duration::MAX), preferences, Worker::inline());
+    let mut app = workbench(resumed(start, preferences, Duration::MAX), preferences, Worker::inline());
     pass(&mut headless, &mut app);
     for bookmark in 0..bookmarks {
         app.queue(vec![Command::Place(place::PlaceChange::Jump(bookmark))]);

@@ -27,6 +27,7 @@ use crate::fuzz::mutate::{pick, word};
 use crate::fuzz::obj::Obj;
 use crate::fuzz::panics;
 use crate::fuzz::process::Stopwatch;
+use crate::ui::long_tasks::MeasureCommand;
 
 /// Name of the input file that contains the events, one per line.
 const FILE: &str = "events.txt";
@@ -126,7 +127,7 @@ fn window(scene: &str, output: &Path) -> Harness<'static, Workbench> {
     let camera = loaded.home;
     let mut session = Session::new(Arc::new(loaded), source, Recipe::default(), camera);
     session.state.size = PictureSize::Fixed(96, 54);
-    session.folder = output.to_owned();
+    session.features.files.folder = output.to_owned();
     // Names from files may contain any character; those without a glyph are drawn as boxes, as in the program.
     Harness::builder().with_size(WINDOW).with_step_dt(0.1).allow_missing_glyphs().build_eframe(|cc| {
         theme::install(&cc.egui_ctx);
@@ -144,10 +145,24 @@ fn stop_measurements(window: &mut Harness<'_, Workbench>) {
     let app = window.state_mut();
     let session = app.session();
     let mut commands = Vec::new();
-    commands.extend(session.tasks.stability.progress.is_some().then_some(Command::CancelStability));
-    commands.extend(session.tasks.savings.progress.is_some().then_some(Command::CancelPlan));
-    commands.extend(session.tasks.scaling.progress.is_some().then_some(Command::CancelScaling));
-    commands.extend(session.tasks.measuring.is_some().then_some(Command::CancelMeasure));
+    commands.extend(
+        session
+            .features
+            .tasks
+            .stability
+            .progress
+            .is_some()
+            .then_some(Command::Measure(MeasureCommand::CancelStability)),
+    );
+    commands.extend(
+        session.features.tasks.savings.progress.is_some().then_some(Command::Measure(MeasureCommand::CancelPlan)),
+    );
+    commands.extend(
+        session.features.tasks.scaling.progress.is_some().then_some(Command::Measure(MeasureCommand::CancelScaling)),
+    );
+    commands.extend(
+        session.features.tasks.measuring.is_some().then_some(Command::Measure(MeasureCommand::CancelUpscalers)),
+    );
     app.queue(commands);
 }
 

@@ -13,6 +13,15 @@ use crate::ui::workspace::Panel;
 /// Time without input after which a measurement starts.
 const QUIET: Duration = Duration::from_millis(1500);
 
+/// Measurements of all upscalers.
+#[derive(Debug, Default)]
+pub(super) struct UpscalerMeasurement {
+    /// Sequence number of the latest measurement; responses with another number are discarded.
+    pub(super) number: u64,
+    /// Decides when a measurement starts by itself.
+    pub(super) idle: IdleMeasurement,
+}
+
 /// Observations that decide whether a measurement starts by itself.
 #[derive(Debug, Default)]
 pub(super) struct IdleMeasurement {
@@ -50,26 +59,27 @@ impl Workbench {
         if !is_shown || self.widgets.is_synchronous {
             return;
         }
-        if self.session.tasks.measuring.is_some() {
-            if let Some(share) = self.idle.others.share() {
-                self.session.timings.record_others(share);
+        if self.session.features.tasks.measuring.is_some() {
+            if let Some(share) = self.measuring.idle.others.share() {
+                self.session.features.timings.record_others(share);
             }
             return;
         }
         let request = self.session.request();
-        let is_declined = self.idle.declined.as_ref().is_some_and(|declined| declined.same_complete_frame(&request));
-        let is_wanted = self.session.timings.automatic
-            && self.session.case.is_none()
+        let is_declined =
+            self.measuring.idle.declined.as_ref().is_some_and(|declined| declined.same_complete_frame(&request));
+        let is_wanted = self.session.features.timings.automatic
+            && self.session.features.case.is_none()
             && self.session.view_of_scene().is_some()
             && !is_declined
-            && !self.session.timings.measurement_fits(&request);
+            && !self.session.features.timings.measurement_fits(&request);
         if !is_wanted {
             return;
         }
-        let is_quiet = self.idle.is_quiet(ui, &request);
-        let others = self.idle.others.share();
+        let is_quiet = self.measuring.idle.is_quiet(ui, &request);
+        let others = self.measuring.idle.others.share();
         if is_quiet && others.is_some_and(|share| share <= DISTURBING_SHARE) {
-            self.idle.others.reset();
+            self.measuring.idle.others.reset();
             self.measure();
         } else {
             ui.request_repaint_after(INTERVAL);
@@ -88,7 +98,9 @@ mod tests {
     use crate::scene::SceneSource;
     use crate::ui::command::Command;
     use crate::ui::headless::Headless;
+    use crate::ui::long_tasks::MeasureCommand;
     use crate::ui::session::{PictureSize, Session};
+    use crate::ui::timings::TimingsChange;
     use crate::ui::worker::Worker;
 
     /// Window with the panel “Frame time”.
@@ -104,7 +116,7 @@ mod tests {
             let home = scene.home;
             let mut session = Session::new(Arc::new(scene), source, Recipe::default(), home);
             session.state.size = PictureSize::Fixed(16, 12);
-            session.timings.automatic = automatic;
+            session.features.timings.automatic = automatic;
             let mut bench = Workbench::new(session, Worker::spawn(|| ()));
             bench.show_panel(Panel::FrameTime);
             let mut window = Self { headless: Headless::new(vec2(900.0, 600.0), 1.0, Theme::Dark), bench };
@@ -124,9 +136,10 @@ mod tests {
         /// Whether a measurement runs or has run after two quiet seconds beside other programs that use this share.
         fn measures(&mut self, others: f64) -> bool {
             // A measurement that starts forgets what was observed before.
-            self.bench.idle.others = OtherPrograms::of_share(others);
+            self.bench.measuring.idle.others = OtherPrograms::of_share(others);
             self.passes(20);
-            self.bench.session().tasks.measuring.is_some() || self.bench.session().timings.has_measurement()
+            self.bench.session().features.tasks.measuring.is_some()
+                || self.bench.session().features.timings.has_measurement()
         }
     }
 
@@ -134,7 +147,9 @@ mod tests {
     fn a_measurement_starts_by_itself_until_the_user_declines() {
         let mut window = Window::new(true);
         assert!(window.measures(0.02));
-        window.bench.queue(vec![Command::CancelMeasure, Command::ClearTimings]);
+        window
+            .bench
+            .queue(vec![Command::Measure(MeasureCommand::CancelUpscalers), Command::Timings(TimingsChange::Clear)]);
         assert!(!window.measures(0.02), "the user does not want it");
         window.bench.session_mut().state.recipe.wireframe = true;
         assert!(window.measures(0.02), "other settings are measured again");

@@ -21,7 +21,7 @@ use crate::ui::worker::WorkerRequest;
 pub(super) const SLOW_LOAD: Duration = Duration::from_millis(300);
 
 /// Model being loaded in a background thread.
-pub(super) struct Loading {
+struct Loading {
     source: SceneSource,
     /// Task that loads the model; reports its completed fraction, from 0 to 1.
     task: BackgroundTask<f32, Result<Loaded, SceneError>>,
@@ -30,12 +30,40 @@ pub(super) struct Loading {
 }
 
 /// Case being read and evaluated in a background thread.
-pub(super) struct OpeningCase {
+struct OpeningCase {
     path: PathBuf,
     task: BackgroundTask<f32, Result<Evaluation, CaseError>>,
     /// Completed fraction of the evaluation, from 0 to 1.
     progress: Option<f32>,
     since: Instant,
+}
+
+/// Model or case that is being opened.
+#[derive(Default)]
+pub(super) struct Opening {
+    model: Option<Loading>,
+    case: Option<OpeningCase>,
+}
+
+impl Opening {
+    /// Whether a model or a case is being opened.
+    pub(super) fn is_running(&self) -> bool {
+        self.model.is_some() || self.case.is_some()
+    }
+
+    /// If a file has been opening for at least [`SLOW_LOAD`], returns its path and the completed fraction, from 0 to 1.
+    pub(super) fn slow(&self) -> Option<(&Path, f32)> {
+        if let Some(OpeningCase { path, progress, since, .. }) = &self.case {
+            return (since.elapsed() >= SLOW_LOAD).then_some((path, progress.unwrap_or(0.0)));
+        }
+        let loading = self.model.as_ref()?;
+        match &loading.source {
+            SceneSource::File(path, _) if loading.since.elapsed() >= SLOW_LOAD => {
+                Some((path, loading.completed.unwrap_or(0.0)))
+            }
+            _ => None,
+        }
+    }
 }
 
 /// Reads a case and evaluates its first part. Returns `None` if cancelled.
@@ -58,9 +86,9 @@ impl Workbench {
     }
 
     fn open_for(&mut self, ui: &Ui, source: SceneSource, lesson: Option<&'static BlackPixelLesson>) {
-        self.session.opening_lesson = lesson;
+        self.session.features.onboarding.opening_lesson = lesson;
         // The most recent request replaces a case that is still being opened.
-        self.opening_case = None;
+        self.opening.case = None;
         if let SceneSource::File(path, _) = &source
             && path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
         {
@@ -75,33 +103,33 @@ impl Workbench {
             return;
         }
         if self.widgets.is_synchronous {
-            let result = source.load_with(LoadControl::quiet(self.session.memory_limit));
+            let result = source.load_with(LoadControl::quiet(self.session.features.files.memory_limit));
             self.loaded(source, result);
             return;
         }
-        let (memory, wanted) = (self.session.memory_limit, source.clone());
+        let (memory, wanted) = (self.session.features.files.memory_limit, source.clone());
         let task = BackgroundTask::start(ui.ctx().clone(), move |progress, cancel| {
             Some(wanted.load_with(LoadControl { memory, progress, cancel }))
         });
-        self.loading = Some(Loading { source, task, completed: None, since: Instant::now() });
+        self.opening.model = Some(Loading { source, task, completed: None, since: Instant::now() });
         ui.request_repaint_after(SLOW_LOAD);
     }
 
     /// Updates the progress of loading a model. Shows the model once it is loaded, or reports the error.
     pub(super) fn poll_loading(&mut self) {
-        let Some(loading) = &mut self.loading else { return };
+        let Some(loading) = &mut self.opening.model else { return };
         match loading.task.poll(&mut loading.completed) {
             TaskStatus::Running => {}
             TaskStatus::Ended(result) => {
                 let source = loading.source.clone();
-                self.loading = None;
+                self.opening.model = None;
                 if let Some(result) = result {
                     self.loaded(source, *result);
                 }
             }
             TaskStatus::Lost => {
                 let text = format!("Loading {} stopped: internal error", loading.source.title());
-                self.loading = None;
+                self.opening.model = None;
                 self.session.report(Severity::Error, text);
             }
         }
@@ -121,8 +149,8 @@ impl Workbench {
         let task = BackgroundTask::start(ui.ctx().clone(), move |report_progress: &(dyn Fn(f32) + Sync), stop| {
             opened_case(&wanted, options, &Control::new(report_progress, stop))
         });
-        self.loading = None;
-        self.opening_case = Some(OpeningCase { path, task, progress: None, since: Instant::now() });
+        self.opening.model = None;
+        self.opening.case = Some(OpeningCase { path, task, progress: None, since: Instant::now() });
         ui.request_repaint_after(SLOW_LOAD);
     }
 
@@ -138,18 +166,18 @@ impl Workbench {
 
     /// Updates the progress of opening a case. Shows the case once it is evaluated, or reports the error.
     pub(super) fn poll_case(&mut self) {
-        let Some(opening) = &mut self.opening_case else { return };
+        let Some(opening) = &mut self.opening.case else { return };
         match opening.task.poll(&mut opening.progress) {
             TaskStatus::Running => {}
             TaskStatus::Ended(opened) => {
-                self.opening_case = None;
+                self.opening.case = None;
                 if let Some(opened) = opened {
                     self.case_opened(*opened);
                 }
             }
             TaskStatus::Lost => {
                 let text = format!("Opening {} stopped: internal error", opening.path.display());
-                self.opening_case = None;
+                self.opening.case = None;
                 self.session.report(Severity::Error, text);
             }
         }
@@ -160,7 +188,6 @@ impl Workbench {
             Ok(Loaded { scene, warnings, notes }) => {
                 self.session.show_scene(scene, source);
                 self.worker.send(WorkerRequest::CancelMeasure);
-                self.drop_findings();
                 self.widgets.canvas.fit();
                 for note in notes {
                     self.session.report(Severity::Info, note.to_string());
@@ -168,17 +195,10 @@ impl Workbench {
                 self.warn(&warnings);
             }
             Err(error) => {
-                self.session.places.pending = None;
+                self.session.features.places.pending = None;
                 self.session.report(Severity::Error, error.to_string());
             }
         }
-    }
-
-    /// Cancels the searches, assertion checks and fate counts of the previous scene. Otherwise, their results would
-    /// change the pick and the selection in the new scene.
-    fn drop_findings(&mut self) {
-        (self.searching, self.checks, self.fates) = Default::default();
-        self.session.checks.progress = None;
     }
 
     /// Writes the loader's warnings to the log, and shows their number in the message line if there are any.
@@ -187,19 +207,5 @@ impl Workbench {
             self.session.report(Severity::Warning, warning.to_string());
         }
         self.session.messages.notice = (!warnings.is_empty()).then_some(Notice::Warnings(warnings.len()));
-    }
-
-    /// If a file has been opening for at least [`SLOW_LOAD`], returns its path and the completed fraction, from 0 to 1.
-    pub(super) fn slow_open(&self) -> Option<(&Path, f32)> {
-        if let Some(OpeningCase { path, progress, since, .. }) = &self.opening_case {
-            return (since.elapsed() >= SLOW_LOAD).then_some((path, progress.unwrap_or(0.0)));
-        }
-        let loading = self.loading.as_ref()?;
-        match &loading.source {
-            SceneSource::File(path, _) if loading.since.elapsed() >= SLOW_LOAD => {
-                Some((path, loading.completed.unwrap_or(0.0)))
-            }
-            _ => None,
-        }
     }
 }

@@ -14,6 +14,15 @@ use crate::ui::task::BackgroundTask;
 use crate::ui::worker::{MeasureRequest, WorkerRequest, WorkerResponse};
 use crate::ui::workspace::Panel;
 
+/// Requests that the worker has received last.
+#[derive(Default)]
+pub(super) struct SentRequests {
+    view: Option<Request>,
+    comparison: Option<CompareRequest>,
+    filmstrip: Option<CompareRequest>,
+    watched: Vec<(u32, u32)>,
+}
+
 impl Workbench {
     /// Handles all pending results of the render worker, background tasks, exports, scene loader and case evaluation.
     pub(super) fn receive_answers(&mut self) {
@@ -22,7 +31,7 @@ impl Workbench {
         }
         self.poll_tasks();
         self.poll_saving();
-        self.poll_opened_folder();
+        self.poll_opener();
         self.poll_loading();
         self.poll_case();
         self.poll_pictures();
@@ -33,32 +42,34 @@ impl Workbench {
             WorkerResponse::View(view) => {
                 if view.fresh && view.request.triangle_limit.is_none() {
                     let ms = view.frame.times.total.as_secs_f64() * 1e3;
-                    self.session.timings.record_recent(&view.request, ms);
+                    self.session.features.timings.record_recent(&view.request, ms);
                 }
                 self.session.view = Some(*view);
                 self.widgets.requested_at = None;
             }
             WorkerResponse::Compared(compared) => self.session.compared = Some(*compared),
-            WorkerResponse::Filmstrip(drawn) => self.session.filmstrip.drawn = Some(*drawn),
-            WorkerResponse::Watched(rows) => self.session.watch.store_values(rows),
-            WorkerResponse::WhatIf(found) => self.session.what_if.found = Some(*found),
-            WorkerResponse::Stages(figures) => self.session.stages = Some(*figures),
+            WorkerResponse::Filmstrip(drawn) => self.session.features.filmstrip.drawn = Some(*drawn),
+            WorkerResponse::Watched(rows) => self.session.features.watch.store_values(rows),
+            WorkerResponse::WhatIf(found) => self.session.features.what_if.found = Some(*found),
+            WorkerResponse::Stages(figures) => self.session.features.stages.figures = Some(*figures),
             // Discards late answers of a measurement that a newer one has replaced.
             WorkerResponse::Sample { of, .. }
             | WorkerResponse::MethodError { of, .. }
             | WorkerResponse::Noise { of, .. }
             | WorkerResponse::Measured(of)
-                if of != self.measurement => {}
+                if of != self.measuring.number => {}
             WorkerResponse::Sample { upscaling, milliseconds, progress, .. } => {
-                self.session.tasks.measuring = self.session.tasks.measuring.map(|_| Measuring { progress });
-                self.session.timings.record_measured(upscaling, milliseconds);
+                self.session.features.tasks.measuring =
+                    self.session.features.tasks.measuring.map(|_| Measuring { progress });
+                self.session.features.timings.record_measured(upscaling, milliseconds);
             }
             WorkerResponse::MethodError { upscaling, error, progress, .. } => {
-                self.session.tasks.measuring = self.session.tasks.measuring.map(|_| Measuring { progress });
-                self.session.timings.record_error(upscaling, *error);
+                self.session.features.tasks.measuring =
+                    self.session.features.tasks.measuring.map(|_| Measuring { progress });
+                self.session.features.timings.record_error(upscaling, *error);
             }
-            WorkerResponse::Noise { noise, .. } => self.session.timings.record_noise(noise),
-            WorkerResponse::Measured(_) => self.session.tasks.measuring = None,
+            WorkerResponse::Noise { noise, .. } => self.session.features.timings.record_noise(noise),
+            WorkerResponse::Measured(_) => self.session.features.tasks.measuring = None,
             WorkerResponse::Panicked(text) => {
                 self.widgets.requested_at = None;
                 let text = format!("Drawing stopped: internal error: {text}. The last complete picture is kept.");
@@ -81,9 +92,9 @@ impl Workbench {
         self.session.pick_by_itself();
         self.session.follow_picked_point();
         let request = self.session.request();
-        let same = self.last_request.as_ref().is_some_and(|asked| asked.same_view(&request));
+        let same = self.sent.view.as_ref().is_some_and(|asked| asked.same_view(&request));
         if !same && self.session.has_size() {
-            self.last_request = Some(request.clone());
+            self.sent.view = Some(request.clone());
             self.widgets.requested_at.get_or_insert_with(Instant::now);
             self.send(ui, WorkerRequest::Show(Box::new(request)));
         }
@@ -92,7 +103,7 @@ impl Workbench {
     /// Sends a comparison request if it differs from the last one.
     pub(super) fn send_compare_request(&mut self, ui: &Ui) {
         let request = self.session.compare_request().filter(|_| self.session.has_size());
-        if CompareRequest::replace(&mut self.last_compare_request, request.as_ref()) {
+        if CompareRequest::replace(&mut self.sent.comparison, request.as_ref()) {
             if request.is_none() {
                 self.session.compared = None;
             }
@@ -103,23 +114,23 @@ impl Workbench {
     /// Sends a request for the pictures of the filmstrip if it differs from the last one.
     pub(super) fn send_filmstrip_request(&mut self, ui: &Ui) {
         let request = self.session.filmstrip_request().filter(|_| self.session.has_size());
-        if CompareRequest::replace(&mut self.last_filmstrip_request, request.as_ref()) {
+        if CompareRequest::replace(&mut self.sent.filmstrip, request.as_ref()) {
             self.send(ui, WorkerRequest::Filmstrip(request.map(Box::new)));
         }
     }
 
     /// Sends the list of watched pixels to the worker if it has changed.
     pub(super) fn send_watch_request(&mut self, ui: &Ui) {
-        if self.last_watch_request != self.session.watch.pixels {
-            self.last_watch_request.clone_from(&self.session.watch.pixels);
-            self.send(ui, WorkerRequest::Watch(self.last_watch_request.clone()));
+        if self.sent.watched != self.session.features.watch.pixels {
+            self.sent.watched.clone_from(&self.session.features.watch.pixels);
+            self.send(ui, WorkerRequest::Watch(self.sent.watched.clone()));
         }
     }
 
     /// Sends a what-if request if it differs from the last one.
     pub(super) fn send_what_if_request(&mut self, ui: &Ui) {
         let request = self.session.what_if_request().filter(|_| self.session.has_size());
-        if self.session.what_if.update_request(request.as_ref()) {
+        if self.session.features.what_if.update_request(request.as_ref()) {
             self.send(ui, WorkerRequest::WhatIf(request.map(Box::new)));
         }
     }
@@ -128,17 +139,17 @@ impl Workbench {
     pub(crate) fn measure(&mut self) {
         let request = Request { triangle_limit: None, fragment_limit: None, ..self.session.request() };
         let request = MeasureRequest {
-            number: self.measurement + 1,
+            number: self.measuring.number + 1,
             of: request,
             reference: self.session.comparison.reference,
-            turn: self.session.timings.turn,
+            turn: self.session.features.timings.turn,
         };
-        self.session.timings.begin_measurement(request.clone());
-        self.session.tasks.measuring = Some(Measuring { progress: 0.0 });
+        self.session.features.timings.begin_measurement(request.clone());
+        self.session.features.tasks.measuring = Some(Measuring { progress: 0.0 });
         if !self.docks.shows(Panel::ErrorTime) {
             self.show_panel(Panel::FrameTime);
         }
-        self.measurement = request.number;
+        self.measuring.number = request.number;
         self.worker.send(WorkerRequest::Measure(Box::new(request)));
     }
 
@@ -152,7 +163,8 @@ impl Workbench {
         if self.widgets.is_synchronous {
             self.handle_search_result(&look());
         } else {
-            self.searching = Some(BackgroundTask::start(ui.ctx().clone(), move |_, _| Some(look())));
+            self.session.features.places.searching =
+                Some(BackgroundTask::start(ui.ctx().clone(), move |_, _| Some(look())));
         }
     }
 
@@ -181,13 +193,13 @@ mod tests {
         let home = scene.home;
         let mut session = Session::new(Arc::new(scene), source, Recipe::default(), home);
         session.state.size = PictureSize::Fixed(16, 12);
-        session.timings.turn = Turn::STILL;
+        session.features.timings.turn = Turn::STILL;
         let mut bench = Workbench::new(session, Worker::inline());
         bench.measure();
         bench.measure();
         bench.receive_answers();
-        let series = bench.session().timings.series();
+        let series = bench.session().features.timings.series();
         assert!(!series.is_empty() && series.iter().all(|(_, times)| times.len() == MEASURE_ROUNDS));
-        assert_eq!(bench.session().tasks.measuring, None);
+        assert_eq!(bench.session().features.tasks.measuring, None);
     }
 }

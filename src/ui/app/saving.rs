@@ -1,5 +1,6 @@
 //! Exporting files and copying to the clipboard.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -25,7 +26,7 @@ use crate::ui::what_if;
 use crate::{disk, drawing};
 
 /// File being written by a background thread.
-pub(super) struct PendingExport {
+struct PendingExport {
     task: BackgroundTask<f32, Result<PathBuf, String>>,
     /// Completed fraction, from 0 to 1; `None` until the export reports progress. Some exports never do.
     completed: Option<f32>,
@@ -33,10 +34,25 @@ pub(super) struct PendingExport {
 
 impl PendingExport {
     /// Cancels the export if it has reported progress; other exports cannot be cancelled.
-    pub(super) fn cancel(&self) {
+    fn cancel(&self) {
         if self.completed.is_some() {
             self.task.cancel();
         }
+    }
+}
+
+/// Exports that background threads are writing to files, and what is being opened outside the window.
+#[derive(Default)]
+pub(super) struct Saving {
+    exports: Vec<PendingExport>,
+    /// Task that opens a folder or a web address outside the window.
+    opener: Option<OpenerTask>,
+}
+
+impl Saving {
+    /// Cancels all exports that can be cancelled.
+    pub(super) fn cancel(&self) {
+        self.exports.iter().for_each(PendingExport::cancel);
     }
 }
 
@@ -67,8 +83,8 @@ impl SavedFile {
     }
 }
 
-/// Task that opens a folder with the desktop's file manager. Its result is an error message on failure.
-pub(super) type FolderTask = BackgroundTask<(), Result<(), String>>;
+/// Task that opens a folder or a web address. Its result is an error message on failure.
+type OpenerTask = BackgroundTask<(), Result<(), String>>;
 
 impl Workbench {
     /// Asks for a path at which to save `item`, with the system's file dialog if there is one. Reports an error instead
@@ -116,11 +132,11 @@ impl Workbench {
                 Err(reason) => self.session.report(Severity::Error, reason),
             },
             SaveItem::FrameTimes => {
-                let table = self.session.timings.csv();
+                let table = self.session.features.timings.csv();
                 self.save(ui, file, move || Ok(table.into_bytes()));
             }
             SaveItem::LabDrawing(extension) => {
-                let lab = &self.session.lab;
+                let lab = &self.session.features.lab;
                 let (page, recording, step) = (lab.page, lab.recording.clone(), lab.step);
                 self.save(ui, file, move || {
                     encode_recording(Path::new(page.id()).with_extension(extension).as_path(), &recording, step)
@@ -170,21 +186,25 @@ impl Workbench {
         self.save(ui, file, overlays::save::totals(&self.session));
     }
 
-    /// Opens the folder of a saved file with the desktop's file manager, in a background thread because some openers
-    /// block until the file manager is closed.
+    /// Opens the folder of a saved file with the desktop's file manager.
     pub(super) fn open_folder(&mut self, ui: &Ui, file: &Path) {
-        let folder = file.parent().unwrap_or(file).to_owned();
-        self.opening_folder = Some(BackgroundTask::start(ui.ctx().clone(), move |_: &(dyn Fn(()) + Sync), _| {
-            let failure = |error| format!("Cannot open the folder {}: {error}", folder.display());
-            Some(open::that(&folder).map_err(failure))
+        self.open_outside(ui, "folder", file.parent().unwrap_or(file).into());
+    }
+
+    /// Opens a path or a web address with the desktop's program for it, in a background thread because some openers
+    /// block until that program is closed. `noun` says what it is.
+    pub(super) fn open_outside(&mut self, ui: &Ui, noun: &'static str, target: OsString) {
+        self.saving.opener = Some(BackgroundTask::start(ui.ctx().clone(), move |_: &(dyn Fn(()) + Sync), _| {
+            let failure = |error| format!("Cannot open the {noun} {}: {error}", target.display());
+            Some(open::that(&target).map_err(failure))
         }));
     }
 
-    /// Reports an error if a folder could not be opened.
-    pub(super) fn poll_opened_folder(&mut self) {
-        let Some(opening) = &self.opening_folder else { return };
-        if let TaskStatus::Ended(outcome) = opening.poll(&mut None) {
-            self.opening_folder = None;
+    /// Reports an error if a folder or a page could not be opened.
+    pub(super) fn poll_opener(&mut self) {
+        let Some(opener) = &self.saving.opener else { return };
+        if let TaskStatus::Ended(outcome) = opener.poll(&mut None) {
+            self.saving.opener = None;
             if let Some(Err(error)) = outcome.map(|outcome| *outcome) {
                 self.session.report(Severity::Error, error);
             }
@@ -204,7 +224,7 @@ impl Workbench {
     /// Returns the picture on the canvas, which may be a what-if view or the heat map of the probe.
     fn shown_picture(&self, ui: &Ui) -> Option<Arc<Image<Rgba8>>> {
         let view = what_if::visible_view(ui, &self.session)?;
-        Some(self.session.probing.picture(view).unwrap_or(&view.picture).clone())
+        Some(self.session.features.probing.picture(view).unwrap_or(&view.picture).clone())
     }
 
     pub(super) fn copy_picture(&mut self, ui: &Ui) {
@@ -230,7 +250,7 @@ impl Workbench {
         file: SavedFile,
         encode: impl FnOnce(&(dyn Fn(f32) + Sync), &AtomicBool) -> Option<Result<Vec<u8>, String>> + Send + 'static,
     ) {
-        let folder = self.session.folder.clone();
+        let folder = self.session.features.files.folder.clone();
         let save = move |progress: &(dyn Fn(f32) + Sync), cancel: &AtomicBool| {
             let encoded = encode(progress, cancel)?;
             Some(encoded.and_then(|bytes| file.write(&folder, &bytes)))
@@ -239,14 +259,16 @@ impl Workbench {
             let outcome = save(&|_| {}, &AtomicBool::new(false));
             outcome.into_iter().for_each(|outcome| self.saved(outcome));
         } else {
-            self.saving.push(PendingExport { task: BackgroundTask::start(ui.ctx().clone(), save), completed: None });
+            self.saving
+                .exports
+                .push(PendingExport { task: BackgroundTask::start(ui.ctx().clone(), save), completed: None });
         }
     }
 
     /// Handles the progress and the results of all files being written.
     pub(super) fn poll_saving(&mut self) {
         let mut outcomes = Vec::new();
-        self.saving.retain_mut(|saving| match saving.task.poll(&mut saving.completed) {
+        self.saving.exports.retain_mut(|saving| match saving.task.poll(&mut saving.completed) {
             TaskStatus::Running => true,
             TaskStatus::Ended(outcome) => {
                 outcomes.extend(outcome.map(|outcome| *outcome));
@@ -257,7 +279,7 @@ impl Workbench {
                 false
             }
         });
-        self.session.tasks.export_progress = self.saving.iter().find_map(|saving| saving.completed);
+        self.session.features.tasks.export_progress = self.saving.exports.iter().find_map(|saving| saving.completed);
         outcomes.into_iter().for_each(|outcome| self.saved(outcome));
     }
 }

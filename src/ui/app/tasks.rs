@@ -9,8 +9,9 @@ use crate::measure::scaling::{self, ScalingQuantity};
 use crate::measure::skipped_work::savings;
 use crate::report::stability::sweep::{self, StabilityPlan, StabilityProgress, SweepStage};
 use crate::ui::engine::Request;
+use crate::ui::features::Features;
+use crate::ui::long_tasks::LongTasks;
 use crate::ui::probe;
-use crate::ui::save_as::Destination;
 use crate::ui::session::Severity;
 use crate::ui::task::{BackgroundTask, TaskStatus};
 use crate::ui::workspace::Panel;
@@ -19,11 +20,13 @@ impl Workbench {
     /// Starts computing the stability report in a background thread.
     pub(super) fn measure_stability(&mut self, ui: &Ui) {
         self.show_panel(Panel::Stability);
-        self.session.tasks.stability.progress = Some(StabilityProgress { stage: SweepStage::Judging, done: 0, of: 1 });
+        self.session.features.tasks.stability.progress =
+            Some(StabilityProgress { stage: SweepStage::Judging, done: 0, of: 1 });
         let plan = StabilityPlan::default();
-        self.measuring_stability = Some(BackgroundTask::start(ui.ctx().clone(), move |report_progress, stop| {
-            sweep::run(&plan, report_progress, stop).filter(|report| !report.partial)
-        }));
+        self.session.features.tasks.stability.task =
+            Some(BackgroundTask::start(ui.ctx().clone(), move |report_progress, stop| {
+                sweep::run(&plan, report_progress, stop).filter(|report| !report.partial)
+            }));
     }
 
     /// Starts measuring how much frame time the current view saves because its draws skip unneeded parts of the
@@ -32,12 +35,13 @@ impl Workbench {
         /// Number of measured rounds.
         const ROUNDS: usize = 21;
         let request = self.session.request();
-        self.session.tasks.savings.progress = Some(0.0);
-        self.measuring_savings = Some(BackgroundTask::start(ui.ctx().clone(), move |report_progress, stop| {
-            let Request { scene, camera, recipe, viewport, .. } = &request;
-            let found = savings(scene, camera, recipe, *viewport, ROUNDS, report_progress, stop)?;
-            Some((found, request))
-        }));
+        self.session.features.tasks.savings.progress = Some(0.0);
+        self.session.features.tasks.savings.task =
+            Some(BackgroundTask::start(ui.ctx().clone(), move |report_progress, stop| {
+                let Request { scene, camera, recipe, viewport, .. } = &request;
+                let found = savings(scene, camera, recipe, *viewport, ROUNDS, report_progress, stop)?;
+                Some((found, request))
+            }));
     }
 
     /// Starts measuring how the frame time scales with triangles, pixels, overlapping layers and threads under the
@@ -48,49 +52,39 @@ impl Workbench {
         const MAX_SCALING: (usize, usize) = (1_000_000, 7);
         let recipe = self.session.state.recipe;
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        self.session.tasks.scaling.progress = Some((ScalingQuantity::Triangles, 0.0));
-        self.measuring_scaling = Some(BackgroundTask::start(ui.ctx().clone(), move |report_progress, stop| {
-            let plan = scaling::ScalingPlan::new(recipe, MAX_SCALING.0, threads, MAX_SCALING.1);
-            let found = scaling::measure(&plan, &|quantity, share| report_progress((quantity, share)), stop).ok();
-            let found = found.filter(|found| !found.partial)?;
-            Some((found, recipe))
-        }));
+        self.session.features.tasks.scaling.progress = Some((ScalingQuantity::Triangles, 0.0));
+        self.session.features.tasks.scaling.task =
+            Some(BackgroundTask::start(ui.ctx().clone(), move |report_progress, stop| {
+                let plan = scaling::ScalingPlan::new(recipe, MAX_SCALING.0, threads, MAX_SCALING.1);
+                let found = scaling::measure(&plan, &|quantity, share| report_progress((quantity, share)), stop).ok();
+                let found = found.filter(|found| !found.partial)?;
+                Some((found, recipe))
+            }));
     }
 
     /// Handles the progress and the results of long measurements.
     pub(super) fn poll_tasks(&mut self) {
         probe::listen(&mut self.session);
-        let session = &mut self.session;
-        let broke_off = poll_task(&mut self.measuring_stability, &mut session.tasks.stability.progress, |report| {
-            session.tasks.stability.report = Some(Arc::from(report));
+        let Features { tasks, places, .. } = &mut self.session.features;
+        let LongTasks { stability, savings, scaling, .. } = tasks;
+        let mut broke_off = poll_task(&mut stability.task, &mut stability.progress, |report| {
+            stability.report = Some(Arc::from(report));
         });
-        let broke_off = broke_off
-            | poll_task(&mut self.measuring_savings, &mut session.tasks.savings.progress, |found| {
-                let (savings, of) = *found;
-                session.tasks.savings.found = Some((Arc::new(savings), of));
-            })
-            | poll_task(&mut self.measuring_scaling, &mut session.tasks.scaling.progress, |found| {
-                let (scaling, recipe) = *found;
-                session.tasks.scaling.found = Some((Arc::new(scaling), recipe));
-            });
+        broke_off |= poll_task(&mut savings.task, &mut savings.progress, |found| {
+            let (measured, of) = *found;
+            savings.found = Some((Arc::new(measured), of));
+        });
+        broke_off |= poll_task(&mut scaling.task, &mut scaling.progress, |found| {
+            let (measured, recipe) = *found;
+            scaling.found = Some((Arc::new(measured), recipe));
+        });
         let mut found = None;
-        let broke_off = broke_off | poll_task(&mut self.searching, &mut None, |what| found = Some(what));
+        broke_off |= poll_task(&mut places.searching, &mut None, |what| found = Some(what));
         if broke_off {
-            session.report(Severity::Error, "Measurement stopped: internal error");
+            self.session.report(Severity::Error, "Measurement stopped: internal error");
         }
         if let Some(what) = found {
             self.handle_search_result(&what);
-        }
-    }
-
-    /// Applies a change to the stability probe.
-    pub(super) fn probe(&mut self, ui: &Ui, change: probe::ProbeChange) {
-        match probe::apply(&mut self.session, ui.ctx(), change) {
-            probe::WindowAction::Nothing => {}
-            probe::WindowAction::BringIntoView(pixel) => {
-                self.widgets.canvas.bring_into_view(pixel, self.widgets.visible_px);
-            }
-            probe::WindowAction::Write(case) => self.write_case(ui, &case, Destination::Automatic),
         }
     }
 }

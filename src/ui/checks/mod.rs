@@ -16,9 +16,11 @@ use super::task::{BackgroundTask, TaskStatus};
 use crate::chain::Frame;
 use crate::inspect::assertions::{Assertion, AssertionReport, Violation, check};
 use crate::pipeline::settings::Choice as _;
+use crate::ui::features::Feature;
+use crate::ui::window_task::WindowTask;
 
 /// State of the assertion checks.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(crate) struct Checks {
     /// Latest report, and the frame that it describes.
     pub(crate) found: Option<(Arc<AssertionReport>, Arc<Frame>)>,
@@ -30,6 +32,7 @@ pub(crate) struct Checks {
     wanted: bool,
     /// Whether cancellation of the running check was requested.
     cancelled: bool,
+    runner: Runner,
 }
 
 /// Change to the assertion checks, requested by the user.
@@ -66,33 +69,53 @@ pub(crate) fn place(violation: &Violation, frame: &Frame) -> (u32, u32) {
     frame.sampling.grid().sample_at(violation.x, violation.y).map_or(drawn_at, |sample| frame.pixel_of(sample))
 }
 
+impl Feature for Checks {
+    type Change = ChecksChange;
+
+    fn apply(session: &mut Session, change: ChecksChange) -> Option<WindowTask> {
+        session.features.checks.apply(change);
+        None
+    }
+
+    fn leave_scene(&mut self) {
+        // The result of the running check would change the pick in the new scene.
+        (self.runner, self.progress) = (Runner::default(), None);
+    }
+}
+
+/// Handles the result of the running check and starts the next requested check. If `waits` is `true`, runs the check
+/// synchronously instead of in a background thread.
+pub(crate) fn step(session: &mut Session, context: &Context, waits: bool) {
+    let mut runner = std::mem::take(&mut session.features.checks.runner);
+    runner.step(session, context, waits);
+    session.features.checks.runner = runner;
+}
+
 /// Runner of assertion checks in a background thread.
 #[derive(Debug, Default)]
-pub(crate) struct Runner {
+struct Runner {
     running: Option<(BackgroundTask<f32, AssertionReport>, Arc<Frame>)>,
 }
 
 impl Runner {
-    /// Handles the result of the running check and starts the next requested check. If `waits` is `true`, runs the
-    /// check synchronously instead of in a background thread.
-    pub(crate) fn step(&mut self, session: &mut Session, context: &Context, waits: bool) {
+    fn step(&mut self, session: &mut Session, context: &Context, waits: bool) {
         self.listen(session);
         if let Some((task, _)) = &self.running {
-            if std::mem::take(&mut session.checks.cancelled) {
+            if std::mem::take(&mut session.features.checks.cancelled) {
                 task.cancel();
             }
             return;
         }
-        let wanted = session.view_of_scene().filter(|view| session.checks.wants(&view.frame));
+        let wanted = session.view_of_scene().filter(|view| session.features.checks.wants(&view.frame));
         let Some(view) = wanted.cloned() else { return };
-        session.checks.wanted = false;
+        session.features.checks.wanted = false;
         if waits {
             if let Some(report) = checked(&view, &|_| {}, &AtomicBool::new(false)) {
                 found(session, report, view.frame);
             }
             return;
         }
-        (session.checks.progress, session.checks.cancelled) = (Some(0.0), false);
+        (session.features.checks.progress, session.features.checks.cancelled) = (Some(0.0), false);
         let frame = view.frame.clone();
         self.running = Some((
             BackgroundTask::start(context.clone(), move |report_progress, stop| checked(&view, report_progress, stop)),
@@ -103,12 +126,12 @@ impl Runner {
     fn listen(&mut self, session: &mut Session) {
         let Some((task, frame)) = &self.running else { return };
         let frame = frame.clone();
-        match task.poll(&mut session.checks.progress) {
+        match task.poll(&mut session.features.checks.progress) {
             TaskStatus::Running => return,
             TaskStatus::Ended(Some(report)) => found(session, *report, frame),
             TaskStatus::Ended(None) => {}
             TaskStatus::Lost => {
-                session.checks.every_frame = false;
+                session.features.checks.every_frame = false;
                 session.report(Severity::Error, "Checking stopped: internal error");
             }
         }
@@ -126,9 +149,9 @@ fn found(session: &mut Session, report: AssertionReport, frame: Arc<Frame>) {
     if let Some((assertion, violation)) = report.first_violation() {
         let (x, y) = place(violation, &frame);
         session.pick = Some((x, y));
-        session.checks.every_frame = false;
+        session.features.checks.every_frame = false;
         let text = format!("“{}” is violated at pixel {x}, {y} by triangle {}", assertion.name(), violation.triangle.0);
         session.report(Severity::Warning, text);
     }
-    session.checks.found = Some((Arc::new(report), frame));
+    session.features.checks.found = Some((Arc::new(report), frame));
 }

@@ -31,7 +31,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
 
 /// Draws the buttons of the panel.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let checks = &session.checks;
+    let checks = &session.features.checks;
     let help = "Draw this frame once more and check every fragment";
     let run = Button::new((theme::icon(Icon::ListChecks), "Check this frame"));
     if ui.add_enabled(checks.progress.is_none(), run).on_hover_text(help).clicked() {
@@ -72,7 +72,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             }
             ui.end_row();
             for assertion in Assertion::ALL {
-                let found = session.checks.found.as_ref();
+                let found = session.features.checks.found.as_ref();
                 let finding = found.and_then(|(report, _)| report.findings.iter().find(|f| f.assertion == *assertion));
                 row(ui, session, *assertion, finding, commands);
                 ui.end_row();
@@ -94,7 +94,7 @@ fn row(ui: &mut Ui, session: &Session, assertion: Assertion, finding: Option<&Fi
         let text = count.map_or("–".to_owned(), format::count);
         ui.label(RichText::new(text).monospace());
     }
-    match finding.and_then(|finding| finding.first.as_ref()).zip(session.checks.found.as_ref()) {
+    match finding.and_then(|finding| finding.first.as_ref()).zip(session.features.checks.found.as_ref()) {
         None => {
             ui.label(RichText::new(assertion.help()).color(tokens(ui).text_weak));
         }

@@ -10,11 +10,13 @@ use crate::measure::reference::Reference;
 use crate::measure::tone::ToneCurve;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
+use crate::ui::files::FileCommand;
 use crate::ui::filmstrip::{self, FilmstripChange};
 use crate::ui::manual::manual_button;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::combo;
+use crate::ui::window_task::DialogCommand;
 use crate::ui::workspace::PanelWidgets;
 
 /// Tile counts that can be chosen with a button.
@@ -23,10 +25,17 @@ const COUNTS: [usize; 2] = [2, 4];
 /// Width reserved for the list of references and its label, in points.
 const REFERENCE_POINTS: f32 = 190.0;
 
+/// Width reserved for the list of references without its label, in points.
+const REFERENCE_LIST_POINTS: f32 = 136.0;
+
+/// Width of the bar from which the list of references has a label, in points.
+const LABEL_POINTS: f32 = 960.0;
+
 /// Draws the comparison modes, the tile count, the region, the filmstrip switch and the reference.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, widgets: &PanelWidgets, commands: &mut Vec<Command>) {
     let comparison = &session.comparison;
     let mut changes = Vec::new();
+    let has_label = ui.available_width() >= LABEL_POINTS;
     ui.horizontal_wrapped(|ui| {
         for (mode, name, help) in Mode::ALL {
             if ui.selectable_label(comparison.mode == mode, name).on_hover_text(help).clicked() {
@@ -44,7 +53,8 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, widgets: &PanelWidgets, command
         }
         region(ui, session, &mut changes);
         files(ui, session, &mut changes, commands);
-        let strip = Button::selectable(session.filmstrip.is_shown_in(widgets.picture_panel_height), "Filmstrip");
+        let strip =
+            Button::selectable(session.features.filmstrip.is_shown_in(widgets.picture_panel_height), "Filmstrip");
         let strip = ui.add_enabled(filmstrip::has_room(widgets.picture_panel_height), strip);
         let help = "Show every upscaling method in a strip below the pictures";
         let why = "The window is too low for a strip of all upscaling methods below the pictures";
@@ -53,10 +63,11 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, widgets: &PanelWidgets, command
         }
         ui.separator();
         // One allocation keeps the label and its list on the same row.
+        let width = if has_label { REFERENCE_POINTS } else { REFERENCE_LIST_POINTS };
         ui.allocate_ui_with_layout(
-            Vec2::new(REFERENCE_POINTS, theme::CONTROL_HEIGHT),
+            Vec2::new(width, theme::CONTROL_HEIGHT),
             Layout::left_to_right(Align::Center),
-            |ui| reference(ui, session, &mut changes),
+            |ui| reference(ui, has_label, session, &mut changes),
         );
         if let Some(scale) = widgets.canvas.scale().filter(|scale| *scale < 1.0) {
             let text = format!("shown at {:.0} % of full size", scale * 100.0);
@@ -65,7 +76,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, widgets: &PanelWidgets, command
             );
         }
         if icon_button(ui, Icon::Download, "Save comparison (HTML)").clicked() {
-            commands.push(Command::SaveComparison);
+            commands.push(Command::File(FileCommand::SaveComparison));
         }
         manual_button(ui, Chapter::ComparingUpscalers, commands);
         if icon_button(ui, Icon::X, "Stop comparing  (Esc)").clicked() {
@@ -93,7 +104,7 @@ fn counts(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>) {
     }
     let help = "Show a tile for every upscaling method, at the scale of the filmstrip";
     if ui.button("All").on_hover_text(help).clicked() {
-        changes.push(CompareChange::Every(session.filmstrip.scale));
+        changes.push(CompareChange::Every(session.features.filmstrip.scale));
     }
     if count < super::MAX_TILES && icon_button(ui, Icon::Plus, "Add a tile").clicked() {
         changes.push(CompareChange::Count(count + 1));
@@ -153,7 +164,7 @@ fn files(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>, comma
     ui.menu_button("Open picture…", |ui| {
         for role in PictureRole::LISTED {
             if ui.button(format!("As {}…", role.name())).clicked() {
-                commands.push(Command::ShowPictureDialog(role));
+                commands.push(Command::Dialog(DialogCommand::OpenPicture(role)));
                 ui.close();
             }
         }
@@ -181,8 +192,10 @@ fn files(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>, comma
     }
 }
 
-fn reference(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>) {
-    ui.label(RichText::new("against").color(tokens(ui).text_weak));
+fn reference(ui: &mut Ui, has_label: bool, session: &Session, changes: &mut Vec<CompareChange>) {
+    if has_label {
+        ui.label(RichText::new("against").color(tokens(ui).text_weak));
+    }
     let Some(file) = session.comparison.opened(&session.state.tiles, PictureRole::Reference) else {
         changes.extend(reference_list(ui, "Reference", 124.0, session.comparison.reference));
         return;

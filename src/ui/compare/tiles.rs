@@ -9,8 +9,6 @@ mod header;
 
 mod layout;
 
-mod legend;
-
 use std::sync::Arc;
 
 use eframe::egui::{
@@ -21,7 +19,6 @@ use eframe::egui::{
 use figures::{figures_of, figures_of_both};
 use header::headers;
 use layout::{TileLayout, places};
-use legend::legend;
 
 use super::compute::{Compared, DifferenceImage, TileResult};
 use super::{CompareChange, Mode, letter};
@@ -245,7 +242,6 @@ impl TilesView {
         painter.image(texture, placement.rect_of_all(b.picture.size()), uv, changed_layer::DIMMED);
         self.changed.paint(ui, &painter, placement, changes);
         grid(&painter, placement, b.picture.size());
-        legend::changed(ui, clip, changes);
     }
 
     fn difference(&mut self, ui: &Ui, placement: Placement, clip: Rect, differing: &DifferenceImage) {
@@ -255,7 +251,6 @@ impl TilesView {
         paint(&painter, texture, placement, picture.size());
         let bits = ui.input(|i| i.modifiers.alt);
         numbers(&painter, placement, picture, bits, |x, y| Value::Number(differing.values.at(x, y)));
-        legend(ui, clip, differing.kind);
     }
 }
 

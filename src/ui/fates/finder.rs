@@ -24,13 +24,19 @@ pub(crate) struct Finder {
     unchanged_since: Option<(Request, Instant)>,
 }
 
+/// Handles the result of the task that counts fates. Starts a new task if the frame has changed and its fates are
+/// needed: because the panel “Triangle fates” is open (`wanted`), a filter is active or triangles are selected. If
+/// `waits` is `true`, the fates are counted synchronously.
+pub(crate) fn update(ui: &Ui, session: &mut Session, wanted: bool, waits: bool) {
+    let mut finder = std::mem::take(&mut session.features.fates.finder);
+    finder.update(ui, session, wanted, waits);
+    session.features.fates.finder = finder;
+}
+
 impl Finder {
-    /// Handles the result of the task. Starts a new task if the frame has changed and its fates are needed: because
-    /// the panel “Triangle fates” is open (`wanted`), a filter is active or triangles are selected. If `waits` is `true`, the
-    /// fates are counted synchronously.
-    pub(crate) fn update(&mut self, ui: &Ui, session: &mut Session, wanted: bool, waits: bool) {
+    fn update(&mut self, ui: &Ui, session: &mut Session, wanted: bool, waits: bool) {
         self.listen(session);
-        let wanted = wanted || session.fates.is_filtering() || !session.selection.is_empty();
+        let wanted = wanted || session.features.fates.is_filtering() || !session.selection.is_empty();
         let Some(view) = session.view_of_scene().filter(|_| wanted && self.task.is_none()) else { return };
         if self.last_request.as_ref().is_some_and(|asked| asked.same_complete_frame(&view.request)) {
             return;
@@ -77,5 +83,5 @@ fn found(session: &mut Session, fates: Fates) {
     for complaint in fates.account.complaints() {
         session.report(Severity::Error, format!("Fate counts do not add up (internal error): {complaint}"));
     }
-    session.fates.set_fates(Arc::new(fates), &mut session.selection);
+    session.features.fates.set_fates(Arc::new(fates), &mut session.selection);
 }

@@ -20,6 +20,9 @@ const COUNT: f32 = 52.0;
 /// Width of the column of percentages, in points.
 const SHARE: f32 = 58.0;
 
+/// Minimum width of the names if there is a column of percentages, in points.
+const MIN_NAME: f32 = 80.0;
+
 /// Fate of a triangle or of a fragment. The funnel shows one bar for each fate.
 pub(crate) trait BinnedFate: Choice {
     /// Returns the bin that a click on the bar selects: triangles with this fate or, if it is the fate of a fragment,
@@ -107,12 +110,16 @@ fn bar<E: BinnedFate>(ui: &mut Ui, ending: E, (count, sum): (u64, u64), chosen: 
     painter.rect_filled(bar, 2.0, ending.color(tokens(ui)).gamma_multiply(OPACITY));
     let text = tokens(ui).text_strong;
     let body = FontId::proportional(font_size::BODY);
-    let words = elided(ui, name, body, text, row.width() - SHARE - COUNT);
+    // A narrow panel has room for the names, but not for the percentages, which the bars show, too.
+    let share_width = if row.width() >= MIN_NAME + COUNT + SHARE { SHARE } else { space::XS };
+    let words = elided(ui, name, body, text, row.width() - share_width - COUNT);
     painter.galley(pos2(row.left() + space::XS, row.center().y - words.size().y / 2.0), words, text);
     let mono = FontId::monospace(font_size::SMALL);
     let at = |from_right: f32| row.right_center() - vec2(from_right, 0.0);
-    painter.text(at(space::XS), Align2::RIGHT_CENTER, format::percent(share), mono.clone(), tokens(ui).text);
-    painter.text(at(SHARE), Align2::RIGHT_CENTER, format::count(count), mono, text);
+    if share_width == SHARE {
+        painter.text(at(space::XS), Align2::RIGHT_CENTER, format::percent(share), mono.clone(), tokens(ui).text);
+    }
+    painter.text(at(share_width), Align2::RIGHT_CENTER, format::count(count), mono, text);
     let click = if chosen {
         "Click to clear the selection."
     } else {

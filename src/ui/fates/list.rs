@@ -16,7 +16,7 @@ use crate::ui::widgets::icon_button;
 const ROW: f32 = 20.0;
 
 /// Right edge of each column, as a fraction of the row width.
-const ENDS: [f32; 5] = [0.15, 0.40, 0.62, 0.76, 1.0];
+const ENDS: [f32; 5] = [0.14, 0.33, 0.51, 0.69, 1.0];
 
 /// Draws the filter field and the list. The row of the triangle visible at the picked pixel is highlighted.
 pub(crate) fn ui(

@@ -18,9 +18,13 @@ use std::sync::Arc;
 use crate::inspect::fates::{Bin, FateFilter, Fates};
 use crate::inspect::selection::TriangleSelection;
 use crate::scene::TriangleId;
+use crate::ui::features::Feature;
+use crate::ui::session::Session;
+use crate::ui::window_task::WindowTask;
+use finder::Finder;
 
 /// Fates of the triangles and fragments on screen, and the filter that selects triangles by fate, object or text.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(crate) struct FatesView {
     /// Fates of the frame; `None` until computed. The fates of the previous frame remain until the new ones are ready.
     pub(crate) fates: Option<Arc<Fates>>,
@@ -32,6 +36,8 @@ pub(crate) struct FatesView {
     pub(crate) text: String,
     /// Triangles that match all filters: fate, object and text.
     pub(crate) members: Arc<[TriangleId]>,
+    /// Background task that counts the fates.
+    finder: Finder,
 }
 
 /// Change to the filter, requested by the user.
@@ -97,5 +103,18 @@ impl FatesView {
         let text = Some(self.text.trim().to_owned()).filter(|text| !text.is_empty());
         let words: Vec<_> = self.bin.map(Bin::label).into_iter().chain(object).chain(text).collect();
         TriangleSelection::new(words.join(", "), self.members.iter().copied())
+    }
+}
+
+impl Feature for FatesView {
+    type Change = FatesChange;
+
+    fn apply(session: &mut Session, change: FatesChange) -> Option<WindowTask> {
+        session.features.fates.apply(change, &mut session.selection);
+        None
+    }
+
+    fn leave_scene(&mut self) {
+        *self = Self::default();
     }
 }

@@ -72,12 +72,12 @@ fn row(ui: &mut Ui, object: &ObjectFates, chosen: bool) -> bool {
         let top = row.center().y - galley.size().y / 2.0;
         painter.galley(pos2(from, top), galley, color);
     };
-    put(row.left() + space::XS, numbers, &object.name, text);
-    put(reasons, row.right(), &words, weak);
     let figures = format!("{} / {}", format::count(seen), format::count(all));
     let figures_at = row.left_center() + vec2(bar - row.left() - space::S, 0.0);
     let color = if seen == 0 { tokens(ui).warning } else { text };
-    painter.text(figures_at, Align2::RIGHT_CENTER, figures, FontId::monospace(font_size::BODY), color);
+    let figures = painter.text(figures_at, Align2::RIGHT_CENTER, figures, FontId::monospace(font_size::BODY), color);
+    put(row.left() + space::XS, numbers.min(figures.left() - space::XS), &object.name, text);
+    put(reasons, row.right(), &words, weak);
     stack(ui, row.with_min_x(bar).with_max_x(reasons - space::S).shrink2(vec2(0.0, 5.0)), &object.triangles);
     response.on_hover_ui(|ui| details(ui, object)).clicked()
 }

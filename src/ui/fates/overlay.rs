@@ -37,7 +37,9 @@ struct CachedOverlay {
 impl SelectionLayer {
     /// Paints the overlay if any triangle is selected.
     pub(crate) fn paint(&mut self, ui: &Ui, painter: &Painter, placement: Placement, session: &Session) {
-        let Some(fates) = session.fates.fates.as_ref().filter(|_| !session.selection.is_empty()) else { return };
+        let Some(fates) = session.features.fates.fates.as_ref().filter(|_| !session.selection.is_empty()) else {
+            return;
+        };
         let tint = tokens(ui).accent.gamma_multiply(TINT);
         let fits = |made: &&CachedOverlay| {
             Arc::ptr_eq(&made.fates, fates) && made.selection == session.selection && made.tint == tint

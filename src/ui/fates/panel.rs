@@ -32,7 +32,7 @@ const SHARES: [f32; 3] = [0.18, 0.16, 0.31];
 
 /// Draws, chips that show whether the fate counts add up to the totals.
 pub(crate) fn controls(ui: &mut Ui, session: &Session) {
-    let Some(fates) = &session.fates.fates else { return };
+    let Some(fates) = &session.features.fates.fates else { return };
     let complaints = fates.account.complaints();
     if complaints.is_empty() {
         let help = "Every submitted triangle and every generated fragment has exactly one fate";
@@ -50,7 +50,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session) {
 
 /// Draws the content of the panel “Triangle fates”.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let view = &session.fates;
+    let view = &session.features.fates;
     let Some(fates) = &view.fates else {
         let how = "The frame is drawn once more with counters.";
         empty_state(ui, Icon::ListChecks, "Counting the fates of triangles and fragments…", how);

@@ -29,7 +29,7 @@ impl StripFrame {
         Self {
             upscaling,
             picture: tile.picture.clone(),
-            ms: session.timings.median_ms(&session.request(), upscaling),
+            ms: session.features.timings.median_ms(&session.request(), upscaling),
             flip: figures.map(|figures| figures.flip),
         }
     }
@@ -46,9 +46,9 @@ impl StripFrame {
 /// Returns the frames drawn so far. Frames without the figure they are sorted by come last; equal ones have the order
 /// of the menus.
 pub(super) fn collect(session: &Session) -> Vec<StripFrame> {
-    let tiles = session.filmstrip.drawn.iter().flat_map(|drawn| &drawn.tiles);
+    let tiles = session.features.filmstrip.drawn.iter().flat_map(|drawn| &drawn.tiles);
     let mut frames: Vec<_> = tiles.map(|tile| StripFrame::new(tile, session)).collect();
-    let key = |frame: &StripFrame| match session.filmstrip.order {
+    let key = |frame: &StripFrame| match session.features.filmstrip.order {
         RowOrder::Time => frame.ms.unwrap_or(f64::INFINITY),
         RowOrder::Error => frame.flip.unwrap_or(f64::INFINITY),
         RowOrder::Method => 0.0,

@@ -16,6 +16,8 @@ use super::session::Session;
 use super::timings::RowOrder;
 use crate::chain::Recipe;
 use crate::measure::region::PixelRegion;
+use crate::ui::features::Feature;
+use crate::ui::window_task::WindowTask;
 use crate::upscale::{Scale, Upscaling};
 
 /// Settings and results of the filmstrip.
@@ -78,6 +80,19 @@ impl Filmstrip {
     }
 }
 
+impl Feature for Filmstrip {
+    type Change = FilmstripChange;
+
+    fn apply(session: &mut Session, change: FilmstripChange) -> Option<WindowTask> {
+        session.features.filmstrip.apply(change);
+        None
+    }
+
+    fn leave_scene(&mut self) {
+        self.drawn = None;
+    }
+}
+
 /// Returns every scale that an upscaling method offers, in ascending order, except ×1.
 fn scales() -> BTreeSet<Scale> {
     Upscaling::every().map(Upscaling::scale).filter(|scale| *scale != Scale::ONE).collect()
@@ -86,11 +101,11 @@ fn scales() -> BTreeSet<Scale> {
 impl Session {
     /// Returns the request for the pictures of the filmstrip; `None` if it is not shown.
     pub(in crate::ui) fn filmstrip_request(&self) -> Option<CompareRequest> {
-        self.filmstrip.is_shown.then(|| CompareRequest {
+        self.features.filmstrip.is_shown.then(|| CompareRequest {
             scene: self.scene.clone(),
             camera: self.state.camera,
             viewport: self.viewport(),
-            recipes: compare::methods(self.filmstrip.scale)
+            recipes: compare::methods(self.features.filmstrip.scale)
                 .map(|upscaler| Recipe { upscaler, ..self.state.recipe })
                 .collect(),
             files: ComparedFiles::default(),

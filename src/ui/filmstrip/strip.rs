@@ -147,7 +147,7 @@ fn letter_of(upscaling: Upscaling, session: &Session) -> Option<usize> {
 /// Draws the lists that set scale and order.
 fn settings(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ui.spacing_mut().item_spacing.y = space::XS;
-    let strip = &session.filmstrip;
+    let strip = &session.features.filmstrip;
     let mut scale = strip.scale;
     let name = |scale: Option<crate::upscale::Scale>| scale.map_or("Largest".to_owned(), |scale| format!("×{scale}"));
     ui.label(egui::RichText::new("All methods").small().color(tokens(ui).text_weak));

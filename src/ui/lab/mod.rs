@@ -15,7 +15,7 @@ mod methods;
 
 mod pages;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -32,7 +32,15 @@ use crate::lab::seed_fills::Paint;
 use crate::lab::{Lesson, Page};
 use crate::manual::Chapter;
 use crate::pipeline::settings::Choice as _;
+use crate::ui::canvas_state::CanvasChange;
+use crate::ui::features::Feature;
+use crate::ui::files::FileCommand;
+use crate::ui::session::{Session, Severity};
+use crate::ui::stages::StageChange;
+use crate::ui::window_task::DialogCommand;
+use crate::ui::window_task::WindowTask;
 use crate::ui::workspace::PanelSpec;
+use crate::ui::workspace::Workspace;
 
 /// Description of the panel.
 pub(crate) const PANEL: PanelSpec = PanelSpec {
@@ -44,7 +52,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     grows: true,
     titled: false,
     controls: None,
-    content: |ui, cx| self::ui(ui, &cx.session.lab, cx.commands),
+    content: |ui, cx| self::ui(ui, &cx.session.features.lab, cx.commands),
 };
 
 /// Run time below which the algorithm is run repeatedly to measure its time.
@@ -88,6 +96,10 @@ pub(crate) struct Lab {
 pub(crate) enum LabChange {
     /// Opens the lab if `true`, or returns to the pipeline.
     Open(bool),
+    /// Opens the lab, or returns to the pipeline.
+    Toggle,
+    /// Opens a picture file in the lab. The scene stays loaded and reappears when the lab is closed.
+    OpenPicture(PathBuf),
     /// Shows a page of the lab.
     Page(Page),
     /// Sets the input and settings of the current page.
@@ -116,6 +128,19 @@ pub(crate) enum LabChange {
     /// Closes the comparison of methods.
     CloseComparison,
     /// Loads an image file into the current page, or into the sampling page if the current page does not use images.
+    Picture(PathBuf),
+    /// Saves the drawing of the current page, in the format with this file name extension.
+    Save(&'static str),
+}
+
+/// Part of a change that needs a file or the rest of the session.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum LabTask {
+    /// Opens the lab, or returns to the pipeline.
+    Toggle,
+    /// Opens a picture file in the lab.
+    OpenPicture(PathBuf),
+    /// Loads an image file into the current page.
     Picture(PathBuf),
     /// Saves the drawing of the current page, in the format with this file name extension.
     Save(&'static str),
@@ -163,22 +188,26 @@ impl Lab {
             Command::LimitTriangles(Some(0)) => LabChange::Go(0),
             Command::LimitTriangles(None) => LabChange::Go(usize::MAX),
             Command::Scrub(scrub::ScrubChange::Play(_)) => LabChange::TogglePlay,
-            Command::ZoomFit => LabChange::View(None),
-            Command::SavePicture => LabChange::Save("png"),
-            Command::SaveAs(SaveItem::Picture) => return Some(Command::SaveAs(SaveItem::LabDrawing("png"))),
-            Command::SaveAs(SaveItem::Values | SaveItem::Outline(..) | SaveItem::Case | SaveItem::Comparison) => {
+            Command::Canvas(CanvasChange::Fit) => LabChange::View(None),
+            Command::File(FileCommand::SavePicture) => LabChange::Save("png"),
+            Command::File(FileCommand::SaveAs(SaveItem::Picture)) => {
+                return Some(Command::File(FileCommand::SaveAs(SaveItem::LabDrawing("png"))));
+            }
+            Command::File(FileCommand::SaveAs(
+                SaveItem::Values | SaveItem::Outline(..) | SaveItem::Case | SaveItem::Comparison,
+            )) => {
                 return None;
             }
             Command::Escape => LabChange::Play(0),
             Command::NudgePick(..)
             | Command::ChooseUpscaler(_)
-            | Command::StepStage(_)
+            | Command::Stage(StageChange::Step(_))
             | Command::Scrub(_)
             | Command::StepFault(_)
-            | Command::TogglePointerMode(_)
+            | Command::Canvas(CanvasChange::TogglePointerMode(_))
             | Command::ResetCamera
-            | Command::ShowPixelDialog
-            | Command::CopyPicture
+            | Command::Dialog(DialogCommand::GoTo)
+            | Command::File(FileCommand::CopyPicture)
             | Command::WhatIf(_)
             | Command::Watch(_)
             | Command::Undo
@@ -188,11 +217,11 @@ impl Lab {
             | Command::Range(_)
             | Command::MeshView(_)
             | Command::Trace(_)
-            | Command::SaveData
-            | Command::SaveOutline(..)
-            | Command::ZoomOne => return None,
-            Command::Open(path) if file::is_named_picture(&path) => LabChange::Picture(path),
-            Command::Open(_) | Command::OpenBuiltin(_) => {
+            | Command::File(FileCommand::SaveData)
+            | Command::File(FileCommand::SaveOutline(..))
+            | Command::Canvas(CanvasChange::OneToOne) => return None,
+            Command::File(FileCommand::Open(path)) if file::is_named_picture(&path) => LabChange::Picture(path),
+            Command::File(FileCommand::Open(_)) | Command::File(FileCommand::OpenBuiltin(_)) => {
                 self.open = false;
                 return Some(command);
             }
@@ -201,8 +230,8 @@ impl Lab {
         Some(Command::Lab(change))
     }
 
-    /// Applies a change. A change that reads or writes a file is returned instead, for the caller to handle.
-    pub(crate) fn apply(&mut self, change: LabChange) -> Option<LabChange> {
+    /// Applies a change. Returns a task if the change needs a file or the rest of the session.
+    pub(crate) fn apply(&mut self, change: LabChange) -> Option<LabTask> {
         match change {
             LabChange::Open(open) => {
                 self.open = open;
@@ -241,7 +270,10 @@ impl Lab {
             LabChange::View(view) => self.view = view,
             LabChange::Compare => self.comparison = self.lesson().compare(),
             LabChange::CloseComparison => self.comparison = None,
-            disk @ (LabChange::Save(_) | LabChange::Picture(_)) => return Some(disk),
+            LabChange::Toggle => return Some(LabTask::Toggle),
+            LabChange::OpenPicture(path) => return Some(LabTask::OpenPicture(path)),
+            LabChange::Picture(path) => return Some(LabTask::Picture(path)),
+            LabChange::Save(extension) => return Some(LabTask::Save(extension)),
         }
         None
     }
@@ -298,6 +330,47 @@ impl Lab {
         let end = if self.playing > 0 { self.recording.steps.len() } else { 0 };
         if self.step == end {
             self.playing = 0;
+        }
+    }
+}
+
+impl Feature for Lab {
+    type Change = LabChange;
+
+    fn apply(session: &mut Session, change: LabChange) -> Option<WindowTask> {
+        match session.features.lab.apply(change)? {
+            LabTask::Toggle => {
+                let is_open = session.features.lab.open;
+                session.show_workspace(if is_open { session.base_workspace } else { Workspace::Lab });
+            }
+            LabTask::OpenPicture(path) => {
+                session.messages.offered_picture = None;
+                if session.open_picture(&path) {
+                    session.features.lab.apply(LabChange::Open(true));
+                    session.report(Severity::Info, format!("Opened {} in the 2D lab", path.display()));
+                }
+            }
+            LabTask::Picture(path) => drop(session.open_picture(&path)),
+            LabTask::Save(extension) => return Some(WindowTask::Save(SaveItem::LabDrawing(extension))),
+        }
+        None
+    }
+
+    fn leave_scene(&mut self) {}
+}
+
+impl Session {
+    /// Loads a picture file into the canvas of the 2D lab. Returns whether it could be read.
+    fn open_picture(&mut self, path: &Path) -> bool {
+        match file::read(path) {
+            Ok(picture) => {
+                self.features.lab.show_picture(&picture);
+                true
+            }
+            Err(error) => {
+                self.report(Severity::Error, error.to_string());
+                false
+            }
         }
     }
 }

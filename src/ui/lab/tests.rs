@@ -1,6 +1,8 @@
 //! Tests of keys and transport while the lab is open.
 
 use super::*;
+use crate::ui::appearance::AppearanceChange;
+use crate::ui::files::FileCommand;
 
 fn open(page: Page) -> Lab {
     let mut lab = Lab::default();
@@ -9,10 +11,13 @@ fn open(page: Page) -> Lab {
     lab
 }
 
-/// Passes a command to the lab as the session does.
+/// Passes a command to the lab as the session does. Returns the command if it is not for the lab.
 fn give(lab: &mut Lab, command: Command) -> Option<Command> {
     match lab.claim(command)? {
-        Command::Lab(change) => lab.apply(change).map(Command::Lab),
+        Command::Lab(change) => {
+            lab.apply(change);
+            None
+        }
         other => Some(other),
     }
 }
@@ -35,9 +40,12 @@ fn pipeline_keys_step_the_lab_only_while_it_is_open() {
     assert_eq!(lab.step, all);
     assert_eq!(give(&mut lab, Command::ChooseUpscaler(3)), None, "it has no meaning in the lab");
     assert_eq!(give(&mut lab, Command::Undo), None, "undo would change settings that are not visible");
-    assert_eq!(give(&mut lab, Command::ToggleTheme), Some(Command::ToggleTheme));
-    assert_eq!(give(&mut lab, Command::SavePicture), Some(Command::Lab(LabChange::Save("png"))));
-    give(&mut lab, Command::OpenBuiltin("cubes".into()));
+    assert_eq!(
+        give(&mut lab, Command::Appearance(AppearanceChange::ToggleTheme)),
+        Some(Command::Appearance(AppearanceChange::ToggleTheme))
+    );
+    assert_eq!(lab.claim(Command::File(FileCommand::SavePicture)), Some(Command::Lab(LabChange::Save("png"))));
+    give(&mut lab, Command::File(FileCommand::OpenBuiltin("cubes".into())));
     assert!(!lab.open, "opening a scene closes the lab");
 }
 
@@ -45,7 +53,7 @@ fn pipeline_keys_step_the_lab_only_while_it_is_open() {
 fn an_opened_picture_becomes_the_canvas() {
     let path = PathBuf::from("drawn.PNG");
     let mut lab = open(Page::Lines);
-    let asked = give(&mut lab, Command::Open(path.clone()));
+    let asked = lab.claim(Command::File(FileCommand::Open(path.clone())));
     assert_eq!(asked, Some(Command::Lab(LabChange::Picture(path.clone()))), "the session reads the file");
     lab.show_picture(&Image::filled(8, 8, [0, 0, 0, 255]));
     assert_eq!(lab.page, Page::Sampling, "lines have no canvas");
@@ -54,7 +62,10 @@ fn an_opened_picture_becomes_the_canvas() {
     lab.show_picture(&Image::filled(8, 8, [0, 0, 0, 255]));
     assert!(lab.page == Page::SeedFill && *lab.lesson() != before);
     let mut closed = Lab::default();
-    assert_eq!(give(&mut closed, Command::Open(path.clone())), Some(Command::Open(path)));
+    assert_eq!(
+        give(&mut closed, Command::File(FileCommand::Open(path.clone()))),
+        Some(Command::File(FileCommand::Open(path)))
+    );
 }
 
 #[test]

@@ -33,7 +33,7 @@ pub(super) enum Chip {
 
 /// Returns the chips of everything that is active, in their order in the strip.
 pub(super) fn active(session: &Session) -> Vec<Chip> {
-    let layers = session.overlays.layers.iter().rev().map(|layer| Chip::Overlay(layer.overlay));
+    let layers = session.features.overlays.layers.iter().rev().map(|layer| Chip::Overlay(layer.overlay));
     let single = [Chip::Marks, Chip::Probe, Chip::Selection, Chip::TriangleLimit, Chip::Mirrored];
     [Chip::Shown].into_iter().chain(layers).chain(single).filter(|chip| chip.is_active(session)).collect()
 }
@@ -42,11 +42,11 @@ impl Chip {
     fn is_active(self, session: &Session) -> bool {
         match self {
             Self::Shown => session.shown != Shown::Buffer(Buffer::Color),
-            Self::Overlay(overlay) => session.overlays.layer(overlay).is_some(),
-            Self::Marks => session.overlays.marks,
-            Self::Probe => session.view.as_ref().is_some_and(|view| session.probing.picture(view).is_some()),
+            Self::Overlay(overlay) => session.features.overlays.layer(overlay).is_some(),
+            Self::Marks => session.features.overlays.marks,
+            Self::Probe => session.view.as_ref().is_some_and(|view| session.features.probing.picture(view).is_some()),
             Self::Selection => !session.selection.is_empty(),
-            Self::TriangleLimit => session.triangle_limit.is_some(),
+            Self::TriangleLimit => session.features.scrub.triangle_limit.is_some(),
             Self::Mirrored => session.mirrored,
         }
     }
@@ -58,7 +58,7 @@ impl Chip {
             Self::Overlay(overlay) => overlay.name().to_owned(),
             Self::Marks => "Sample points and edge owners".to_owned(),
             Self::Probe => {
-                let heat = session.probing.heat.map(Heat::name).unwrap_or_default();
+                let heat = session.features.probing.heat.map(Heat::name).unwrap_or_default();
                 format!("Probe: {}", heat.to_lowercase())
             }
             Self::Selection => {
@@ -83,7 +83,7 @@ impl Chip {
                             samples exactly on the edge"
                 .to_owned(),
             Self::Probe => {
-                let help = session.probing.heat.map(Heat::help).unwrap_or_default();
+                let help = session.features.probing.heat.map(Heat::help).unwrap_or_default();
                 help.trim_end_matches('.').to_owned()
             }
             Self::Selection => "Pixels that show a selected triangle are unchanged, pixels that hide one are tinted, \

@@ -1,17 +1,21 @@
 //! Strip below the picture with everything that changes how the picture looks: overlays, shown quantity, heat map,
 //! selection, triangle limit and mirroring. Each has a chip that removes it and, where it has colours, a legend.
 //!
-//! The strip takes no space while there is nothing to list.
+//! The strip takes no space while there is nothing to list, and scrolls if there is too much for a few rows. Below a
+//! comparison, it has the legend of the difference.
 
 mod chips;
 
+mod difference;
+
 mod scale;
 
-pub(crate) use scale::ScaleLegend;
+pub(crate) use scale::{ScaleLegend, color_bar};
 
-use eframe::egui::{Button, Frame, Label, Panel, RichText, Ui, WidgetInfo};
+use eframe::egui::{Button, Frame, Label, Panel, RichText, ScrollArea, Ui, WidgetInfo};
 
 use super::command::Command;
+use super::compare::Mode;
 use super::engine::{RenderedView, Shown};
 use super::fault_bar;
 use super::look::kind;
@@ -30,19 +34,30 @@ use chips::Chip;
 /// Maximum number of totals in the legend of an overlay.
 const TOTALS: usize = 2;
 
-/// Draws the strip at the bottom of `ui` if it has content. Returns its height, in points; 0 without content.
-pub(crate) fn show(ui: &mut Ui, frame: Frame, session: &Session, commands: &mut Vec<Command>) -> f32 {
-    let chips = chips::active(session);
-    if chips.is_empty() {
+/// Maximum height of the content, in rows. The incomplete last row shows that there is more to scroll to.
+const MAX_ROWS: f32 = 2.5;
+
+/// Draws the strip at the bottom of `ui` if it has content: the legend of the difference for a comparison, and otherwise
+/// the chips. Returns its height, in points; 0 without content.
+pub(crate) fn show(ui: &mut Ui, frame: Frame, compares: bool, session: &Session, commands: &mut Vec<Command>) -> f32 {
+    let chips = if compares { Vec::new() } else { chips::active(session) };
+    let shows_difference = compares && session.comparison.mode == Mode::Difference;
+    if chips.is_empty() && !shows_difference {
         return 0.0;
     }
+    let max_height = MAX_ROWS * (CONTROL_HEIGHT + space::XS);
     let response = Panel::bottom("legends").frame(frame).resizable(false).show(ui, |ui| {
-        ui.horizontal_wrapped(|ui| {
-            ui.spacing_mut().item_spacing.y = space::XS;
-            for chip in chips {
-                draw(ui, chip, session, commands);
-                ui.add_space(space::S);
-            }
+        ScrollArea::vertical().max_height(max_height).auto_shrink([false, true]).show(ui, |ui| {
+            ui.horizontal_wrapped(|ui| {
+                ui.spacing_mut().item_spacing.y = space::XS;
+                if shows_difference {
+                    difference::ui(ui, session);
+                }
+                for chip in chips {
+                    draw(ui, chip, session, commands);
+                    ui.add_space(space::S);
+                }
+            });
         });
     });
     response.response.rect.height()
@@ -70,8 +85,8 @@ fn draw(ui: &mut Ui, chip: Chip, session: &Session, commands: &mut Vec<Command>)
                 legend::inline(ui, sheet, TOTALS);
             }
         }
-        Chip::Probe => probe::legend(ui, &session.probing),
-        Chip::Marks if !session.overlays.vectors => {
+        Chip::Probe => probe::legend(ui, &session.features.probing),
+        Chip::Marks if !session.features.overlays.vectors => {
             note(ui, "zoom in to see sample points and edges");
         }
         Chip::TriangleLimit => {
@@ -95,9 +110,9 @@ fn shown(ui: &mut Ui, session: &Session, view: &RenderedView, commands: &mut Vec
         ui.add(Label::new(RichText::new(missing).small().color(tokens(ui).warning)).extend());
         return;
     }
-    let range = view.range.filter(|_| kind(shown) == ValueKind::Numbers && !session.range.open);
+    let range = view.range.filter(|_| kind(shown) == ValueKind::Numbers && !session.features.range.open);
     if let Some(range) = range {
-        let colors = legend_colors(shown, &session.range.setting(shown), range);
+        let colors = legend_colors(shown, &session.features.range.setting(shown), range);
         ScaleLegend { ends: [short(range.low), short(range.high)] }.ui(ui, colors);
     }
     let hits = view.buffers.as_ref().and_then(|buffers| buffers.hits.as_ref());

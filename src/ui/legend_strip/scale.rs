@@ -1,6 +1,6 @@
 //! Colour scale of a legend: a bar of colours between two numbers.
 
-use eframe::egui::{Align2, Color32, FontId, Rect, Role, Sense, Ui, WidgetInfo, vec2};
+use eframe::egui::{Align2, Color32, FontId, Mesh, Painter, Rect, Role, Sense, Ui, WidgetInfo, vec2};
 
 use crate::image::Rgba8;
 use crate::ui::theme::{CONTROL_HEIGHT, font_size, space, tokens};
@@ -30,11 +30,7 @@ impl ScaleLegend {
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
         let left = place.left() + low + space::XS;
         let bar = Rect::from_min_size([left, place.center().y - BAR / 2.0].into(), vec2(WIDTH, BAR));
-        for point in 0..WIDTH as u32 {
-            let [r, g, b, _] = color(point as f32 / (WIDTH - 1.0));
-            let column = Rect::from_min_size(bar.min + vec2(point as f32, 0.0), vec2(1.0, BAR));
-            ui.painter().rect_filled(column, 0.0, Color32::from_rgb(r, g, b));
-        }
+        color_bar(ui.painter(), bar, color);
         let [low, high] = texts;
         for (text, at, align) in
             [(low, place.left_center(), Align2::LEFT_CENTER), (high, place.right_center(), Align2::RIGHT_CENTER)]
@@ -43,4 +39,17 @@ impl ScaleLegend {
             ui.painter().galley(corner, text, tokens(ui).text);
         }
     }
+}
+
+/// Draws a bar of colours. `color` returns the colour at a fraction of the width, in [0, 1].
+pub(crate) fn color_bar(painter: &Painter, bar: Rect, color: impl Fn(f32) -> Rgba8) {
+    // A mesh has no smoothed edges, which would look like stripes where columns are not aligned to screen pixels.
+    let mut mesh = Mesh::default();
+    let last = (bar.width() - 1.0).max(1.0);
+    for point in 0..bar.width() as u32 {
+        let [r, g, b, _] = color(point as f32 / last);
+        let column = Rect::from_min_size(bar.min + vec2(point as f32, 0.0), vec2(1.0, bar.height()));
+        mesh.add_colored_rect(column, Color32::from_rgb(r, g, b));
+    }
+    painter.add(mesh);
 }

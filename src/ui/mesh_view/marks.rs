@@ -49,7 +49,8 @@ fn dot(ui: &Ui, painter: &Painter, kind: MarkKind, at: Pos2, with_numbers: bool)
     painter.circle_filled(at, radius, color);
     let Some(text) = text else { return };
     let galley = painter.layout_no_wrap(text, FontId::monospace(font_size::SMALL), ON_PIXEL[0]);
-    let place = Align2::LEFT_CENTER.anchor_size(pos2(at.x + radius + 5.0, at.y), galley.size());
+    // Above the dot, because rays lead from it to the side.
+    let place = Align2::CENTER_BOTTOM.anchor_size(pos2(at.x, at.y - radius - 5.0), galley.size());
     painter.rect_filled(place.expand(2.0), 2.0, MARK_EDGE);
     painter.galley(place.min, galley, ON_PIXEL[0]);
 }

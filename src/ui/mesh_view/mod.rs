@@ -12,7 +12,9 @@ use crate::inspect::capture;
 use crate::inspect::mesh_view::{Inner, MeshNormals, MeshStyle, OverlayInputs, fit, shown_at};
 use crate::scene::{Camera, TriangleId};
 use crate::ui::engine::RenderedView;
+use crate::ui::features::Feature;
 use crate::ui::vertices;
+use crate::ui::window_task::WindowTask;
 
 use crate::manual::Chapter;
 use crate::ui::workspace::{PanelSpec, Workspace};
@@ -69,11 +71,6 @@ impl MeshView {
     pub(crate) fn selected(&self, pick: Option<(u32, u32)>) -> Option<TriangleId> {
         self.selected.filter(|(_, with)| *with == pick).map(|(triangle, _)| triangle)
     }
-
-    /// Resets all state that belongs to a scene: camera and selection.
-    pub(crate) fn leave_scene(&mut self) {
-        (self.camera, self.selected) = (None, None);
-    }
 }
 
 /// Change to the mesh view.
@@ -101,31 +98,39 @@ pub(crate) enum MeshViewChange {
     Select(TriangleId),
 }
 
-/// Applies a change to the mesh view.
-pub(crate) fn apply(session: &mut Session, change: MeshViewChange) {
-    let mesh = &mut session.mesh_view;
-    match change {
-        MeshViewChange::Toggle => {
-            let is_shown = session.workspace() == Workspace::Geometry;
-            session.show_workspace(if is_shown { session.base_workspace } else { Workspace::Geometry });
-        }
-        MeshViewChange::Style(style) => mesh.style = style,
-        MeshViewChange::Explode(apart) => mesh.explode = apart,
-        MeshViewChange::Culled(culled) => mesh.culled = culled,
-        MeshViewChange::Normals(normals) => mesh.normals = normals,
-        MeshViewChange::Look(camera) => mesh.camera = Some(camera),
-        MeshViewChange::Reset => mesh.camera = None,
-        MeshViewChange::Fit(aspect) => {
-            if let Some(view) = &session.view {
-                mesh.camera = mesh.camera.map(|camera| fit(camera, &view.request.scene, &inner(view), aspect));
+impl Feature for MeshView {
+    type Change = MeshViewChange;
+
+    fn apply(session: &mut Session, change: MeshViewChange) -> Option<WindowTask> {
+        let mesh = &mut session.features.mesh_view;
+        match change {
+            MeshViewChange::Toggle => {
+                let is_shown = session.workspace() == Workspace::Geometry;
+                session.show_workspace(if is_shown { session.base_workspace } else { Workspace::Geometry });
+            }
+            MeshViewChange::Style(style) => mesh.style = style,
+            MeshViewChange::Explode(apart) => mesh.explode = apart,
+            MeshViewChange::Culled(culled) => mesh.culled = culled,
+            MeshViewChange::Normals(normals) => mesh.normals = normals,
+            MeshViewChange::Look(camera) => mesh.camera = Some(camera),
+            MeshViewChange::Reset => mesh.camera = None,
+            MeshViewChange::Fit(aspect) => {
+                if let Some(view) = &session.view {
+                    mesh.camera = mesh.camera.map(|camera| fit(camera, &view.request.scene, &inner(view), aspect));
+                }
+            }
+            MeshViewChange::Select(triangle) => {
+                if let Some(view) = &session.view {
+                    session.pick = pixel_of(view, triangle).or(session.pick);
+                    session.features.mesh_view.selected = Some((triangle, session.pick));
+                }
             }
         }
-        MeshViewChange::Select(triangle) => {
-            if let Some(view) = &session.view {
-                session.pick = pixel_of(view, triangle).or(session.pick);
-                session.mesh_view.selected = Some((triangle, session.pick));
-            }
-        }
+        None
+    }
+
+    fn leave_scene(&mut self) {
+        (self.camera, self.selected) = (None, None);
     }
 }
 
@@ -156,8 +161,8 @@ fn overlay_inputs(session: &Session, view: &RenderedView) -> OverlayInputs {
         hit_distance: visible.map(|fragment| view.frame.depth_scale().distance_of(fragment.depth.value)),
         selected: vertices::picked_triangle(session),
         vertex: vertices::followed(session).map(|vertex| vertex.world),
-        culled: session.mesh_view.culled,
-        explode: session.mesh_view.explode,
+        culled: session.features.mesh_view.culled,
+        explode: session.features.mesh_view.explode,
     }
 }
 
@@ -176,21 +181,21 @@ mod tests {
         let scene = Arc::new(source.load().unwrap().scene);
         let (home, count) = (scene.home, scene.triangle_count() as u32);
         let mut session = Session::new(scene, source, Recipe::default(), home);
-        session.canvas_px = (96, 64);
+        session.features.canvas.size_px = (96, 64);
         let mut engine = Engine::default();
         let (mut shown, mut hidden) = (0, 0);
         for id in (0..count).step_by(61).map(TriangleId) {
             session.pick = None;
             session.view = Some(engine.answer(session.request()));
-            apply(&mut session, MeshViewChange::Select(id));
+            MeshView::apply(&mut session, MeshViewChange::Select(id));
             assert_eq!(vertices::picked_triangle(&session), Some(id));
             session.view = Some(engine.answer(session.request()));
             let visible = session.view.as_ref().unwrap().report.as_ref().and_then(|r| Some(r.visible()?.triangle));
             assert_eq!(visible, session.pick.map(|_| id));
             *(if session.pick.is_some() { &mut shown } else { &mut hidden }) += 1;
-            assert_eq!(session.mesh_view.selected(session.pick), Some(id));
+            assert_eq!(session.features.mesh_view.selected(session.pick), Some(id));
             session.pick = Some((0, 0));
-            assert_eq!(session.mesh_view.selected(session.pick), None);
+            assert_eq!(session.features.mesh_view.selected(session.pick), None);
         }
         assert!(shown > 0 && hidden > 0, "{shown} shown, {hidden} hidden");
     }

@@ -50,7 +50,7 @@ impl MeshPane {
         self.hovered = response.hovered();
         ui.painter().rect_filled(rect, 0.0, tokens(ui).canvas);
         let Some(view) = &session.view else { return };
-        let Some(camera) = session.mesh_view.camera else {
+        let Some(camera) = session.features.mesh_view.camera else {
             let camera = first_view(&view.request.scene, &inner(view), rect.aspect_ratio());
             commands.push(Command::MeshView(MeshViewChange::Look(camera)));
             ui.request_repaint();
@@ -65,11 +65,11 @@ impl MeshPane {
             camera,
             size: Viewport { width: px.x as u32, height: px.y as u32 },
             painting: Painting {
-                style: session.mesh_view.style,
-                explode: session.mesh_view.explode,
+                style: session.features.mesh_view.style,
+                explode: session.features.mesh_view.explode,
                 selection: session.selection.clone(),
                 backdrop: [r, g, b],
-                normals: session.mesh_view.normals,
+                normals: session.features.mesh_view.normals,
             },
             look: overlay_inputs(session, view),
         };
@@ -100,7 +100,7 @@ impl MeshPane {
 }
 
 fn bar(ui: &mut Ui, session: &Session, aspect: f32, commands: &mut Vec<Command>) {
-    let mesh = &session.mesh_view;
+    let mesh = &session.features.mesh_view;
     let (mut changes, mut manual) = (Vec::new(), Vec::new());
     let mut push = |change| changes.push(Command::MeshView(change));
     egui::Frame::new().inner_margin(egui::Margin::symmetric(space::S as i8, space::XS as i8)).show(ui, |ui| {
@@ -205,8 +205,8 @@ fn navigate(ui: &Ui, response: &Response, camera: Camera, commands: &mut Vec<Com
 fn legend(ui: &Ui, painter: &egui::Painter, rect: Rect, session: &Session) {
     const ROW: f32 = 15.0;
     const WIDTH: f32 = 104.0;
-    let mut key = key(session.mesh_view.style);
-    key.extend(session.mesh_view.normals.kinds().map(|(_, color, name)| (name, color)));
+    let mut key = key(session.features.mesh_view.style);
+    key.extend(session.features.mesh_view.normals.kinds().map(|(_, color, name)| (name, color)));
     if key.is_empty() || rect.height() < ROW * 16.0 {
         return;
     }
@@ -231,7 +231,7 @@ fn caption(
     view: &RenderedView,
     hovered: Option<TriangleId>,
 ) {
-    let selected = session.mesh_view.selected(session.pick);
+    let selected = session.features.mesh_view.selected(session.pick);
     let text = match (hovered, selected) {
         (Some(triangle), _) => format!("Triangle {}: click to select", triangle.0),
         (None, Some(triangle)) => {

@@ -7,10 +7,12 @@ use crate::inspect::lesson;
 use crate::pipeline::settings::Choice as _;
 use crate::scene::builtin;
 use crate::ui::command::Command;
+use crate::ui::files::FileCommand;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, space, tokens};
 use crate::ui::thumbnails::{self, Thumbnails};
 use crate::ui::widgets::icon_button;
+use crate::ui::window_task::DialogCommand;
 use crate::ui::workspace::{Workspace, WorkspaceChange};
 
 /// Width of the content of the card, in points.
@@ -30,7 +32,7 @@ const OPACITY: f32 = 0.96;
 
 /// Draws the card over the left part of the canvas, if it is open.
 pub(crate) fn ui(ui: &Ui, canvas: Rect, session: &Session, thumbnails: &mut Thumbnails, commands: &mut Vec<Command>) {
-    if !session.onboarding.card_open {
+    if !session.features.onboarding.card_open {
         return;
     }
     let room = canvas.shrink(space::L);
@@ -71,7 +73,7 @@ fn content(ui: &mut Ui, session: &Session, thumbnails: &mut Thumbnails) -> Optio
     });
     let show = |workspace| Command::Workspace(WorkspaceChange::Show(workspace));
     let starts = [
-        (Icon::FolderOpen, "Open a model…", "Open a model or a case", Command::ShowFileDialog),
+        (Icon::FolderOpen, "Open a model…", "Open a model or a case", Command::Dialog(DialogCommand::Open)),
         (Icon::Columns2, "Compare upscalers", Workspace::Compare.help(), show(Workspace::Compare)),
         (Icon::Grid3x3, "2D lab", Workspace::Lab.help(), show(Workspace::Lab)),
     ];
@@ -94,17 +96,17 @@ fn content(ui: &mut Ui, session: &Session, thumbnails: &mut Thumbnails) -> Optio
             let button =
                 Button::new(lesson.question).frame_when_inactive(false).min_size(vec2(0.0, thumbnails::SMALL.y));
             if ui.add(button).on_hover_text(help).clicked() {
-                chosen = Some(Some(Command::OpenLesson(lesson)));
+                chosen = Some(Some(Command::File(FileCommand::OpenLesson(lesson))));
             }
         });
     }
-    if !session.recent.is_empty() {
+    if !session.features.files.recent.is_empty() {
         section(ui, "Recent files");
-        for path in session.recent.iter().take(RECENT) {
+        for path in session.features.files.recent.iter().take(RECENT) {
             let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
             let button = Button::new(name).frame_when_inactive(false).truncate();
             if ui.add(button).on_hover_text(path.display().to_string()).clicked() {
-                chosen = Some(Some(Command::Open(path.clone())));
+                chosen = Some(Some(Command::File(FileCommand::Open(path.clone()))));
             }
         }
     }

@@ -81,7 +81,7 @@ impl CoachStep {
 
 /// Draws the card of the current step over the canvas, if the coach is open.
 pub(crate) fn ui(ui: &Ui, canvas: Rect, session: &Session, commands: &mut Vec<Command>) {
-    let onboarding = &session.onboarding;
+    let onboarding = &session.features.onboarding;
     let Some(step) = onboarding.step.filter(|_| !onboarding.card_open) else { return };
     let room = canvas.shrink(space::L);
     Area::new(Id::unique(("coach", step.number())))

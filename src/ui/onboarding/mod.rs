@@ -4,11 +4,18 @@ pub(crate) mod card;
 
 pub(crate) mod coach;
 
+use std::path::Path;
+
 use serde::{Deserialize, Serialize};
 
 pub(crate) use coach::CoachStep;
 
 use super::command::Command;
+use crate::inspect::lesson::BlackPixelLesson;
+use crate::scene::SceneSource;
+use crate::ui::features::Feature;
+use crate::ui::session::{Preferences, Session};
+use crate::ui::window_task::WindowTask;
 
 /// Parts of the introduction that the user has closed. They do not open by themselves again.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -28,7 +35,7 @@ impl Seen {
 }
 
 /// State of the introduction.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Onboarding {
     /// Whether the start card is shown.
     pub(crate) card_open: bool,
@@ -40,6 +47,10 @@ pub(crate) struct Onboarding {
     moved: (bool, bool),
     /// Zoom of the canvas as of the last frame, in screen pixels per picture pixel; `None` if the picture is fitted.
     zoom: Option<f32>,
+    /// Lesson whose scene is being opened.
+    pub(crate) opening_lesson: Option<&'static BlackPixelLesson>,
+    /// Lesson of the scene on screen; its black spot is picked automatically.
+    pub(crate) lesson: Option<&'static BlackPixelLesson>,
 }
 
 /// Change to the introduction.
@@ -135,9 +146,37 @@ impl Onboarding {
         }
     }
 
+    /// Starts the lesson that was to be opened, if its scene has now been opened. Returns the lesson.
+    pub(crate) fn arrive(&mut self, source: &SceneSource) -> Option<&'static BlackPixelLesson> {
+        let is_shown = |lesson: &&BlackPixelLesson| source.name() == Path::new(lesson.scene);
+        self.lesson = self.opening_lesson.take().filter(is_shown);
+        self.lesson
+    }
+
     /// Returns whether the user has orbited the camera, and whether the user has zoomed, since the coach was started.
     pub(crate) fn moved(&self) -> (bool, bool) {
         self.moved
+    }
+}
+
+impl Feature for Onboarding {
+    type Change = OnboardingChange;
+
+    fn apply(session: &mut Session, change: OnboardingChange) -> Option<WindowTask> {
+        session.features.onboarding.apply(change);
+        None
+    }
+
+    fn leave_scene(&mut self) {
+        self.lesson = None;
+    }
+
+    fn store(&self, preferences: &mut Preferences) {
+        preferences.seen = self.seen;
+    }
+
+    fn restore(&mut self, preferences: &Preferences) {
+        self.seen = preferences.seen;
     }
 }
 

@@ -21,7 +21,7 @@ const TOP: f32 = 36.0;
 
 /// Draws the list of overlays if it is open.
 pub(crate) fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &RenderedView, commands: &mut Vec<Command>) {
-    let overlays = &session.overlays;
+    let overlays = &session.features.overlays;
     if !overlays.open {
         return;
     }
@@ -62,7 +62,7 @@ fn title(ui: &mut Ui, session: &Session, changes: &mut Vec<OverlayChange>, comma
                 changes.push(OverlayChange::Open(false));
             }
             manual_button(ui, Chapter::Reference, commands);
-            ui.add_enabled_ui(session.overlays.count() > 0, |ui| {
+            ui.add_enabled_ui(session.features.overlays.count() > 0, |ui| {
                 if icon_button(ui, Icon::Trash2, "Remove all overlays").clicked() {
                     changes.push(OverlayChange::Clear);
                 }
@@ -76,7 +76,7 @@ fn title(ui: &mut Ui, session: &Session, changes: &mut Vec<OverlayChange>, comma
 
 /// Draws the list of all overlays: active ones first, from the top layer down.
 fn list(ui: &mut Ui, session: &Session, view: &RenderedView, changes: &mut Vec<OverlayChange>) {
-    let overlays = &session.overlays;
+    let overlays = &session.features.overlays;
     let on = overlays.layers.iter().rev().map(|layer| layer.overlay);
     let off = Overlay::ALL.iter().copied().filter(|overlay| overlays.layer(*overlay).is_none());
     for overlay in on.chain(off) {
@@ -94,7 +94,7 @@ fn list(ui: &mut Ui, session: &Session, view: &RenderedView, changes: &mut Vec<O
 }
 
 fn entry(ui: &mut Ui, overlay: Overlay, session: &Session, view: &RenderedView, changes: &mut Vec<OverlayChange>) {
-    let layer = session.overlays.layer(overlay);
+    let layer = session.features.overlays.layer(overlay);
     let mut on = layer.is_some();
     ui.horizontal(|ui| {
         ui.set_height(ROW_HEIGHT);
@@ -104,7 +104,7 @@ fn entry(ui: &mut Ui, overlay: Overlay, session: &Session, view: &RenderedView, 
         let Some(layer) = layer else { return };
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = space::XS;
-            let is_top = session.overlays.layers.last().is_some_and(|top| top.overlay == overlay);
+            let is_top = session.features.overlays.layers.last().is_some_and(|top| top.overlay == overlay);
             ui.add_enabled_ui(!is_top, |ui| {
                 let button = Button::new(theme::icon(Icon::ArrowUp)).frame_when_inactive(false);
                 let raise = ui.add(button).on_hover_text("Move this overlay up by one layer");

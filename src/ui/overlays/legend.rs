@@ -1,11 +1,11 @@
 //! Legend and totals of an overlay.
 
-use eframe::egui::{Align, Align2, Color32, FontId, Label, Layout, Rect, RichText, Sense, Ui, vec2};
+use eframe::egui::{Align, Align2, Color32, FontId, Label, Layout, RichText, Sense, Ui, vec2};
 
 use crate::image::Rgba8;
 use crate::inspect::overlays::{ColorScale, Sheet, SheetLegend, Total};
 use crate::ui::format;
-use crate::ui::legend_strip::ScaleLegend;
+use crate::ui::legend_strip::{ScaleLegend, color_bar};
 use crate::ui::theme::{font_size, space, tokens};
 
 /// Height of the colour strip, in points.
@@ -101,12 +101,7 @@ fn square(ui: &mut Ui, [r, g, b, _]: Rgba8) {
 fn strip(ui: &mut Ui, scale: &ColorScale) {
     let width = ui.available_width();
     let (place, _) = ui.allocate_exact_size(vec2(width, STRIP + font_size::SMALL + space::XS), Sense::hover());
-    for point in 0..width as u32 {
-        let share = point as f32 / (width - 1.0).max(1.0);
-        let [r, g, b, _] = scale.color(scale.number_at(share));
-        let column = Rect::from_min_size(place.min + vec2(point as f32, 0.0), vec2(1.0, STRIP));
-        ui.painter().rect_filled(column, 0.0, Color32::from_rgb(r, g, b));
-    }
+    color_bar(ui.painter(), place.with_max_y(place.top() + STRIP), |share| scale.color(scale.number_at(share)));
     let font = FontId::monospace(font_size::SMALL);
     let color = tokens(ui).text;
     let bottom = place.bottom();

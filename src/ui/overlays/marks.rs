@@ -35,14 +35,14 @@ pub(crate) fn paint(painter: &Painter, placement: Placement, session: &Session, 
     }
     let at = |[x, y]: [f32; 2]| placement.corner + vec2(x, y) * placement.points_per_px;
     for sheet in &view.look_result.sheets {
-        let opacity = session.overlays.layer(sheet.overlay).map_or(1.0, |layer| layer.opacity);
+        let opacity = session.features.overlays.layer(sheet.overlay).map_or(1.0, |layer| layer.opacity);
         let color = sheet.line_color().map_or(Color32::WHITE, |[r, g, b, _]| Color32::from_rgb(r, g, b));
         let lines = sheet.lines.iter().map(|ends| ends.map(at)).filter(|[a, b]| meets(placement, *a, *b));
         for ends in lines.take(MAX_LINES) {
             two_tone(painter, ends, color, opacity);
         }
     }
-    if session.overlays.marks && placement.points_per_px >= MARKS_FROM {
+    if session.features.overlays.marks && placement.points_per_px >= MARKS_FROM {
         for edge in marks(painter, placement, view).iter() {
             owner(painter, edge, at);
         }

@@ -13,6 +13,9 @@ pub(crate) mod save;
 
 use super::engine::RenderedView;
 use crate::inspect::overlays::Overlay;
+use crate::ui::features::Feature;
+use crate::ui::session::Session;
+use crate::ui::window_task::WindowTask;
 
 pub(crate) use crate::inspect::overlays::OverlayLayer;
 
@@ -119,6 +122,16 @@ impl Overlays {
         let overlay = self.stepped()?;
         view.look_result.sheets.iter().find(|sheet| sheet.overlay == overlay)?.next_pixel(from, forwards)
     }
+}
+
+impl Feature for Overlays {
+    type Change = OverlayChange;
+
+    fn apply(session: &mut Session, change: OverlayChange) -> Option<WindowTask> {
+        session.features.overlays.apply(change).map(|_| WindowTask::SaveOverlayTotals)
+    }
+
+    fn leave_scene(&mut self) {}
 }
 
 #[cfg(test)]

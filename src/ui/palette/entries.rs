@@ -9,19 +9,25 @@ use crate::inspect::outline::OutlineKind;
 use crate::inspect::{Buffer, Intermediate, Stage, fields, lesson};
 use crate::pipeline::settings::Choice as _;
 use crate::scene::{SceneSource, builtin};
+use crate::ui::appearance::AppearanceChange;
 use crate::ui::command::{BINDINGS, Command};
 use crate::ui::compare::files::PictureRole;
 use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::engine::Shown;
+use crate::ui::files::FileCommand;
 use crate::ui::filmstrip::FilmstripChange;
 use crate::ui::key_sheet::key_name;
 use crate::ui::legend_strip;
+use crate::ui::long_tasks::MeasureCommand;
 use crate::ui::onboarding::OnboardingChange;
 use crate::ui::panels::switches;
 use crate::ui::place;
 use crate::ui::save_as::SaveItem;
 use crate::ui::session::{PictureSize, Session};
+use crate::ui::stages::StageChange;
+use crate::ui::timings::TimingsChange;
 use crate::ui::what_if;
+use crate::ui::window_task::DialogCommand;
 use crate::ui::workspace::{Panel, Workspace, WorkspaceChange};
 use crate::upscale;
 
@@ -149,10 +155,11 @@ fn of_the_picture(session: &Session) -> Vec<PaletteEntry> {
         let title = format!("Remedy for the picked pixel: {}", remedy.label());
         entry(EntryKind::Command, title, Command::ApplyRemedy(*remedy)).with(remedy.effect(), false)
     }));
-    if session.what_if.open {
+    if session.features.what_if.open {
         entries.extend(what_if::Show::ALL.map(|(show, name, help)| {
             let command = Command::WhatIf(what_if::WhatIfChange::Show(show));
-            entry(EntryKind::Command, format!("What changed: {name}"), command).with(help, session.what_if.show == show)
+            entry(EntryKind::Command, format!("What changed: {name}"), command)
+                .with(help, session.features.what_if.show == show)
         }));
     }
     entries
@@ -185,8 +192,8 @@ pub(crate) fn all(session: &Session) -> Vec<PaletteEntry> {
     entries.extend(Stage::ALL.iter().map(|stage| {
         let title = format!("Select stage: {}", stage.name());
         let help = "Show the switches of this stage in the pipeline panel";
-        let is_selected = session.selected_stage == *stage;
-        entry(EntryKind::Stage, title, Command::SelectStage(*stage))
+        let is_selected = session.features.stages.selected == *stage;
+        entry(EntryKind::Stage, title, Command::Stage(StageChange::Select(*stage)))
             .with(help, is_selected)
             .also(stage.synonyms().iter().copied())
     }));
@@ -219,7 +226,9 @@ fn commands() -> Vec<PaletteEntry> {
         // Skips commands that other entries cover (upscalers and bookmarks), and the command that opens the palette.
         let is_elsewhere = matches!(
             command,
-            Command::ChooseUpscaler(_) | Command::OpenPalette | Command::Place(place::PlaceChange::Jump(_))
+            Command::ChooseUpscaler(_)
+                | Command::Dialog(DialogCommand::Palette)
+                | Command::Place(place::PlaceChange::Jump(_))
         );
         if !is_elsewhere && !entries.iter().any(|known| known.title == binding.description) {
             let synonyms = binding.synonyms.iter().copied();
@@ -231,9 +240,16 @@ fn commands() -> Vec<PaletteEntry> {
         keyless("Fit the scene into the view", Command::FitCamera).also(["frame all"]),
         keyless("Mirror the scene along z", Command::MirrorZ).also(["handedness", "flip z"]),
         keyless("Reset all settings", Command::ResetRecipe).also(["reset", "defaults"]),
-        keyless("Save the picked triangle as a case file", Command::SaveCase),
-        keyless("Switch between dark and light theme", Command::ToggleTheme).also(["dark mode", "light mode"]),
-        keyless("Manage bookmarks", Command::Place(place::PlaceChange::Manage)),
+        keyless("Save the picked triangle as a case file", Command::File(FileCommand::SaveCase)),
+        keyless("Switch between dark and light theme", Command::Appearance(AppearanceChange::ToggleTheme))
+            .also(["dark mode", "light mode"]),
+        keyless("Reduce motion", Command::Appearance(AppearanceChange::ToggleMotion)).also([
+            "animation",
+            "accessibility",
+            "blinking",
+            "smooth scrolling",
+        ]),
+        keyless("Manage bookmarks", Command::Dialog(DialogCommand::Bookmarks)),
         keyless("Compare all upscalers in tiles", Command::Compare(CompareChange::Every(None))),
         keyless("Filmstrip of all upscaling methods", Command::Filmstrip(FilmstripChange::Toggle)).also(["thumbnails"]),
         keyless(
@@ -241,13 +257,16 @@ fn commands() -> Vec<PaletteEntry> {
             Command::WhatIf(what_if::WhatIfChange::PinNow),
         ),
         keyless("Restore the settings from before the last change", Command::WhatIf(what_if::WhatIfChange::Revert)),
-        keyless("Save the compared pictures and their errors as an HTML page", Command::SaveComparison),
+        keyless(
+            "Save the compared pictures and their errors as an HTML page",
+            Command::File(FileCommand::SaveComparison),
+        ),
         keyless("Stop comparing", Command::Compare(CompareChange::Mode(Mode::Off))),
-        keyless("Measure all upscalers", Command::Measure).also(["profile"]),
-        keyless("Measure the savings of skipped work", Command::MeasurePlan),
-        keyless("Measure scaling", Command::MeasureScaling),
-        keyless("Run the stability report", Command::RunStability),
-        keyless("Save all frame times as CSV", Command::ExportTimings).also(["csv"]),
+        keyless("Measure all upscalers", Command::Measure(MeasureCommand::MeasureUpscalers)).also(["profile"]),
+        keyless("Measure the savings of skipped work", Command::Measure(MeasureCommand::MeasurePlan)),
+        keyless("Measure scaling", Command::Measure(MeasureCommand::MeasureScaling)),
+        keyless("Run the stability report", Command::Measure(MeasureCommand::RunStability)),
+        keyless("Save all frame times as CSV", Command::Timings(TimingsChange::Export)).also(["csv"]),
         keyless("Match the picture size to the window", Command::SetSize(PictureSize::MatchWindow))
             .also(["resolution"]),
         keyless("Show the start card", Command::Onboarding(OnboardingChange::OpenCard)).also(["welcome", "examples"]),
@@ -256,24 +275,27 @@ fn commands() -> Vec<PaletteEntry> {
     ]);
     for role in PictureRole::LISTED {
         let title = format!("Open picture as {}…", role.name());
-        let open = entry(EntryKind::Command, title, Command::ShowPictureDialog(role));
+        let open = entry(EntryKind::Command, title, Command::Dialog(DialogCommand::OpenPicture(role)));
         entries.push(open.also(["compare image file", "exr", "png"]));
     }
     for item in SaveItem::LISTED.into_iter().filter(|item| *item != SaveItem::Picture) {
         let title = format!("Save {} as…", item.name());
-        entries.push(entry(EntryKind::Command, title, Command::SaveAs(item)));
+        entries.push(entry(EntryKind::Command, title, Command::File(FileCommand::SaveAs(item))));
     }
     for kind in OutlineKind::ALL {
         for end in ["svg", "pdf"] {
             let title = format!("Save scene as drawing: {}, {}", kind.name(), end.to_uppercase());
-            entries.push(entry(EntryKind::Command, title, Command::SaveOutline(*kind, end)).with(kind.help(), false));
+            entries.push(
+                entry(EntryKind::Command, title, Command::File(FileCommand::SaveOutline(*kind, end)))
+                    .with(kind.help(), false),
+            );
         }
     }
     entries
 }
 
 fn bookmarks(session: &Session) -> impl Iterator<Item = PaletteEntry> {
-    session.places.bookmarks.iter().enumerate().map(|(number, bookmark)| {
+    session.features.places.bookmarks.iter().enumerate().map(|(number, bookmark)| {
         let jump = Command::Place(place::PlaceChange::Jump(number));
         entry(EntryKind::Bookmark, format!("Go to {}", bookmark.name), jump)
     })
@@ -291,16 +313,17 @@ fn views(session: &Session) -> impl Iterator<Item = PaletteEntry> {
 fn scenes(session: &Session) -> impl Iterator<Item = PaletteEntry> {
     let builtins = builtin::ALL.iter().map(|scene| {
         let holds = matches!(&session.source, SceneSource::Builtin(shown) if shown.id == scene.id);
-        let open = Command::OpenBuiltin(scene.id.to_owned());
+        let open = Command::File(FileCommand::OpenBuiltin(scene.id.to_owned()));
         entry(EntryKind::Scene, format!("Open scene: {}", scene.title), open).with(scene.summary, holds)
     });
-    let files = session.recent.iter().map(|path| {
+    let files = session.features.files.recent.iter().map(|path| {
         let holds = matches!(&session.source, SceneSource::File(shown, _) if shown == path);
-        entry(EntryKind::Scene, format!("Open {}", path.display()), Command::Open(path.clone())).with("", holds)
+        entry(EntryKind::Scene, format!("Open {}", path.display()), Command::File(FileCommand::Open(path.clone())))
+            .with("", holds)
     });
     let lessons = lesson::ALL.iter().map(|lesson| {
         let title = format!("Why is this pixel black? {}", lesson.question);
-        entry(EntryKind::Scene, title, Command::OpenLesson(lesson))
+        entry(EntryKind::Scene, title, Command::File(FileCommand::OpenLesson(lesson)))
     });
     builtins.chain(files).chain(lessons)
 }

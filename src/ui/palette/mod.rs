@@ -13,6 +13,7 @@ use eframe::egui::{Align2, Role};
 use super::command::Command;
 use super::session::Session;
 use super::theme::{self, ROW_HEIGHT, font_size, space, tokens};
+use crate::ui::stages::StageChange;
 use entries::{Action, PaletteEntry, all, assignment, destination};
 
 /// Width of the palette, in points.
@@ -58,7 +59,7 @@ impl Palette {
             });
         let stays = !modal.should_close();
         let Some(PaletteEntry { action, owner, .. }) = modal.inner else { return stays };
-        commands.extend(owner.map(Command::SelectStage));
+        commands.extend(owner.map(|stage| Command::Stage(StageChange::Select(stage))));
         match action {
             Action::Run(command) => {
                 commands.push(*command);

@@ -12,6 +12,7 @@ use crate::ui::app::Workbench;
 use crate::ui::command::Command;
 use crate::ui::headless::Headless;
 use crate::ui::session::Session;
+use crate::ui::window_task::DialogCommand;
 use crate::ui::worker::Worker;
 
 /// Returns the title of the entry that the palette lists first for a query.
@@ -75,7 +76,7 @@ fn a_list_may_empty_while_its_scroll_bar_is_pressed() {
         let mut pass = |events: Vec<Event>, app: &mut Workbench| {
             headless.pass(events, |ui| app.show(ui));
         };
-        app.queue(vec![Command::OpenPalette]);
+        app.queue(vec![Command::Dialog(DialogCommand::Palette)]);
         for _ in 0..3 {
             pass(Vec::new(), &mut app);
         }

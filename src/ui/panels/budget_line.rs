@@ -44,8 +44,8 @@ pub(super) fn line(ui: &Ui, plot: Rect, x: f32) -> Option<f32> {
 /// Draws the label of the line: the winner in words, after a star if there is one. The label is centred at `x` and
 /// shifted where it would extend beyond `area`.
 pub(super) fn label(ui: &Ui, session: &Session, area: Rect, x: f32) {
-    let winner = session.timings.budget_winner();
-    let words = winner.words(session.timings.budget_ms());
+    let winner = session.features.timings.budget_winner();
+    let words = winner.words(session.features.timings.budget_ms());
     let star = if winner.best().is_some() { STAR + space::XS } else { 0.0 };
     let galley = ui.painter().layout_no_wrap(words.clone(), FontId::proportional(font_size::SMALL), tokens(ui).text);
     let width = star + galley.size().x;

@@ -21,6 +21,7 @@ use crate::ui::widgets::{combo, icon_button};
 pub(crate) use evaluation::Evaluation;
 pub(crate) use evaluation::EvaluationRequest;
 
+use crate::ui::open_case::CaseChange;
 use evaluation::Running;
 use pictures::Pictures;
 
@@ -53,7 +54,7 @@ impl CaseView {
 
     /// Draws the session's open case. If `waits` is `true`, the case is evaluated synchronously before it is drawn.
     pub(crate) fn ui(&mut self, ui: &mut Ui, session: &Session, waits: bool, commands: &mut Vec<Command>) {
-        let Some(open) = &session.case else { return };
+        let Some(open) = &session.features.case else { return };
         let options = session.options_of(open);
         self.request_evaluation(ui, EvaluationRequest { case: open.case.clone(), part: open.part, options }, waits);
         ui.add_space(space::XS);
@@ -92,24 +93,24 @@ impl CaseView {
         let OpenCase { case, part, .. } = open;
         let part = *part;
         if icon_button(ui, Icon::X, "Close the case  (Esc)").clicked() {
-            commands.push(Command::CloseCase);
+            commands.push(Command::Case(CaseChange::Close));
         }
         ui.label(RichText::new(&case.id).strong());
         let parts = parts(case);
         if parts > 1 {
             if icon_button(ui, Icon::ChevronLeft, "Previous triangle").clicked() {
-                commands.push(Command::ShowPart(part.saturating_sub(1)));
+                commands.push(Command::Case(CaseChange::Part(part.saturating_sub(1))));
             }
             ui.label(format!("triangle {} of {parts}", part + 1));
             if icon_button(ui, Icon::ChevronRight, "Next triangle").clicked() {
-                commands.push(Command::ShowPart((part + 1).min(parts - 1)));
+                commands.push(Command::Case(CaseChange::Part((part + 1).min(parts - 1))));
             }
         }
         let mut options = session.options_of(open);
         choose(ui, "Rasterizer of the case", &mut options.rasterizer);
         choose(ui, "Arithmetic of the case", &mut options.arithmetic);
         if options != session.options_of(open) {
-            commands.push(Command::SetCaseOptions(options));
+            commands.push(Command::Case(CaseChange::Options(options)));
         }
         if let Some(running) = &self.running {
             if running.since.elapsed() >= SLOW_ANSWER {
@@ -131,9 +132,9 @@ impl CaseView {
         }
         match &self.evaluation {
             Some(Evaluation { request: EvaluationRequest { part, options, .. }, .. }) => {
-                commands.extend([Command::ShowPart(*part), Command::SetCaseOptions(*options)]);
+                commands.extend([Command::Case(CaseChange::Part(*part)), Command::Case(CaseChange::Options(*options))]);
             }
-            None => commands.push(Command::CloseCase),
+            None => commands.push(Command::Case(CaseChange::Close)),
         }
     }
 

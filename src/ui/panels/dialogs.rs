@@ -9,6 +9,7 @@ use crate::image::picture::suffixes;
 use crate::scene::SceneFormat;
 use crate::ui::command::Command;
 use crate::ui::compare::files::PictureRole;
+use crate::ui::files::FileCommand;
 use crate::ui::key_sheet;
 use crate::ui::palette::Palette;
 use crate::ui::place::{bookmarks, go_to as go_to_wanted};
@@ -98,7 +99,10 @@ impl OpenDialog {
 
     /// Returns the command that opens a file.
     fn command(&self, path: PathBuf) -> Command {
-        self.role.map_or_else(|| Command::Open(path.clone()), |role| Command::OpenPicture(role, path.clone()))
+        Command::File(match self.role {
+            Some(role) => FileCommand::OpenPicture(role, path),
+            None => FileCommand::Open(path),
+        })
     }
 
     /// Returns title, explanation and example of a path.
@@ -207,15 +211,15 @@ fn model_extensions() -> Vec<String> {
 }
 
 fn recent(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> bool {
-    if session.recent.is_empty() {
+    if session.features.files.recent.is_empty() {
         return false;
     }
     ui.add_space(8.0);
     ui.label(RichText::new("Recent files").color(tokens(ui).text_weak));
     let mut done = false;
-    for path in &session.recent {
+    for path in &session.features.files.recent {
         if ui.add(eframe::egui::Button::new(path.display().to_string()).truncate().frame(false)).clicked() {
-            commands.push(Command::Open(path.clone()));
+            commands.push(Command::File(FileCommand::Open(path.clone())));
             done = true;
         }
     }

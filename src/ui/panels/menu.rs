@@ -7,20 +7,25 @@ use crate::chain::Recipe;
 use crate::inspect::Buffer;
 use crate::inspect::outline::OutlineKind;
 use crate::pipeline::settings::Choice as _;
+use crate::ui::appearance::AppearanceChange;
+use crate::ui::canvas_state::CanvasChange;
 use crate::ui::command::{BINDINGS, Command};
 use crate::ui::compare::files::PictureRole;
 use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::engine::Shown;
+use crate::ui::files::FileCommand;
 use crate::ui::format;
 use crate::ui::key_sheet::key_name;
 use crate::ui::onboarding::OnboardingChange;
 use crate::ui::place;
 use crate::ui::save_as::SaveItem;
 use crate::ui::session::Session;
+use crate::ui::stages::StageChange;
 use crate::ui::theme::{CONTROL_HEIGHT, Icon, space, tokens};
 use crate::ui::thumbnails::Thumbnails;
 use crate::ui::what_if;
 use crate::ui::widgets::{icon_button, monospace_width, overflow_menu, text_width};
+use crate::ui::window_task::DialogCommand;
 use crate::ui::workspace::{Workspace, WorkspaceChange};
 
 /// Selectable interface scales, as factors of the default size.
@@ -83,28 +88,28 @@ fn entry_if(ui: &mut Ui, enabled: bool, name: &str, command: Command, commands: 
 }
 
 fn file(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    entry(ui, "Open model…", Command::ShowFileDialog, commands);
+    entry(ui, "Open model…", Command::Dialog(DialogCommand::Open), commands);
     ui.menu_button("Recent files", |ui| {
-        if session.recent.is_empty() {
+        if session.features.files.recent.is_empty() {
             ui.weak("No recent files");
         }
-        for path in &session.recent {
+        for path in &session.features.files.recent {
             let name =
                 path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
             if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
-                commands.push(Command::Open(path.clone()));
+                commands.push(Command::File(FileCommand::Open(path.clone())));
                 ui.close();
             }
         }
     });
     ui.separator();
-    entry(ui, "Save picture", Command::SavePicture, commands);
-    entry(ui, "Save exact values (PFM)", Command::SaveData, commands);
+    entry(ui, "Save picture", Command::File(FileCommand::SavePicture), commands);
+    entry(ui, "Save exact values (PFM)", Command::File(FileCommand::SaveData), commands);
     ui.menu_button("Save as", |ui| {
         for item in SaveItem::LISTED {
             let name = item.name();
             let enabled = item != SaveItem::Comparison || session.comparison.is_on();
-            entry_if(ui, enabled, &format!("Save {name} as…"), Command::SaveAs(item), commands);
+            entry_if(ui, enabled, &format!("Save {name} as…"), Command::File(FileCommand::SaveAs(item)), commands);
         }
     });
     ui.menu_button("Save as drawing", |ui| {
@@ -112,15 +117,15 @@ fn file(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             for end in ["svg", "pdf"] {
                 let name = format!("{}, {}", kind.name(), end.to_uppercase());
                 if ui.button(name).on_hover_text(kind.help()).clicked() {
-                    commands.push(Command::SaveOutline(*kind, end));
+                    commands.push(Command::File(FileCommand::SaveOutline(*kind, end)));
                     ui.close();
                 }
             }
         }
     });
-    entry(ui, "Copy picture", Command::CopyPicture, commands);
+    entry(ui, "Copy picture", Command::File(FileCommand::CopyPicture), commands);
     entry(ui, "Copy view as command", Command::Place(place::PlaceChange::Copy), commands);
-    entry(ui, "Save triangle as case file", Command::SaveCase, commands);
+    entry(ui, "Save triangle as case file", Command::File(FileCommand::SaveCase), commands);
     ui.separator();
     if ui.add(Button::new("Quit").shortcut_text("Ctrl+Q")).clicked() {
         ui.send_viewport_cmd(egui::ViewportCommand::Close);
@@ -149,10 +154,10 @@ fn compare(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let is_on = session.comparison.is_on();
     for role in PictureRole::LISTED {
         let title = format!("Open picture as {}…", role.name());
-        entry(ui, &title, Command::ShowPictureDialog(role), commands);
+        entry(ui, &title, Command::Dialog(DialogCommand::OpenPicture(role)), commands);
     }
     entry_if(ui, is_on, "Swap pictures A and B", Command::Compare(CompareChange::Swap), commands);
-    entry_if(ui, is_on, "Save comparison (HTML)", Command::SaveComparison, commands);
+    entry_if(ui, is_on, "Save comparison (HTML)", Command::File(FileCommand::SaveComparison), commands);
     entry_if(ui, is_on, "Stop comparing", Command::Compare(CompareChange::Mode(Mode::Off)), commands);
 }
 
@@ -167,12 +172,12 @@ fn view(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         }
     });
     ui.menu_button("Compare pictures", |ui| compare(ui, session, commands));
-    entry(ui, "Select previous stage", Command::StepStage(-1), commands);
-    entry(ui, "Select next stage", Command::StepStage(1), commands);
+    entry(ui, "Select previous stage", Command::Stage(StageChange::Step(-1)), commands);
+    entry(ui, "Select next stage", Command::Stage(StageChange::Step(1)), commands);
     ui.separator();
-    entry(ui, "Fit picture", Command::ZoomFit, commands);
-    entry(ui, "Actual size", Command::ZoomOne, commands);
-    entry(ui, "Go to…", Command::ShowPixelDialog, commands);
+    entry(ui, "Fit picture", Command::Canvas(CanvasChange::Fit), commands);
+    entry(ui, "Actual size", Command::Canvas(CanvasChange::OneToOne), commands);
+    entry(ui, "Go to…", Command::Dialog(DialogCommand::GoTo), commands);
     ui.separator();
     entry(ui, "Reset view", Command::ResetCamera, commands);
     entry(ui, "Fit scene", Command::FitCamera, commands);
@@ -187,12 +192,17 @@ fn view(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     entry(ui, "Hide or show panels", Command::Workspace(WorkspaceChange::TogglePanels), commands);
     entry(ui, "Reset layout", Command::Workspace(WorkspaceChange::ResetLayout), commands);
     ui.separator();
-    entry(ui, "Switch between dark and light theme", Command::ToggleTheme, commands);
+    entry(ui, "Switch between dark and light theme", Command::Appearance(AppearanceChange::ToggleTheme), commands);
+    let mut reduced = session.features.appearance.reduces_motion();
+    let help = "Switch off animations, fading, blinking and smooth scrolling";
+    if ui.checkbox(&mut reduced, "Reduce motion").on_hover_text(help).changed() {
+        commands.push(Command::Appearance(AppearanceChange::ToggleMotion));
+    }
     ui.menu_button("Interface scale", |ui| {
         for scale in SCALES {
             let current = (ui.ctx().zoom_factor() - scale).abs() < 0.01;
             if ui.selectable_label(current, format!("{:.0} %", scale * 100.0)).clicked() {
-                commands.push(Command::SetScale(scale));
+                commands.push(Command::Appearance(AppearanceChange::Scale(scale)));
                 ui.close();
             }
         }
@@ -212,9 +222,9 @@ fn help(ui: &mut Ui, commands: &mut Vec<Command>) {
     entry(ui, "Start card", Command::Onboarding(OnboardingChange::OpenCard), commands);
     entry(ui, "Introduction in four steps", Command::Onboarding(OnboardingChange::StartCoach), commands);
     ui.separator();
-    entry(ui, "Manual", Command::OpenManual(None), commands);
-    entry(ui, "Keys and mouse", Command::ToggleKeys, commands);
-    entry(ui, "Find anything…", Command::OpenPalette, commands);
+    entry(ui, "Manual", Command::Dialog(DialogCommand::Manual(None)), commands);
+    entry(ui, "Keys and mouse", Command::Dialog(DialogCommand::Keys), commands);
+    entry(ui, "Find anything…", Command::Dialog(DialogCommand::Palette), commands);
     ui.separator();
     ui.menu_button("Licences of fonts and icons", |ui| {
         ui.set_min_width(NOTICES_WIDTH);
@@ -235,7 +245,7 @@ struct Figure {
 fn right_end(ui: &mut Ui, hidden: &[Workspace], session: &Session, commands: &mut Vec<Command>) {
     let theme_icon = if ui.visuals().dark_mode { Icon::Sun } else { Icon::Moon };
     if icon_button(ui, theme_icon, "Switch between dark and light theme").clicked() {
-        commands.push(Command::ToggleTheme);
+        commands.push(Command::Appearance(AppearanceChange::ToggleTheme));
     }
     let figures = figures(ui, session);
     let spacing = 2.0 * ui.spacing().item_spacing.x + text_width(ui, "·");
@@ -266,7 +276,7 @@ fn show_figure(ui: &mut Ui, figure: &Figure) {
 
 /// Returns statistics of the frame, most important first.
 fn figures(ui: &Ui, session: &Session) -> Vec<Figure> {
-    let Some(view) = session.view.as_ref().filter(|_| !session.lab.open) else { return Vec::new() };
+    let Some(view) = session.view.as_ref().filter(|_| !session.features.lab.open) else { return Vec::new() };
     let color = tokens(ui).text;
     let figure = |text, help| Figure { text, color, help };
     let mut figures = vec![figure(
@@ -274,8 +284,8 @@ fn figures(ui: &Ui, session: &Session) -> Vec<Figure> {
         "Share of the picture's pixels that are rasterized and shaded",
     )];
     // With a triangle limit, the picture is drawn twice, and the time would describe neither of the two frames.
-    let warm_ms = session.timings.warm_median_ms(view.request.recipe.upscaler).or_else(|| {
-        let frame = session.stages.as_ref()?.times.frame;
+    let warm_ms = session.features.timings.warm_median_ms(view.request.recipe.upscaler).or_else(|| {
+        let frame = session.features.stages.figures.as_ref()?.times.frame;
         Some(frame.as_secs_f64() * 1e3)
     });
     if let Some(ms) = warm_ms.filter(|_| view.request.triangle_limit.is_none()) {
@@ -284,7 +294,7 @@ fn figures(ui: &Ui, session: &Session) -> Vec<Figure> {
         let help = "Median frame time with warm caches, from planning to the finished picture";
         figures.push(figure(format::ms(ms), help));
     }
-    if let Some(stages) = session.stages {
+    if let Some(stages) = session.features.stages.figures {
         figures.push(Figure {
             text: format!("{} NaN", format::count(stages.bad)),
             color: if stages.bad > 0 { tokens(ui).warning } else { color },

@@ -8,6 +8,8 @@ use eframe::egui::{Align, Color32, Label, Layout, ProgressBar, Rect, RichText, S
 use crate::text;
 use crate::ui::command::Command;
 use crate::ui::compare::files::PictureRole;
+use crate::ui::files::FileCommand;
+use crate::ui::lab::LabChange;
 use crate::ui::session::{Notice, Session};
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::icon_button;
@@ -28,32 +30,32 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, 
         } else if let Some(path) = &session.messages.offered_picture {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             if ui.button("Open in the 2D lab").on_hover_text("Fill and sample the picture in the 2D lab").clicked() {
-                commands.push(Command::OpenInLab(path.clone()));
+                commands.push(Command::Lab(LabChange::OpenPicture(path.clone())));
             }
             if ui.button("Compare as B").on_hover_text("Compare the picture with the rendered one").clicked() {
-                commands.push(Command::OpenPicture(PictureRole::Tile(1), path.clone()));
+                commands.push(Command::File(FileCommand::OpenPicture(PictureRole::Tile(1), path.clone())));
             }
             let text = format!("{} is a picture, not a scene", text::clean(&name));
             line(ui, Icon::Image, tokens(ui).accent, &text, Some(Command::CloseOffer), commands);
         } else if let Some((path, completed)) = loading {
             ui.spinner();
             if ui.button("Cancel").on_hover_text("Stop loading and keep the current scene").clicked() {
-                commands.push(Command::CancelLoading);
+                commands.push(Command::File(FileCommand::CancelLoading));
             }
             ui.add(ProgressBar::new(completed).desired_width(120.0));
             ui.add(Label::new(format!("Loading {}… {:.0} %", path.display(), 100.0 * completed)).truncate());
-        } else if let Some(completed) = session.tasks.export_progress {
+        } else if let Some(completed) = session.features.tasks.export_progress {
             ui.spinner();
             if ui.button("Cancel").on_hover_text("Stop the export").clicked() {
-                commands.push(Command::CancelExport);
+                commands.push(Command::File(FileCommand::CancelExport));
             }
             ui.add(ProgressBar::new(completed).desired_width(120.0));
             ui.add(Label::new(format!("Exporting… {:.0} %", 100.0 * completed)).truncate());
         } else if let Some(notice) = &session.messages.notice {
             show_notice(ui, notice, commands);
-        } else if session.lab.open {
+        } else if session.features.lab.open {
             line(ui, Icon::Lightbulb, tokens(ui).accent, LAB_HINT, None, commands);
-        } else if let Some(words) = session.what_if.unseen_change(&session.state.recipe) {
+        } else if let Some(words) = session.features.what_if.unseen_change(&session.state.recipe) {
             let text = format!("{words}.  Press X to show the effect of this change.");
             line(ui, Icon::Diff, tokens(ui).accent, &text, None, commands);
         } else {
@@ -68,7 +70,7 @@ fn show_notice(ui: &mut Ui, notice: &Notice, commands: &mut Vec<Command>) {
     match notice {
         Notice::Saved(path) => {
             if ui.button("Open folder").on_hover_text("Show the saved file in the file manager").clicked() {
-                commands.push(Command::OpenFolder(path.clone()));
+                commands.push(Command::File(FileCommand::OpenFolder(path.clone())));
             }
             let text = format!("Saved {}", path.display());
             line(ui, Icon::Check, tokens(ui).passed, &text, close, commands);

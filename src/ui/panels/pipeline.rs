@@ -1,4 +1,4 @@
-//! The pipeline panel on the left: one row per stage with its count, its time and its share of the frame time, and below
+//! The pipeline panel: one row per stage with its count, its time and its share of the frame time, and below
 //! them the switches of the selected stage.
 
 use std::time::Duration;
@@ -21,6 +21,7 @@ use crate::ui::engine::{RenderedView, Shown, StageFigures};
 use crate::ui::format;
 use crate::ui::manual::manual_button;
 use crate::ui::session::Session;
+use crate::ui::stages::StageChange;
 use crate::ui::theme::{self, CONTROL_HEIGHT, Icon, space, tokens};
 use crate::ui::widgets::{icon_button, section_header};
 use crate::ui::workspace::{PanelSpec, framed};
@@ -72,7 +73,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         let top = ui.cursor().top();
         rows(ui, session, commands);
-        let stage = session.selected_stage;
+        let stage = session.features.stages.selected;
         section_header(ui, stage.name(), |ui| {
             manual_button(ui, Chapter::Settings, commands);
             reset_button(ui, session, commands);
@@ -96,7 +97,7 @@ fn reset_button(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 
 fn selected_switches(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut recipe = session.state.recipe;
-    let stage = session.selected_stage;
+    let stage = session.features.stages.selected;
     ui.push_id(stage.id(), |ui| switches::ui(ui, stage, session, &mut recipe, commands));
     if recipe != session.state.recipe {
         commands.push(Command::SetRecipe(recipe));
@@ -109,7 +110,7 @@ fn rows(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let column = TimeColumn::new(ui, session);
     let stages = Stage::ALL.iter().map(|stage| stage_row(ui, *stage, &column, session, commands)).collect::<Vec<_>>();
     step_by_key(ui, &stages, session, commands);
-    if let Some(StageFigures { times, .. }) = &session.stages {
+    if let Some(StageFigures { times, .. }) = &session.features.stages.figures {
         for rest in rest_rows(times) {
             rest_row(ui, &rest, &column);
         }
@@ -128,8 +129,8 @@ fn step_by_key(ui: &Ui, rows: &[Response], session: &Session, commands: &mut Vec
     if step == 0 {
         return;
     }
-    commands.push(Command::StepStage(step));
-    let next = session.selected_stage.stepped(step);
+    commands.push(Command::Stage(StageChange::Step(step)));
+    let next = session.features.stages.selected.stepped(step);
     if let Some((row, _)) = rows.iter().zip(Stage::ALL).find(|(_, stage)| **stage == next) {
         row.request_focus();
     }
@@ -147,7 +148,7 @@ impl TimeColumn {
     fn new(ui: &Ui, session: &Session) -> Self {
         /// Time whose width the column has at least, so that it keeps its width while times change.
         const USUAL: Duration = Duration::from_micros(88_880);
-        let times = session.stages.as_ref().map(|figures| figures.times);
+        let times = session.features.stages.figures.as_ref().map(|figures| figures.times);
         let stages = Stage::ALL.iter().filter_map(|stage| time_of(*stage, &times?));
         let all = stages.chain(times.iter().map(|times| times.frame)).chain([USUAL]);
         let font = TextStyle::Monospace.resolve(ui.style());
@@ -207,7 +208,7 @@ fn stage_row(
     commands: &mut Vec<Command>,
 ) -> Response {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), STAGE_HEIGHT), Sense::click());
-    let selected = session.selected_stage == stage;
+    let selected = session.features.stages.selected == stage;
     let label = format!("{} stage", stage.name());
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, selected, &label));
     let figures = RowFigures::of(stage, session);
@@ -249,7 +250,7 @@ fn stage_row(
     let eye = Rect::from_min_max(rect.right_top() - vec2(CONTROL_HEIGHT, 0.0), rect.max);
     eye_button(ui, eye, stage, shown, commands);
     if response.clicked() {
-        commands.push(Command::SelectStage(stage));
+        commands.push(Command::Stage(StageChange::Select(stage)));
     }
     response.on_hover_ui(|ui| figures.tooltip(ui, stage))
 }
@@ -346,7 +347,7 @@ impl RowFigures {
             Some(reason) => Detail::Skipped(reason),
             None => view.and_then(|view| count_of(stage, session, view)).map_or(Detail::Nothing, Detail::Count),
         };
-        let measured = session.stages.as_ref().and_then(|figures| time_of(stage, &figures.times));
+        let measured = session.features.stages.figures.as_ref().and_then(|figures| time_of(stage, &figures.times));
         let is_tiled = view.is_some_and(|view| view.frame.execution == Execution::Tiled);
         let time = match (measured, timed_within(stage)) {
             (Some(time), _) => StageTime::Measured(time),
@@ -472,7 +473,7 @@ fn skip_reason(stage: Stage, view: &RenderedView) -> Option<String> {
 
 /// Returns the number of items that a stage passes on; `None` if it is not known.
 fn count_of(stage: Stage, session: &Session, view: &RenderedView) -> Option<StageCount> {
-    let (counters, geometry) = (session.stages?.counters, &view.frame.geometry);
+    let (counters, geometry) = (session.features.stages.figures?.counters, &view.frame.geometry);
     let (number, unit, meaning) = match stage {
         Stage::Assemble => (session.scene.triangle_count() as u64, "tris", "triangles in the scene"),
         Stage::Transform => (geometry.vertices as u64, "verts", "vertices transformed"),

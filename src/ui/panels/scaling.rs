@@ -7,6 +7,7 @@ use crate::manual::Chapter;
 use crate::measure::scaling::Series;
 use crate::report::scaling::{amount, finding, guide};
 use crate::ui::command::Command;
+use crate::ui::long_tasks::MeasureCommand;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, tokens};
 use crate::ui::ticks::log_marks;
@@ -31,9 +32,9 @@ const WORDS: f32 = 50.0;
 
 /// Draws the controls of the panel “Scaling”.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    if let Some((quantity, share)) = session.tasks.scaling.progress {
+    if let Some((quantity, share)) = session.features.tasks.scaling.progress {
         if ui.button("Cancel").on_hover_text("Stop the measurement and keep the last result").clicked() {
-            commands.push(Command::CancelScaling);
+            commands.push(Command::Measure(MeasureCommand::CancelScaling));
         }
         ui.add(ProgressBar::new(share).desired_width(240.0).text(quantity.name()));
         return;
@@ -42,9 +43,9 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     let help = "Draw generated scenes with increasing numbers of triangles, pixels, layers and threads, with the \
                 current settings; takes about a minute";
     if ui.add(measure).on_hover_text(help).clicked() {
-        commands.push(Command::MeasureScaling);
+        commands.push(Command::Measure(MeasureCommand::MeasureScaling));
     }
-    if let Some((scaling, recipe)) = &session.tasks.scaling.found {
+    if let Some((scaling, recipe)) = &session.features.tasks.scaling.found {
         let [width, height] = scaling.size;
         let by = if *recipe == session.state.recipe { "" } else { ", measured with other settings" };
         let text =
@@ -55,7 +56,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
 
 /// Draws the four plots of the scaling measurement.
 pub(crate) fn ui(ui: &mut Ui, session: &Session) {
-    let Some((scaling, _)) = &session.tasks.scaling.found else {
+    let Some((scaling, _)) = &session.features.tasks.scaling.found else {
         let how = "“Measure scaling” shows the fixed cost of a frame, the cost of each triangle, pixel and layer, and \
                    the speed-up from threads.";
         empty_state(ui, Icon::ChartScatter, "No measurement yet", how);

@@ -7,6 +7,7 @@ use eframe::egui::{
 use crate::inspect::lesson;
 use crate::scene::builtin::{self, Builtin};
 use crate::ui::command::Command;
+use crate::ui::files::FileCommand;
 use crate::ui::theme::{RADIUS, ROW_HEIGHT, space, tokens};
 use crate::ui::thumbnails::{self, Thumbnails};
 
@@ -19,7 +20,7 @@ pub(super) fn ui(ui: &mut Ui, thumbnails: &mut Thumbnails, commands: &mut Vec<Co
     Grid::new("scenes").spacing(Vec2::splat(space::XS)).show(ui, |ui| {
         for (index, scene) in builtin::ALL.iter().enumerate() {
             if scene_button(ui, thumbnails, index, scene).clicked() {
-                commands.push(Command::OpenBuiltin(scene.id.to_owned()));
+                commands.push(Command::File(FileCommand::OpenBuiltin(scene.id.to_owned())));
                 ui.close();
             }
             if index % COLUMNS == COLUMNS - 1 {
@@ -60,7 +61,7 @@ fn lessons(ui: &mut Ui, commands: &mut Vec<Command>) {
             .on_hover_text("Open a small scene and pick its black spot: the panel “Pixel” names the cause")
             .clicked()
         {
-            commands.push(Command::OpenLesson(lesson));
+            commands.push(Command::File(FileCommand::OpenLesson(lesson)));
             ui.close();
         }
     }

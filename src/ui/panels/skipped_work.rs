@@ -14,6 +14,7 @@ use crate::pipeline::plan::{CullStats, DrawPlan, PipelinePart, PlanStep};
 use crate::ui::command::Command;
 use crate::ui::engine::RenderedView;
 use crate::ui::format;
+use crate::ui::long_tasks::MeasureCommand;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, tokens};
 use crate::ui::widgets::empty_state;
@@ -34,9 +35,9 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
 
 /// Draws the controls of the panel “Skipped work”.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    if let Some(progress) = session.tasks.savings.progress {
+    if let Some(progress) = session.features.tasks.savings.progress {
         if ui.button("Cancel").on_hover_text("Stop the measurement").clicked() {
-            commands.push(Command::CancelPlan);
+            commands.push(Command::Measure(MeasureCommand::CancelPlan));
         }
         ui.add(ProgressBar::new(progress).desired_width(200.0).show_percentage());
         return;
@@ -45,9 +46,9 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     let help = "Measure the time that skipping saves: draw this view with every skip enabled, and with each skip \
                 disabled in turn. Takes a few seconds";
     if ui.add(measure).on_hover_text(help).clicked() {
-        commands.push(Command::MeasurePlan);
+        commands.push(Command::Measure(MeasureCommand::MeasurePlan));
     }
-    if let Some((savings, of)) = &session.tasks.savings.found {
+    if let Some((savings, of)) = &session.features.tasks.savings.found {
         let Savings { planned_ms, noise, .. } = &**savings;
         let text = format!(
             "{}: {:.2} ms with every skip enabled, median of {} rounds; noise floor {}",
@@ -104,7 +105,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session) {
 
 /// Draws the time saved by skipping a part in this view, or a dash if it was not measured.
 fn saved(ui: &mut Ui, session: &Session, view: &RenderedView, part: PipelinePart) {
-    let found = session.tasks.savings.found.as_ref();
+    let found = session.features.tasks.savings.found.as_ref();
     let of_part = |saving: &&Saving| saving.part == Some(part);
     let measured = found.and_then(|(savings, of)| Some((savings.savings.iter().find(of_part)?, of)));
     let fitting = measured.filter(|(_, of)| of.same_complete_frame(&view.request));

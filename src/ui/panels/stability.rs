@@ -14,7 +14,9 @@ use crate::report::stability::metric::LEVELS;
 use crate::report::stability::sweep::{ClassReport, ReportCell, StabilityReport};
 use crate::report::stability::tradeoff;
 use crate::ui::command::Command;
+use crate::ui::long_tasks::MeasureCommand;
 use crate::ui::long_tasks::StabilityView;
+use crate::ui::open_case::CaseChange;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, font_size, tokens};
 use crate::ui::widgets::empty_state;
@@ -63,9 +65,9 @@ const MARKS: [(MarkerShape, &str); 4] =
 
 /// Draws the controls of the panel “Stability”.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    if let Some(progress) = session.tasks.stability.progress {
+    if let Some(progress) = session.features.tasks.stability.progress {
         if ui.button("Cancel").on_hover_text("Stop the report and keep the last one").clicked() {
-            commands.push(Command::CancelStability);
+            commands.push(Command::Measure(MeasureCommand::CancelStability));
         }
         let share = progress.done as f32 / progress.of.max(1) as f32;
         ui.add(ProgressBar::new(share).desired_width(240.0).text(progress.stage.name()));
@@ -75,9 +77,9 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     let help = "Test every rasterizer, arithmetic and depth format on ill-conditioned and extreme cases; takes about \
                 a minute";
     if ui.add(run).on_hover_text(help).clicked() {
-        commands.push(Command::RunStability);
+        commands.push(Command::Measure(MeasureCommand::RunStability));
     }
-    if session.tasks.stability.report.is_none() {
+    if session.features.tasks.stability.report.is_none() {
         return;
     }
     for (view, name, help) in [
@@ -88,21 +90,21 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
             "One point for each combination of rasterizer and arithmetic",
         ),
     ] {
-        if ui.selectable_label(session.tasks.stability.view == view, name).on_hover_text(help).clicked() {
-            commands.push(Command::ShowStability(view));
+        if ui.selectable_label(session.features.tasks.stability.view == view, name).on_hover_text(help).clicked() {
+            commands.push(Command::Measure(MeasureCommand::ShowStability(view)));
         }
     }
 }
 
 /// Draws the stability report.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let Some(report) = &session.tasks.stability.report else {
+    let Some(report) = &session.features.tasks.stability.report else {
         let how = "“Run the stability report” tests the engine on slivers, needles, huge and tiny triangles, shared \
                    edges, vertices behind the camera and close depths, against exact arithmetic.";
         empty_state(ui, Icon::ShieldCheck, "No stability report yet", how);
         return;
     };
-    match session.tasks.stability.view {
+    match session.features.tasks.stability.view {
         StabilityView::HeatMap => {
             ScrollArea::both().auto_shrink(false).show(ui, |ui| {
                 for family in Family::ALL {
@@ -191,7 +193,7 @@ fn draw_cell(ui: &mut Ui, class: &ClassReport, cell: &ReportCell, commands: &mut
     if response.clicked()
         && let Some(worst) = worst
     {
-        commands.push(Command::OpenWorst(cell.column, worst.case.to_json()));
+        commands.push(Command::Case(CaseChange::Worst(cell.column, worst.case.to_json())));
     }
     response.on_hover_ui(|ui| {
         ui.label(

@@ -17,6 +17,7 @@ use crate::scene::obj::TrMeaning;
 use crate::scene::{Camera, DepthMapping, Projection, SceneFormat, SceneSource, UpAxis, builtin};
 use crate::ui::command::Command;
 use crate::ui::engine::{RenderedView, StageFigures};
+use crate::ui::files::FileCommand;
 use crate::ui::format;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, tokens};
@@ -60,7 +61,7 @@ fn assemble(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             for scene in builtin::ALL {
                 let here = matches!(&session.source, SceneSource::Builtin(b) if b.id == scene.id);
                 if ui.selectable_label(here, scene.title).on_hover_text(scene.summary).clicked() {
-                    commands.push(Command::OpenBuiltin(scene.id.to_owned()));
+                    commands.push(Command::File(FileCommand::OpenBuiltin(scene.id.to_owned())));
                 }
             }
         });
@@ -98,7 +99,7 @@ fn assemble(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     for (label, number, help) in figures {
         value_row(ui, label, &bytes(number), help);
     }
-    let limit = format::bytes(session.memory_limit.bytes());
+    let limit = format::bytes(session.features.files.memory_limit.bytes());
     value_row(ui, "Memory limit", &limit, "Maximum memory for meshes and textures of a model  (--memory)");
 }
 
@@ -130,7 +131,7 @@ fn model_reading(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
                     (TrMeaning::Opacity, "Opacity", "1 is opaque, as MeshLab writes it"),
                 ];
                 if choice(ui, &mut tr, &options) {
-                    commands.push(Command::Reopen(path.clone(), tr));
+                    commands.push(Command::File(FileCommand::Reopen(path.clone(), tr)));
                 }
             },
         );
@@ -211,7 +212,7 @@ pub(super) fn note(ui: &mut Ui, text: impl Into<String>) {
 }
 
 fn clip(ui: &mut Ui, session: &Session) {
-    let (Some(view), Some(figures)) = (&session.view, &session.stages) else { return };
+    let (Some(view), Some(figures)) = (&session.view, &session.features.stages.figures) else { return };
     value_row(
         ui,
         "Clipped",
@@ -248,7 +249,7 @@ fn project(ui: &mut Ui) {
 
 fn cull(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     row(ui, "Culling", "Facing of the triangles that are culled", |ui| pick(ui, &mut recipe.pipeline.culling));
-    let Some(figures) = &session.stages else { return };
+    let Some(figures) = &session.features.stages.figures else { return };
     for fate in [Fate::BackFacing, Fate::FrontFacing, Fate::ZeroArea] {
         fate_row(ui, figures, fate);
     }
@@ -280,7 +281,7 @@ fn rasterize(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     row(ui, "Wireframe", "Draws the snapped edges of all drawn triangles over the picture", |ui| {
         ui.checkbox(&mut recipe.wireframe, "");
     });
-    let Some(figures) = &session.stages else { return };
+    let Some(figures) = &session.features.stages.figures else { return };
     value_row(
         ui,
         "Samples visited",
@@ -450,8 +451,8 @@ fn light(ui: &mut Ui, recipe: &mut Recipe) {
 fn upscaling(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     smooth::antialias(ui, &mut recipe.antialias);
     smooth::upscaler(ui, recipe);
-    let share = session.timings.share_of_native(&session.request(), session.state.recipe.upscaler);
-    let is_noise = session.timings.is_within_noise_of_native(session.state.recipe.upscaler);
+    let share = session.features.timings.share_of_native(&session.request(), session.state.recipe.upscaler);
+    let is_noise = session.features.timings.is_within_noise_of_native(session.state.recipe.upscaler);
     let share = share.map_or_else(
         || "not measured".to_owned(),
         |share| if is_noise { format!("{}, {WITHIN}", format::percent(share)) } else { format::percent(share) },

@@ -2,6 +2,7 @@
 
 use eframe::egui::{self, Button, RichText, Ui, WidgetInfo};
 
+use crate::ui::canvas_state::CanvasChange;
 use crate::ui::command::Command;
 use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::mesh_view;
@@ -105,8 +106,10 @@ impl Tool {
     /// Returns icon, name and command of a tool that is a plain button.
     fn button(self, session: &Session) -> Option<(Icon, &'static str, Command)> {
         Some(match self {
-            Self::Fit => (Icon::Maximize, "Fit the picture into the canvas  (F)", Command::ZoomFit),
-            Self::OneToOne => (Icon::Square, "Show one picture pixel per screen pixel  (0)", Command::ZoomOne),
+            Self::Fit => (Icon::Maximize, "Fit the picture into the canvas  (F)", Command::Canvas(CanvasChange::Fit)),
+            Self::OneToOne => {
+                (Icon::Square, "Show one picture pixel per screen pixel  (0)", Command::Canvas(CanvasChange::OneToOne))
+            }
             Self::Tiles => (
                 Icon::Columns2,
                 "Compare pictures side by side  (T)",
@@ -125,7 +128,7 @@ impl Tool {
             Self::Range => (
                 Icon::ChartColumn,
                 "Show the range controls and the histogram over the picture",
-                Command::Range(range::RangeChange::Open(!session.range.open)),
+                Command::Range(range::RangeChange::Open(!session.features.range.open)),
             ),
             Self::PictureSize | Self::Overlays | Self::PointerModes | Self::ZoomFactor => return None,
         })
@@ -195,7 +198,7 @@ pub(super) fn right_end(ui: &mut Ui, shown: &[Tool], cx: &mut ToolContext<'_>) {
 }
 
 fn overlays_button(ui: &mut Ui, cx: &mut ToolContext<'_>, words: &str) {
-    let (open, count) = (cx.session.overlays.open, cx.session.overlays.count());
+    let (open, count) = (cx.session.features.overlays.open, cx.session.features.overlays.count());
     let name = if count > 0 { format!("Overlays ({count})") } else { "Overlays".to_owned() };
     let text = match count {
         0 => words.to_owned(),
@@ -219,11 +222,11 @@ fn pointer_mode(
     with_name: bool,
 ) {
     let words = if with_name { name } else { "" };
-    let button = Button::new((theme::icon(icon), words)).selected(cx.session.pointer_mode == mode);
+    let button = Button::new((theme::icon(icon), words)).selected(cx.session.features.canvas.pointer_mode == mode);
     let response = ui.add(button).on_hover_text(format!("{name}: {help}"));
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, name));
     if response.clicked() {
-        cx.commands.push(Command::SetPointerMode(mode));
+        cx.commands.push(Command::Canvas(CanvasChange::PointerMode(mode)));
         ui.close();
     }
 }

@@ -20,6 +20,7 @@ use crate::ui::command::Command;
 use crate::ui::compare::bar::reference_list;
 use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::format;
+use crate::ui::long_tasks::MeasureCommand;
 use crate::ui::method_colors::method_color;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, font_size, tokens};
@@ -63,9 +64,9 @@ struct PlacedPoint<'a> {
 
 /// Draws the controls of the panel “Error vs time”.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    if let Some(measuring) = session.tasks.measuring {
+    if let Some(measuring) = session.features.tasks.measuring {
         if ui.button("Cancel").on_hover_text("Stop the measurement and keep the results so far").clicked() {
-            commands.push(Command::CancelMeasure);
+            commands.push(Command::Measure(MeasureCommand::CancelUpscalers));
         }
         ui.add(ProgressBar::new(measuring.progress).desired_width(200.0).show_percentage());
     } else {
@@ -73,15 +74,15 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         let help = "Time every upscaler in interleaved rounds, and compare each frame with the reference for the \
                     same camera. Takes a minute or more in motion, and a few seconds for a still view";
         if ui.add(measure).on_hover_text(help).clicked() {
-            commands.push(Command::Measure);
+            commands.push(Command::Measure(MeasureCommand::MeasureUpscalers));
         }
         let chosen = reference_list(ui, "Reference to measure against", 150.0, session.comparison.reference);
         commands.extend(chosen.map(Command::Compare));
-        motion_switch(ui, session.timings.turn, commands);
+        motion_switch(ui, session.features.timings.turn, commands);
     }
     let viewport = session.viewport();
-    let fits = session.timings.measurement_fits(&session.request());
-    let text = match (session.timings.measurement_request(), fits) {
+    let fits = session.features.timings.measurement_fits(&session.request());
+    let text = match (session.features.timings.measurement_request(), fits) {
         (None, _) => "Click a point to show it as picture B, Shift+click to show it as A".to_owned(),
         (Some(measured), true) => format!(
             "Reference: {} · {} · {} × {} px · {}{} · Click a point: show as B, Shift+click: as A",
@@ -90,7 +91,12 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
             viewport.width,
             viewport.height,
             motion(session, measured.turn),
-            session.timings.noise().map(|noise| format!(" · noise floor {}", noise.words())).unwrap_or_default()
+            session
+                .features
+                .timings
+                .noise()
+                .map(|noise| format!(" · noise floor {}", noise.words()))
+                .unwrap_or_default()
         ),
         (Some(_), false) => {
             "Measured with a different scene, view, size or setting; measure again to update".to_owned()
@@ -113,7 +119,7 @@ fn motion_switch(ui: &mut Ui, present: Turn, commands: &mut Vec<Command>) {
     {
         let is_present = present.is_still() == is_still;
         if ui.selectable_label(is_present, name).on_hover_text(help).clicked() && !is_present {
-            commands.push(Command::MeasureOver(if is_still { Turn::STILL } else { Turn::default() }));
+            commands.push(Command::Timings(TimingsChange::Turn(if is_still { Turn::STILL } else { Turn::default() })));
         }
     }
 }
@@ -123,14 +129,14 @@ fn motion(session: &Session, turn: Turn) -> String {
     if turn.is_still() {
         return "still".to_owned();
     }
-    let points = session.timings.tradeoff();
+    let points = session.features.timings.tradeoff();
     let fewest = points.iter().map(|point| point.error.motion.frames).min().unwrap_or_default();
     format!("in motion: {fewest} of {} frames, {}° per frame", turn.frames, turn.degrees)
 }
 
 /// Draws the plot of error against time, and the table of both.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let points = session.timings.tradeoff();
+    let points = session.features.timings.tradeoff();
     if points.is_empty() {
         // Takes all of the available height, so that the canvas keeps its size, and so does a picture that has the size
         // of the canvas.
@@ -149,7 +155,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         let in_plot = ui.vertical(|ui| plot(ui, &points, size, session, commands)).inner;
         let table = ScrollArea::both().id_salt("tradeoff table");
         let in_table = table.show(ui, |ui| table::ui(ui, &points, session, commands)).inner;
-        let change = session.timings.list.hover_change(Panel::ErrorTime, in_plot.or(in_table));
+        let change = session.features.timings.list.hover_change(Panel::ErrorTime, in_plot.or(in_table));
         commands.extend(change.map(Command::Timings));
     });
 }
@@ -223,7 +229,7 @@ fn plot(
 
 /// Whether the last measurement moved the camera.
 fn is_in_motion(session: &Session) -> bool {
-    session.timings.measurement_request().is_some_and(|measured| !measured.turn.is_still())
+    session.features.timings.measurement_request().is_some_and(|measured| !measured.turn.is_still())
 }
 
 /// Returns the colour of a point: that of its method on the Pareto front, and grey elsewhere.
@@ -264,7 +270,7 @@ fn empty_plot(lane: f64, in_motion: bool, size: egui::Vec2) -> Plot<'static> {
 /// Draws the budget line over the plot, and its label in `header`. Returns the horizontal position of the line.
 fn budget(ui: &Ui, transform: &PlotTransform, header: Rect, session: &Session, commands: &mut Vec<Command>) -> f32 {
     let frame = *transform.frame();
-    let value = session.timings.budget_ms().log10();
+    let value = session.features.timings.budget_ms().log10();
     let x = transform.position_from_point(&PlotPoint::new(value, 0.0)).x.clamp(frame.left(), frame.right());
     budget_line::label(ui, session, header, x);
     if let Some(x) = budget_line::line(ui, frame, x) {
@@ -277,7 +283,7 @@ fn budget(ui: &Ui, transform: &PlotTransform, header: Rect, session: &Session, c
 /// Draws the names of the points on the Pareto front where there is space, and a ring around the point of the method
 /// under the pointer, whose name has priority.
 fn label_points(ui: &Ui, points: &[PlacedPoint<'_>], session: &Session, frame: Rect, budget_x: f32) {
-    let hovered = session.timings.list.hovered();
+    let hovered = session.features.timings.list.hovered();
     let is_hovered = |placed: &&PlacedPoint<'_>| hovered == Some(placed.point.upscaling);
     let is_on_front = |placed: &&PlacedPoint<'_>| placed.point.standing == Standing::Front;
     let of_front = points.iter().filter(|placed| is_on_front(placed) && !is_hovered(placed));

@@ -13,7 +13,7 @@ const NAME_POINTS: f32 = 270.0;
 
 /// Draws the list of bookmarks. Returns whether the dialog should close.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> bool {
-    let bookmarks = &session.places.bookmarks;
+    let bookmarks = &session.features.places.bookmarks;
     let mut changes = Vec::new();
     if bookmarks.is_empty() {
         let help = "Ctrl+B bookmarks scene, view, settings, the shown buffer or stage, and the picked pixel.";

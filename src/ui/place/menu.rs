@@ -6,6 +6,7 @@ use super::PlaceChange;
 use crate::ui::command::{BINDINGS, Command};
 use crate::ui::key_sheet::key_name;
 use crate::ui::session::Session;
+use crate::ui::window_task::DialogCommand;
 
 /// Maximum number of bookmarks in the menu. The bookmarks dialog lists all of them.
 const LISTED: usize = 20;
@@ -22,17 +23,17 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             ui.close();
         }
     };
-    let visits = &session.places.visits;
-    entry(ui, true, "Find anything…", Command::OpenPalette);
-    entry(ui, true, "Go to…", Command::ShowPixelDialog);
+    let visits = &session.features.places.visits;
+    entry(ui, true, "Find anything…", Command::Dialog(DialogCommand::Palette));
+    entry(ui, true, "Go to…", Command::Dialog(DialogCommand::GoTo));
     ui.separator();
     entry(ui, visits.can_go_back(), "Go back to the previous view", Command::Place(PlaceChange::Back));
     entry(ui, visits.can_go_forward(), "Go forward to the next view", Command::Place(PlaceChange::Forward));
     ui.separator();
     entry(ui, true, "Copy view as command", Command::Place(PlaceChange::Copy));
     entry(ui, true, "Bookmark the current view", Command::Place(PlaceChange::Bookmark));
-    entry(ui, true, "Manage bookmarks…", Command::Place(PlaceChange::Manage));
-    for (number, bookmark) in session.places.bookmarks.iter().take(LISTED).enumerate() {
+    entry(ui, true, "Manage bookmarks…", Command::Dialog(DialogCommand::Bookmarks));
+    for (number, bookmark) in session.features.places.bookmarks.iter().take(LISTED).enumerate() {
         entry(ui, true, &bookmark.name, Command::Place(PlaceChange::Jump(number)));
     }
 }

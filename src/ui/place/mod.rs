@@ -11,12 +11,16 @@ use serde::{Deserialize, Serialize};
 
 use super::command::Command;
 use super::engine::Shown;
-use super::session::{PictureSize, Session, Severity};
+use super::session::{PictureSize, Preferences, Session, Severity};
+use super::task::BackgroundTask;
 use super::vertices;
 use crate::inspect::find::{SearchResult, SearchTarget};
 use crate::inspect::scrub::Moment;
 use crate::inspect::{Buffer, InspectionState};
 use crate::scene::SceneSource;
+use crate::ui::features::Feature;
+use crate::ui::files::FileCommand;
+use crate::ui::window_task::WindowTask;
 use visits::Visits;
 
 /// Maximum number of bookmarks.
@@ -32,7 +36,7 @@ pub(crate) struct Bookmark {
 }
 
 /// Bookmarks, navigation history, and the inspection state being restored.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(crate) struct Places {
     /// Bookmarks in the order of their creation. The keys Alt + 1 to Alt + 9 open the first nine.
     pub(crate) bookmarks: Vec<Bookmark>,
@@ -40,6 +44,8 @@ pub(crate) struct Places {
     pub(crate) visits: Visits,
     /// Inspection state to restore once its scene is loaded; `None` if none is pending.
     pub(crate) pending: Option<InspectionState>,
+    /// Search of the frame for a target; `None` if none is running.
+    pub(crate) searching: Option<BackgroundTask<(), (SearchTarget, SearchResult)>>,
 }
 
 /// Change to the bookmarks or to the current inspection state.
@@ -55,8 +61,6 @@ pub(crate) enum PlaceChange {
     Rename(usize, String),
     /// Deletes the bookmark at this index.
     Remove(usize),
-    /// Opens the dialog for renaming and deleting bookmarks.
-    Manage,
     /// Goes back to the previous entry of the navigation history.
     Back,
     /// Goes forward to the next entry of the navigation history.
@@ -72,6 +76,27 @@ pub(crate) fn go_to(wanted: SearchTarget) -> Command {
     match wanted {
         SearchTarget::Pixel(x, y) => Command::Pick(Some((x, y))),
         wanted => Command::Place(PlaceChange::Find(wanted)),
+    }
+}
+
+impl Feature for Places {
+    type Change = PlaceChange;
+
+    fn apply(session: &mut Session, change: PlaceChange) -> Option<WindowTask> {
+        session.change_places(change)
+    }
+
+    fn leave_scene(&mut self) {
+        // The result of the search would change the pick in the new scene.
+        self.searching = None;
+    }
+
+    fn store(&self, preferences: &mut Preferences) {
+        preferences.bookmarks.clone_from(&self.bookmarks);
+    }
+
+    fn restore(&mut self, preferences: &Preferences) {
+        self.bookmarks.clone_from(&preferences.bookmarks);
     }
 }
 
@@ -104,10 +129,10 @@ impl Session {
             buffer,
             stage,
             number,
-            display: self.range.setting(self.shown).display,
-            overlays: self.overlays.layers.clone(),
-            triangles: self.triangle_limit,
-            fragments: self.scrub.fragment_limit(self.triangle_limit),
+            display: self.features.range.setting(self.shown).display,
+            overlays: self.features.overlays.layers.clone(),
+            triangles: self.features.scrub.triangle_limit,
+            fragments: self.features.scrub.fragment_limit(),
             pixel: self.pick,
         }
     }
@@ -119,10 +144,9 @@ impl Session {
         InspectionState { picture: Some((viewport.width, viewport.height)), ..self.place() }.command_line()
     }
 
-    /// Applies a change. If the window must do something to complete it, such as open a file, returns the command for
-    /// that.
-    pub(crate) fn change_places(&mut self, change: PlaceChange) -> Option<Command> {
-        let bookmarks = &mut self.places.bookmarks;
+    /// Applies a change. Returns a task if the window must complete it, such as opening a file.
+    fn change_places(&mut self, change: PlaceChange) -> Option<WindowTask> {
+        let bookmarks = &mut self.features.places.bookmarks;
         match change {
             PlaceChange::Bookmark => self.bookmark(),
             PlaceChange::Rename(number, name) => {
@@ -142,16 +166,22 @@ impl Session {
             },
             PlaceChange::Go(place) => return self.go(*place),
             PlaceChange::Back | PlaceChange::Forward => {
-                if let Some(visit) = self.places.visits.travel(change == PlaceChange::Back) {
+                if let Some(visit) = self.features.places.visits.travel(change == PlaceChange::Back) {
                     // Back and forward keep recipe, picture size, display settings and overlays. Undo covers the recipe
                     // and the picture size.
                     let here = self.place();
-                    let display = self.range.setting(shown_at(&visit)).display;
+                    let display = self.features.range.setting(shown_at(&visit)).display;
                     let InspectionState { recipe, picture, overlays, .. } = here;
                     return self.go(InspectionState { recipe, picture, overlays, display, ..visit });
                 }
             }
-            PlaceChange::Copy | PlaceChange::Manage | PlaceChange::Find(_) => return Some(Command::Place(change)),
+            PlaceChange::Copy => {
+                let line = self.command_line();
+                self.report(Severity::Info, format!("Copied: {line}"));
+                return Some(WindowTask::CopyText(line));
+            }
+            PlaceChange::Find(SearchTarget::View(x, y, percent)) => return Some(WindowTask::ShowAt(x, y, percent)),
+            PlaceChange::Find(wanted) => return Some(WindowTask::Search(wanted)),
             PlaceChange::Remove(_) => {}
         }
         None
@@ -175,14 +205,14 @@ impl Session {
         self.report(level, text);
         self.pick = pixel.or(self.pick);
         if let SearchTarget::Vertex(object, number) = wanted {
-            self.vertices.apply(vertices::VerticesChange::Select(Some((*object as usize, *number))));
+            self.features.vertices.apply(vertices::VerticesChange::Select(Some((*object as usize, *number))));
         }
         pixel
     }
 
     /// Restores the pending inspection state if its scene is now loaded.
     pub(crate) fn arrive(&mut self) {
-        if let Some(place) = self.places.pending.take()
+        if let Some(place) = self.features.places.pending.take()
             && place.scene == self.place().scene
         {
             self.stand_at(&place);
@@ -192,63 +222,63 @@ impl Session {
     /// Records the current inspection state in the navigation history. `now` is the time in seconds.
     pub(crate) fn note_visit(&mut self, now: f64) {
         // Nothing is recorded before the first frame, or while another place is pending.
-        if self.view.is_some() && self.places.pending.is_none() {
+        if self.view.is_some() && self.features.places.pending.is_none() {
             let here = self.place();
-            self.places.visits.note(here, now);
+            self.features.places.visits.note(here, now);
         }
     }
 
     fn bookmark(&mut self) {
         let place = self.place();
         let name = format!("{}: {}", self.scene.name, place.words());
-        if self.places.bookmarks.len() == MAX_BOOKMARKS {
+        if self.features.places.bookmarks.len() == MAX_BOOKMARKS {
             self.report(Severity::Error, format!("Cannot add more than {MAX_BOOKMARKS} bookmarks: delete some first"));
             return;
         }
-        self.places.bookmarks.push(Bookmark { name: name.clone(), place });
-        let number = self.places.bookmarks.len();
+        self.features.places.bookmarks.push(Bookmark { name: name.clone(), place });
+        let number = self.features.places.bookmarks.len();
         let key = if number <= 9 { format!(", Ctrl+{number} opens it") } else { String::new() };
         self.report(Severity::Info, format!("Bookmarked {name}{key}"));
     }
 
     /// Restores an inspection state: immediately if its scene is loaded, otherwise after loading the scene.
-    fn go(&mut self, place: InspectionState) -> Option<Command> {
+    fn go(&mut self, place: InspectionState) -> Option<WindowTask> {
         if let Err(reason) = place.check() {
             self.report(Severity::Error, format!("Cannot open this view: {reason}"));
             return None;
         }
         self.close_case();
-        self.lab.open = false;
+        self.features.lab.open = false;
         if place.scene == self.place().scene {
             self.stand_at(&place);
             return None;
         }
         let open = match SceneSource::named(place.scene.clone()) {
-            SceneSource::Builtin(scene) => Command::OpenBuiltin(scene.id.to_owned()),
-            SceneSource::File(path, _) => Command::Open(path),
+            SceneSource::Builtin(scene) => FileCommand::OpenBuiltin(scene.id.to_owned()),
+            SceneSource::File(path, _) => FileCommand::Open(path),
         };
-        self.places.pending = Some(place);
-        Some(open)
+        self.features.places.pending = Some(place);
+        Some(WindowTask::File(open))
     }
 
     fn stand_at(&mut self, place: &InspectionState) {
         if place.mirrored != self.mirrored {
-            self.apply(Command::MirrorZ);
+            self.mirror_z();
         }
         self.state.camera = place.camera;
         self.state.recipe = place.recipe;
         self.state.size =
             place.picture.map_or(PictureSize::MatchWindow, |(width, height)| PictureSize::Fixed(width, height));
         self.set_shown(shown_at(place));
-        self.range.show_by(place.display, self.shown);
-        self.overlays.layers.clone_from(&place.overlays);
-        self.triangle_limit = None;
+        self.features.range.show_by(place.display, self.shown);
+        self.features.overlays.layers.clone_from(&place.overlays);
+        self.features.scrub.triangle_limit = None;
         if let Some(triangles) = place.triangles {
             self.begin_at(Moment { triangles, fragments: place.fragments });
         }
         self.pick = place.pixel;
         let here = self.place();
-        self.places.visits.arrived(here);
+        self.features.places.visits.arrived(here);
     }
 }
 

@@ -4,6 +4,7 @@ use super::*;
 use crate::chain::Recipe;
 use crate::inspect::Intermediate;
 use crate::inspect::display::Display;
+use crate::ui::files::FileCommand;
 use crate::ui::session::WindowState;
 
 fn session(scene: &str) -> Session {
@@ -18,9 +19,9 @@ fn wander(session: &mut Session) {
     session.state.recipe.set("culling=none").unwrap();
     session.state.size = PictureSize::Fixed(320, 200);
     session.shown = Shown::Buffer(Buffer::Depth);
-    (session.pick, session.triangle_limit) = (Some((10, 20)), Some(5));
-    session.range.show_by("range=0.25..0.5,map=magma,reversed".parse().unwrap(), session.shown);
-    session.overlays.layers = ["facing=0.3", "wireframe"].map(|text| text.parse().unwrap()).to_vec();
+    (session.pick, session.features.scrub.triangle_limit) = (Some((10, 20)), Some(5));
+    session.features.range.show_by("range=0.25..0.5,map=magma,reversed".parse().unwrap(), session.shown);
+    session.features.overlays.layers = ["facing=0.3", "wireframe"].map(|text| text.parse().unwrap()).to_vec();
 }
 
 #[test]
@@ -28,13 +29,13 @@ fn a_bookmark_restores_an_intermediate_value_with_its_colours_and_overlays() {
     let mut session = session("triangle");
     wander(&mut session);
     session.shown = Shown::Intermediate(Intermediate::Cosine);
-    session.range.show_by("range=most,map=diverging".parse().unwrap(), session.shown);
+    session.features.range.show_by("range=most,map=diverging".parse().unwrap(), session.shown);
     let there = session.place();
     let look = session.request().look;
     session.apply(Command::Place(PlaceChange::Bookmark));
     session.apply(Command::Show(Shown::Buffer(Buffer::Color)));
-    session.range.show_by(Display::default(), Shown::Intermediate(Intermediate::Cosine));
-    session.overlays.layers.clear();
+    session.features.range.show_by(Display::default(), Shown::Intermediate(Intermediate::Cosine));
+    session.features.overlays.layers.clear();
     assert_eq!(session.apply(Command::Place(PlaceChange::Jump(0))), None);
     assert_eq!(session.place(), there);
     assert_eq!((session.shown, session.request().look), (Shown::Intermediate(Intermediate::Cosine), look));
@@ -55,17 +56,17 @@ fn a_bookmark_restores_an_intermediate_value_with_its_colours_and_overlays() {
 #[test]
 fn going_back_restores_what_was_shown_but_not_colours_and_overlays() {
     let mut session = session("triangle");
-    session.canvas_px = (64, 48);
+    session.features.canvas.size_px = (64, 48);
     session.view = Some(crate::ui::engine::Engine::default().answer(session.request()));
     session.note_visit(0.0);
     session.shown = Shown::Intermediate(Intermediate::Cosine);
     session.note_visit(10.0);
-    session.overlays.layers = vec!["facing".parse().unwrap()];
-    session.range.show_by("map=grey".parse().unwrap(), session.shown);
+    session.features.overlays.layers = vec!["facing".parse().unwrap()];
+    session.features.range.show_by("map=grey".parse().unwrap(), session.shown);
     session.note_visit(20.0);
     session.apply(Command::Place(PlaceChange::Back));
     assert_eq!(session.shown, Shown::Buffer(Buffer::Color), "changes of colours and overlays are not visits");
-    assert_eq!(session.overlays.layers.len(), 1);
+    assert_eq!(session.features.overlays.layers.len(), 1);
     session.apply(Command::Place(PlaceChange::Forward));
     assert_eq!(session.place().display, "map=grey".parse().unwrap());
 }
@@ -95,7 +96,7 @@ fn a_bookmark_of_another_scene_opens_it_first() {
     let chess = SceneSource::named("cubes".into());
     session.show_scene(chess.load().unwrap().scene, chess);
     let open = session.apply(Command::Place(PlaceChange::Jump(0)));
-    assert_eq!(open, Some(Command::OpenBuiltin("triangle".to_owned())));
+    assert_eq!(open, Some(WindowTask::File(FileCommand::OpenBuiltin("triangle".to_owned()))));
     let triangle = SceneSource::named("triangle".into());
     session.show_scene(triangle.load().unwrap().scene, triangle);
     assert_eq!(session.place(), there);
@@ -117,10 +118,10 @@ fn bookmarks_persist_and_can_be_renamed_and_deleted() {
     let kept = session.preferences(&WindowState::default());
     let text = serde_json::to_string(&kept).unwrap();
     let again: crate::ui::session::Preferences = serde_json::from_str(&text).unwrap();
-    assert_eq!(again.bookmarks, session.places.bookmarks);
+    assert_eq!(again.bookmarks, session.features.places.bookmarks);
     assert_eq!(again.bookmarks.iter().map(|b| b.name.as_str()).collect::<Vec<_>>(), ["second"]);
     session.apply(Command::Place(PlaceChange::Remove(7)));
-    assert_eq!(session.places.bookmarks.len(), 1, "there is no eighth bookmark");
+    assert_eq!(session.features.places.bookmarks.len(), 1, "there is no eighth bookmark");
 }
 
 #[test]

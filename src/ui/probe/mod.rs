@@ -9,7 +9,6 @@ use std::sync::Arc;
 
 use eframe::egui::Context;
 
-use super::command::Command;
 use super::engine::{RenderedView, Request, Shown};
 use super::session::{PictureSize, Session, Severity};
 use super::task::{BackgroundTask, TaskStatus};
@@ -17,6 +16,8 @@ use crate::case::MinimalCase;
 use crate::image::{Image, Rgba8};
 use crate::inspect::Buffer;
 use crate::inspect::probe::{self, Fragile, Heat, Probe, ProbeResult, ProbedView};
+use crate::ui::features::Feature;
+use crate::ui::window_task::WindowTask;
 
 use crate::manual::Chapter;
 use crate::ui::workspace::PanelSpec;
@@ -72,95 +73,88 @@ pub(crate) enum ProbeChange {
     SaveCase(Fragile),
 }
 
-/// Action that the window must perform after a change to the probe.
-#[derive(Debug, PartialEq)]
-pub(crate) enum WindowAction {
-    /// No action.
-    Nothing,
-    /// Scrolls a pixel into view.
-    BringIntoView((u32, u32)),
-    /// Writes a case to a file.
-    Write(Box<MinimalCase>),
-}
+impl Feature for ProbeState {
+    type Change = ProbeChange;
 
-/// Applies a change to the probe. Returns the action that the window must perform.
-pub(crate) fn apply(session: &mut Session, context: &Context, change: ProbeChange) -> WindowAction {
-    match change {
-        ProbeChange::Set(probe) => session.probing.probe = probe,
-        ProbeChange::Start => start(session, context),
-        ProbeChange::Cancel => {
-            if let Some(task) = &session.probing.task {
-                task.cancel();
+    fn apply(session: &mut Session, change: ProbeChange) -> Option<WindowTask> {
+        let probing = &mut session.features.probing;
+        match change {
+            ProbeChange::Set(probe) => probing.probe = probe,
+            ProbeChange::Start => return Some(WindowTask::StartProbe),
+            ProbeChange::Cancel => probing.task.iter().for_each(BackgroundTask::cancel),
+            ProbeChange::Show(heat) => {
+                probing.show(heat);
+                session.shown = Shown::Buffer(Buffer::Color);
             }
-        }
-        ProbeChange::Show(heat) => {
-            session.probing.show(heat);
-            session.shown = Shown::Buffer(Buffer::Color);
-        }
-        ProbeChange::GoBack => {
-            if let Some(found) = session.probing.found.clone() {
-                let ProbedView { camera, settings, viewport, .. } = found.subject;
-                session.state.camera = camera;
-                session.state.recipe.pipeline = settings;
-                if session.viewport() != viewport {
-                    session.state.size = PictureSize::Fixed(viewport.width, viewport.height);
+            ProbeChange::GoBack => {
+                if let Some(found) = probing.found.clone() {
+                    let ProbedView { camera, settings, viewport, .. } = found.subject;
+                    session.state.camera = camera;
+                    session.state.recipe.pipeline = settings;
+                    if session.viewport() != viewport {
+                        session.state.size = PictureSize::Fixed(viewport.width, viewport.height);
+                    }
+                    session.limit_triangles(None);
                 }
-                session.apply(Command::LimitTriangles(None));
             }
+            ProbeChange::GoTo(fragile) => {
+                session.pick = Some(fragile.worst_pixel);
+                return Some(WindowTask::BringIntoView(fragile.worst_pixel));
+            }
+            ProbeChange::SaveCase(fragile) => return case_of(session, &fragile),
         }
-        ProbeChange::GoTo(fragile) => {
-            session.pick = Some(fragile.worst_pixel);
-            return WindowAction::BringIntoView(fragile.worst_pixel);
-        }
-        ProbeChange::SaveCase(fragile) => return case_of(session, &fragile),
+        None
     }
-    WindowAction::Nothing
+
+    fn leave_scene(&mut self) {}
 }
 
 /// Handles the progress and the result of the background task.
 pub(crate) fn listen(session: &mut Session) {
-    let ProbeState { task, progress, .. } = &mut session.probing;
+    let ProbeState { task, progress, .. } = &mut session.features.probing;
     let Some(running) = task else { return };
     match running.poll(progress) {
         TaskStatus::Running => return,
         TaskStatus::Ended(found) => {
             if let Some(found) = found {
-                session.probing.set_result(*found);
+                session.features.probing.set_result(*found);
                 session.shown = Shown::Buffer(Buffer::Color);
             }
         }
         TaskStatus::Lost => session.report(Severity::Error, "The probe stopped because of an internal error"),
     }
-    session.probing.task = None;
+    session.features.probing.task = None;
 }
 
 /// Runs the probe synchronously, for screenshots.
 pub(crate) fn probe_now(session: &mut Session) {
     let subject = subject_of(&session.request());
     let never = std::sync::atomic::AtomicBool::new(false);
-    if let Some(found) = probe::run(&subject, session.probing.probe, &|_| {}, &never) {
-        session.probing.set_result(found);
+    if let Some(found) = probe::run(&subject, session.features.probing.probe, &|_| {}, &never) {
+        session.features.probing.set_result(found);
     }
 }
 
-fn start(session: &mut Session, context: &Context) {
-    let (subject, probe) = (subject_of(&session.request()), session.probing.probe);
-    session.probing.progress = Some(0.0);
+/// Starts the probe of the current view in a background thread.
+pub(crate) fn start(session: &mut Session, context: &Context) {
+    let (subject, probe) = (subject_of(&session.request()), session.features.probing.probe);
+    session.features.probing.progress = Some(0.0);
     let work = BackgroundTask::start(context.clone(), move |report_progress: &(dyn Fn(f32) + Sync), stop| {
         probe::run(&subject, probe, &|share| report_progress(share), stop)
     });
-    session.probing.task = Some(work);
+    session.features.probing.task = Some(work);
 }
 
-fn case_of(session: &mut Session, fragile: &Fragile) -> WindowAction {
-    let Some(found) = &session.probing.found else { return WindowAction::Nothing };
+fn case_of(session: &mut Session, fragile: &Fragile) -> Option<WindowTask> {
+    let found = session.features.probing.found.as_ref()?;
     let Some(triangle) = found.triangle_of(fragile) else {
         let text = format!("Triangle {} is not rasterized without jitter, so no case can be saved", fragile.triangle.0);
         session.report(Severity::Error, text);
-        return WindowAction::Nothing;
+        return None;
     };
     let ProbedView { scene, settings, viewport, .. } = &found.subject;
-    WindowAction::Write(Box::new(MinimalCase::new(&triangle, fragile.worst_pixel, *viewport, settings, &scene.name)))
+    let case = MinimalCase::new(&triangle, fragile.worst_pixel, *viewport, settings, &scene.name);
+    Some(WindowTask::SaveCase(Box::new(case)))
 }
 
 /// Returns the scene, camera, pipeline settings and viewport of a request, which determine the probed picture.
@@ -220,28 +214,27 @@ mod tests {
         let home = scene.home;
         let mut session = Session::new(scene, source, Recipe::default(), home);
         session.state.size = PictureSize::Fixed(64, 48);
-        session.probing.probe.runs = 3;
+        session.features.probing.probe.runs = 3;
         probe_now(&mut session);
         let mut engine = crate::ui::engine::Engine::default();
         let view = engine.answer(session.request());
-        assert_eq!(session.probing.picture(&view).map(|picture| picture.size()), Some((64, 48)));
-        let context = Context::default();
-        let worst = session.probing.found.as_ref().unwrap().ranking[0];
+        assert_eq!(session.features.probing.picture(&view).map(|picture| picture.size()), Some((64, 48)));
+        let worst = session.features.probing.found.as_ref().unwrap().ranking[0];
         assert_eq!(
-            apply(&mut session, &context, ProbeChange::GoTo(worst)),
-            WindowAction::BringIntoView(worst.worst_pixel)
+            ProbeState::apply(&mut session, ProbeChange::GoTo(worst)),
+            Some(WindowTask::BringIntoView(worst.worst_pixel))
         );
         assert_eq!(session.pick, Some(worst.worst_pixel));
-        assert!(matches!(apply(&mut session, &context, ProbeChange::SaveCase(worst)), WindowAction::Write(_)));
+        assert!(matches!(ProbeState::apply(&mut session, ProbeChange::SaveCase(worst)), Some(WindowTask::SaveCase(_))));
 
         session.state.camera.dolly(2.0);
-        (session.canvas_px, session.triangle_limit) = ((80, 48), Some(1));
+        (session.features.canvas.size_px, session.features.scrub.triangle_limit) = ((80, 48), Some(1));
         let other = engine.answer(session.request());
-        assert!(session.probing.picture(&other).is_none());
-        apply(&mut session, &context, ProbeChange::GoBack);
+        assert!(session.features.probing.picture(&other).is_none());
+        ProbeState::apply(&mut session, ProbeChange::GoBack);
         let back = engine.answer(session.request());
-        assert!(session.probing.picture(&back).is_some());
-        apply(&mut session, &context, ProbeChange::Show(None));
-        assert!(session.probing.picture(&back).is_none());
+        assert!(session.features.probing.picture(&back).is_some());
+        ProbeState::apply(&mut session, ProbeChange::Show(None));
+        assert!(session.features.probing.picture(&back).is_none());
     }
 }

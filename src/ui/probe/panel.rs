@@ -24,7 +24,7 @@ const MAX_SETTINGS: (u32, u16) = (65_536, 4096);
 
 /// Draws the controls of the panel “Probe”.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let probing = &session.probing;
+    let probing = &session.features.probing;
     if let Some(progress) = probing.progress {
         if ui.button("Cancel").on_hover_text("Stop the probe and keep the last result").clicked() {
             commands.push(Command::Probe(ProbeChange::Cancel));
@@ -62,7 +62,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             ui.set_width(SETTINGS_POINTS);
             ScrollArea::vertical().id_salt("probe settings").auto_shrink(false).show(ui, |ui| {
                 settings(ui, session, commands);
-                if let Some(found) = &session.probing.found {
+                if let Some(found) = &session.features.probing.found {
                     summary(ui, found);
                 }
             });
@@ -73,7 +73,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 }
 
 fn settings(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let mut probe = session.probing.probe;
+    let mut probe = session.features.probing.probe;
     row(ui, "Jitter target", "Input that is displaced at random in every run: the camera, or all vertices", |ui| {
         pick(ui, &mut probe.what)
     });
@@ -82,7 +82,7 @@ fn settings(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let help = "Number of times that the view is drawn; more runs give finer results but take longer";
     row(ui, "Runs", help, |ui| ui.add(integer_field(&mut probe.runs).range(1..=MAX_SETTINGS.1).speed(0.5)));
     row(ui, "Seed", "The same seed gives the same jitter", |ui| ui.add(integer_field(&mut probe.seed).speed(0.1)));
-    if probe != session.probing.probe {
+    if probe != session.features.probing.probe {
         commands.push(Command::Probe(ProbeChange::Set(probe)));
     }
 }
@@ -101,7 +101,7 @@ fn summary(ui: &mut Ui, found: &ProbeResult) {
 }
 
 fn finding(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let Some(found) = &session.probing.found else {
+    let Some(found) = &session.features.probing.found else {
         let how = "“Run the probe” repeatedly moves the camera, or every vertex, by a few units in the last place. \
                    Pixels that change were decided by rounding: z-fighting surfaces, edges through pixel centres.";
         empty_state(ui, Icon::Activity, "No probe results yet", how);
@@ -113,7 +113,7 @@ fn finding(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         let text =
             format!("{}: {} runs, {what} moved by up to {} ulp", found.subject.scene.name, probe.runs, probe.ulps);
         ui.label(RichText::new(text).color(tokens(ui).text_weak));
-        if session.view.as_ref().is_some_and(|view| !session.probing.is_of(view)) {
+        if session.view.as_ref().is_some_and(|view| !session.features.probing.is_of(view)) {
             let is_there = std::sync::Arc::ptr_eq(&found.subject.scene, &session.scene);
             let back = ui.add_enabled(is_there, Button::new("Restore the probed view"));
             let back = back.on_hover_text("The view has changed since the probe: restore the probed view");

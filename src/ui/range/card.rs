@@ -31,7 +31,7 @@ const FIELD: f32 = 84.0;
 
 /// Draws the range card.
 pub(crate) fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &RenderedView, commands: &mut Vec<Command>) {
-    let control = &session.range;
+    let control = &session.features.range;
     let shown = view.request.shown;
     let kind = kind(shown);
     let part_rows = match view.look_result.measured.as_deref().and_then(|measured| measured.part.as_ref()) {
@@ -98,7 +98,7 @@ fn title(ui: &mut Ui, view: &RenderedView, changes: &mut Vec<RangeChange>, comma
 /// Draws number fields for the minimum and maximum of the range and, between the fields, buttons that fit the range.
 fn ends(ui: &mut Ui, session: &Session, view: &RenderedView, changes: &mut Vec<RangeChange>) {
     let Some(range) = view.range else { return };
-    let rule = session.range.setting(view.request.shown).display.rule;
+    let rule = session.features.range.setting(view.request.shown).display.rule;
     if let Some(low) = field(ui, "Lower bound of the range", range.low, range) {
         changes.push(RangeChange::Rule(Rule::Fixed(Range { low, high: range.high.max(low) })));
     }
@@ -148,7 +148,7 @@ fn fits(ui: &mut Ui, session: &Session, rule: Rule, changes: &mut Vec<RangeChang
     } else if most.secondary_clicked() {
         changes.push(RangeChange::Rule(Rule::Sticky(RangeFit::Most)));
     }
-    let region = session.range.region;
+    let region = session.features.range.region;
     ui.add_enabled_ui(region.is_some(), |ui| {
         let fit = icon_button(ui, Icon::Focus, "Fit the range to the values in the selected box");
         if let Some(region) = region.filter(|_| fit.on_disabled_hover_text("Drag a box on the picture first").clicked())
@@ -182,7 +182,7 @@ fn toggle(ui: &mut Ui, icon: Icon, on: bool, name: &str) -> Response {
 
 /// Draws the colour map settings of a scalar quantity or the channel switches of a colour, and the histogram settings.
 fn colors(ui: &mut Ui, session: &Session, kind: ValueKind, shown: Shown, changes: &mut Vec<RangeChange>) {
-    let control = &session.range;
+    let control = &session.features.range;
     let display = control.setting(shown).display;
     if kind == ValueKind::Numbers {
         maps(ui, display.map, changes);

@@ -19,6 +19,9 @@ use crate::inspect::display::{ColorMap, Display, ValueKind};
 use crate::inspect::range::{RangeFit, Rule};
 use crate::inspect::view::Range;
 use crate::measure::region::PixelRegion;
+use crate::ui::features::Feature;
+use crate::ui::session::Session;
+use crate::ui::window_task::WindowTask;
 
 /// Display settings of one buffer or stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -163,6 +166,17 @@ fn fitted(fit: RangeFit, display: &Display, view: Option<&RenderedView>) -> Opti
     let view = view?;
     let range = fit.range(view.picture.size(), display.channels, |x, y| view.value(x, y))?;
     Some(Rule::Fixed(range))
+}
+
+impl Feature for RangeControl {
+    type Change = RangeChange;
+
+    fn apply(session: &mut Session, change: RangeChange) -> Option<WindowTask> {
+        session.features.range.apply(change, session.shown, session.view.as_ref());
+        None
+    }
+
+    fn leave_scene(&mut self) {}
 }
 
 #[cfg(test)]

@@ -47,7 +47,11 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         return;
     };
     let shown = view.request.shown;
-    let plot = HistogramPlot { view, setting: session.range.setting(shown), log_counts: session.range.log_counts };
+    let plot = HistogramPlot {
+        view,
+        setting: session.features.range.setting(shown),
+        log_counts: session.features.range.log_counts,
+    };
     let fixed = |range| Command::Range(RangeChange::Rule(Rule::Fixed(range)));
     let names = kind(shown).channels();
     let part = measured.part.as_ref().map(|(_, part)| part);
@@ -83,7 +87,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 
 /// Draws the controls of the “Histogram” panel.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let mut log = session.range.log_counts;
+    let mut log = session.features.range.log_counts;
     if ui
         .checkbox(&mut log, "logarithmic counts")
         .on_hover_text("Logarithmic bars, so that rare values are visible, too")
@@ -91,7 +95,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     {
         commands.push(Command::Range(RangeChange::LogCounts(log)));
     }
-    let mut open = session.range.open;
+    let mut open = session.features.range.open;
     let help = "Show the same histogram over the picture, with the range controls";
     if ui.checkbox(&mut open, "show over the picture").on_hover_text(help).changed() {
         commands.push(Command::Range(RangeChange::Open(open)));
@@ -100,7 +104,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
 
 /// Notifies the range control when the panel appears or disappears, because statistics are computed only while it is open.
 pub(crate) fn notify_open(is_open: bool, session: &Session, commands: &mut Vec<Command>) {
-    if session.range.histogram_shown != is_open {
+    if session.features.range.histogram_shown != is_open {
         commands.push(Command::Range(RangeChange::HistogramShown(is_open)));
     }
 }

@@ -13,6 +13,7 @@ use crate::inspect::histogram::Histogram;
 use crate::inspect::view::Range;
 use crate::ui::engine::{RenderedView, Shown};
 use crate::ui::format;
+use crate::ui::legend_strip::color_bar;
 use crate::ui::look::kind;
 use crate::ui::theme::{self, RADIUS, font_size, space, tokens};
 
@@ -82,13 +83,10 @@ impl HistogramPlot<'_> {
     /// Draws a strip with the colours of the values along the axis.
     fn strip(&self, ui: &Ui, rect: Rect, axis: Range) {
         let Some(range) = self.view.range else { return };
-        for point in 0..rect.width() as u32 {
-            let share = point as f32 / rect.width();
+        color_bar(ui.painter(), rect, |share| {
             let value = axis.low + (axis.high - axis.low) * share;
-            let [r, g, b, _] = color_of(self.view.request.shown, &self.setting, range, value);
-            let column = Rect::from_min_size(rect.min + vec2(point as f32, 0.0), vec2(1.0, rect.height()));
-            ui.painter().rect_filled(column, 0.0, Color32::from_rgb(r, g, b));
-        }
+            color_of(self.view.request.shown, &self.setting, range, value)
+        });
     }
 }
 

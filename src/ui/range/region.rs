@@ -27,12 +27,12 @@ impl RegionDrag {
         commands: &mut Vec<Command>,
     ) -> bool {
         // In camera mode, dragging with Shift pans the camera.
-        let is_free = session.pointer_mode != PointerMode::Camera;
-        let wanted = session.range.draws_region || is_free && ui.input(|i| i.modifiers.shift_only());
+        let is_free = session.features.canvas.pointer_mode != PointerMode::Camera;
+        let wanted = session.features.range.draws_region || is_free && ui.input(|i| i.modifiers.shift_only());
         if !wanted && self.corners.is_none() {
             return false;
         }
-        if session.range.draws_region && response.hovered() {
+        if session.features.range.draws_region && response.hovered() {
             ui.set_cursor_icon(CursorIcon::Crosshair);
         }
         let pixel_at = |place: Option<Pos2>| place.and_then(|place| nearest(placement, place, size));
@@ -57,7 +57,7 @@ impl RegionDrag {
 
     /// Draws the outline of the region being dragged, or otherwise of the selected region.
     pub(crate) fn paint(&self, ui: &Ui, painter: &Painter, placement: Placement, session: &Session) {
-        let Some(region) = self.corners.map(between).or(session.range.region) else { return };
+        let Some(region) = self.corners.map(between).or(session.features.range.region) else { return };
         let (first, last) =
             (placement.rect_of(region.left, region.top), placement.rect_of(region.right, region.bottom));
         let rect = Rect::from_min_max(first.min, last.min);

@@ -6,6 +6,7 @@ use eframe::egui::{Button, Key, Label, RichText, Role, TextEdit, Ui, WidgetInfo}
 
 use super::SaveItem;
 use crate::ui::command::Command;
+use crate::ui::files::FileCommand;
 use crate::ui::panels::dialogs::modal;
 use crate::ui::panels::system_dialog::{Answer, SystemDialog};
 use crate::ui::session::Session;
@@ -24,8 +25,8 @@ impl SaveDialog {
     /// Creates a dialog for saving `item`, with a suggested path in the current folder.
     pub(crate) fn new(item: SaveItem, session: &Session) -> Self {
         let name = Path::new(item.stem(session)).with_extension(item.extension());
-        let path = session.folder.join(name).display().to_string();
-        Self { item, folder: session.folder.clone(), path, system: None, hint: None }
+        let path = session.features.files.folder.join(name).display().to_string();
+        Self { item, folder: session.features.files.folder.clone(), path, system: None, hint: None }
     }
 
     /// Opens the system's file dialog. Until it is closed, this dialog only waits for it.
@@ -53,7 +54,7 @@ impl SaveDialog {
                 self.path = chosen.display().to_string();
                 // The system has asked before replacing the chosen file, but not a file with another name.
                 if self.target() == chosen || !self.target().exists() {
-                    commands.push(Command::SaveTo(self.item, self.target()));
+                    commands.push(Command::File(FileCommand::SaveTo(self.item, self.target())));
                     return false;
                 }
             }
@@ -103,7 +104,7 @@ impl SaveDialog {
             let ready = named && has_folder;
             let save = ui.add_enabled(ready, Button::new(if replaces { "Replace" } else { "Save" }));
             if (save.clicked() || entered) && ready {
-                commands.push(Command::SaveTo(self.item, target));
+                commands.push(Command::File(FileCommand::SaveTo(self.item, target)));
                 done = true;
             }
             if ui.button("Browse…").on_hover_text("Open the system file dialog").clicked() {

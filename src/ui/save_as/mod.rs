@@ -71,7 +71,7 @@ impl SaveItem {
             Self::Case => "triangle",
             Self::Comparison => "comparison",
             Self::FrameTimes => "frame-times",
-            Self::LabDrawing(_) => session.lab.page.id(),
+            Self::LabDrawing(_) => session.features.lab.page.id(),
         }
     }
 

@@ -9,9 +9,10 @@ pub(crate) mod transport;
 
 use std::sync::Arc;
 
-use super::command::Command;
 use super::session::Session;
 use crate::inspect::scrub::{Moment, Timeline, Unit};
+use crate::ui::features::Feature;
+use crate::ui::window_task::WindowTask;
 
 /// Selectable playback speeds, in steps per second.
 pub(crate) const SPEEDS: [f32; 8] = [1.0, 4.0, 15.0, 60.0, 250.0, 1_000.0, 4_000.0, 16_000.0];
@@ -22,6 +23,8 @@ const FASTEST_STAGES: f32 = 2.0;
 /// State of the playback of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scrub {
+    /// Maximum number of triangles to draw; `None` draws all.
+    pub(crate) triangle_limit: Option<usize>,
     /// Last requested moment at which a triangle is only partially drawn. It is ignored once the triangle limit
     /// changes.
     partial: Option<Moment>,
@@ -39,7 +42,15 @@ pub(crate) struct Scrub {
 
 impl Default for Scrub {
     fn default() -> Self {
-        Self { partial: None, unit: Unit::Triangle, playing: 0, speed: 60.0, only_touches: false, due: 0.0 }
+        Self {
+            triangle_limit: None,
+            partial: None,
+            unit: Unit::Triangle,
+            playing: 0,
+            speed: 60.0,
+            only_touches: false,
+            due: 0.0,
+        }
     }
 }
 
@@ -65,10 +76,9 @@ pub(crate) enum ScrubChange {
 }
 
 impl Scrub {
-    /// Returns the number of fragments to draw of the last triangle, if drawing stops after `triangle_limit` triangles.
-    /// Returns `None` if the last triangle is drawn completely.
-    pub(crate) fn fragment_limit(&self, triangle_limit: Option<usize>) -> Option<usize> {
-        self.partial.filter(|moment| Some(moment.triangles) == triangle_limit)?.fragments
+    /// Returns the number of fragments to draw of the last triangle; `None` if it is drawn completely.
+    pub(crate) fn fragment_limit(&self) -> Option<usize> {
+        self.partial.filter(|moment| Some(moment.triangles) == self.triangle_limit)?.fragments
     }
 }
 
@@ -76,21 +86,21 @@ impl Session {
     /// Returns the requested moment in the drawing of the frame.
     pub(crate) fn moment(&self) -> Moment {
         let all = self.triangle_count();
-        let triangles = self.triangle_limit.map_or(all, |limit| limit.min(all));
-        Moment { triangles, fragments: self.scrub.fragment_limit(self.triangle_limit) }
+        let triangles = self.features.scrub.triangle_limit.map_or(all, |limit| limit.min(all));
+        Moment { triangles, fragments: self.features.scrub.fragment_limit() }
     }
 
     /// Goes to a moment in the drawing of the frame. Removes the triangle limit if the moment is the end of the frame.
     pub(crate) fn go_to(&mut self, moment: Moment) {
         let Moment { triangles, fragments } = moment;
         let is_all = triangles > self.triangle_count() || (triangles == self.triangle_count() && fragments.is_none());
-        self.triangle_limit = (!is_all).then_some(triangles);
-        self.scrub.partial = Some(moment).filter(|_| triangles > 0 && fragments.is_some());
+        self.features.scrub.triangle_limit = (!is_all).then_some(triangles);
+        self.features.scrub.partial = Some(moment).filter(|_| triangles > 0 && fragments.is_some());
     }
 
     /// Requests a moment in the drawing of the frame without checking that it exists, for use before the first frame.
     pub(crate) fn begin_at(&mut self, moment: Moment) {
-        (self.triangle_limit, self.scrub.partial) = (Some(moment.triangles), Some(moment));
+        (self.features.scrub.triangle_limit, self.features.scrub.partial) = (Some(moment.triangles), Some(moment));
     }
 
     /// Returns the timeline of the frame on screen, for stepping from the current moment; `None` before the first
@@ -101,65 +111,85 @@ impl Session {
         Some(view.timeline.clone().unwrap_or_else(whole))
     }
 
-    /// Applies a change to the playback. Returns a command if another part of the window must complete it.
-    pub(super) fn scrub(&mut self, change: ScrubChange) -> Option<Command> {
-        match change {
-            ScrubChange::Step(unit, forwards) => return self.step(unit, if forwards { 1 } else { -1 }),
-            ScrubChange::StepUnit(forwards) => return self.step(self.scrub.unit, if forwards { 1 } else { -1 }),
-            ScrubChange::Go(moment) => {
-                self.scrub.playing = 0;
-                self.go_to(moment);
-            }
-            ScrubChange::Unit(unit) => self.scrub.unit = unit,
-            ScrubChange::Play(forwards) => self.play(if forwards { 1 } else { -1 }),
-            ScrubChange::Speed(speed) => self.scrub.speed = speed,
-            ScrubChange::Touching(touching) => self.scrub.only_touches = touching.unwrap_or(!self.scrub.only_touches),
-            ScrubChange::Tick(seconds) => return self.tick(seconds),
-        }
-        None
+    /// Draws only this many triangles; all if `None`. Pauses playback.
+    pub(crate) fn limit_triangles(&mut self, limit: Option<usize>) {
+        self.scrub(ScrubChange::Go(Moment::after(limit.unwrap_or(self.triangle_count()))));
     }
 
-    fn step(&mut self, unit: Unit, steps: i64) -> Option<Command> {
-        if unit == Unit::Stage {
-            return Some(Command::Show(self.stage_beside_shown(steps)));
+    /// Applies a change to the playback.
+    pub(super) fn scrub(&mut self, change: ScrubChange) {
+        let scrub = &mut self.features.scrub;
+        match change {
+            ScrubChange::Step(unit, forwards) => self.step(unit, if forwards { 1 } else { -1 }),
+            ScrubChange::StepUnit(forwards) => {
+                let unit = scrub.unit;
+                self.step(unit, if forwards { 1 } else { -1 });
+            }
+            ScrubChange::Go(moment) => {
+                scrub.playing = 0;
+                self.go_to(moment);
+            }
+            ScrubChange::Unit(unit) => scrub.unit = unit,
+            ScrubChange::Play(forwards) => self.play(if forwards { 1 } else { -1 }),
+            ScrubChange::Speed(speed) => scrub.speed = speed,
+            ScrubChange::Touching(touching) => scrub.only_touches = touching.unwrap_or(!scrub.only_touches),
+            ScrubChange::Tick(seconds) => self.tick(seconds),
         }
-        let touching = self.scrub.only_touches && self.pick.is_some();
-        let next = self.timeline()?.steps(self.moment(), unit, steps, touching);
-        self.go_to(next);
-        None
+    }
+
+    fn step(&mut self, unit: Unit, steps: i64) {
+        if unit == Unit::Stage {
+            self.show(self.stage_beside_shown(steps));
+            return;
+        }
+        let touching = self.features.scrub.only_touches && self.pick.is_some();
+        if let Some(timeline) = self.timeline() {
+            self.go_to(timeline.steps(self.moment(), unit, steps, touching));
+        }
     }
 
     fn play(&mut self, direction: i64) {
-        let same = self.scrub.playing == direction;
-        (self.scrub.playing, self.scrub.due) = (if same { 0 } else { direction }, 0.0);
+        let same = self.features.scrub.playing == direction;
+        (self.features.scrub.playing, self.features.scrub.due) = (if same { 0 } else { direction }, 0.0);
         let ends_at = if direction > 0 { self.triangle_count() } else { 0 };
         // Playing from the end restarts from the beginning.
-        if !same && self.scrub.unit != Unit::Stage && self.moment() == Moment::after(ends_at) {
+        if !same && self.features.scrub.unit != Unit::Stage && self.moment() == Moment::after(ends_at) {
             self.go_to(Moment::after(self.triangle_count() - ends_at));
         }
     }
 
     /// Advances playback by `seconds`. Playback waits while the requested moment is not on screen yet.
-    fn tick(&mut self, seconds: f32) -> Option<Command> {
+    fn tick(&mut self, seconds: f32) {
         let is_shown = self.view.as_ref().is_some_and(|view| view.request.moment() == self.request().moment());
-        if self.scrub.playing == 0 || !is_shown {
-            return None;
+        let scrub = &mut self.features.scrub;
+        if scrub.playing == 0 || !is_shown {
+            return;
         }
-        let Scrub { unit, speed, playing, .. } = self.scrub;
-        self.scrub.due += seconds * if unit == Unit::Stage { speed.min(FASTEST_STAGES) } else { speed };
-        let steps = self.scrub.due.floor();
+        let Scrub { unit, speed, playing, .. } = *scrub;
+        scrub.due += seconds * if unit == Unit::Stage { speed.min(FASTEST_STAGES) } else { speed };
+        let steps = scrub.due.floor();
         if steps < 1.0 {
-            return None;
+            return;
         }
-        self.scrub.due -= steps;
+        scrub.due -= steps;
         let (before, shown) = (self.moment(), self.shown);
-        if let Some(command) = self.step(unit, playing * steps as i64) {
-            self.apply(command);
-        }
+        self.step(unit, playing * steps as i64);
         if self.moment() == before && self.shown == shown {
-            self.scrub.playing = 0;
+            self.features.scrub.playing = 0;
         }
+    }
+}
+
+impl Feature for Scrub {
+    type Change = ScrubChange;
+
+    fn apply(session: &mut Session, change: ScrubChange) -> Option<WindowTask> {
+        session.scrub(change);
         None
+    }
+
+    fn leave_scene(&mut self) {
+        (self.triangle_limit, self.playing) = (None, 0);
     }
 }
 

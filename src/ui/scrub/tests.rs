@@ -3,6 +3,7 @@ use crate::antialias::settings::AntialiasMethod;
 use crate::chain::Recipe;
 use crate::inspect::inspect;
 use crate::scene::SceneSource;
+use crate::ui::command::Command;
 use crate::ui::engine::{Engine, RenderedView};
 use crate::ui::session::PictureSize;
 use crate::upscale::Upscaling;
@@ -51,7 +52,7 @@ fn a_step_back_and_one_forward_restore_the_picture() {
         assert!(before.key() < Moment::after(all).key(), "{unit:?}");
         assert_eq!(desk.view().request.moment(), Some(before));
         assert_eq!(desk.give(ScrubChange::Step(unit, true)), Moment::after(all), "{unit:?}");
-        assert_eq!((desk.session.triangle_limit, desk.session.request().moment()), (None, None));
+        assert_eq!((desk.session.features.scrub.triangle_limit, desk.session.request().moment()), (None, None));
         assert_eq!(*desk.view().frame.image(), whole, "{unit:?}");
     }
     let by_object = desk.give(ScrubChange::Step(Unit::Draw, false));
@@ -75,7 +76,7 @@ fn a_new_triangle_limit_clears_the_fragment_limit() {
     assert_eq!(desk.view().frame.geometry.partial, None);
     // Setting the triangle limit directly drops the fragment limit, too.
     desk.give(ScrubChange::Go(Moment { triangles: 1, fragments: Some(3) }));
-    desk.session.triangle_limit = Some(2);
+    desk.session.features.scrub.triangle_limit = Some(2);
     assert_eq!(desk.session.moment(), Moment::after(2));
 }
 
@@ -115,12 +116,12 @@ fn playback_stops_at_the_end_and_restarts_from_there() {
     }
     seen.dedup();
     assert_eq!(seen, (0..=all).collect::<Vec<_>>(), "each triangle was shown");
-    assert_eq!(desk.session.scrub.playing, 0);
+    assert_eq!(desk.session.features.scrub.playing, 0);
     desk.give(ScrubChange::Play(false));
     desk.give(ScrubChange::Tick(0.5));
     assert_eq!(desk.session.moment(), Moment::after(all - 1));
     desk.give(ScrubChange::Play(false));
-    assert_eq!(desk.session.scrub.playing, 0, "playing a second time pauses");
+    assert_eq!(desk.session.features.scrub.playing, 0, "playing a second time pauses");
 }
 
 #[test]

@@ -57,14 +57,14 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         }
     });
     let is_untouched = commands.len() == before;
-    if session.scrub.playing != 0 && is_untouched {
+    if session.features.scrub.playing != 0 && is_untouched {
         commands.push(Command::Scrub(ScrubChange::Tick(ui.input(|i| i.stable_dt))));
         ui.request_repaint();
     }
 }
 
 fn buttons(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let Scrub { unit, playing, .. } = session.scrub;
+    let Scrub { unit, playing, .. } = session.features.scrub;
     if icon_button(ui, Icon::ChevronFirst, "Go to the start, before the first triangle  (Home)").clicked() {
         commands.push(Command::LimitTriangles(Some(0)));
     }
@@ -91,7 +91,7 @@ fn buttons(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         commands.push(Command::LimitTriangles(None));
     }
     touching(ui, session, commands);
-    choices(ui, session.scrub, commands);
+    choices(ui, session.features.scrub, commands);
 }
 
 /// Draws the drop-down lists of step units and playback speeds.
@@ -127,13 +127,13 @@ fn choices(ui: &mut Ui, Scrub { mut unit, mut speed, .. }: Scrub, commands: &mut
 }
 
 fn touching(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let button = Button::new(theme::icon(Icon::Crosshair)).selected(session.scrub.only_touches);
+    let button = Button::new(theme::icon(Icon::Crosshair)).selected(session.features.scrub.only_touches);
     let name = "Step only at the picked pixel";
     let response = ui
         .add_enabled(session.pick.is_some(), button)
         .on_disabled_hover_text("Pick a pixel first")
         .on_hover_text(format!("{name}: stepping and playback skip triangles and fragments elsewhere  (Y)"));
-    response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, session.scrub.only_touches, name));
+    response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, session.features.scrub.only_touches, name));
     if response.clicked() {
         commands.push(Command::Scrub(ScrubChange::Touching(None)));
     }
@@ -145,7 +145,7 @@ fn figures(ui: &mut Ui, session: &Session, known: Option<&Timeline>) {
     let text = format!("{} / {}", format::count(moment.triangles as u64), format::count(all as u64));
     ui.label(RichText::new(text).monospace().color(tokens(ui).text))
         .on_hover_text("Triangles drawn / triangles of the frame");
-    if session.triangle_limit.is_some() && !session.state.recipe.antialias.is_off() {
+    if session.features.scrub.triangle_limit.is_some() && !session.state.recipe.antialias.is_off() {
         let note = RichText::new("1 sample").color(tokens(ui).text_weak);
         ui.label(note).on_hover_text(
             "Until the last triangle is drawn, each pixel shows the sample at its centre, not the mean of its samples",
@@ -162,7 +162,7 @@ fn figures(ui: &mut Ui, session: &Session, known: Option<&Timeline>) {
 /// the first triangle and if the frame is complete.
 pub(crate) fn last_drawn(session: &Session) -> Option<String> {
     let known = session.view.as_ref()?.timeline.as_ref()?;
-    let last = known.last.as_ref().filter(|_| session.triangle_limit.is_some())?;
+    let last = known.last.as_ref().filter(|_| session.features.scrub.triangle_limit.is_some())?;
     let object = session.scene.instances.get(last.instance as usize)?;
     let all = known.fragments[0] as u64;
     let fragments = match session.moment().fragments {

@@ -6,12 +6,13 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::{Map, Value, json};
 
-use super::{RECENT_FILES, Session};
+use super::Session;
 use crate::chain::Recipe;
 use crate::disk::stored_path::StoredPath;
 use crate::inspect::InspectionState;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::Camera;
+use crate::ui::files::MAX_RECENT;
 use crate::ui::onboarding::Seen;
 use crate::ui::place::Bookmark;
 use crate::ui::watch;
@@ -70,6 +71,8 @@ pub(crate) struct WindowState {
     pub(crate) light_theme: bool,
     /// Interface scale, as a factor of the default size; 0 means 1.
     pub(crate) scale: f32,
+    /// Whether the window avoids motion; `None` follows the desktop.
+    pub(crate) reduce_motion: Option<bool>,
     /// Width and height of the window while it is not maximized, in points at interface scale 1; `None` means the
     /// default size.
     pub(crate) window_size: Option<[f32; 2]>,
@@ -86,6 +89,7 @@ impl WindowState {
         Self {
             light_theme: latest(&self.light_theme, &base.light_theme, &theirs.light_theme),
             scale: latest(&self.scale, &base.scale, &theirs.scale),
+            reduce_motion: latest(&self.reduce_motion, &base.reduce_motion, &theirs.reduce_motion),
             window_size: latest(&self.window_size, &base.window_size, &theirs.window_size),
             maximized: latest(&self.maximized, &base.maximized, &theirs.maximized),
             layout: latest(&self.layout, &base.layout, &theirs.layout),
@@ -158,7 +162,7 @@ impl Preferences {
         let mut recent = self.recent.clone();
         let others = theirs.recent.iter().filter(|path| !self.recent.contains(path) && !base.recent.contains(path));
         recent.extend(others.cloned());
-        recent.truncate(RECENT_FILES);
+        recent.truncate(MAX_RECENT);
         let mut watched = merged_list(&self.watched, &base.watched, &theirs.watched);
         watched.truncate(watch::MAX_PIXELS);
         Self {
@@ -229,18 +233,17 @@ impl Session {
     pub(crate) fn preferences(&self, window: &WindowState) -> Preferences {
         // While a scene is loading, that scene is the one to store.
         let InspectionState { scene, camera, mirrored, .. } =
-            self.places.pending.clone().unwrap_or_else(|| self.place());
-        Preferences {
+            self.features.places.pending.clone().unwrap_or_else(|| self.place());
+        let mut preferences = Preferences {
             source: Some(scene),
             recipe: self.state.recipe,
             camera: Some(if mirrored { camera.mirrored_z() } else { camera }),
             size: self.state.size,
-            recent: self.recent.clone(),
-            seen: self.onboarding.seen,
             window: window.clone(),
-            bookmarks: self.places.bookmarks.clone(),
-            watched: self.watch.pixels.clone(),
-        }
+            ..Preferences::default()
+        };
+        self.features.store(&mut preferences);
+        preferences
     }
 }
 
@@ -258,7 +261,8 @@ mod tests {
         let home = scene.home;
         let mut session = Session::new(Arc::new(scene), source, Recipe::default(), home);
         let camera = Camera { far: 77.0, ..home };
-        session.places.pending = Some(InspectionState { scene: "/models/large.obj".into(), camera, ..session.place() });
+        session.features.places.pending =
+            Some(InspectionState { scene: "/models/large.obj".into(), camera, ..session.place() });
         let kept = session.preferences(&WindowState::default());
         assert_eq!((kept.source, kept.camera), (Some("/models/large.obj".into()), Some(camera)));
     }

@@ -1,10 +1,14 @@
 use super::*;
 use crate::case::{Case, Options};
+use crate::inspect::Stage;
 use crate::pipeline::settings::{Arithmetic, Rasterizer};
 use crate::report::stability::column::ReportColumn;
 use crate::report::stability::subject::Configuration;
 use crate::ui::engine::Engine;
+use crate::ui::engine::StageFigures;
+use crate::ui::first_pick::nearest_drawn;
 use crate::ui::long_tasks::Measuring;
+use crate::ui::open_case::CaseChange;
 use crate::ui::place::Bookmark;
 
 fn session() -> Session {
@@ -59,21 +63,21 @@ fn a_worst_case_has_its_own_settings_and_leaves_the_recipe_alone() {
     let before = session.state.recipe;
     let json = r#"{"id":"d","kind":"depth","mapping":"standard","format":"f32","near":1,"far":3,"z":[1,2]}"#;
     let by = Configuration { rasterizer: Rasterizer::ScanlinePublished, arithmetic: Arithmetic::F32 };
-    let options = |session: &Session| session.options_of(session.case.as_ref().unwrap());
-    session.apply(Command::OpenWorst(ReportColumn::Coverage(by), json.to_owned()));
+    let options = |session: &Session| session.options_of(session.features.case.as_ref().unwrap());
+    session.apply(Command::Case(CaseChange::Worst(ReportColumn::Coverage(by), json.to_owned())));
     session.settle(0.0);
     assert_eq!(options(&session), Options { rasterizer: by.rasterizer, arithmetic: by.arithmetic });
     assert!(session.state.recipe == before && !session.can_undo());
     let changed = Options { rasterizer: Rasterizer::Tiled, arithmetic: Arithmetic::Exact };
-    session.apply(Command::SetCaseOptions(changed));
+    session.apply(Command::Case(CaseChange::Options(changed)));
     assert_eq!((options(&session), session.state.recipe), (changed, before));
-    session.apply(Command::CloseCase);
+    session.apply(Command::Case(CaseChange::Close));
     session.settle(1.0);
     assert!(session.state.recipe == before && !session.can_undo());
 
     session.show_case(Case::parse(json.as_bytes(), "d.json".as_ref()).unwrap());
     assert_eq!(options(&session).arithmetic, Arithmetic::F64, "a case from a file uses the recipe");
-    session.apply(Command::SetCaseOptions(changed));
+    session.apply(Command::Case(CaseChange::Options(changed)));
     assert_eq!(session.state.recipe.pipeline.arithmetic, Arithmetic::Exact);
 }
 
@@ -111,13 +115,17 @@ fn a_pause_or_another_change_separates_camera_moves() {
 #[test]
 fn another_scene_resets_pick_limit_and_measurements() {
     let mut session = session();
-    (session.pick, session.triangle_limit) = (Some((1, 2)), Some(3));
-    (session.stages, session.tasks.measuring) = (Some(StageFigures::default()), Some(Measuring { progress: 0.5 }));
+    (session.pick, session.features.scrub.triangle_limit) = (Some((1, 2)), Some(3));
+    (session.features.stages.figures, session.features.tasks.measuring) =
+        (Some(StageFigures::default()), Some(Measuring { progress: 0.5 }));
     move_camera(&mut session, 0.0);
     let source = SceneSource::named("triangle".into());
     session.show_scene(source.load().unwrap().scene, source);
-    assert_eq!((session.pick, session.triangle_limit, session.tasks.measuring), (None, None, None));
-    assert!(session.stages.is_none() && !session.can_undo());
+    assert_eq!(
+        (session.pick, session.features.scrub.triangle_limit, session.features.tasks.measuring),
+        (None, None, None)
+    );
+    assert!(session.features.stages.figures.is_none() && !session.can_undo());
 }
 
 #[test]

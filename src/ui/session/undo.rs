@@ -28,11 +28,11 @@ pub(crate) struct Undoable {
 #[derive(Debug)]
 pub(super) struct UndoHistory {
     /// Earlier states, oldest first.
-    pub(super) undo: Vec<Undoable>,
+    undo: Vec<Undoable>,
     /// Undone states, the next one to restore last.
-    pub(super) redo: Vec<Undoable>,
+    redo: Vec<Undoable>,
     /// State after the last step.
-    pub(super) settled: Undoable,
+    settled: Undoable,
     /// Time of the last camera movement, in seconds; −∞ if another change followed it.
     camera_moved_at: f64,
 }
@@ -41,6 +41,18 @@ impl UndoHistory {
     /// Creates an empty history that begins with a state.
     pub(super) fn new(state: &Undoable) -> Self {
         Self { undo: Vec::new(), redo: Vec::new(), settled: state.clone(), camera_moved_at: f64::NEG_INFINITY }
+    }
+
+    /// Forgets all steps, and continues with a state.
+    pub(super) fn restart(&mut self, state: &Undoable) {
+        self.undo.clear();
+        self.redo.clear();
+        self.settled = state.clone();
+    }
+
+    /// Returns an iterator over all states of the history.
+    pub(super) fn states(&mut self) -> impl Iterator<Item = &mut Undoable> {
+        self.undo.iter_mut().chain(&mut self.redo).chain([&mut self.settled])
     }
 }
 
@@ -66,7 +78,7 @@ impl Session {
             self.history.undo.push(self.history.settled.clone());
         }
         self.history.redo.clear();
-        self.what_if.settled(&self.history.settled.recipe, &self.state.recipe);
+        self.features.what_if.settled(&self.history.settled.recipe, &self.state.recipe);
         self.history.settled = self.state.clone();
     }
 
@@ -85,7 +97,7 @@ impl Session {
         !self.history.redo.is_empty()
     }
 
-    pub(super) fn travel(&mut self, back: bool) {
+    pub(in crate::ui) fn travel(&mut self, back: bool) {
         let (from, to) = if back {
             (&mut self.history.undo, &mut self.history.redo)
         } else {
@@ -93,7 +105,7 @@ impl Session {
         };
         if let Some(state) = from.pop() {
             to.push(std::mem::replace(&mut self.state, state));
-            self.what_if.settled(&self.history.settled.recipe, &self.state.recipe);
+            self.features.what_if.settled(&self.history.settled.recipe, &self.state.recipe);
             self.history.settled = self.state.clone();
             self.history.camera_moved_at = f64::NEG_INFINITY;
         }

@@ -4,6 +4,7 @@
 use std::collections::{BTreeSet, VecDeque};
 
 use super::TimingsView;
+use crate::measure::motion::Turn;
 use crate::ui::workspace::Panel;
 use crate::upscale::{Scale, Upscaling};
 
@@ -48,6 +49,14 @@ pub(crate) enum TimingsChange {
     Hover(Panel, Option<Upscaling>),
     /// Sets the time budget, in milliseconds.
     Budget(f64),
+    /// Sets the camera motion for the next measurement of the upscalers.
+    Turn(Turn),
+    /// Pauses or resumes the recording of recent frame times.
+    TogglePaused,
+    /// Exports all frame times to a CSV file.
+    Export,
+    /// Clears all frame times.
+    Clear,
 }
 
 /// State that the panels “Frame time” and “Error vs time” share.

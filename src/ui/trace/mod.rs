@@ -12,6 +12,10 @@ use super::engine::RenderedView;
 use crate::chain::Frame;
 use crate::inspect::trace::{Notable, StepDirection, Trace, TraceStage};
 use crate::inspect::{PixelReport, trace};
+use crate::ui::features::Feature;
+use crate::ui::session::Session;
+use crate::ui::window_task::WindowTask;
+use crate::ui::workspace::Panel;
 
 /// State of the table that traces the arithmetic of a fragment.
 #[derive(Debug, Default)]
@@ -133,6 +137,17 @@ impl TraceView {
         }
         self.cached = Some(CachedTrace { frame: view.frame.clone(), report: report.clone(), trace: Arc::new(trace) });
     }
+}
+
+impl Feature for TraceView {
+    type Change = TraceChange;
+
+    fn apply(session: &mut Session, change: TraceChange) -> Option<WindowTask> {
+        let Session { features, view, .. } = session;
+        features.trace.apply(change, view.as_ref()).map(|_| WindowTask::ShowPanel(Panel::Calculation))
+    }
+
+    fn leave_scene(&mut self) {}
 }
 
 /// Returns a unique key for each line: stage, name, and the number of lines so far with this stage and name. Lines of

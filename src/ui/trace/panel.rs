@@ -50,7 +50,7 @@ fn controls(ui: &mut Ui, trace: &Trace, session: &Session, commands: &mut Vec<Co
         (Some(Notable::DepthEqual), "Equal depth"),
         (Some(Notable::Cancellation), "Cancellation"),
     ] {
-        let place = trace.next(session.trace.line, kind, StepDirection::Forward);
+        let place = trace.next(session.features.trace.line, kind, StepDirection::Forward);
         let help = kind.map_or("Go to the next line with any flag  (F5; previous: Shift+F5)", Notable::help);
         let button = egui::Button::new(word);
         let response = ui.add_enabled(place.is_some(), button).on_hover_text(help);
@@ -59,7 +59,7 @@ fn controls(ui: &mut Ui, trace: &Trace, session: &Session, commands: &mut Vec<Co
         }
     }
     fragments(ui, trace, &mut push);
-    let mut filter = session.trace.filter.clone();
+    let mut filter = session.features.trace.filter.clone();
     let field = TextEdit::singleline(&mut filter).hint_text("Filter").desired_width(90.0);
     if ui.add(field).on_hover_text("List only lines whose name, formula, stage or flag contains this text").changed() {
         push(TraceChange::Filter(filter));
@@ -91,26 +91,26 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         empty_state(ui, Icon::ScanSearch, "No pixel picked", how);
         return;
     }
-    if session.trace.trace(session.view.as_ref()).is_none() {
+    if session.features.trace.trace(session.view.as_ref()).is_none() {
         commands.push(Command::Trace(TraceChange::Renew));
         ui.request_repaint();
     }
-    let Some(trace) = session.trace.latest() else { return };
+    let Some(trace) = session.features.trace.latest() else { return };
     let columns = TraceColumns::of(ui.available_width());
     if columns.is_compact() {
         ui.horizontal_wrapped(|ui| controls(ui, trace, session, commands));
-        compact_line(ui, trace, &session.trace);
+        compact_line(ui, trace, &session.features.trace);
     } else {
         ui.horizontal(|ui| {
             controls(ui, trace, session, commands);
             ui.add_space(space::S);
-            current_line(ui, trace, &session.trace);
+            current_line(ui, trace, &session.features.trace);
         });
-        current_formula(ui, trace, &session.trace);
+        current_formula(ui, trace, &session.features.trace);
     }
-    let listed = listed(trace, &session.trace.filter);
+    let listed = listed(trace, &session.features.trace.filter);
     headings(ui, &columns);
-    let stepped_to = row_after_step(ui, &session.trace, &listed);
+    let stepped_to = row_after_step(ui, &session.features.trace, &listed);
     ui.spacing_mut().item_spacing.y = 0.0;
     ScrollArea::vertical().auto_shrink(false).id_salt("trace").show_rows(ui, ROW, listed.len(), |ui, rows| {
         if let Some(row) = stepped_to {
@@ -120,7 +120,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         }
         for row in rows {
             let place = listed[row];
-            table_row(ui, (trace, place), &session.trace, &columns, session.shown, commands);
+            table_row(ui, (trace, place), &session.features.trace, &columns, session.shown, commands);
         }
     });
 }

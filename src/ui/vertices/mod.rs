@@ -10,6 +10,8 @@ use super::theme::{MARK_EDGE, ON_PIXEL, font_size, tokens};
 use super::zoom::Placement;
 use crate::inspect::vertices::{ObjectVertices, VertexStages, corners_of};
 use crate::scene::TriangleId;
+use crate::ui::features::Feature;
+use crate::ui::window_task::WindowTask;
 
 use crate::manual::Chapter;
 use crate::ui::workspace::PanelSpec;
@@ -58,9 +60,22 @@ impl VertexTable {
     }
 }
 
+impl Feature for VertexTable {
+    type Change = VerticesChange;
+
+    fn apply(session: &mut Session, change: VerticesChange) -> Option<WindowTask> {
+        session.features.vertices.apply(change);
+        None
+    }
+
+    fn leave_scene(&mut self) {
+        self.selected = None;
+    }
+}
+
 /// Returns the triangle selected in the mesh view, or otherwise the one visible at the picked pixel.
 pub(crate) fn picked_triangle(session: &Session) -> Option<TriangleId> {
-    if let Some(selected) = session.mesh_view.selected(session.pick) {
+    if let Some(selected) = session.features.mesh_view.selected(session.pick) {
         return Some(selected);
     }
     Some(session.view.as_ref()?.report.as_ref()?.visible()?.triangle)
@@ -81,7 +96,7 @@ fn object(session: &Session, instance: usize) -> Option<ObjectVertices<'_>> {
 
 /// Returns the followed vertex at every stage of the pipeline, for the frame on screen.
 pub(crate) fn followed(session: &Session) -> Option<VertexStages> {
-    let (instance, index) = session.vertices.selected?;
+    let (instance, index) = session.features.vertices.selected?;
     object(session, instance)?.stages(index)
 }
 

@@ -99,7 +99,7 @@ const COPIED_ROWS: u32 = 65_536;
 
 /// Draws the controls of the panel “Vertices”.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let whole = session.vertices.whole_object;
+    let whole = session.features.vertices.whole_object;
     for (value, name, help) in [
         (false, "Triangle", "List the three corners of the visible triangle at the picked pixel"),
         (true, "Whole object", "List all vertices of the object that the picked triangle belongs to"),
@@ -125,7 +125,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         return;
     };
     let Some(object) = object(session, instance) else { return };
-    let whole = session.vertices.whole_object;
+    let whole = session.features.vertices.whole_object;
     ScrollArea::horizontal().id_salt("vertex columns").auto_shrink(false).show(ui, |ui| {
         let width = GROUPS.iter().map(|group| group.width * group.columns.len() as f32 + GAP).sum();
         ui.set_min_width(width);
@@ -138,7 +138,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
                 let index = if whole { place as u32 } else { corners[place] };
                 let Some(stages) = object.stages(index) else { continue };
                 let marks = Marks {
-                    is_selected: session.vertices.selected == Some((instance, index)),
+                    is_selected: session.features.vertices.selected == Some((instance, index)),
                     corner: corners.iter().position(|corner| *corner == index),
                 };
                 if row(ui, width, &stages, marks).clicked() {

@@ -7,10 +7,12 @@ pub(crate) mod watcher;
 
 use eframe::egui::{Align2, FontId, Painter, Stroke, StrokeKind, Vec2, vec2};
 
-use super::session::{Session, Severity};
+use super::session::{Preferences, Session, Severity};
 use super::theme::{MARK_EDGE, Tokens, font_size};
 use super::zoom::Placement;
 use crate::inspect::watch::WatchedPixel;
+use crate::ui::features::Feature;
+use crate::ui::window_task::WindowTask;
 
 /// Maximum number of watched pixels. After every frame, each watched pixel is replayed to find its values.
 pub(crate) const MAX_PIXELS: usize = 24;
@@ -56,27 +58,40 @@ impl WatchList {
     }
 }
 
-impl Session {
-    /// Applies a change to the list of watched pixels.
-    pub(crate) fn change_watch(&mut self, change: WatchChange) {
+impl Feature for WatchList {
+    type Change = WatchChange;
+
+    fn apply(session: &mut Session, change: WatchChange) -> Option<WindowTask> {
+        let pixels = &mut session.features.watch.pixels;
         let pixel = match change {
-            WatchChange::AddPick => self.pick,
+            WatchChange::AddPick => session.pick,
             WatchChange::Add(x, y) => Some((x, y)),
             WatchChange::Remove(x, y) => {
-                self.watch.pixels.retain(|pixel| *pixel != (x, y));
+                pixels.retain(|pixel| *pixel != (x, y));
                 None
             }
             WatchChange::Clear => {
-                self.watch.pixels.clear();
+                pixels.clear();
                 None
             }
         };
-        let Some(pixel) = pixel.filter(|pixel| !self.watch.pixels.contains(pixel)) else { return };
-        if self.watch.pixels.len() == MAX_PIXELS {
-            self.report(Severity::Error, format!("Cannot watch more than {MAX_PIXELS} pixels: remove one first"));
+        let pixel = pixel.filter(|pixel| !pixels.contains(pixel))?;
+        if pixels.len() == MAX_PIXELS {
+            session.report(Severity::Error, format!("Cannot watch more than {MAX_PIXELS} pixels: remove one first"));
         } else {
-            self.watch.pixels.push(pixel);
+            pixels.push(pixel);
         }
+        None
+    }
+
+    fn leave_scene(&mut self) {}
+
+    fn store(&self, preferences: &mut Preferences) {
+        preferences.watched.clone_from(&self.pixels);
+    }
+
+    fn restore(&mut self, preferences: &Preferences) {
+        self.pixels = preferences.watched.iter().take(MAX_PIXELS).copied().collect();
     }
 }
 
@@ -90,7 +105,7 @@ pub(super) fn markers(
 ) {
     /// Minimum side length of a frame, in points, so that it is visible around small pixels.
     const MIN_POINTS: f32 = 5.0;
-    for (number, (x, y)) in session.watch.pixels.iter().copied().enumerate() {
+    for (number, (x, y)) in session.features.watch.pixels.iter().copied().enumerate() {
         if x >= width || y >= height {
             continue;
         }

@@ -82,13 +82,13 @@ const TABLE_FROM: f32 = 900.0;
 
 /// Draws the controls of the “Watch” panel.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let watched = |pixel| session.watch.pixels.contains(&pixel);
+    let watched = |pixel| session.features.watch.pixels.contains(&pixel);
     let addable = session.pick.is_some_and(|pixel| !watched(pixel));
     let add = ui.add_enabled(addable, Button::new((theme::icon(Icon::Pin), "Watch the picked pixel")));
     if add.on_hover_text("Add the picked pixel to the list  (Enter)").clicked() {
         commands.push(Command::Watch(WatchChange::AddPick));
     }
-    let clear = ui.add_enabled(!session.watch.pixels.is_empty(), Button::new("Clear"));
+    let clear = ui.add_enabled(!session.features.watch.pixels.is_empty(), Button::new("Clear"));
     if clear.on_hover_text("Remove all pixels from the list").clicked() {
         commands.push(Command::Watch(WatchChange::Clear));
     }
@@ -96,7 +96,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
 
 /// Draws the table of watched pixels.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    if session.watch.pixels.is_empty() {
+    if session.features.watch.pixels.is_empty() {
         let help = "Press Enter, or the pin in the inspector, to add the picked pixel. Its values in all buffers are \
                     updated after every frame.";
         empty_state(ui, Icon::Pin, "No watched pixels", help);
@@ -112,7 +112,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
                 heading(ui, name, help);
             }
             ui.end_row();
-            for (number, pixel) in session.watch.pixels.iter().copied().enumerate() {
+            for (number, pixel) in session.features.watch.pixels.iter().copied().enumerate() {
                 ui.horizontal(|ui| name(ui, session, (number, pixel), commands));
                 row(ui, session, pixel);
                 remove(ui, pixel, commands);
@@ -124,7 +124,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 
 /// Draws the quantities of each watched pixel below one another.
 fn blocks(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    for (number, pixel) in session.watch.pixels.iter().copied().enumerate() {
+    for (number, pixel) in session.features.watch.pixels.iter().copied().enumerate() {
         ui.horizontal(|ui| {
             name(ui, session, (number, pixel), commands);
             remove(ui, pixel, commands);
@@ -180,9 +180,11 @@ enum Known<'a> {
 }
 
 fn known(session: &Session, (x, y): (u32, u32)) -> Known<'_> {
-    let Some(row) = session.watch.rows.iter().find(|row| (row.x, row.y) == (x, y)) else { return Known::Pending };
+    let Some(row) = session.features.watch.rows.iter().find(|row| (row.x, row.y) == (x, y)) else {
+        return Known::Pending;
+    };
     let Some(values) = row.values.as_ref() else { return Known::Outside };
-    let before = session.watch.before(row).and_then(|before: &WatchedPixel| before.values.as_ref());
+    let before = session.features.watch.before(row).and_then(|before: &WatchedPixel| before.values.as_ref());
     Known::Values(values, before)
 }
 

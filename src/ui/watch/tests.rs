@@ -21,20 +21,20 @@ fn session() -> Session {
 fn a_pixel_is_watched_once_and_the_list_is_limited() {
     let mut session = session();
     session.apply(Command::Watch(WatchChange::AddPick));
-    assert!(session.watch.pixels.is_empty(), "no pixel is picked");
+    assert!(session.features.watch.pixels.is_empty(), "no pixel is picked");
     session.pick = Some((3, 4));
     session.apply(Command::Watch(WatchChange::AddPick));
     session.apply(Command::Watch(WatchChange::Add(3, 4)));
-    assert_eq!(session.watch.pixels, [(3, 4)]);
+    assert_eq!(session.features.watch.pixels, [(3, 4)]);
     for x in 0..100 {
         session.apply(Command::Watch(WatchChange::Add(x, 0)));
     }
-    assert_eq!(session.watch.pixels.len(), MAX_PIXELS);
+    assert_eq!(session.features.watch.pixels.len(), MAX_PIXELS);
     assert!(session.messages.error.is_some());
     session.apply(Command::Watch(WatchChange::Remove(3, 4)));
-    assert_eq!(session.watch.pixels[0], (0, 0));
+    assert_eq!(session.features.watch.pixels[0], (0, 0));
     session.apply(Command::Watch(WatchChange::Clear));
-    assert!(session.watch.pixels.is_empty());
+    assert!(session.features.watch.pixels.is_empty());
 }
 
 #[test]
@@ -47,24 +47,32 @@ fn rows_follow_the_frames_and_old_values_stay_until_the_next_change() {
         watcher.set_view(&engine.answer(session.request()));
         let due = watcher.has_work();
         if due {
-            session.watch.store_values(watcher.step().unwrap());
+            session.features.watch.store_values(watcher.step().unwrap());
         }
         due
     };
     assert!(follow(&mut session));
-    let first = session.watch.rows.clone();
+    let first = session.features.watch.rows.clone();
     assert!(first[0].values.as_ref().unwrap().triangle.is_some());
     session.pick = Some((1, 1));
     assert!(!follow(&mut session), "a pick does not draw a new frame");
     session.state.recipe.set("shading=normals").unwrap();
     assert!(follow(&mut session));
-    assert_ne!(session.watch.rows, first);
-    assert_eq!(session.watch.before(&session.watch.rows[0]), Some(&first[0]));
+    assert_ne!(session.features.watch.rows, first);
+    assert_eq!(session.features.watch.before(&session.features.watch.rows[0]), Some(&first[0]));
     session.state.recipe.set("execution=classic").unwrap();
     follow(&mut session);
-    assert_eq!(session.watch.before(&session.watch.rows[0]), Some(&first[0]), "equal values are not a change");
+    assert_eq!(
+        session.features.watch.before(&session.features.watch.rows[0]),
+        Some(&first[0]),
+        "equal values are not a change"
+    );
     watcher.set(vec![(32, 24), (0, 0), (5, 5)]);
-    session.watch.store_values(watcher.step().unwrap());
-    assert_eq!(session.watch.rows.len(), 3);
-    assert_eq!(session.watch.before(&session.watch.rows[0]), Some(&first[0]), "another watched pixel is not a change");
+    session.features.watch.store_values(watcher.step().unwrap());
+    assert_eq!(session.features.watch.rows.len(), 3);
+    assert_eq!(
+        session.features.watch.before(&session.features.watch.rows[0]),
+        Some(&first[0]),
+        "another watched pixel is not a change"
+    );
 }

@@ -14,6 +14,7 @@ use crate::ui::format;
 use crate::ui::manual::manual_button;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, font_size, space, tokens};
+use crate::ui::window_task::DialogCommand;
 
 /// Maximum number of changed settings listed in the bar; the tooltip lists all of them.
 const NAMED: usize = 2;
@@ -21,7 +22,7 @@ const NAMED: usize = 2;
 /// Draws the what-if bar.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut chosen = Vec::new();
-    let Some(before) = session.what_if.before else {
+    let Some(before) = session.features.what_if.before else {
         ui.horizontal(|ui| {
             ui.label(RichText::new("What changed?").strong());
             let words =
@@ -48,7 +49,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         ui.horizontal_wrapped(|ui| {
             ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
             for (show, name, help) in Show::ALL {
-                if ui.selectable_label(session.what_if.show == show, name).on_hover_text(help).clicked() {
+                if ui.selectable_label(session.features.what_if.show == show, name).on_hover_text(help).clicked() {
                     chosen.push(WhatIfChange::Show(show));
                 }
             }
@@ -89,12 +90,12 @@ fn fields_in_words(ui: &mut Ui, fields: &[FieldChange]) {
 fn palette_button(ui: &mut Ui, commands: &mut Vec<Command>) {
     let help = "Change any setting by name: type “key=value”, or choose one from the list";
     if ui.add(Button::new((theme::icon(Icon::Search), "Change setting…"))).on_hover_text(help).clicked() {
-        commands.push(Command::OpenPalette);
+        commands.push(Command::Dialog(DialogCommand::Palette));
     }
 }
 
 fn buttons(ui: &mut Ui, session: &Session, differs: bool, chosen: &mut Vec<WhatIfChange>) {
-    let pinned = session.what_if.pinned;
+    let pinned = session.features.what_if.pinned;
     let help = "Keep A while you change several settings. Otherwise, every change makes the frame before it the new A";
     if ui.add(Button::new((theme::icon(Icon::Pin), "Pin A")).selected(pinned)).on_hover_text(help).clicked() {
         chosen.push(WhatIfChange::Pin(!pinned));
@@ -120,7 +121,7 @@ fn close(ui: &mut Ui, chosen: &mut Vec<WhatIfChange>) {
 
 /// Draws the number of changed pixels, the error and the time difference as soon as they are known.
 fn figures(ui: &mut Ui, session: &Session, chosen: &mut Vec<WhatIfChange>) {
-    let Some(found) = session.view.as_ref().and_then(|view| session.what_if.current(view)) else {
+    let Some(found) = session.view.as_ref().and_then(|view| session.features.what_if.current(view)) else {
         ui.spinner();
         ui.label(RichText::new("Drawing A and B…").color(tokens(ui).text_weak));
         return;
@@ -202,7 +203,7 @@ fn time(ui: &mut Ui, times: &PairTimes) {
 /// Draws the explanations of the picked pixel's colour in A and in B, or a note that the pixel did not change.
 fn verdicts(ui: &mut Ui, session: &Session) {
     let Some(view) = &session.view else { return };
-    let Some(found) = session.what_if.current(view) else { return };
+    let Some(found) = session.features.what_if.current(view) else { return };
     let (Some(before), Some(after)) = (&found.before.report, &view.report) else { return };
     if (before.x, before.y) != (after.x, after.y) {
         return;
@@ -228,7 +229,7 @@ fn verdicts(ui: &mut Ui, session: &Session) {
 
 /// Draws a label in the upper left corner of the canvas that says which picture is visible, A or B.
 pub(crate) fn label(ui: &Ui, canvas: Rect, session: &Session) {
-    let what_if = &session.what_if;
+    let what_if = &session.features.what_if;
     if session.view.as_ref().is_none_or(|view| what_if.current(view).is_none()) {
         return;
     }

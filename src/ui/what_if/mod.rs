@@ -12,12 +12,13 @@ use std::sync::Arc;
 
 use eframe::egui::Ui;
 
-use super::command::Command;
 use super::engine::{RenderedView, Request};
 use super::session::Session;
 use crate::chain::Recipe;
 use crate::inspect::fields;
 use crate::inspect::what_if::Changes;
+use crate::ui::features::Feature;
+use crate::ui::window_task::WindowTask;
 use drawer::{WhatIfRequest, WhatIfResults};
 
 /// Picture of a what-if comparison that the canvas shows.
@@ -150,28 +151,37 @@ pub(crate) fn visible_view<'a>(ui: &Ui, session: &'a Session) -> Option<&'a Rend
     if session.comparison.is_on() {
         return Some(view);
     }
-    Some(session.what_if.visible_view(view, ui.input(|input| input.modifiers.shift)))
+    Some(session.features.what_if.visible_view(view, ui.input(|input| input.modifiers.shift)))
 }
 
 /// Returns the changed pixels that the canvas marks over the picture; `None` if it marks none.
 pub(crate) fn marked_changes<'a>(ui: &Ui, session: &'a Session) -> Option<&'a Arc<Changes>> {
     let view = session.view.as_ref().filter(|_| !session.comparison.is_on())?;
-    session.what_if.marked_changes(view, ui.input(|input| input.modifiers.shift))
+    session.features.what_if.marked_changes(view, ui.input(|input| input.modifiers.shift))
 }
 
 impl Session {
     /// Returns the what-if request for the renderer; `None` if the bar is closed, if there is no state A, or while a
     /// comparison or a case is open.
     pub(crate) fn what_if_request(&self) -> Option<WhatIfRequest> {
-        let shown = self.what_if.open && !self.comparison.is_on() && self.case.is_none();
-        let recipe = self.what_if.before.filter(|_| shown)?;
+        let shown = self.features.what_if.open && !self.comparison.is_on() && self.features.case.is_none();
+        let recipe = self.features.what_if.before.filter(|_| shown)?;
         let after = self.request();
         Some(WhatIfRequest { before: Request { recipe, ..after.clone() }, after })
     }
 
-    /// Applies a change. Returns a command that the canvas must run to complete it.
-    pub(crate) fn change_what_if(&mut self, change: WhatIfChange) -> Option<Command> {
-        let what_if = &mut self.what_if;
+    /// Returns the next changed pixel after the picked one, or the previous one if not `forwards`.
+    pub(crate) fn change_beside_pick(&self, forwards: bool) -> Option<(u32, u32)> {
+        let found = self.features.what_if.current(self.view.as_ref()?)?;
+        found.changes.next_changed(self.pick, forwards)
+    }
+}
+
+impl Feature for WhatIf {
+    type Change = WhatIfChange;
+
+    fn apply(session: &mut Session, change: WhatIfChange) -> Option<WindowTask> {
+        let what_if = &mut session.features.what_if;
         match change {
             WhatIfChange::Toggle => what_if.open ^= true,
             WhatIfChange::Show(show) => what_if.show = show,
@@ -179,23 +189,23 @@ impl Session {
             WhatIfChange::Against(recipe) => {
                 (what_if.before, what_if.pinned, what_if.open) = (Some(*recipe), true, true);
             }
-            WhatIfChange::PinNow => (what_if.before, what_if.pinned) = (Some(self.state.recipe), true),
-            WhatIfChange::Revert => self.state.recipe = what_if.before.unwrap_or(self.state.recipe),
+            WhatIfChange::PinNow => (what_if.before, what_if.pinned) = (Some(session.state.recipe), true),
+            WhatIfChange::Revert => session.state.recipe = what_if.before.unwrap_or(session.state.recipe),
             WhatIfChange::Swap => {
                 if let Some(before) = &mut what_if.before {
-                    std::mem::swap(before, &mut self.state.recipe);
+                    std::mem::swap(before, &mut session.state.recipe);
                 }
             }
-            WhatIfChange::Step(_) => return Some(Command::WhatIf(change)),
+            WhatIfChange::Step(step) => {
+                let pixel = session.change_beside_pick(step > 0)?;
+                session.pick = Some(pixel);
+                return Some(WindowTask::BringIntoView(pixel));
+            }
         }
         None
     }
 
-    /// Returns the next changed pixel after the picked one, or the previous one if not `forwards`.
-    pub(crate) fn change_beside_pick(&self, forwards: bool) -> Option<(u32, u32)> {
-        let found = self.what_if.current(self.view.as_ref()?)?;
-        found.changes.next_changed(self.pick, forwards)
-    }
+    fn leave_scene(&mut self) {}
 }
 
 #[cfg(test)]

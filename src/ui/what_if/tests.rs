@@ -4,6 +4,7 @@ use super::drawer::Drawer;
 use super::*;
 use crate::inspect::Buffer;
 use crate::scene::SceneSource;
+use crate::ui::command::Command;
 use crate::ui::engine::{Engine, Shown};
 use crate::ui::session::PictureSize;
 
@@ -29,7 +30,7 @@ fn set(session: &mut Session, assignment: &str) {
 fn find(session: &mut Session) {
     session.view = Some(Engine::default().answer(session.request()));
     let request = session.what_if_request().unwrap();
-    session.what_if.found = Drawer::default().start(request).cloned();
+    session.features.what_if.found = Drawer::default().start(request).cloned();
 }
 
 #[test]
@@ -38,17 +39,17 @@ fn a_is_the_recipe_before_the_last_change_unless_pinned() {
     assert!(session.what_if_request().is_none(), "nothing changed yet");
     let first = session.state.recipe;
     set(&mut session, "shading=normals");
-    assert_eq!(session.what_if.before, Some(first));
+    assert_eq!(session.features.what_if.before, Some(first));
     let second = session.state.recipe;
     set(&mut session, "culling=none");
-    assert_eq!(session.what_if.before, Some(second));
+    assert_eq!(session.features.what_if.before, Some(second));
     session.apply(Command::WhatIf(WhatIfChange::Pin(true)));
     set(&mut session, "wireframe=true");
-    assert_eq!(session.what_if.before, Some(second));
+    assert_eq!(session.features.what_if.before, Some(second));
     let third = session.state.recipe;
     session.apply(Command::WhatIf(WhatIfChange::Swap));
     session.settle(1.0);
-    assert_eq!((session.what_if.before, session.state.recipe), (Some(third), second));
+    assert_eq!((session.features.what_if.before, session.state.recipe), (Some(third), second));
     session.apply(Command::WhatIf(WhatIfChange::Revert));
     session.settle(2.0);
     assert_eq!(session.state.recipe, third);
@@ -60,11 +61,11 @@ fn a_is_the_recipe_before_the_last_change_unless_pinned() {
 fn a_change_is_described_until_the_bar_is_opened() {
     let mut session = session("triangle");
     session.apply(Command::WhatIf(WhatIfChange::Toggle));
-    assert_eq!(session.what_if.unseen_change(&session.state.recipe), None);
+    assert_eq!(session.features.what_if.unseen_change(&session.state.recipe), None);
     set(&mut session, "culling=none");
-    assert_eq!(session.what_if.unseen_change(&session.state.recipe).as_deref(), Some("culling: back → none"));
+    assert_eq!(session.features.what_if.unseen_change(&session.state.recipe).as_deref(), Some("culling: back → none"));
     session.apply(Command::WhatIf(WhatIfChange::Toggle));
-    assert_eq!(session.what_if.unseen_change(&session.state.recipe), None);
+    assert_eq!(session.features.what_if.unseen_change(&session.state.recipe), None);
 }
 
 #[test]
@@ -74,7 +75,7 @@ fn undo_counts_as_a_change() {
     set(&mut session, "shading=normals");
     let second = session.state.recipe;
     session.apply(Command::Undo);
-    assert_eq!((session.state.recipe, session.what_if.before), (first, Some(second)));
+    assert_eq!((session.state.recipe, session.features.what_if.before), (first, Some(second)));
 }
 
 #[test]
@@ -83,9 +84,9 @@ fn the_canvas_shows_a_b_or_the_changes_of_the_requested_view_only() {
     set(&mut session, "fill_rule=inclusive");
     find(&mut session);
     let view = session.view.clone().unwrap();
-    let found = session.what_if.found.clone().unwrap();
+    let found = session.features.what_if.found.clone().unwrap();
     assert!(found.changes.count > 0);
-    let shown = |session: &Session, held| session.what_if.visible_view(&view, held).picture.clone();
+    let shown = |session: &Session, held| session.features.what_if.visible_view(&view, held).picture.clone();
     assert_eq!(*shown(&session, true), *found.before.picture);
     let mut plain = session.request();
     plain.recipe = Recipe::default();
@@ -102,7 +103,7 @@ fn the_canvas_shows_a_b_or_the_changes_of_the_requested_view_only() {
     let mut later = view.clone();
     later.request.recipe.wireframe = true;
     assert!(
-        Arc::ptr_eq(&session.what_if.visible_view(&later, true).picture, &later.picture),
+        Arc::ptr_eq(&session.features.what_if.visible_view(&later, true).picture, &later.picture),
         "the results belong to another view"
     );
 }
@@ -112,7 +113,7 @@ fn stepping_visits_every_changed_pixel() {
     let mut session = session("shared-edges");
     set(&mut session, "fill_rule=inclusive");
     find(&mut session);
-    let count = session.what_if.found.as_ref().unwrap().changes.count;
+    let count = session.features.what_if.found.as_ref().unwrap().changes.count;
     let first = session.change_beside_pick(true);
     for _ in 0..count {
         session.pick = session.change_beside_pick(true);
@@ -162,12 +163,12 @@ fn changed_pixels_are_marked_only_in_their_view_and_not_while_a_is_held() {
     set(&mut session, "fill_rule=inclusive");
     find(&mut session);
     let view = session.view.clone().unwrap();
-    assert_eq!(session.what_if.show, Show::Marked);
-    let marked = session.what_if.marked_changes(&view, false).map(|changes| changes.count);
-    assert_eq!(marked, session.what_if.found.as_ref().map(|found| found.changes.count));
-    assert!(session.what_if.marked_changes(&view, true).is_none());
+    assert_eq!(session.features.what_if.show, Show::Marked);
+    let marked = session.features.what_if.marked_changes(&view, false).map(|changes| changes.count);
+    assert_eq!(marked, session.features.what_if.found.as_ref().map(|found| found.changes.count));
+    assert!(session.features.what_if.marked_changes(&view, true).is_none());
     for show in [Show::Changed, Show::Before, Show::After] {
         session.apply(Command::WhatIf(WhatIfChange::Show(show)));
-        assert!(session.what_if.marked_changes(&view, false).is_none(), "{show:?}");
+        assert!(session.features.what_if.marked_changes(&view, false).is_none(), "{show:?}");
     }
 }

@@ -5,11 +5,14 @@ use super::layout::{Layout, Part};
 use super::panel::Panel;
 use crate::pipeline::settings::Choice as _;
 
-/// Default width of the stages, in points.
-const STAGES_WIDTH: f32 = 230.0;
+/// Default height of the stages above the panels that explain a pixel, in points.
+const STAGES_HEIGHT: f32 = 330.0;
 
 /// Default width of the panels that explain a pixel, in points.
 const PIXEL_WIDTH: f32 = 284.0;
+
+/// Default width of the stages and of the panels below them that explain a pixel, in points.
+const STAGES_WIDTH: f32 = 260.0;
 
 /// Default width of the picture beside the panels about robustness, in points.
 const BESIDE_WIDTH: f32 = 480.0;
@@ -24,10 +27,16 @@ impl Workspace {
     /// Returns the default layout.
     pub(super) fn default_layout(self) -> Layout {
         match self {
+            // Both groups of panels are on one side, so that a picture in 16:9 fills most of the canvas.
             Self::Inspect => Layout::Row(vec![
-                part(tabs(&[Panel::Stages, Panel::Histogram]), STAGES_WIDTH),
                 part(Layout::Panel(Panel::Picture), REST),
-                part(tabs(&[Panel::Pixel, Panel::Calculation, Panel::Watch]), PIXEL_WIDTH),
+                part(
+                    Layout::Column(vec![
+                        part(tabs(&[Panel::Stages, Panel::Histogram]), STAGES_HEIGHT),
+                        part(tabs(&[Panel::Pixel, Panel::Calculation, Panel::Watch]), REST),
+                    ]),
+                    STAGES_WIDTH,
+                ),
             ]),
             Self::Geometry => Layout::Column(vec![
                 part(
@@ -55,7 +64,10 @@ impl Workspace {
             Self::Robustness => Layout::Row(vec![
                 part(tabs(&[Panel::Stability, Panel::Probe, Panel::Assertions]), REST),
                 part(
-                    Layout::Column(vec![part(Layout::Panel(Panel::Picture), REST), part(tabs(&[Panel::Pixel]), REST)]),
+                    Layout::Column(vec![
+                        part(Layout::Panel(Panel::Picture), REST),
+                        part(tabs(&[Panel::Pixel]), BELOW_HEIGHT),
+                    ]),
                     BESIDE_WIDTH,
                 ),
             ]),

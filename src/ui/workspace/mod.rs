@@ -55,13 +55,13 @@ pub(crate) enum WorkspaceChange {
 impl Session {
     /// Returns the workspace that is shown.
     pub(crate) fn workspace(&self) -> Workspace {
-        if self.lab.open {
+        if self.features.lab.open {
             Workspace::Lab
-        } else if self.comparison.is_on() && self.case.is_none() {
+        } else if self.comparison.is_on() && self.features.case.is_none() {
             Workspace::Compare
-        } else if self.mesh_view.open {
+        } else if self.features.mesh_view.open {
             Workspace::Geometry
-        } else if self.case.is_some() && self.base_workspace == Workspace::Measure {
+        } else if self.features.case.is_some() && self.base_workspace == Workspace::Measure {
             // A case is shown in place of the picture.
             Workspace::Inspect
         } else {
@@ -77,8 +77,8 @@ impl Session {
         if matches!(workspace, Workspace::Compare | Workspace::Measure) {
             self.close_case();
         }
-        self.lab.apply(LabChange::Open(workspace == Workspace::Lab));
-        self.mesh_view.open = workspace == Workspace::Geometry;
+        self.features.lab.apply(LabChange::Open(workspace == Workspace::Lab));
+        self.features.mesh_view.open = workspace == Workspace::Geometry;
         let mode = match workspace {
             Workspace::Compare => self.comparison.last_mode,
             _ => Mode::Off,

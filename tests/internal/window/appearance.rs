@@ -1,7 +1,10 @@
 //! Tests of the key sheet, the theme and the tabs, and that an idle window draws nothing.
 
-use eframe::egui::{Key, Modifiers};
-use rasterscope::ui::command::{BINDINGS, MOUSE};
+use eframe::egui::{Key, Modifiers, Role};
+use egui_kittest::kittest::Queryable as _;
+use rasterscope::ui::appearance::AppearanceChange;
+use rasterscope::ui::command::{BINDINGS, Command, MOUSE};
+use rasterscope::ui::session::WindowState;
 use rasterscope::ui::workspace::Panel;
 
 use super::bench::Bench;
@@ -28,7 +31,7 @@ fn keys_do_nothing_under_a_dialog() {
     bench.press(Key::ArrowLeft);
     bench.press(Key::Home);
     assert_eq!(bench.session().pick, pick);
-    assert_eq!(bench.session().triangle_limit, None);
+    assert_eq!(bench.session().features.scrub.triangle_limit, None);
     bench.press(Key::Escape);
     assert!(!bench.says("Keys and mouse"), "Escape closes the sheet");
     assert_eq!(bench.session().pick, pick, "and nothing else");
@@ -61,4 +64,20 @@ fn an_idle_window_draws_nothing() {
     bench.window.run_steps(20);
     assert!(std::sync::Arc::ptr_eq(&view, &bench.view().frame));
     assert_eq!(bench.window.run(), 1, "nothing requests another pass");
+}
+
+#[test]
+fn reduced_motion_stops_animations_and_is_stored() {
+    let mut bench = Bench::small("triangle");
+    let animates = |bench: &Bench| bench.window.ctx.global_style().animation_time > 0.0;
+    assert!(animates(&bench));
+    bench.click("View");
+    bench.window.get_by_role_and_label(Role::CheckBox, "Reduce motion").click();
+    bench.rest();
+    assert!(!animates(&bench));
+    let stored = bench.session().preferences(&WindowState::default()).window;
+    assert_eq!(stored.reduce_motion, Some(true));
+    bench.window.state_mut().queue(vec![Command::Appearance(AppearanceChange::ToggleMotion)]);
+    bench.rest();
+    assert!(animates(&bench));
 }

@@ -12,7 +12,7 @@ use super::bench::Bench;
 /// Returns the trace in the window, after checking that it is the trace of the picked pixel.
 fn trace(bench: &Bench) -> Trace {
     let session = bench.session();
-    let shown = session.trace.trace(session.view.as_ref()).expect("the tab is open and a pixel picked");
+    let shown = session.features.trace.trace(session.view.as_ref()).expect("the tab is open and a pixel picked");
     let (view, frame) = (bench.view(), bench.expected());
     let report = view.report.as_ref().expect("a pixel is picked");
     let Trace { fragment, .. } = **shown;
@@ -27,16 +27,16 @@ fn keys_step_through_the_lines_and_open_the_tab() {
     bench.press(Key::F10);
     bench.rest();
     let count = trace(&bench).lines.len();
-    assert_eq!(bench.session().trace.line, 1);
+    assert_eq!(bench.session().features.trace.line, 1);
     assert!(bench.mentions(&format!("2 of {count} · Model")));
     bench.press_with(Modifiers::SHIFT, Key::F10);
-    assert_eq!(bench.session().trace.line, 0);
+    assert_eq!(bench.session().features.trace.line, 0);
     bench.press(Key::F11);
     let lines = trace(&bench).lines;
-    let line = bench.session().trace.line;
+    let line = bench.session().features.trace.line;
     assert!(line > 0 && lines[line].stage != lines[0].stage && lines[line - 1].stage == lines[0].stage);
     bench.press_with(Modifiers::SHIFT, Key::F11);
-    assert_eq!(bench.session().trace.line, 0);
+    assert_eq!(bench.session().features.trace.line, 0);
 }
 
 #[test]
@@ -62,7 +62,7 @@ fn another_pixel_is_traced_when_it_is_picked() {
     bench.rest();
     let second = trace(&bench);
     assert_eq!((first.pixel, second.pixel), ([x, y], [x + 1, y]));
-    let table = &bench.session().trace;
+    let table = &bench.session().features.trace;
     let changed = (0..second.lines.len()).filter(|line| table.is_changed(*line)).count();
     assert!(changed > 3 && changed < second.lines.len(), "{changed}");
 }

@@ -39,7 +39,7 @@ impl Bench {
     pub(crate) fn small(scene: &str) -> Self {
         let mut bench = Self::new(scene);
         bench.session_mut().state.size = PictureSize::Fixed(160, 90);
-        bench.session_mut().timings.turn = Turn::STILL;
+        bench.session_mut().features.timings.turn = Turn::STILL;
         bench.session_mut().settle_silently();
         bench.rest();
         bench
@@ -120,7 +120,7 @@ impl Bench {
     /// Selects a stage, so that the pipeline panel shows its switches.
     pub(crate) fn select(&mut self, stage: Stage) {
         self.click(&format!("{} stage", stage.name()));
-        assert_eq!(self.session().selected_stage, stage);
+        assert_eq!(self.session().features.stages.selected, stage);
     }
 
     /// Shows the picture after a stage, or the finished picture if it is already shown.

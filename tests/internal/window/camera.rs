@@ -70,7 +70,7 @@ fn a_rectangle_is_drawn_after_its_key() {
     bench.press_with(Modifiers::SHIFT, Key::R);
     let (from, to) = (bench.place_of((20, 10)), bench.place_of((60, 40)));
     bench.drag(PointerButton::Primary, from, to - from);
-    let region = bench.session().range.region.expect("a rectangle is selected");
+    let region = bench.session().features.range.region.expect("a rectangle is selected");
     assert_eq!((region.left, region.top, region.right, region.bottom), (20, 10, 61, 41));
     assert_eq!(bench.session().state.camera, camera);
 }
@@ -79,7 +79,7 @@ fn a_rectangle_is_drawn_after_its_key() {
 fn dragging_orbits_and_h_returns_to_the_home_view() {
     let mut bench = Bench::small("cubes");
     let (home, picture) = (bench.session().state.camera, bench.image());
-    assert_eq!(bench.session().pointer_mode, PointerMode::Orbit);
+    assert_eq!(bench.session().features.canvas.pointer_mode, PointerMode::Orbit);
     let from = bench.canvas().center();
     bench.drag(PointerButton::Primary, from, Vec2::new(60.0, 20.0));
     let turned = bench.session().state.camera;
@@ -124,12 +124,12 @@ fn buttons_and_keys_select_the_pointer_mode() {
     let mut bench = Bench::small("triangle");
     for (button, key, mode) in [("Camera mode", Key::C, PointerMode::Camera), ("Pan mode", Key::P, PointerMode::Pan)] {
         bench.click(button);
-        assert_eq!(bench.session().pointer_mode, mode);
+        assert_eq!(bench.session().features.canvas.pointer_mode, mode);
         bench.click("Orbit mode");
-        assert_eq!(bench.session().pointer_mode, PointerMode::Orbit);
+        assert_eq!(bench.session().features.canvas.pointer_mode, PointerMode::Orbit);
         bench.press(key);
-        assert_eq!(bench.session().pointer_mode, mode);
+        assert_eq!(bench.session().features.canvas.pointer_mode, mode);
         bench.press(key);
-        assert_eq!(bench.session().pointer_mode, PointerMode::Orbit);
+        assert_eq!(bench.session().features.canvas.pointer_mode, PointerMode::Orbit);
     }
 }

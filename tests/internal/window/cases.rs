@@ -66,14 +66,16 @@ fn a_slow_case_is_opened_in_the_background_and_cancelled() {
     wait(&mut bench, "the first frame", |bench| bench.session().view.is_some());
     bench.window.input_mut().dropped_files.push(super::bench::dropped(&slow_case_file(&folder)));
     wait(&mut bench, "the progress", |bench| bench.mentions("Loading") && offers(bench, "Cancel"));
-    assert!(bench.session().case.is_none() && shows_the_scene(&bench), "the scene stays meanwhile");
+    assert!(bench.session().features.case.is_none() && shows_the_scene(&bench), "the scene stays meanwhile");
     bench.window.get_by_role_and_label(Role::Button, "Cancel").click();
     wait(&mut bench, "its end", |bench| !offers(bench, "Cancel"));
     for _ in 0..20 {
         std::thread::sleep(Duration::from_millis(10));
         bench.window.step();
     }
-    assert!(bench.session().case.is_none() && bench.session().messages.error.is_none() && shows_the_scene(&bench));
+    assert!(
+        bench.session().features.case.is_none() && bench.session().messages.error.is_none() && shows_the_scene(&bench)
+    );
 }
 
 #[test]
@@ -84,9 +86,9 @@ fn an_open_case_is_answered_in_the_background_and_cancelled() {
     let slow = Case::read(&slow_case_file(&folder)).unwrap();
     bench.session_mut().show_case(slow);
     wait(&mut bench, "the progress", |bench| offers(bench, "Cancel"));
-    assert!(bench.session().case.is_some());
+    assert!(bench.session().features.case.is_some());
     bench.window.get_by_role_and_label(Role::Button, "Cancel").click();
-    wait(&mut bench, "its end", |bench| bench.session().case.is_none());
+    wait(&mut bench, "its end", |bench| bench.session().features.case.is_none());
 
     // The previous answer stays until the answer by another method is ready.
     bench
@@ -143,7 +145,7 @@ fn a_dropped_case_is_shown_beside_its_exact_answer_until_it_is_closed() {
         } else {
             bench.click("Close the case  (Esc)");
         }
-        assert!(bench.session().case.is_none() && shows_the_scene(&bench));
+        assert!(bench.session().features.case.is_none() && shows_the_scene(&bench));
         assert_eq!(&bench.image(), bench.expected().image());
     }
 }
@@ -197,7 +199,7 @@ fn a_bad_case_is_named_and_the_scene_stays() {
     let mut bench = Bench::small("triangle");
     bench.drop_file(&path);
     assert!(bench.session().messages.error.as_ref().is_some_and(|error| error.contains("bad.json")));
-    assert!(bench.session().case.is_none() && shows_the_scene(&bench));
+    assert!(bench.session().features.case.is_none() && shows_the_scene(&bench));
 }
 
 #[test]
@@ -216,7 +218,7 @@ fn a_case_whose_answer_is_numbers_shows_them() {
 fn the_triangle_of_the_picked_pixel_is_saved_as_a_case_that_opens_again() {
     let folder = tempfile::tempdir().unwrap();
     let mut bench = Bench::small("triangle");
-    bench.session_mut().folder = folder.path().to_owned();
+    bench.session_mut().features.files.folder = folder.path().to_owned();
     bench.session_mut().pick = Some((80, 50));
     bench.rest();
     for number in 1..=2 {
@@ -236,7 +238,7 @@ fn the_triangle_of_the_picked_pixel_is_saved_as_a_case_that_opens_again() {
 fn without_a_triangle_there_is_no_case_to_save() {
     let folder = tempfile::tempdir().unwrap();
     let mut bench = Bench::small("triangle");
-    bench.session_mut().folder = folder.path().to_owned();
+    bench.session_mut().features.files.folder = folder.path().to_owned();
     bench.session_mut().pick = Some((0, 0));
     bench.rest();
     assert!(bench.window.query_by_label("Save triangle as case file").is_none(), "nothing covers the corner");
@@ -269,19 +271,19 @@ fn a_cell_of_the_report_opens_the_worst_case_of_its_column() {
     let before = bench.session().state.recipe;
     bench.show_panel(Panel::Stability);
     assert!(bench.says("No stability report yet"));
-    bench.session_mut().tasks.stability.report = Some(report.clone());
+    bench.session_mut().features.tasks.stability.report = Some(report.clone());
     bench.rest();
     let name = format!("{}, {}: ", class.class.name, cell.column.label());
     bench.window.get_by_label_contains(&name).click();
     bench.rest();
-    assert_eq!(bench.session().case.as_ref().map(|open| open.case.id.clone()), Some(worst.case.id.clone()));
-    let options = bench.session().case.as_ref().and_then(|open| open.own_options);
+    assert_eq!(bench.session().features.case.as_ref().map(|open| open.case.id.clone()), Some(worst.case.id.clone()));
+    let options = bench.session().features.case.as_ref().and_then(|open| open.own_options);
     assert_eq!(options.map(|options| options.rasterizer), Some(Rasterizer::ScanlinePublished));
     assert_eq!(bench.session().state.recipe, before, "the case has its own settings");
     let (differ, of) = differing(&bench);
     assert!(differ > 0 && differ <= of, "{differ} of {of}");
     bench.press(Key::Escape);
-    assert!(bench.session().case.is_none());
+    assert!(bench.session().features.case.is_none());
     assert_eq!(bench.session().state.recipe, before, "the settings stay");
 
     bench.click("Error against time");
@@ -296,16 +298,16 @@ fn a_report_is_started_and_cancelled() {
     bench.show_panel(Panel::Stability);
     bench.window.get_by_role_and_label(Role::Button, "Run the stability report").click();
     bench.window.step();
-    assert!(bench.session().tasks.stability.progress.is_some());
+    assert!(bench.session().features.tasks.stability.progress.is_some());
     // Commands of one frame take visible effect in the next.
     bench.window.step();
     bench.window.get_by_role_and_label(Role::Button, "Cancel").click();
     let begun = Instant::now();
-    while bench.session().tasks.stability.progress.is_some() {
+    while bench.session().features.tasks.stability.progress.is_some() {
         assert!(begun.elapsed() < PATIENCE, "it does not end");
         std::thread::sleep(Duration::from_millis(20));
         bench.window.step();
     }
-    assert!(bench.session().tasks.stability.report.is_none() && bench.session().messages.error.is_none());
+    assert!(bench.session().features.tasks.stability.report.is_none() && bench.session().messages.error.is_none());
     assert!(bench.says("No stability report yet"));
 }

@@ -152,7 +152,7 @@ fn a_dragged_rectangle_has_figures_of_its_own() {
 fn a_saved_comparison_holds_the_pictures_the_errors_and_the_commands() {
     let mut bench = Bench::small("triangle");
     let folder = tempfile::tempdir().unwrap();
-    bench.session_mut().folder = folder.path().to_owned();
+    bench.session_mut().features.files.folder = folder.path().to_owned();
     bench.press(Key::D);
     bench.click("Save comparison (HTML)");
     let page = std::fs::read_to_string(folder.path().join("comparison.html")).expect("a page");
@@ -206,7 +206,7 @@ fn the_filmstrip_has_a_frame_of_every_method_and_a_click_shows_it_as_b() {
     let frames = strip(&bench);
     assert_eq!(frames.len(), ALL.len());
     assert!(frames.iter().all(|frame| frame.contains("FLIP ")), "every error is measured: {frames:?}");
-    let drawn = bench.session().filmstrip.drawn.as_ref().expect("they are drawn");
+    let drawn = bench.session().features.filmstrip.drawn.as_ref().expect("they are drawn");
     let request = bench.session().request();
     for tile in &drawn.tiles {
         if !tile.recipe.upscaler.upscaler().reads().history {

@@ -35,7 +35,7 @@ fn a_dropped_model_replaces_the_scene_and_is_listed_as_recent() {
     bench.drop_file(&path);
     assert_eq!(bench.session().messages.error, None);
     assert_eq!(bench.session().scene.triangle_count(), 2);
-    assert_eq!(bench.session().recent, std::slice::from_ref(&path));
+    assert_eq!(bench.session().features.files.recent, std::slice::from_ref(&path));
     assert!(bench.image().pixels().iter().any(|p| *p != bench.image().at(0, 0)), "the model is visible");
 
     bench.click("Scene");
@@ -53,7 +53,7 @@ fn a_dropped_gltf_file_brings_its_cameras_and_its_light() {
     let light = bench.session().state.recipe.pipeline.light;
     bench.drop_file(&path);
     assert_eq!(bench.session().messages.error, None);
-    assert_eq!(bench.session().recent, std::slice::from_ref(&path));
+    assert_eq!(bench.session().features.files.recent, std::slice::from_ref(&path));
     assert_eq!(Some(bench.session().state.recipe.pipeline.light.direction), bench.session().scene.light);
     let front = bench.session().scene.views[0].clone();
     assert_ne!(bench.session().state.camera, front.camera);
@@ -76,13 +76,13 @@ fn a_dropped_picture_is_offered_to_the_lab_and_the_scene_stays() {
     let mut bench = Bench::small("triangle");
     let scene = bench.session().scene.clone();
     bench.drop_file(&path);
-    assert!(bench.says("picture.png is a picture, not a scene") && !bench.session().lab.open);
+    assert!(bench.says("picture.png is a picture, not a scene") && !bench.session().features.lab.open);
     bench.click("Close this message");
     assert_eq!(bench.session().messages.offered_picture, None);
     bench.drop_file(&path);
     bench.click("Open in the 2D lab");
     assert_eq!((&bench.session().messages.error, &bench.session().messages.offered_picture), (&None, &None));
-    assert!(bench.session().lab.open && Arc::ptr_eq(&bench.session().scene, &scene));
+    assert!(bench.session().features.lab.open && Arc::ptr_eq(&bench.session().scene, &scene));
 }
 
 #[test]
@@ -101,7 +101,7 @@ fn a_bad_file_is_named_and_the_scene_stays() {
         assert!(bench.says(&error), "the bar shows it");
         assert!(Arc::ptr_eq(&bench.session().scene, &scene));
         assert_eq!(bench.image(), picture);
-        assert!(bench.session().recent.is_empty());
+        assert!(bench.session().features.files.recent.is_empty());
         assert_eq!(bench.session().messages.log.back().map(|line| line.level), Some(Severity::Error));
 
         bench.click("Close this message");
@@ -155,7 +155,7 @@ fn undo_does_not_lead_back_into_another_scene() {
 fn a_scene_is_saved_as_drawing_commands() {
     let folder = tempfile::tempdir().unwrap();
     let mut bench = Bench::small("triangle");
-    bench.session_mut().folder = folder.path().to_owned();
+    bench.session_mut().features.files.folder = folder.path().to_owned();
     bench.click("File");
     bench.click("Save as drawing");
     bench.click("Wireframe, SVG");

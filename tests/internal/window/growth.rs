@@ -23,8 +23,8 @@ fn the_plan_shows_its_savings_once_they_are_measured() {
     let mut bench = Bench::small("triangle");
     bench.show_panel(Panel::SkippedWork);
     bench.click("Measure savings");
-    wait_while(&mut bench, |bench| bench.session().tasks.savings.progress.is_some());
-    let (found, of) = bench.session().tasks.savings.found.clone().expect("it was measured");
+    wait_while(&mut bench, |bench| bench.session().features.tasks.savings.progress.is_some());
+    let (found, of) = bench.session().features.tasks.savings.found.clone().expect("it was measured");
     assert!(of.same_complete_frame(&bench.session().request()));
     assert!(found.savings.iter().all(|saving| saving.same_picture && saving.draws > 0));
     assert!(bench.mentions("with every skip enabled, median of"));
@@ -44,6 +44,6 @@ fn measuring_how_cost_grows_can_be_cancelled() {
     assert!(bench.says("No measurement yet"));
     bench.click("Measure scaling");
     bench.click("Cancel");
-    wait_while(&mut bench, |bench| bench.session().tasks.scaling.progress.is_some());
-    assert!(bench.session().tasks.scaling.found.is_none() && bench.session().messages.error.is_none());
+    wait_while(&mut bench, |bench| bench.session().features.tasks.scaling.progress.is_some());
+    assert!(bench.session().features.tasks.scaling.found.is_none() && bench.session().messages.error.is_none());
 }

@@ -37,11 +37,11 @@ fn the_inspector_offers_to_draw_all_triangles_again() {
     let place = bench.place_of((80, 45));
     bench.click_at(place);
     bench.press(eframe::egui::Key::Home);
-    assert_eq!(bench.session().triangle_limit, Some(0));
+    assert_eq!(bench.session().features.scrub.triangle_limit, Some(0));
     let report = bench.view().report.clone().expect("a pixel is picked");
     assert!(report.verdict.contains("comes after the last triangle"), "{}", report.verdict);
     bench.click("Draw all triangles again  (End)");
-    assert_eq!(bench.session().triangle_limit, None);
+    assert_eq!(bench.session().features.scrub.triangle_limit, None);
     assert!(bench.view().report.as_ref().is_some_and(|report| report.visible().is_some()));
 }
 
@@ -70,11 +70,11 @@ fn the_first_violation_is_picked_and_described() {
         rasterscope::pipeline::settings::Rasterizer::ScanlinePublished;
     bench.rest();
     bench.click("Check every frame");
-    let (report, frame) = bench.session().checks.found.clone().expect("it was checked");
+    let (report, frame) = bench.session().features.checks.found.clone().expect("it was checked");
     let (assertion, first) = report.first_violation().expect("a published rasterizer owns too much");
     assert_eq!(assertion, Assertion::Owner);
     assert_eq!(bench.session().pick, Some(rasterscope::ui::checks::place(first, &frame)));
-    assert!(!bench.session().checks.every_frame, "the first violation stops it");
+    assert!(!bench.session().features.checks.every_frame, "the first violation stops it");
     assert!(bench.mentions(&first.text));
     assert_eq!(Assertion::ALL.len(), report.findings.len());
 }

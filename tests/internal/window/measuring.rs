@@ -21,8 +21,8 @@ fn every_upscaler_gets_a_row_with_all_its_frames() {
     let mut bench = Bench::small("triangle");
     bench.show_panel(Panel::FrameTime);
     bench.click("Measure all upscalers");
-    assert_eq!(bench.session().tasks.measuring, None, "the measurement is complete");
-    let series = bench.session().timings.series();
+    assert_eq!(bench.session().features.tasks.measuring, None, "the measurement is complete");
+    let series = bench.session().features.timings.series();
     assert_eq!(series.len(), Upscaling::every().count());
     for upscaling in Upscaling::every() {
         let (_, times) = series.iter().find(|(u, _)| *u == upscaling).expect("every method was timed");
@@ -37,7 +37,7 @@ fn every_upscaler_gets_a_row_with_all_its_frames() {
     bench.show_panel(Panel::FrameTime);
     assert!(bench.mentions("Measured with a different scene, view, size or setting"));
     bench.click("Clear");
-    assert!(!bench.session().timings.has_measurement());
+    assert!(!bench.session().features.timings.has_measurement());
 }
 
 /// Opens a window with a measurement of all upscalers on a picture of a few pixels.
@@ -53,7 +53,7 @@ fn measured() -> Bench {
 
 /// Returns the accessible name of the row of an upscaler.
 fn row_name(bench: &Bench, upscaling: Upscaling) -> String {
-    let series = bench.session().timings.series();
+    let series = bench.session().features.timings.series();
     let (_, times) = series.iter().find(|(of, _)| *of == upscaling).expect("it was timed");
     let median = summarize(times).expect("there are times").median;
     format!("{}: {}", upscaling.label(), format::ms(median))
@@ -102,7 +102,7 @@ fn rows_are_sorted_and_filtered_by_scale() {
     let mut bench = measured();
     let [coarse, fine] = [upscaling("nearest", 4), upscaling("nearest", 2)];
     bench.click("Sort by method");
-    assert_eq!(bench.session().timings.list.order, RowOrder::Method);
+    assert_eq!(bench.session().features.timings.list.order, RowOrder::Method);
     let tops = |bench: &Bench| {
         let rows = Upscaling::every().map(|upscaling| row_rect(bench, upscaling).expect("it is shown").top());
         rows.collect::<Vec<_>>()
@@ -136,10 +136,10 @@ fn frames_of_the_current_of_checked_and_of_hovered_rows_are_plotted() {
     bench.rest();
     bench.window.hover_at(row_rect(&bench, hovered).expect("it is shown").center());
     bench.rest();
-    assert_eq!(bench.session().timings.list.hovered(), Some(hovered));
+    assert_eq!(bench.session().features.timings.list.hovered(), Some(hovered));
     assert!(plots(&bench, checked) && plots(&bench, hovered));
     bench.click("Distribution");
-    assert_eq!(bench.session().timings.list.hovered(), None);
+    assert_eq!(bench.session().features.timings.list.hovered(), None);
     assert!(plots(&bench, checked) && !plots(&bench, hovered));
 }
 
@@ -148,15 +148,15 @@ fn the_budget_line_names_the_best_method_within_it() {
     let mut bench = measured();
     let line = |bench: &Bench| bench.window.get_by_role_and_label(Role::Splitter, "Time budget").rect();
     assert!(bench.mentions("lowest FLIP within") || bench.mentions("No method within"));
-    let before = bench.session().timings.budget_ms();
+    let before = bench.session().features.timings.budget_ms();
     let from = line(&bench).center();
     bench.drag(PointerButton::Primary, from, Vec2::new(-2000.0, 0.0));
-    let fastest = bench.session().timings.budget_ms();
+    let fastest = bench.session().features.timings.budget_ms();
     assert!(fastest < before);
     assert!(bench.mentions("No method within"), "the axis begins before the fastest method");
     let from = line(&bench).center();
     bench.drag(PointerButton::Primary, from, Vec2::new(2000.0, 0.0));
-    assert!(bench.session().timings.budget_ms() > before);
+    assert!(bench.session().features.timings.budget_ms() > before);
     assert!(bench.mentions(": lowest FLIP within"), "the axis ends after the slowest method");
     bench.show_panel(Panel::ErrorTime);
     assert!(bench.mentions(": lowest FLIP within"), "both tabs have the same budget");
@@ -174,18 +174,18 @@ fn without_a_measurement_only_recent_methods_have_rows() {
 #[test]
 fn a_cancelled_measurement_keeps_its_samples() {
     let mut bench = Bench::with_worker("chess", Worker::spawn(|| ()));
-    bench.session_mut().timings.automatic = false;
+    bench.session_mut().features.timings.automatic = false;
     bench.show_panel(Panel::FrameTime);
     wait(&mut bench, "the first frame", |bench| bench.session().view.is_some());
     bench.click("Measure all upscalers");
-    wait(&mut bench, "a sample", |bench| bench.session().timings.has_measurement());
+    wait(&mut bench, "a sample", |bench| bench.session().features.timings.has_measurement());
     bench.click("Cancel");
-    assert_eq!(bench.session().tasks.measuring, None);
+    assert_eq!(bench.session().features.tasks.measuring, None);
     assert!(bench.mentions("Measure all upscalers"), "it can be started again");
     // One frame may have been in progress.
     std::thread::sleep(Duration::from_millis(500));
     bench.rest();
-    let samples = |bench: &Bench| bench.session().timings.series().iter().map(|(_, t)| t.len()).sum::<usize>();
+    let samples = |bench: &Bench| bench.session().features.timings.series().iter().map(|(_, t)| t.len()).sum::<usize>();
     let kept = samples(&bench);
     assert!(kept > 0 && kept < MEASURE_ROUNDS * Upscaling::every().count());
     std::thread::sleep(Duration::from_millis(500));
@@ -207,16 +207,16 @@ fn frame_times_are_paused_and_saved() {
     let mut bench = Bench::small("triangle");
     bench.show_panel(Panel::FrameTime);
     let folder = tempfile::tempdir().unwrap();
-    bench.session_mut().folder = folder.path().to_owned();
+    bench.session_mut().features.files.folder = folder.path().to_owned();
     bench.click("Pause recording frame times");
-    let before = bench.session().timings.series();
+    let before = bench.session().features.timings.series();
     bench.session_mut().state.camera.orbit(0.2, 0.0);
     bench.rest();
-    assert_eq!(bench.session().timings.series(), before);
+    assert_eq!(bench.session().features.timings.series(), before);
     bench.click("Resume recording frame times");
     bench.session_mut().state.camera.orbit(0.2, 0.0);
     bench.rest();
-    let lines = |bench: &Bench| bench.session().timings.series().iter().map(|(_, t)| t.len()).sum::<usize>();
+    let lines = |bench: &Bench| bench.session().features.timings.series().iter().map(|(_, t)| t.len()).sum::<usize>();
     assert!(lines(&bench) > before.iter().map(|(_, times)| times.len()).sum());
     bench.click("Distribution");
     bench.click("Save all frame times as CSV");
@@ -233,7 +233,7 @@ fn the_history_names_every_change_of_settings() {
     bench.rest();
     bench.session_mut().state.recipe.set("culling=none").unwrap();
     bench.rest();
-    let history = &bench.session().timings.history;
+    let history = &bench.session().features.timings.history;
     let named: Vec<_> = history.markers().map(|marker| &*marker.words).collect();
     assert!(named.ends_with(&["wireframe: false → true", "culling: back → none"]), "{named:?}");
     assert!(history.runs().len() > named.len(), "frames before the first change are kept");
@@ -243,11 +243,11 @@ fn the_history_names_every_change_of_settings() {
 fn a_warning_names_the_load_of_other_programs() {
     let mut bench = measured();
     assert!(!bench.mentions("Other programs use"));
-    bench.session_mut().timings.record_others(0.05);
+    bench.session_mut().features.timings.record_others(0.05);
     bench.rest();
     assert!(!bench.mentions("Other programs use"));
-    bench.session_mut().timings.record_others(0.43);
-    bench.session_mut().timings.record_others(0.2);
+    bench.session_mut().features.timings.record_others(0.43);
+    bench.session_mut().features.timings.record_others(0.2);
     bench.rest();
     assert!(bench.mentions("Other programs use up to 43"));
 }

@@ -65,7 +65,7 @@ fn a_tool_in_the_menu_works_as_in_the_bar() {
     bench.rest();
     bench.click("More tools of the picture");
     bench.click("Show the range controls and the histogram over the picture");
-    assert!(bench.session().range.open);
+    assert!(bench.session().features.range.open);
 }
 
 #[test]

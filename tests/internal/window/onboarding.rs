@@ -13,7 +13,7 @@ use super::bench::Bench;
 /// Opens a window with the start card.
 fn with_card(scene: &str) -> Bench {
     let mut bench = Bench::small(scene);
-    bench.session_mut().onboarding.begin();
+    bench.session_mut().features.onboarding.begin();
     bench.rest();
     bench.rest();
     assert!(bench.says("Why is a pixel black?"), "the card is shown");
@@ -35,7 +35,7 @@ fn each_example_of_the_start_card_picks_a_black_pixel_and_the_verdict_names_the_
         let verdict = bench.view().report.as_ref().expect("the pixel is explained").verdict.clone();
         assert!(verdict.contains(lesson.cause), "{}: {verdict}", lesson.scene);
         assert!(bench.says(&verdict), "the panel shows it");
-        assert!(!bench.session().onboarding.card_open);
+        assert!(!bench.session().features.onboarding.card_open);
     }
 }
 
@@ -76,7 +76,7 @@ fn every_choice_closes_the_start_card_for_good() {
     }
     let mut bench = with_card("triangle");
     bench.click("Open a model…");
-    assert!(bench.says("Open a model") && !bench.session().onboarding.card_open);
+    assert!(bench.says("Open a model") && !bench.session().features.onboarding.card_open);
     for close in [|bench: &mut Bench| bench.click("Close the start card"), |bench: &mut Bench| bench.press(Key::Escape)]
     {
         let mut bench = with_card("triangle");
@@ -95,7 +95,7 @@ fn every_choice_closes_the_start_card_for_good() {
 fn the_coach_advances_with_what_the_user_does() {
     let mut bench = with_card("triangle");
     bench.click("Close the start card");
-    let step = |bench: &Bench| bench.session().onboarding.step;
+    let step = |bench: &Bench| bench.session().features.onboarding.step;
     assert!(bench.says("Orbit and zoom"));
     let center = bench.canvas().center();
     bench.drag(PointerButton::Primary, center, Vec2::new(30.0, 0.0));
@@ -116,10 +116,10 @@ fn the_coach_can_be_stepped_through_and_skipped() {
     let mut bench = with_card("triangle");
     bench.click("Close the start card");
     for step in CoachStep::ALL {
-        assert_eq!(bench.session().onboarding.step, Some(step));
+        assert_eq!(bench.session().features.onboarding.step, Some(step));
         bench.click(if step == CoachStep::Compare { "Done" } else { "Next" });
     }
-    assert_eq!(bench.session().onboarding.step, None);
+    assert_eq!(bench.session().features.onboarding.step, None);
     for skip in [|bench: &mut Bench| bench.click("Skip"), |bench: &mut Bench| bench.press(Key::Escape)] {
         bench.click("Help");
         bench.click("Introduction in four steps");

@@ -25,20 +25,20 @@ fn the_list_switches_overlays_on_and_off() {
     bench.press(Key::O);
     bench.window.get_by_role_and_label(Role::CheckBox, "Facing").click();
     bench.rest();
-    assert_eq!(bench.session().overlays.layers.len(), 1);
+    assert_eq!(bench.session().features.overlays.layers.len(), 1);
     assert!(bench.says("Overlays (1)") || bench.mentions("Overlays (1)"));
     let view = bench.view();
     assert_ne!(*view.picture, image);
     assert_eq!(
         *view.picture,
-        compose(&image, [(&*view.look_result.sheets[0], bench.session().overlays.layers[0].opacity)])
+        compose(&image, [(&*view.look_result.sheets[0], bench.session().features.overlays.layers[0].opacity)])
     );
     assert_eq!(bench.image(), image, "the frame itself stays");
     bench.window.get_by_role_and_label(Role::CheckBox, "Facing").click();
     bench.rest();
     assert_eq!(*bench.view().picture, image);
     bench.press(Key::O);
-    assert!(!bench.session().overlays.open);
+    assert!(!bench.session().features.overlays.open);
 }
 
 #[test]
@@ -78,7 +78,7 @@ fn lines_are_drawn_into_small_pixels_and_over_large_ones() {
     assert_ne!(*bench.view().picture, image);
     let middle = bench.canvas().center();
     bench.wheel(middle, 800.0, Modifiers::NONE);
-    assert!(bench.session().overlays.vectors);
+    assert!(bench.session().features.overlays.vectors);
     assert_eq!(*bench.view().picture, image, "lines are drawn over the picture, not into it");
     assert!(!bench.view().look_result.sheets[0].lines.is_empty());
 }
@@ -99,7 +99,7 @@ fn another_buffer_changes_only_the_sheets_that_read_it() {
 fn totals_and_exact_values_are_written_into_the_folder() {
     let mut bench = Bench::small("triangle");
     let folder = tempfile::tempdir().unwrap();
-    bench.session_mut().folder = folder.path().to_owned();
+    bench.session_mut().features.files.folder = folder.path().to_owned();
     lay(&mut bench, Overlay::Rasterized);
     bench.press(Key::O);
     bench.click("Save all totals as CSV in the current folder");

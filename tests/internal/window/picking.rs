@@ -131,14 +131,14 @@ fn escape_drops_the_pick_first_and_the_shown_stage_next() {
     let mut bench = Bench::small("triangle");
     bench.click_eye(Stage::Shade);
     bench.press(Key::Home);
-    assert!(bench.session().pick.is_some() && bench.session().triangle_limit == Some(0));
+    assert!(bench.session().pick.is_some() && bench.session().features.scrub.triangle_limit == Some(0));
     bench.press(Key::Escape);
     assert_eq!(bench.session().pick, None);
     assert!(bench.says("No pixel picked"));
     assert!(matches!(bench.session().shown, Shown::Stage(_)), "one thing at a time");
     bench.press(Key::Escape);
     assert_eq!(bench.session().shown, Shown::Buffer(Buffer::Color));
-    assert_eq!(bench.session().triangle_limit, None);
+    assert_eq!(bench.session().features.scrub.triangle_limit, None);
 }
 
 #[test]

@@ -15,6 +15,7 @@ use rasterscope::ui::command::Command;
 use rasterscope::ui::compare::compute::Compared;
 use rasterscope::ui::compare::files::PictureRole;
 use rasterscope::ui::compare::{CompareChange, Mode};
+use rasterscope::ui::files::FileCommand;
 use rasterscope::ui::worker::Worker;
 
 use super::bench::Bench;
@@ -34,7 +35,7 @@ fn compared(bench: &Bench) -> &Compared {
 }
 
 fn open(bench: &mut Bench, role: PictureRole, path: PathBuf) {
-    bench.window.state_mut().queue(vec![Command::OpenPicture(role, path)]);
+    bench.window.state_mut().queue(vec![Command::File(FileCommand::OpenPicture(role, path))]);
     bench.rest();
 }
 
@@ -136,7 +137,7 @@ fn a_changed_file_is_shown_again_and_an_unfinished_one_keeps_the_old_picture() {
     let folder = tempfile::tempdir().unwrap();
     let path = saved(folder.path(), "watched.png", &gradient(1));
     let mut bench = Bench::with_worker("triangle", Worker::spawn(|| {}));
-    bench.window.state_mut().queue(vec![Command::OpenPicture(PictureRole::Tile(1), path.clone())]);
+    bench.window.state_mut().queue(vec![Command::File(FileCommand::OpenPicture(PictureRole::Tile(1), path.clone()))]);
     let shows = |bench: &Bench, blue: u8| {
         let tiles = bench.session().compared.as_ref().map(|compared| &compared.tiles);
         tiles.and_then(|tiles| tiles.get(1)).is_some_and(|tile| *tile.picture == gradient(blue))

@@ -53,7 +53,7 @@ fn the_list_of_bookmarks_deletes_one() {
     bench.click("Go");
     bench.click("Manage bookmarks…");
     bench.click("Delete bookmark 2");
-    assert_eq!(bench.session().places.bookmarks.len(), 1);
+    assert_eq!(bench.session().features.places.bookmarks.len(), 1);
     bench.click("Close");
     assert!(!bench.says("Bookmarks"));
 }
@@ -83,7 +83,7 @@ fn the_palette_finds_entries_by_letters_and_executes_them_on_enter() {
     type_in(&mut bench, "unorm16");
     bench.press(Key::Enter);
     assert_eq!(bench.session().state.recipe.pipeline.depth_format, DepthFormat::Unorm16);
-    assert_eq!(bench.session().selected_stage, Stage::Depth);
+    assert_eq!(bench.session().features.stages.selected, Stage::Depth);
     assert_eq!(bench.image(), *bench.expected().image());
 
     bench.press_with(Modifiers::COMMAND | Modifiers::SHIFT, Key::P);

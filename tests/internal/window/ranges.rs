@@ -30,7 +30,7 @@ fn values(bench: &Bench) -> Vec<Value> {
 }
 
 fn rule(bench: &Bench) -> Rule {
-    bench.session().range.setting(DEPTH).display.rule
+    bench.session().features.range.setting(DEPTH).display.rule
 }
 
 #[test]
@@ -60,7 +60,7 @@ fn keys_fit_the_range_once_and_to_the_visible_part() {
     assert_eq!(rule(&bench), Rule::Fixed(natural));
     bench.press(Key::Num0);
     bench.session_mut().pick = Some((80, 45));
-    bench.session_mut().range.visible = Some(PixelRegion { left: 70, top: 40, right: 90, bottom: 50 });
+    bench.session_mut().features.range.visible = Some(PixelRegion { left: 70, top: 40, right: 90, bottom: 50 });
     let expected = {
         let view = bench.view();
         let near = (40..50).flat_map(|y| (70..90).map(move |x| (x, y))).filter_map(|(x, y)| match view.value(x, y) {
@@ -101,7 +101,7 @@ fn a_dragged_box_has_figures() {
     bench.rest();
     bench.drag(PointerButton::Primary, from, to - from);
     let region = PixelRegion { left: 60, top: 30, right: 100, bottom: 60 };
-    assert_eq!(bench.session().range.region, Some(region));
+    assert_eq!(bench.session().features.range.region, Some(region));
     let measured = bench.view().look_result.measured.clone().expect("figures are wanted");
     let (of, channels) = measured.part.clone().expect("a box was drawn");
     let inside = (30..60).flat_map(|y| (60..100).map(move |x| (x, y)));
@@ -109,7 +109,7 @@ fn a_dragged_box_has_figures() {
     assert_eq!((of, channels[0].finite), (region, finite as u64));
     assert!(bench.says("Box 60, 30 · 40 × 30 px"));
     bench.click("Clear the box");
-    assert_eq!(bench.session().range.region, None);
+    assert_eq!(bench.session().features.range.region, None);
 }
 
 #[test]

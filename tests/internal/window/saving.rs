@@ -7,10 +7,11 @@ use rasterscope::ui::command::Command;
 use rasterscope::ui::save_as::SaveItem;
 
 use super::bench::Bench;
+use crate::ui::files::FileCommand;
 
 /// Opens the dialog for saving an item, and replaces the suggested path.
 fn ask(bench: &mut Bench, item: SaveItem, path: &str) {
-    bench.window.state_mut().queue(vec![Command::SaveAs(item)]);
+    bench.window.state_mut().queue(vec![Command::File(FileCommand::SaveAs(item))]);
     bench.rest();
     assert!(bench.says(&format!("Save {}", item.name())), "the dialog is open");
     bench.press_with(Modifiers::COMMAND, Key::A);
@@ -22,7 +23,7 @@ fn ask(bench: &mut Bench, item: SaveItem, path: &str) {
 fn the_picture_is_saved_under_a_typed_path() {
     let folder = tempfile::tempdir().unwrap();
     let mut bench = Bench::small("triangle");
-    bench.session_mut().folder = folder.path().to_owned();
+    bench.session_mut().features.files.folder = folder.path().to_owned();
     bench.press_with(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
     assert!(bench.says("Save picture"));
     bench.press_with(Modifiers::COMMAND, Key::A);
@@ -39,10 +40,10 @@ fn the_picture_is_saved_under_a_typed_path() {
 fn every_item_suggests_a_name_and_is_saved() {
     let folder = tempfile::tempdir().unwrap();
     let mut bench = Bench::small("triangle");
-    bench.session_mut().folder = folder.path().to_owned();
+    bench.session_mut().features.files.folder = folder.path().to_owned();
     bench.press(Key::T);
     for item in SaveItem::LISTED {
-        bench.window.state_mut().queue(vec![Command::SaveAs(item)]);
+        bench.window.state_mut().queue(vec![Command::File(FileCommand::SaveAs(item))]);
         bench.rest();
         bench.click("Save");
         assert_eq!(bench.session().messages.error, None, "{item:?}");
@@ -76,7 +77,7 @@ fn a_missing_folder_or_triangle_is_named() {
     bench.press(Key::Escape);
     bench.session_mut().pick = None;
     bench.rest();
-    bench.window.state_mut().queue(vec![Command::SaveAs(SaveItem::Case)]);
+    bench.window.state_mut().queue(vec![Command::File(FileCommand::SaveAs(SaveItem::Case))]);
     bench.rest();
     assert!(bench.session().messages.error.as_ref().is_some_and(|error| error.contains("pick a pixel")));
 }

@@ -41,7 +41,7 @@ fn the_slider_of_fragments_draws_the_last_triangle_in_part() {
     assert_eq!(drawn, 2);
     assert_ne!(partial, whole);
     bench.press(Key::End);
-    assert_eq!(bench.session().triangle_limit, None);
+    assert_eq!(bench.session().features.scrub.triangle_limit, None);
 }
 
 #[test]
@@ -76,11 +76,11 @@ fn space_plays_and_stops() {
         bench.window.step();
     }
     let on_the_way = bench.session().moment().triangles;
-    assert!(bench.session().scrub.playing == 1 && (1..8).contains(&on_the_way), "{on_the_way}");
+    assert!(bench.session().features.scrub.playing == 1 && (1..8).contains(&on_the_way), "{on_the_way}");
     bench.window.key_press_modifiers(Modifiers::NONE, Key::Space);
     bench.window.step();
     bench.rest();
-    assert_eq!(bench.session().scrub.playing, 0);
+    assert_eq!(bench.session().features.scrub.playing, 0);
 }
 
 #[test]
@@ -92,12 +92,12 @@ fn steps_that_do_not_touch_the_picked_pixel_are_skipped() {
     assert!(all > 0);
     bench.press(Key::Home);
     bench.click("Step only at the picked pixel");
-    assert!(bench.session().scrub.only_touches);
+    assert!(bench.session().features.scrub.only_touches);
     for fragments in 1..=all {
         bench.click("Draw one more triangle  (.)");
         assert_eq!(bench.view().report.as_ref().expect("picked").fragments.len(), fragments);
     }
     bench.press(Key::Y);
-    assert!(!bench.session().scrub.only_touches);
-    assert_eq!(bench.session().scrub.unit, Unit::Triangle);
+    assert!(!bench.session().features.scrub.only_touches);
+    assert_eq!(bench.session().features.scrub.unit, Unit::Triangle);
 }

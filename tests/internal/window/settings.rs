@@ -189,7 +189,7 @@ fn the_picture_size_is_chosen_in_the_toolbar() {
     assert_eq!(bench.image().size(), (320, 180));
     bench.click("320 × 180");
     bench.click("Match window");
-    assert_eq!(bench.image().size(), bench.session().canvas_px);
+    assert_eq!(bench.image().size(), bench.session().features.canvas.size_px);
 }
 
 #[test]

@@ -47,7 +47,7 @@ fn every_stage_s_eye_shows_its_picture_and_hides_it_again() {
     for stage in Stage::ALL {
         bench.click_eye(*stage);
         assert_shows(&bench, *stage);
-        assert_eq!(bench.session().selected_stage, *stage);
+        assert_eq!(bench.session().features.stages.selected, *stage);
         bench.click_eye(*stage);
         assert_eq!(bench.session().shown, Shown::Buffer(Buffer::Color));
     }
@@ -56,11 +56,11 @@ fn every_stage_s_eye_shows_its_picture_and_hides_it_again() {
 #[test]
 fn brackets_move_the_selection_and_leave_a_shown_buffer() {
     let mut bench = Bench::small("triangle");
-    assert_eq!(bench.session().selected_stage, Stage::Rasterize);
+    assert_eq!(bench.session().features.stages.selected, Stage::Rasterize);
     assert!(bench.says("Fill rule") && !bench.says("Colour space"));
     for (key, stage) in [(Key::OpenBracket, Stage::Cull), (Key::CloseBracket, Stage::Rasterize)] {
         bench.press(key);
-        assert_eq!(bench.session().selected_stage, stage);
+        assert_eq!(bench.session().features.stages.selected, stage);
         assert_eq!(bench.session().shown, Shown::Buffer(Buffer::Color));
     }
 }
@@ -72,7 +72,7 @@ fn a_selected_row_shows_its_picture_if_a_stage_is_shown() {
     bench.select(Stage::Depth);
     assert_shows(&bench, Stage::Depth);
     bench.click("Show the previous stage");
-    assert_eq!(bench.session().selected_stage, Stage::Rasterize);
+    assert_eq!(bench.session().features.stages.selected, Stage::Rasterize);
     assert_shows(&bench, Stage::Rasterize);
 }
 
@@ -82,9 +82,9 @@ fn rows_are_focused_and_selected_by_keys() {
     bench.window.get_by_role_and_label(Role::Button, "Clip stage").focus();
     bench.rest();
     bench.press(Key::Enter);
-    assert_eq!(bench.session().selected_stage, Stage::Clip);
+    assert_eq!(bench.session().features.stages.selected, Stage::Clip);
     bench.press(Key::CloseBracket);
-    assert_eq!(bench.session().selected_stage, Stage::Project);
+    assert_eq!(bench.session().features.stages.selected, Stage::Project);
     for (name, is_selected) in [("Clip stage", false), ("Project stage", true)] {
         let row = bench.window.get_by_role_and_label(Role::Button, name).accesskit_node();
         assert_eq!(row.toggled() == Some(egui::accesskit::Toggled::True), is_selected, "{name}");
@@ -97,7 +97,7 @@ fn rows_have_counts_with_units_or_the_reason_for_skipping() {
     let mut bench = Bench::small("interpenetrating");
     let triangles = format!("{} tris", bench.session().scene.triangle_count());
     assert!(bench.says(&triangles), "{triangles}");
-    let shaded = bench.session().stages.expect("stages were timed").counters.shaded;
+    let shaded = bench.session().features.stages.figures.expect("stages were timed").counters.shaded;
     assert!(bench.says(&format!("{} frags", format::short_count(shaded))));
     assert!(bench.says("every pixel is drawn") && !bench.says("the depth test is off"));
     bench.select(Stage::Depth);
@@ -208,7 +208,7 @@ fn keys_draw_the_frame_triangle_by_triangle() {
         bench.press(Key::Period);
         assert_eq!(drawn(&bench), count);
     }
-    assert_eq!(bench.session().triangle_limit, None, "all triangles are no limit");
+    assert_eq!(bench.session().features.scrub.triangle_limit, None, "all triangles are no limit");
     assert_eq!(bench.image(), complete);
     bench.press(Key::Period);
     assert_eq!(drawn(&bench), all);
@@ -224,7 +224,7 @@ fn the_slider_and_its_buttons_limit_the_triangles() {
     let mut bench = Bench::small("shared-edges");
     bench.window.get_by_role_and_label(Role::Slider, "Triangles drawn").set_value_accesskit(3.0);
     bench.rest();
-    assert_eq!(bench.session().triangle_limit, Some(3));
+    assert_eq!(bench.session().features.scrub.triangle_limit, Some(3));
     assert_eq!(bench.view().frame.geometry.triangles.len(), 3);
     assert!(bench.says("3 / 8"));
     let buttons = [
@@ -236,7 +236,7 @@ fn the_slider_and_its_buttons_limit_the_triangles() {
     ];
     for (name, limit) in buttons {
         bench.click(name);
-        assert_eq!(bench.session().triangle_limit, limit, "{name}");
+        assert_eq!(bench.session().features.scrub.triangle_limit, limit, "{name}");
     }
 }
 

@@ -1,9 +1,13 @@
 //! Tests of the strip below the picture: its chips, its legends, and the size of the picture above it.
 
+use eframe::egui::{Key, Role};
 use egui_kittest::kittest::Queryable as _;
 use rasterscope::inspect::Buffer;
 use rasterscope::inspect::overlays::Overlay;
+use rasterscope::measure::difference::Difference;
+use rasterscope::pipeline::settings::Choice as _;
 use rasterscope::ui::command::Command;
+use rasterscope::ui::compare::{CompareChange, Mode};
 use rasterscope::ui::engine::Shown;
 use rasterscope::ui::overlays::OverlayChange;
 use rasterscope::ui::session::{PictureSize, Session};
@@ -17,14 +21,16 @@ type Removable = (&'static str, Command, fn(&Session) -> bool);
 fn removables() -> [Removable; 5] {
     [
         ("Remove the overlay: Facing", Command::Overlays(OverlayChange::Toggle(Overlay::Facing)), |session| {
-            session.overlays.layer(Overlay::Facing).is_some()
+            session.features.overlays.layer(Overlay::Facing).is_some()
         }),
-        ("Remove the marks: ", Command::Overlays(OverlayChange::Marks(true)), |session| session.overlays.marks),
+        ("Remove the marks: ", Command::Overlays(OverlayChange::Marks(true)), |session| {
+            session.features.overlays.marks
+        }),
         ("Show the colour: Depth", Command::Show(Shown::Buffer(Buffer::Depth)), |session| {
             session.shown == Shown::Buffer(Buffer::Depth)
         }),
         ("Draw all triangles: First 5 of ", Command::LimitTriangles(Some(5)), |session| {
-            session.triangle_limit.is_some()
+            session.features.scrub.triangle_limit.is_some()
         }),
         ("Mirror the scene back: ", Command::MirrorZ, |session| session.mirrored),
     ]
@@ -72,4 +78,37 @@ fn a_scale_lists_the_values_at_its_ends() {
     bench.session_mut().apply(Command::Show(Shown::Buffer(Buffer::Color)));
     bench.rest();
     assert!(!bench.mentions("Colours from "));
+}
+
+#[test]
+fn many_overlays_leave_the_canvas_its_height() {
+    let mut bench = Bench::small("triangle");
+    let height = bench.canvas().height();
+    for overlay in Overlay::ALL {
+        bench.session_mut().apply(Command::Overlays(OverlayChange::Toggle(*overlay)));
+    }
+    bench.rest();
+    let left = bench.canvas().height();
+    assert!(left < height && left > height - 90.0, "{left} of {height}");
+    let last = format!("Remove the overlay: {}", Overlay::ALL[0].name());
+    bench.click(&last);
+    assert!(bench.session().features.overlays.layer(Overlay::ALL[0]).is_none(), "the strip scrolls to every chip");
+}
+
+#[test]
+fn the_legend_of_a_difference_is_below_the_picture() {
+    let mut bench = Bench::small("cubes");
+    bench.press(Key::D);
+    let below = |bench: &Bench, text: &str| {
+        let picture = bench.window.get_by_role_and_label(Role::Image, "Compared pictures").rect();
+        let legend = bench.window.get_by_label_contains(text).rect();
+        assert!(legend.top() >= picture.bottom(), "{legend} covers {picture}");
+    };
+    below(&bench, "Colours from ");
+    bench.session_mut().apply(Command::Compare(CompareChange::Difference(Difference::Changed)));
+    bench.rest();
+    below(&bench, "between A and B");
+    bench.session_mut().apply(Command::Compare(CompareChange::Mode(Mode::Wipe)));
+    bench.rest();
+    assert!(!bench.mentions("between A and B"), "only a difference has a legend");
 }

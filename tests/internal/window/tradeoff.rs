@@ -18,7 +18,7 @@ fn every_upscaler_becomes_a_point_with_its_error_against_native() {
     bench.show_panel(Panel::ErrorTime);
     assert!(bench.mentions("No measurement yet"));
     bench.click("Measure error and time");
-    let points = bench.session().timings.tradeoff();
+    let points = bench.session().features.timings.tradeoff();
     assert_eq!(points.len(), Upscaling::every().count());
     let native = points.iter().find(|point| point.upscaling.is_native()).expect("native is measured");
     assert_eq!(native.error.still.codes.mse, 0.0);
@@ -47,16 +47,16 @@ fn errors_are_measured_in_motion_unless_the_still_view_is_chosen() {
     let mut bench = Bench::small("triangle");
     bench.show_panel(Panel::ErrorTime);
     bench.click("In motion (0.5° per frame)");
-    assert_eq!(bench.session().timings.turn, Turn::default());
+    assert_eq!(bench.session().features.timings.turn, Turn::default());
     bench.click("Still");
-    assert_eq!(bench.session().timings.turn, Turn::STILL);
+    assert_eq!(bench.session().features.timings.turn, Turn::STILL);
     bench.session_mut().state.size = PictureSize::Fixed(48, 27);
     bench.session_mut().settle_silently();
-    bench.session_mut().timings.turn = Turn { degrees: 4.0, frames: 2 };
+    bench.session_mut().features.timings.turn = Turn { degrees: 4.0, frames: 2 };
     bench.rest();
     bench.click("Measure error and time");
     assert!(bench.mentions("in motion: 2 of 2 frames, 4° per frame"));
-    let points = bench.session().timings.tradeoff();
+    let points = bench.session().features.timings.tradeoff();
     assert!(points.iter().all(|point| point.error.motion.frames == 2));
     let temporal = Upscaling::new("checkerboard-temporal", 1).expect("there is one");
     let point = points.iter().find(|point| point.upscaling == temporal).expect("it is measured");
@@ -85,7 +85,7 @@ fn lonely_points(bench: &Bench) -> Vec<(Upscaling, Pos2)> {
         let name = format!("Point: {},", upscaling.label());
         bench.window.query_all_by_label_contains(&name).next().expect("every point is named").rect().center()
     };
-    let points = bench.session().timings.tradeoff();
+    let points = bench.session().features.timings.tradeoff();
     let places: Vec<_> = points.iter().map(|point| (point.upscaling, place(point.upscaling))).collect();
     let room = |of: &(Upscaling, Pos2)| {
         let others = places.iter().filter(|other| other.0 != of.0);
@@ -121,10 +121,10 @@ fn the_method_of_the_point_under_the_pointer_is_shared() {
     let (upscaling, place) = lonely_points(&bench)[0];
     bench.window.hover_at(place);
     bench.rest();
-    assert_eq!(bench.session().timings.list.hovered(), Some(upscaling));
+    assert_eq!(bench.session().features.timings.list.hovered(), Some(upscaling));
     bench.window.hover_at(Pos2::new(1.0, 1.0));
     bench.rest();
-    assert_eq!(bench.session().timings.list.hovered(), None);
+    assert_eq!(bench.session().features.timings.list.hovered(), None);
 }
 
 #[test]
@@ -137,7 +137,7 @@ fn a_measurement_says_which_reference_it_is_against() {
     assert!(bench.mentions("Reference: Native, 1 sample"), "until it is measured again");
     bench.click("Measure error and time");
     assert!(bench.mentions("Reference: Converged, 256 samples"));
-    let points = bench.session().timings.tradeoff();
+    let points = bench.session().features.timings.tradeoff();
     let native = points.iter().find(|point| point.upscaling.is_native()).expect("native is measured");
     assert!(native.error.still.codes.mse > 0.0, "edges of one sample per pixel have aliasing");
     assert_eq!(points.len(), Upscaling::every().count());

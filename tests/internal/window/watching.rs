@@ -16,7 +16,7 @@ fn a_watched_pixel_is_followed_and_changes_are_marked() {
     bench.click_at(there);
     bench.press(Key::Enter);
     let [r, g, b, _] = bench.image().at(80, 45);
-    assert_eq!(bench.session().watch.pixels, [(80, 45)]);
+    assert_eq!(bench.session().features.watch.pixels, [(80, 45)]);
     assert!(bench.mentions(&format!("{r} {g} {b}")));
     bench.select(Stage::Shade);
     bench.choose("Shading", Shading::Normals.name());
@@ -33,12 +33,12 @@ fn a_watched_pixel_is_picked_by_a_click_and_removed() {
         bench.click_at(there);
         bench.click("Watch this pixel  (Enter)");
     }
-    assert_eq!(bench.session().watch.pixels, [(80, 45), (3, 4)]);
+    assert_eq!(bench.session().features.watch.pixels, [(80, 45), (3, 4)]);
     bench.show_panel(Panel::Watch);
     bench.click("80, 45");
     assert_eq!(bench.session().pick, Some((80, 45)));
     bench.click("Stop watching 80, 45");
-    assert_eq!(bench.session().watch.pixels, [(3, 4)]);
+    assert_eq!(bench.session().features.watch.pixels, [(3, 4)]);
     bench.click("Clear");
     assert!(bench.says("No watched pixels"));
 }

@@ -44,7 +44,7 @@ fn a_change_without_effect_is_reported_as_such() {
 #[test]
 fn a_button_steps_through_the_changed_pixels() {
     let mut bench = changed();
-    let found = bench.session().what_if.found.clone().unwrap();
+    let found = bench.session().features.what_if.found.clone().unwrap();
     for _ in 0..3 {
         bench.click("Next changed pixel");
         let (x, y) = bench.session().pick.unwrap();
@@ -73,8 +73,12 @@ fn a_pinned_a_stays_and_revert_leads_back_to_it() {
 #[test]
 fn a_closed_bar_requests_nothing_from_the_renderer() {
     let mut bench = changed();
-    assert!(bench.session().what_if.found.is_some());
+    assert!(bench.session().features.what_if.found.is_some());
     bench.press(Key::X);
-    assert!(bench.session().what_if.found.is_none() && bench.session().what_if_request().is_none());
-    assert_eq!(bench.session().what_if.before, Some(Recipe::default()), "the previous settings are still kept");
+    assert!(bench.session().features.what_if.found.is_none() && bench.session().what_if_request().is_none());
+    assert_eq!(
+        bench.session().features.what_if.before,
+        Some(Recipe::default()),
+        "the previous settings are still kept"
+    );
 }

@@ -77,13 +77,13 @@ fn the_pick_and_the_picture_stay_in_every_workspace_and_window() {
     let mut bench = Bench::small("chess");
     let (pick, picture) = (bench.session().pick, bench.image());
     assert!(pick.is_some());
-    let point = bench.session().picked_point.clone().expect("a triangle is picked");
+    let point = bench.session().features.picking.point.clone().expect("a triangle is picked");
     for window in [Vec2::new(900.0, 560.0), Vec2::new(1920.0, 1080.0)] {
         resize(&mut bench, window);
         for workspace in Workspace::ALL.iter().copied() {
             change(&mut bench, WorkspaceChange::Show(workspace));
             assert_eq!((bench.session().pick, &bench.image()), (pick, &picture), "{workspace:?} {window}");
-            let now = bench.session().picked_point.as_ref().expect("it is kept");
+            let now = bench.session().features.picking.point.as_ref().expect("it is kept");
             assert_eq!((now.triangle, now.weights), (point.triangle, point.weights));
         }
     }
@@ -100,6 +100,22 @@ fn the_picture_has_most_of_the_window() {
         assert!(!shows(&bench, Panel::Pixel) && canvas_share(&bench, window) > 0.8);
         change(&mut bench, WorkspaceChange::TogglePanels);
         assert_eq!(canvas_share(&bench, window), share);
+    }
+}
+
+#[test]
+fn a_picture_in_16_9_fills_most_of_the_canvas() {
+    let mut bench = Bench::small("triangle");
+    for (window, least) in [(WINDOW, 0.55), (Vec2::new(1024.0, 700.0), 0.44), (Vec2::new(1920.0, 1080.0), 0.7)] {
+        resize(&mut bench, window);
+        let canvas = bench.canvas().size();
+        let width = canvas.x.min(canvas.y * 16.0 / 9.0);
+        let share = width * width * 9.0 / 16.0 / (window.x * window.y);
+        assert!(share >= least, "{window}: {share}");
+        for panel in [Panel::Stages, Panel::Pixel] {
+            let place = bench.window.get_by_role_and_label(Role::Group, panel.name()).rect();
+            assert!(place.width() >= 240.0 && place.height() >= 240.0, "{window}: {panel:?} {place}");
+        }
     }
 }
 
@@ -144,5 +160,5 @@ fn f6_leads_through_all_panels() {
         bench.press(Key::F6);
         names.push(focused(&bench).expect("a panel has the focus"));
     }
-    assert_eq!(names, ["Stages", "Picture", "Pixel", "Stages"]);
+    assert_eq!(names, ["Picture", "Stages", "Pixel", "Picture"]);
 }

@@ -9,6 +9,7 @@ use crate::ui::command::Command;
 use crate::ui::compare::compute::Compared;
 use crate::ui::compare::files::PictureRole;
 use crate::ui::compare::{Mode, letter};
+use crate::ui::files::FileCommand;
 use crate::ui::session::Session;
 use crate::ui::theme::{RADIUS, font_size, space, tokens};
 
@@ -58,5 +59,5 @@ pub(super) fn dropped(ui: &Ui, responses: &[Response], session: &Session, comman
         }
         _ => 1,
     };
-    commands.push(Command::OpenPicture(PictureRole::Tile(tile), path));
+    commands.push(Command::File(FileCommand::OpenPicture(PictureRole::Tile(tile), path)));
 }

@@ -44,7 +44,7 @@ fn header(ui: &mut Ui, tile: usize, rect: Rect, session: &Session, commands: &mu
     let active = tile == session.state.tiles.active;
     let label = row.selectable_label(active, text);
     label.widget_info(|| WidgetInfo::selected(Role::Button, true, active, format!("Tile {name}")));
-    if label.on_hover_text("Edit this tile's settings on the left and inspect its pixels on the right").clicked() {
+    if label.on_hover_text("Edit the settings of this tile and inspect its pixels").clicked() {
         commands.push(Command::Compare(CompareChange::Activate(tile)));
     }
     if let Some(file) = session.state.tiles.file(PictureRole::Tile(tile)) {

@@ -17,7 +17,7 @@ const NAMED: usize = 4;
 /// Draws the plot in an area of `size` points. Frames have the colour of their method if its row is checked or under
 /// the pointer, or if it draws the picture; others are grey.
 pub(super) fn plot(ui: &mut Ui, size: Vec2, session: &Session) {
-    let history = &session.timings.history;
+    let history = &session.features.timings.history;
     if history.is_empty() {
         empty_state(
             ui,
@@ -52,7 +52,7 @@ pub(super) fn plot(ui: &mut Ui, size: Vec2, session: &Session) {
         });
     plot.show(ui, |plot| {
         for (run, color) in runs.iter().zip(&colors) {
-            let is_chosen = session.timings.list.plots_frames_of(run.upscaling, current);
+            let is_chosen = session.features.timings.list.plots_frames_of(run.upscaling, current);
             let color = if is_chosen { *color } else { grey };
             let name = run.upscaling.label();
             if let [single] = run.points[..] {

@@ -63,11 +63,11 @@ impl MethodListView<'_> {
             (hovered, bottom)
         });
         let (hovered, bottom) = scrolled.inner;
-        let change = self.session.timings.list.hover_change(Panel::FrameTime, hovered);
+        let change = self.session.features.timings.list.hover_change(Panel::FrameTime, hovered);
         commands.extend(change.map(Command::Timings));
         let bottom = bottom.clamp(header.bottom(), scrolled.inner_rect.bottom().max(header.bottom()));
         let plot = columns.plot_area(Rangef::new(header.bottom() - budget_line::GRIP_HEIGHT, bottom));
-        if let Some(x) = budget_line::line(ui, plot, columns.x(self.session.timings.budget_ms())) {
+        if let Some(x) = budget_line::line(ui, plot, columns.x(self.session.features.timings.budget_ms())) {
             commands.push(Command::Timings(TimingsChange::Budget(columns.ms_at(x))));
         }
     }
@@ -83,7 +83,7 @@ impl MethodListView<'_> {
     /// Draws the label of the budget line, and below it the column headings and the labels of the ticks.
     fn header(&self, ui: &Ui, rect: Rect, columns: Columns) {
         let label = rect.with_max_y(rect.top() + budget_line::LABEL_HEIGHT);
-        budget_line::label(ui, self.session, label, columns.x(self.session.timings.budget_ms()));
+        budget_line::label(ui, self.session, label, columns.x(self.session.features.timings.budget_ms()));
         let weak = tokens(ui).text_weak;
         let baseline = rect.bottom() - space::XS;
         let heading = |x: f32, align: Align2, text: &str| {
@@ -105,7 +105,7 @@ impl MethodListView<'_> {
     /// Draws all rows. Returns the upscaler under the pointer.
     fn rows(&self, ui: &mut Ui, columns: Columns, commands: &mut Vec<Command>) -> Option<Upscaling> {
         let marks = RowMarks::new(columns, self.session, self.rows);
-        let groups = self.session.timings.list.order == RowOrder::Method;
+        let groups = self.session.features.timings.list.order == RowOrder::Method;
         let mut hovered = None;
         for (index, row) in self.rows.iter().enumerate() {
             let top = ui.cursor().top();
@@ -163,7 +163,7 @@ impl MethodListView<'_> {
 
     /// Draws the background of a row, which shows whether it is current, under the pointer, or focused.
     fn backdrop(&self, ui: &Ui, response: &Response, upscaling: Upscaling) {
-        let is_hovered = self.session.timings.list.hovered() == Some(upscaling);
+        let is_hovered = self.session.features.timings.list.hovered() == Some(upscaling);
         let is_current = self.is_current(upscaling);
         if is_hovered || is_current {
             ui.painter().rect_filled(response.rect, RADIUS, tokens(ui).raised);
@@ -185,7 +185,7 @@ impl MethodListView<'_> {
             UiBuilder::new().id_salt(("check", &label)).max_rect(place).layout(Layout::left_to_right(Align::Center));
         let mut child = ui.new_child(builder);
         child.spacing_mut().interact_size = vec2(size, size);
-        let mut is_checked = self.session.timings.list.is_checked(upscaling);
+        let mut is_checked = self.session.features.timings.list.is_checked(upscaling);
         let response = child.add(Checkbox::without_text(&mut is_checked));
         let words = format!("Plot the frames of {label}");
         response.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, is_checked, &words));

@@ -44,9 +44,9 @@ impl RowMarks {
     /// Creates a painter for `rows`.
     pub(super) fn new(columns: Columns, session: &Session, rows: &[MethodRow]) -> Self {
         let native = rows.iter().find(|row| row.upscaling.is_native());
-        let budget = columns.x(session.timings.budget_ms());
+        let budget = columns.x(session.features.timings.budget_ms());
         let native_ms = native.map(|row| row.summary.median);
-        Self { columns, native_ms, best: session.timings.budget_winner().best(), budget }
+        Self { columns, native_ms, best: session.features.timings.budget_winner().best(), budget }
     }
 
     /// Draws all marks of a row within `rect`.

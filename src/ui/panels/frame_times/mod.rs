@@ -30,6 +30,7 @@ use crate::manual::Chapter;
 use crate::measure::timing::Summary;
 use crate::ui::command::Command;
 use crate::ui::format;
+use crate::ui::long_tasks::MeasureCommand;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, space, tokens};
 use crate::ui::timings::{RowOrder, TimingsChange};
@@ -136,18 +137,18 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 /// Returns the rows that the filter shows, sorted. During a measurement, rows have the order of the menus, because
 /// sorting by preliminary results would move them in every round.
 fn shown(all: &[MethodRow], session: &Session) -> Vec<MethodRow> {
-    let list = &session.timings.list;
+    let list = &session.features.timings.list;
     let mut rows: Vec<_> = all.iter().filter(|row| list.shows(row.upscaling)).cloned().collect();
-    let order = if session.tasks.measuring.is_some() { RowOrder::Method } else { list.order };
+    let order = if session.features.tasks.measuring.is_some() { RowOrder::Method } else { list.order };
     rows::sort(&mut rows, order);
     rows
 }
 
 /// Draws the buttons, and the scene and size that the times were measured with.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    if let Some(measuring) = session.tasks.measuring {
+    if let Some(measuring) = session.features.tasks.measuring {
         if ui.button("Cancel").on_hover_text("Stop the measurement and keep the results so far").clicked() {
-            commands.push(Command::CancelMeasure);
+            commands.push(Command::Measure(MeasureCommand::CancelUpscalers));
         }
         ui.add(ProgressBar::new(measuring.progress).desired_width(240.0).show_percentage());
     } else {
@@ -155,31 +156,31 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         let help = "Time every upscaler in interleaved rounds with the current scene, view and size, and measure its \
                     error on the same frames. The panel “Error vs time” selects a moving or a still camera";
         if ui.add(measure).on_hover_text(help).clicked() {
-            commands.push(Command::Measure);
+            commands.push(Command::Measure(MeasureCommand::MeasureUpscalers));
         }
         if ui.button("Clear").on_hover_text("Delete all frame times").clicked() {
-            commands.push(Command::ClearTimings);
+            commands.push(Command::Timings(TimingsChange::Clear));
         }
     }
-    let automatic = session.timings.automatic;
+    let automatic = session.features.timings.automatic;
     let help = "Measure by itself while this panel is open, as soon as you and all other programs are idle";
     if ui.selectable_label(automatic, "Automatic").on_hover_text(help).clicked() {
         commands.push(Command::Timings(TimingsChange::Automatic(!automatic)));
     }
-    let paused = session.timings.paused;
+    let paused = session.features.timings.paused;
     let (icon, name) = if paused {
         (Icon::Play, "Resume recording frame times")
     } else {
         (Icon::Pause, "Pause recording frame times")
     };
     if icon_button(ui, icon, name).clicked() {
-        commands.push(Command::PauseTimings);
+        commands.push(Command::Timings(TimingsChange::TogglePaused));
     }
     if icon_button(ui, Icon::Download, "Save all frame times as CSV").clicked() {
-        commands.push(Command::ExportTimings);
+        commands.push(Command::Timings(TimingsChange::Export));
     }
     let viewport = session.viewport();
-    let timings = &session.timings;
+    let timings = &session.features.timings;
     let text = if !timings.has_measurement() {
         format!("Recent frames · {} · {} × {} px", session.scene.name, viewport.width, viewport.height)
     } else if timings.measurement_fits(&session.request()) {
@@ -193,7 +194,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
 
 /// Draws a warning if other programs were busy during the measurement.
 fn disturbance(ui: &mut Ui, session: &Session) {
-    let Some(share) = session.timings.disturbance() else { return };
+    let Some(share) = session.features.timings.disturbance() else { return };
     let text = format!(
         "Other programs use up to {} of the processors, so these times may be too long. Close them and measure again.",
         format::percent(share)
@@ -209,10 +210,10 @@ fn disturbance(ui: &mut Ui, session: &Session) {
 /// Draws a list of the slowest frames since the last change of scene, settings or size. These frames may no longer be
 /// visible in the plot.
 fn spikes(ui: &mut Ui, session: &Session) {
-    if session.timings.has_measurement() || session.timings.slowest().is_empty() {
+    if session.features.timings.has_measurement() || session.features.timings.slowest().is_empty() {
         return;
     }
-    let slowest = session.timings.slowest().iter();
+    let slowest = session.features.timings.slowest().iter();
     let words: Vec<_> = slowest.map(|(upscaling, ms)| format!("{} {}", upscaling.label(), format::ms(*ms))).collect();
     let text = RichText::new(format!("Slowest frames: {}", words.join(", "))).small().color(tokens(ui).text_weak);
     ui.add(egui::Label::new(text).wrap()).on_hover_text("Slowest frames since scene, settings or size last changed");
@@ -221,7 +222,7 @@ fn spikes(ui: &mut Ui, session: &Session) {
 /// Draws the median and the 99th percentile of the time spent in a pass of the user interface, excluding the rendering
 /// of the picture.
 fn window(ui: &mut Ui, session: &Session) {
-    let Some(Summary { median, p99, .. }) = session.window_times.summary() else { return };
+    let Some(Summary { median, p99, .. }) = session.features.timings.window.summary() else { return };
     let text = format!("User interface: median {}, p99 {}", format::ms(median), format::ms(p99));
     ui.add(egui::Label::new(RichText::new(text).small().color(tokens(ui).text_weak)).wrap()).on_hover_text(
         "Time spent in one pass of the user interface: laying out the panels, tessellating them and submitting the \

@@ -40,7 +40,7 @@ impl MethodRow {
 
 /// Returns a row for every upscaler with recorded frame times, in the order of the menus.
 pub(super) fn collect(session: &Session) -> Vec<MethodRow> {
-    let timings = &session.timings;
+    let timings = &session.features.timings;
     let summarized = timings.series().into_iter().filter_map(|(upscaling, times_ms)| {
         let summary = summarize(&times_ms)?;
         Some(MethodRow {

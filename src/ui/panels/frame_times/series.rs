@@ -46,7 +46,7 @@ struct FrameLine<'a> {
 impl<'a> FrameLine<'a> {
     /// Creates the line of a row; that of the row under the pointer is wider.
     fn new(ui: &Ui, row: &'a MethodRow, session: &Session) -> Self {
-        let is_hovered = session.timings.list.hovered() == Some(row.upscaling);
+        let is_hovered = session.features.timings.list.hovered() == Some(row.upscaling);
         let color = method_color(ui, row.upscaling);
         Self { row, name: row.upscaling.label(), color, width: if is_hovered { 2.5 } else { 1.5 } }
     }
@@ -74,12 +74,12 @@ fn distribution(times_ms: &[f64]) -> Vec<[f64; 2]> {
 pub(super) fn ui(ui: &mut Ui, rows: &[MethodRow], size: Vec2, session: &Session, commands: &mut Vec<Command>) {
     let top = ui.cursor().top();
     let current = session.state.recipe.upscaler;
-    let list = &session.timings.list;
+    let list = &session.features.timings.list;
     let is_drawn = |row: &&MethodRow| list.plots_frames_of(row.upscaling, current);
     let lines: Vec<_> = rows.iter().filter(is_drawn).map(|row| FrameLine::new(ui, row, session)).collect();
     ui.horizontal(|ui| {
-        view_switch(ui, session.timings.view, commands);
-        let what = match session.timings.view {
+        view_switch(ui, session.features.timings.view, commands);
+        let what = match session.features.timings.view {
             TimingsView::Lines | TimingsView::Distribution => "of checked and hovered rows",
             TimingsView::History => "of all frames; checked and hovered rows are coloured",
         };
@@ -87,7 +87,7 @@ pub(super) fn ui(ui: &mut Ui, rows: &[MethodRow], size: Vec2, session: &Session,
     });
     let height = size.y - (ui.cursor().top() - top);
     let size = vec2(size.x, height);
-    match session.timings.view {
+    match session.features.timings.view {
         TimingsView::Lines => plot(ui, &lines, FramePlot::Lines, size),
         TimingsView::Distribution => plot(ui, &lines, FramePlot::Distribution, size),
         TimingsView::History => history::plot(ui, size, session),

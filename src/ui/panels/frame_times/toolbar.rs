@@ -38,7 +38,7 @@ fn order(ui: &mut Ui, rows: &[MethodRow], session: &Session, commands: &mut Vec<
     weak(ui, "Sort by");
     let has_errors = rows.iter().any(|row| row.error.is_some());
     for (order, name, help) in RowOrder::ALL {
-        let is_present = session.timings.list.order == order;
+        let is_present = session.features.timings.list.order == order;
         let is_possible = order != RowOrder::Error || has_errors;
         let button = ui.add_enabled(is_possible, Button::selectable(is_present, name));
         let words = format!("Sort by {}", name.to_lowercase());
@@ -59,7 +59,7 @@ fn scales(ui: &mut Ui, rows: &[MethodRow], session: &Session, commands: &mut Vec
     }
     weak(ui, "Scale");
     for scale in scales {
-        let is_shown = session.timings.list.shows_scale(scale);
+        let is_shown = session.features.timings.list.shows_scale(scale);
         let button = ui.selectable_label(is_shown, format!("×{scale}"));
         let words = format!("Show scale ×{scale}");
         button.widget_info(|| WidgetInfo::selected(Role::Button, true, is_shown, &words));
@@ -72,7 +72,7 @@ fn scales(ui: &mut Ui, rows: &[MethodRow], session: &Session, commands: &mut Vec
 
 fn budget_field(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     weak(ui, "Budget");
-    let mut ms = session.timings.budget_ms();
+    let mut ms = session.features.timings.budget_ms();
     let speed = ms * 0.02;
     let field = number_field(&mut ms, budget::text).speed(speed).range(budget::MIN_MS..=budget::MAX_MS);
     let response = ui.name_inputs("Time budget of a frame", |ui| ui.add(field));

@@ -13,8 +13,11 @@ use crate::ui::timings::budget;
 pub(super) fn ui(ui: &mut Ui, row: &MethodRow, session: &Session) {
     ui.spacing_mut().item_spacing.y = 2.0;
     ui.strong(row.upscaling.label());
-    if session.timings.budget_winner().best() == Some(row.upscaling) {
-        ui.label(format!("Best within the budget: lowest FLIP within {}", budget::text(session.timings.budget_ms())));
+    if session.features.timings.budget_winner().best() == Some(row.upscaling) {
+        ui.label(format!(
+            "Best within the budget: lowest FLIP within {}",
+            budget::text(session.features.timings.budget_ms())
+        ));
     }
     if row.native_within_noise {
         ui.label(format!("{WITHIN} of native"));

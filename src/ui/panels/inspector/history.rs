@@ -53,7 +53,7 @@ impl HistoryView {
     /// Draws the history of the picked pixel.
     pub(super) fn ui(&mut self, ui: &mut Ui, session: &Session, report: &PixelReport, commands: &mut Vec<Command>) {
         section_header(ui, "History", |ui| {
-            if session.triangle_limit.is_some() {
+            if session.features.scrub.triangle_limit.is_some() {
                 let help = "Draw all triangles again  (End)";
                 if icon_button(ui, Icon::ListRestart, help).clicked() {
                     commands.push(Command::LimitTriangles(None));

@@ -20,6 +20,7 @@ use crate::inspect::{FragmentRecord, PixelReport};
 use crate::manual::Chapter;
 use crate::ui::checks;
 use crate::ui::command::Command;
+use crate::ui::files::FileCommand;
 use crate::ui::format;
 use crate::ui::overlays;
 use crate::ui::picked_point::PointVisibility;
@@ -122,7 +123,7 @@ impl Inspector {
                 let help = "Save the visible triangle of this pixel as a case file in the current folder, to report \
                             it or to open it again";
                 if ui.button("Save triangle as case file").on_hover_text(help).clicked() {
-                    commands.push(Command::SaveCase);
+                    commands.push(Command::File(FileCommand::SaveCase));
                 }
             }
         });
@@ -141,7 +142,7 @@ fn arithmetic_button(ui: &mut Ui, report: &PixelReport, fragment: &FragmentRecor
 /// Returns the fragment of the first violation that the assertions found; `None` if there is no violation or if it is
 /// at another pixel.
 fn violating(session: &Session, report: &PixelReport) -> Option<Chosen> {
-    let (found, frame) = session.checks.found.as_ref()?;
+    let (found, frame) = session.features.checks.found.as_ref()?;
     let (_, violation) = found.first_violation()?;
     let is_here = checks::place(violation, frame) == (report.x, report.y);
     let index = report.fragments.iter().position(|fragment| is_here && fragment.triangle == violation.triangle)?;
@@ -234,7 +235,7 @@ fn hidden_point(ui: &mut Ui, session: &Session) {
     if session.point_visibility() != Some(PointVisibility::Hidden) {
         return;
     }
-    let Some(point) = &session.picked_point else { return };
+    let Some(point) = &session.features.picking.point else { return };
     let object = session.scene.instances.get(point.instance).map_or("", |instance| &instance.name);
     let text = format!("The picked point, on triangle {} of “{object}”, is hidden here", point.triangle.0);
     let help = "The pick follows a point on a triangle. This pixel is at the place of the point, but its centre shows \

@@ -50,7 +50,7 @@ pub(super) fn ui(
 ) -> Option<Upscaling> {
     let mut order: Vec<_> = points.iter().collect();
     order.sort_by(|a, b| flip(a).total_cmp(&flip(b)));
-    let best = session.timings.budget_winner().best();
+    let best = session.features.timings.budget_winner().best();
     let mut hovered = None;
     Grid::new("tradeoff").num_columns(2 + HEADINGS.len()).striped(true).spacing([10.0, 3.0]).show(ui, |ui| {
         ui.label("");
@@ -100,13 +100,13 @@ fn strength(ui: &Ui, point: &TradeOff) -> egui::Color32 {
 
 /// Draws the name after a dot in the colour of the point, or after a star if it is the best within the budget.
 fn name(ui: &mut Ui, point: &TradeOff, session: &Session, is_best: bool) {
-    let is_hovered = session.timings.list.hovered() == Some(point.upscaling);
+    let is_hovered = session.features.timings.list.hovered() == Some(point.upscaling);
     let text = if is_hovered { tokens(ui).text_strong } else { strength(ui, point) };
     ui.horizontal(|ui| {
         let (mark, response) = ui.allocate_exact_size(vec2(MARK, MARK), Sense::hover());
         if is_best {
             theme::paint_icon(ui.painter(), mark.center(), Icon::Star, MARK, tokens(ui).accent);
-            let budget = budget::text(session.timings.budget_ms());
+            let budget = budget::text(session.features.timings.budget_ms());
             response.on_hover_text(format!("Best within the budget: lowest FLIP within {budget}"));
         } else {
             ui.painter().circle_filled(mark.center(), MARK / 3.0, color(ui, point));
