@@ -80,6 +80,20 @@ pub(crate) enum Change {
 }
 
 impl Fault {
+    /// Returns the name as the start of a sentence.
+    pub fn title(&self) -> String {
+        let mut letters = self.name.chars();
+        letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
+    }
+
+    /// Returns the settings, each as `key=value`, that have the effect of the fault; `None` if no settings have it.
+    pub fn settings(&self) -> Option<&'static [&'static str]> {
+        match self.change {
+            Change::Settings(settings) => Some(settings),
+            Change::Setup(_) | Change::Output(_) | Change::Rounding(_) => None,
+        }
+    }
+
     /// Declares an error.
     pub(crate) const fn error(id: &'static str, name: &'static str, slot: Slot, change: Change) -> Self {
         Self { id, name, kind: Kind::Error, slot, change }

@@ -64,7 +64,7 @@ impl Display for Cause {
             Kind::Error => "",
             Kind::Convention => " (another convention, not an error)",
         };
-        write!(f, "{}{kind}: it alone explains {} px", capitalised(self.fault.name), self.explained)?;
+        write!(f, "{}{kind}: it alone explains {} px", self.fault.title(), self.explained)?;
         if self.spoiled > 0 {
             write!(f, " and spoils {} px", self.spoiled)?;
         }
@@ -84,11 +84,6 @@ impl Display for Rest {
         }
         Ok(())
     }
-}
-
-fn capitalised(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
 }
 
 /// A cause in JSON.

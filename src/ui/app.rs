@@ -32,6 +32,7 @@ use saving::Saving;
 
 use super::appearance;
 use super::checks;
+use super::explaining;
 use super::command::Command;
 use super::engine::Shown;
 use super::fates::finder;
@@ -150,6 +151,7 @@ impl Workbench {
         self.send_filmstrip_request(ui);
         let is_synchronous = self.widgets.is_synchronous;
         checks::step(&mut self.session, ui.ctx(), is_synchronous);
+        explaining::step(&mut self.session, ui.ctx(), is_synchronous);
         let shows_fates = self.docks.shows(workspace::Panel::TriangleFates);
         finder::update(ui, &mut self.session, shows_fates, is_synchronous);
         self.send_what_if_request(ui);

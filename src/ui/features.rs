@@ -69,6 +69,8 @@ macro_rules! with_features {
             what_if: $crate::ui::what_if::WhatIf => WhatIf,
             /// Watched pixels and their values.
             watch: $crate::ui::watch::WatchList => Watch,
+            /// Explanation of another renderer's picture.
+            explaining: $crate::ui::explaining::Explaining => Explaining,
             /// Filmstrip of all upscaling methods below a comparison.
             filmstrip: $crate::ui::filmstrip::Filmstrip => Filmstrip,
             /// Start card, coach and lessons for new users.

@@ -72,6 +72,8 @@ pub(crate) mod session;
 
 pub(crate) mod checks;
 
+pub(crate) mod explaining;
+
 pub(crate) mod first_pick;
 
 pub(crate) mod picked_point;

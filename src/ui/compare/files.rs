@@ -49,6 +49,11 @@ impl OpenedPicture {
         Ok(Self { path: path.to_owned(), picture, shown })
     }
 
+    /// Returns a picture that was drawn and has no file; `name` takes the place of its path.
+    pub(crate) fn drawn(name: PathBuf, picture: &Image<Rgba8>) -> Self {
+        Self { path: name, picture: Arc::new(Picture::of_codes(picture)), shown: Arc::new(picture.clone()) }
+    }
+
     /// Returns the picture as displayed with another tone.
     fn toned(&self, tone: Tone) -> Self {
         let shown = Arc::new(tone.displayed(&self.picture, &self.picture.layers()[0]));

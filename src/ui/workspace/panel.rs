@@ -16,7 +16,7 @@ use crate::ui::panels::case::CaseView;
 use crate::ui::panels::inspector::Inspector;
 use crate::ui::session::Session;
 use crate::ui::thumbnails::Thumbnails;
-use crate::ui::{checks, fates, lab, mesh_view, panels, picture_panel, probe, range, trace, vertices, watch};
+use crate::ui::{checks, explaining, fates, lab, mesh_view, panels, picture_panel, probe, range, trace, vertices, watch};
 
 /// Description of a panel, declared in the file of the panel.
 pub(crate) struct PanelSpec {
@@ -156,6 +156,8 @@ panels! {
     Probe = probe::PANEL,
     /// Assertions that are checked for every fragment.
     Assertions = checks::panel::PANEL,
+    /// Faults of another renderer that explain its picture.
+    OtherRenderer = explaining::panel::PANEL,
     /// Log of all messages.
     Log = panels::log::PANEL,
     /// 2D lab.

@@ -7,6 +7,7 @@ mod camera;
 mod cases;
 mod comparing;
 mod context;
+mod explaining;
 mod fates;
 mod files;
 mod growth;

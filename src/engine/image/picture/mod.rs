@@ -204,6 +204,17 @@ impl Picture {
         Self { format, width, height, channels, layers }
     }
 
+    /// Creates a picture of the red, green and blue codes of an image. Panics if the image is empty.
+    pub fn of_codes(image: &Image<Rgba8>) -> Self {
+        let (width, height) = image.size();
+        let window = DataWindow { left: 0, top: 0, width, height };
+        let channel = |(index, name): (usize, &str)| {
+            let codes = image.pixels().iter().map(|pixel| pixel[index]).collect();
+            Channel::new(name.to_owned(), Samples::U8(codes), window)
+        };
+        Self::new("drawing", image.size(), ["R", "G", "B"].into_iter().enumerate().map(channel).collect())
+    }
+
     /// Reads a picture file of any supported format. The picture is never empty, and has at most 16 384 pixels per side
     /// and 8192 × 8192 in total. Reading takes less than a gigabyte of memory.
     pub fn read(path: &Path) -> Result<Self, ImageFileError> {

@@ -1,0 +1,177 @@
+//! Explanation of another renderer's picture: which faults turn our drawing of the view into the opened picture file.
+//!
+//! A background thread searches. When it ends, the drawing with the faults becomes a tile of the comparison, so that
+//! every pixel can be inspected in three pictures: ours, theirs, and ours with the faults.
+
+pub(crate) mod panel;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use eframe::egui::Context;
+
+use super::compare::CompareChange;
+use super::compare::files::{OpenedPicture, PictureRole};
+use super::session::{Session, Severity};
+use super::task::{BackgroundTask, TaskStatus};
+use crate::chain::Renderer;
+use crate::explain::{ExplainError, Explanation, Query, Setup, explain};
+use crate::image::{Image, Rgba8};
+use crate::pipeline::viewport::Viewport;
+use crate::ui::features::Feature;
+use crate::ui::window_task::WindowTask;
+
+/// Tile that shows our drawing with the faults: C.
+const FAULTY_TILE: usize = 2;
+
+/// State of the explanation of a picture.
+#[derive(Debug, Default)]
+pub(crate) struct Explaining {
+    /// Latest answer.
+    pub(crate) found: Option<Arc<Explained>>,
+    /// Completed fraction of the running search, from 0 to 1; `None` if none is running.
+    pub(crate) progress: Option<f32>,
+    /// Whether a search was requested.
+    wanted: bool,
+    task: Option<BackgroundTask<f32, Explained>>,
+}
+
+/// Explanation of a picture file.
+#[derive(Debug)]
+pub(crate) struct Explained {
+    /// Path of the picture file.
+    pub(crate) path: PathBuf,
+    /// Inputs of our drawing without faults.
+    correct: Setup,
+    /// The other renderer's picture, as displayed.
+    theirs: Arc<Image<Rgba8>>,
+    /// Our drawing with the causes.
+    faulty: Image<Rgba8>,
+    /// The explanation.
+    pub(crate) explanation: Explanation,
+}
+
+/// Change to the explanation, requested by the user.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ExplainingChange {
+    /// Explains the opened picture file.
+    Run,
+    /// Cancels the search.
+    Cancel,
+}
+
+impl Feature for Explaining {
+    type Change = ExplainingChange;
+
+    fn apply(session: &mut Session, change: ExplainingChange) -> Option<WindowTask> {
+        let explaining = &mut session.features.explaining;
+        match change {
+            ExplainingChange::Run => explaining.wanted = true,
+            ExplainingChange::Cancel => explaining.task.iter().for_each(BackgroundTask::cancel),
+        }
+        None
+    }
+
+    fn leave_scene(&mut self) {
+        *self = Self::default();
+    }
+}
+
+impl Explained {
+    /// Whether the explanation is of this view, with the current settings.
+    pub(crate) fn is_of(&self, session: &Session) -> bool {
+        let (state, correct) = (&session.state, &self.correct);
+        Arc::ptr_eq(&session.scene, &correct.scene) && state.camera == correct.camera && state.recipe == correct.recipe
+    }
+}
+
+/// Returns the picture file that would be explained: the first one that is opened as A, B or in another tile.
+pub(crate) fn subject(session: &Session) -> Option<Arc<OpenedPicture>> {
+    let faulty = session.features.explaining.found.as_ref().map(|found| faulty_name(&found.path));
+    let tiles = &session.state.tiles;
+    let opened = (0..tiles.count()).filter_map(|tile| session.comparison.opened(tiles, PictureRole::Tile(tile)));
+    opened.into_iter().find(|opened| Some(&opened.path) != faulty.as_ref())
+}
+
+/// Returns the name, in place of a path, of our drawing with the faults of a picture file.
+fn faulty_name(path: &std::path::Path) -> PathBuf {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    PathBuf::from(format!("ours with the faults of {name}"))
+}
+
+/// Handles the result of the running search, and starts the requested one. If `waits` is `true`, searches synchronously.
+pub(crate) fn step(session: &mut Session, context: &Context, waits: bool) {
+    listen(session);
+    if !std::mem::take(&mut session.features.explaining.wanted) {
+        return;
+    }
+    let Some(opened) = subject(session) else {
+        return session.report(Severity::Error, "Open a picture file as B first: there is none to explain");
+    };
+    let (width, height) = opened.shown.size();
+    let (camera, recipe) = (session.state.camera, session.state.recipe);
+    let correct = Setup::new(session.scene.clone(), camera, recipe, Viewport { width, height });
+    if waits {
+        if let Some(found) = explained(&opened, correct, &|_| {}, &AtomicBool::new(false)) {
+            show(session, found);
+        }
+        return;
+    }
+    let explaining = &mut session.features.explaining;
+    explaining.progress = Some(0.0);
+    let work = move |report_progress: &(dyn Fn(f32) + Sync), stop: &AtomicBool| {
+        explained(&opened, correct, report_progress, stop)
+    };
+    explaining.task = Some(BackgroundTask::start(context.clone(), work));
+}
+
+fn listen(session: &mut Session) {
+    let explaining = &mut session.features.explaining;
+    let Some(task) = &explaining.task else { return };
+    match task.poll(&mut explaining.progress) {
+        TaskStatus::Running => return,
+        TaskStatus::Ended(found) => {
+            explaining.task = None;
+            if let Some(found) = found {
+                show(session, *found);
+            }
+        }
+        TaskStatus::Lost => {
+            explaining.task = None;
+            session.report(Severity::Error, "Explaining stopped: internal error");
+        }
+    }
+}
+
+/// Searches for the faults of a picture. Returns `None` if cancelled.
+fn explained(
+    opened: &OpenedPicture,
+    correct: Setup,
+    report_progress: &(dyn Fn(f32) + Sync),
+    stop: &AtomicBool,
+) -> Option<Explained> {
+    let go_on = |share: f32| {
+        report_progress(share);
+        !stop.load(Ordering::Relaxed)
+    };
+    let query = Query { correct: correct.clone(), theirs: (*opened.shown).clone(), without: Vec::new() };
+    match explain(&query, &go_on) {
+        Ok(explanation) => {
+            let faulty = explanation.setup.draw(&mut Renderer::default());
+            Some(Explained { path: opened.path.clone(), correct, theirs: opened.shown.clone(), faulty, explanation })
+        }
+        // Our drawing takes the size of the picture.
+        Err(ExplainError::Interrupted | ExplainError::Size { .. }) => None,
+    }
+}
+
+/// Stores an explanation, and shows the drawing with the faults if there are any.
+fn show(session: &mut Session, found: Explained) {
+    if !found.explanation.causes.is_empty() {
+        let drawn = OpenedPicture::drawn(faulty_name(&found.path), &found.faulty);
+        session.compare(CompareChange::File(PictureRole::Tile(FAULTY_TILE), Arc::new(drawn)));
+    }
+    session.report(Severity::Info, found.explanation.summary());
+    session.features.explaining.found = Some(Arc::new(found));
+}

@@ -1,0 +1,71 @@
+//! Tests of the panel that explains another renderer's picture.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use rasterscope::chain::Renderer;
+use rasterscope::explain::{Setup, by_id};
+use rasterscope::image::file::write_png;
+use rasterscope::image::{Image, Rgba8};
+use rasterscope::ui::command::Command;
+use rasterscope::ui::compare::files::PictureRole;
+use rasterscope::ui::files::FileCommand;
+use rasterscope::ui::workspace::Panel;
+
+use super::bench::Bench;
+
+/// Returns the picture on the canvas as a renderer with a fault draws it.
+fn faulty(bench: &Bench, fault: &str) -> Image<Rgba8> {
+    let session = bench.session();
+    let correct = Setup::new(session.scene.clone(), session.state.camera, session.state.recipe, session.viewport());
+    correct.with([by_id(fault).unwrap()]).draw(&mut Renderer::default())
+}
+
+fn open_as_b(bench: &mut Bench, path: &Path) {
+    let command = FileCommand::OpenPicture(PictureRole::Tile(1), path.to_owned());
+    bench.window.state_mut().queue(vec![Command::File(command)]);
+    bench.rest();
+}
+
+#[test]
+fn a_fault_of_an_opened_picture_is_named_and_drawn_as_c() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("theirs.png");
+    let mut bench = Bench::small("cubes");
+    let theirs = faulty(&bench, "depth-test-reversed");
+    write_png(&path, &theirs).unwrap();
+    bench.show_panel(Panel::OtherRenderer);
+    assert!(bench.mentions("The program finds the faults"));
+    open_as_b(&mut bench, &path);
+    bench.show_panel(Panel::OtherRenderer);
+    assert!(bench.mentions("“theirs.png” should show this scene"));
+    bench.click("Explain");
+    assert!(bench.says("The depth test is reversed: the farthest surface wins"));
+    let compared = bench.session().compared.as_ref().unwrap();
+    assert_eq!(*compared.tiles[2].picture, theirs, "C is ours with the fault");
+
+    bench.session_mut().pick = Some((30, 20));
+    bench.rest();
+    let [r, g, b, _] = theirs.at(30, 20);
+    assert!(bench.says(&format!("{r:3} {g:3} {b:3}  ours with the faults")));
+
+    bench.click("Use as settings");
+    assert_eq!(*bench.session().view.as_ref().unwrap().frame.image(), theirs);
+    assert!(bench.mentions("another view"), "the settings have changed since the search");
+}
+
+#[test]
+fn an_explanation_belongs_to_its_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("theirs.png");
+    let mut bench = Bench::small("cubes");
+    write_png(&path, &faulty(&bench, "flip-vertical")).unwrap();
+    open_as_b(&mut bench, &path);
+    bench.show_panel(Panel::OtherRenderer);
+    bench.click("Explain");
+    let found = Arc::clone(bench.session().features.explaining.found.as_ref().expect("it was explained"));
+    assert_eq!(found.explanation.causes[0].fault.id, "flip-vertical");
+    bench.window.state_mut().queue(vec![Command::File(FileCommand::OpenBuiltin("triangle".to_owned()))]);
+    bench.rest();
+    assert!(bench.session().features.explaining.found.is_none());
+}
