@@ -14,7 +14,7 @@ pub struct Fault {
     /// Whether it is an error or another convention.
     pub kind: Kind,
     /// Decision of the renderer that it concerns. Faults of the same slot exclude each other.
-    pub slot: Slot,
+    pub(crate) slot: Slot,
     /// Change of our inputs or of our picture that has the same effect.
     pub(crate) change: Change,
 }
@@ -31,8 +31,7 @@ pub enum Kind {
 
 /// Decision of a renderer. A renderer decides each of them in one way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[expect(missing_docs, reason = "the names say it")]
-pub enum Slot {
+pub(crate) enum Slot {
     RowOrder,
     ColumnOrder,
     Channels,

@@ -19,7 +19,7 @@ mod text;
 
 pub use agreement::TOLERANCE;
 pub use explanation::{Cause, Confidence, ExplainError, Explanation, Query, Rest, explain};
-pub use fault::{Fault, Kind, Slot};
+pub use fault::{Fault, Kind};
 pub use faults::{ALL, by_id};
 pub use setup::Setup;
 

@@ -32,9 +32,9 @@ use saving::Saving;
 
 use super::appearance;
 use super::checks;
-use super::explaining;
 use super::command::Command;
 use super::engine::Shown;
+use super::explaining;
 use super::fates::finder;
 use super::manual::ManualWindow;
 use super::onboarding::Observed;

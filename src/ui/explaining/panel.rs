@@ -61,9 +61,11 @@ fn introduction(ui: &mut Ui, session: &Session) {
              that turn our picture into that one.",
             opened.name()
         ),
-        None => "Open a picture that another renderer drew of this scene in this view, for example your own rasterizer. \
+        None => {
+            "Open a picture that another renderer drew of this scene in this view, for example your own rasterizer. \
                  The program finds the faults that turn our picture into that one."
-            .to_owned(),
+                .to_owned()
+        }
     };
     ui.add(Label::new(RichText::new(text).color(tokens(ui).text_weak)).wrap());
 }

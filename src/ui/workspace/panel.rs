@@ -16,7 +16,9 @@ use crate::ui::panels::case::CaseView;
 use crate::ui::panels::inspector::Inspector;
 use crate::ui::session::Session;
 use crate::ui::thumbnails::Thumbnails;
-use crate::ui::{checks, explaining, fates, lab, mesh_view, panels, picture_panel, probe, range, trace, vertices, watch};
+use crate::ui::{
+    checks, explaining, fates, lab, mesh_view, panels, picture_panel, probe, range, trace, vertices, watch,
+};
 
 /// Description of a panel, declared in the file of the panel.
 pub(crate) struct PanelSpec {
