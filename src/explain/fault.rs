@@ -93,6 +93,11 @@ impl Fault {
         }
     }
 
+    /// Returns whether a drawing with the fault takes several times as long as one without.
+    pub(crate) fn is_slow(&self) -> bool {
+        self.slot == Slot::Antialiasing
+    }
+
     /// Declares an error.
     pub(crate) const fn error(id: &'static str, name: &'static str, slot: Slot, change: Change) -> Self {
         Self { id, name, kind: Kind::Error, slot, change }

@@ -14,6 +14,7 @@ use rayon::prelude::*;
 
 use crate::agreement::{Agreement, Target};
 use crate::explanation::Query;
+use crate::fault::Fault;
 use crate::faults::ALL;
 use crate::setup::Setup;
 
@@ -148,7 +149,8 @@ impl<'a> Search<'a> {
         let mut sets = vec![FaultSet::new()];
         let mut best = self.trials[&FaultSet::new()].clone();
         for size in 1..=MOST_FAULTS {
-            let extended: Vec<_> = sets.iter().flat_map(|set| self.extensions(set)).collect();
+            let is_best = |set: &FaultSet| *set == best.faults;
+            let extended: Vec<_> = sets.iter().flat_map(|set| self.extensions(set, is_best(set))).collect();
             self.draw_all(extended.clone())?;
             let mut trials: Vec<&Trial> = extended.iter().map(|set| &self.trials[set]).collect();
             trials.sort_by(|a, b| a.faults.cmp(&b.faults));
@@ -167,10 +169,13 @@ impl<'a> Search<'a> {
         Ok(best)
     }
 
-    /// Returns the set with each compatible further fault.
-    fn extensions(&self, set: &[usize]) -> Vec<FaultSet> {
-        let is_compatible = |further: &&usize| set.iter().all(|index| ALL[*index].slot != ALL[**further].slot);
-        self.known.iter().filter(is_compatible).map(|index| extended(set, *index)).collect()
+    /// Returns the set with each compatible further fault, including the slow ones only if `with_slow`.
+    fn extensions(&self, set: &[usize], with_slow: bool) -> Vec<FaultSet> {
+        let is_compatible = |further: &Fault| {
+            (with_slow || !further.is_slow()) && set.iter().all(|index| ALL[*index].slot != further.slot)
+        };
+        let further = self.known.iter().filter(|index| is_compatible(&ALL[**index]));
+        further.map(|index| extended(set, *index)).collect()
     }
 
     /// Returns the sets to extend: the best by likelihood, and the best by coarse difference. Of several sets with the
