@@ -97,7 +97,10 @@ impl OpenDialog {
 
     /// Returns the command that opens a file.
     fn command(&self, path: PathBuf) -> Command {
-        self.role.map_or_else(|| Command::Open(path.clone()), |role| Command::OpenPicture(role, path.clone()))
+        match self.role {
+            Some(role) => Command::OpenPicture(role, path),
+            None => Command::Open(path),
+        }
     }
 
     /// Returns title, explanation and example of a path.
