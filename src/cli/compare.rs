@@ -7,7 +7,7 @@ use crate::image::picture::{Layer, Picture};
 use crate::measure::difference::{self, Difference};
 use crate::measure::picture_error::{LayerPair, Metric, PictureErrors, PictureLayer, ValueScale};
 use crate::measure::tone::{Tone, ToneCurve};
-use crate::pipeline::settings::Choice as _;
+use crate::pipeline::settings::Choice;
 use clap::Args;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -245,7 +245,7 @@ fn verdict(measured: &[Measured<'_>]) -> String {
     let [a, b] = measured else { return String::new() };
     let metrics = a.errors.metrics.iter().map(|(metric, _)| *metric);
     let by = |role: &str| -> Vec<&str> {
-        metrics.clone().filter(|metric| better(*metric, measured) == Some(role)).map(|metric| metric.id()).collect()
+        metrics.clone().filter(|metric| better(*metric, measured) == Some(role)).map(Choice::id).collect()
     };
     let path = |input: &Input<'_>| output::display(input.path);
     match (by("A"), by("B")) {

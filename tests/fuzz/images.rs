@@ -163,6 +163,8 @@ fn exr(rng: &mut Rng, width: u32, height: u32) -> Vec<u8> {
         Compression::PXR24,
         Compression::B44,
         Compression::B44A,
+        Compression::DWAA(None),
+        Compression::DWAB(None),
     ];
     let mut layer = |index: usize| {
         let names = ["R", "G", "B", "A", "Z", "id", "diffuse.R"];

@@ -1,6 +1,6 @@
 //! Bar above the compared pictures: comparison mode, tile count, region and reference.
 
-use eframe::egui::{self, Align, Button, DragValue, Layout, Response, RichText, Ui, Vec2};
+use eframe::egui::{self, Align, Button, Layout, Response, RichText, Ui, Vec2};
 
 use super::files::PictureRole;
 use super::{CompareChange, Mode};
@@ -15,8 +15,8 @@ use crate::ui::filmstrip::{self, FilmstripChange};
 use crate::ui::manual::manual_button;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
-use crate::ui::widgets::combo;
 use crate::ui::window_task::DialogCommand;
+use crate::ui::widgets::{combo, number_field};
 use crate::ui::workspace::PanelWidgets;
 
 /// Tile counts that can be chosen with a button.
@@ -177,7 +177,8 @@ fn files(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>, comma
     let mut tone = session.comparison.pictures.tone();
     let help = "Exposure of float pictures in stops: for display, for FLIP and for the other errors";
     ui.name_inputs("Exposure", |ui| {
-        let field = DragValue::new(&mut tone.exposure).speed(0.05).range(-20.0..=20.0).suffix(" EV");
+        let field = number_field(&mut tone.exposure, |stops| format!("{stops:.2} EV"));
+        let field = field.speed(0.05).range(-20.0..=20.0);
         ui.add(field).on_hover_text(help);
     });
     ui.name_inputs("Tone curve", |ui| {
@@ -201,8 +202,10 @@ fn reference(ui: &mut Ui, has_label: bool, session: &Session, changes: &mut Vec<
         return;
     };
     let label = ui.add_sized([100.0, theme::CONTROL_HEIGHT], egui::Label::new(file.name()).truncate());
-    label.on_hover_text(file.picture.description());
-    if icon_button(ui, Icon::X, "Close the reference file and draw the reference").clicked() {
+    let is_chosen = session.state.tiles.file(PictureRole::Reference).is_some();
+    let why = "A is a file, so errors are measured against it; open a reference to measure against another picture";
+    label.on_hover_text(if is_chosen { file.picture.description() } else { why.to_owned() });
+    if is_chosen && icon_button(ui, Icon::X, "Close the reference file and draw the reference").clicked() {
         changes.push(CompareChange::RemoveFile(PictureRole::Reference));
     }
 }

@@ -71,13 +71,14 @@ impl OpenedPicture {
         crate::text::path(self.path.file_name().map_or(&self.path, Path::new))
     }
 
-    /// Returns the stored value of every channel at a pixel, such as `R 0.5  G 1  B 0.25`.
+    /// Returns the stored value of every channel at a pixel, such as `R 0.5  G 1  B 0.25`, layer by layer.
     pub(crate) fn values_at(&self, (x, y): (u32, u32)) -> String {
         let value = |channel: &crate::image::picture::Channel| match channel.sample(x, y) {
             Some(sample) => format!("{} {sample}", channel.name),
             None => format!("{} –", channel.name),
         };
-        self.picture.channels().iter().map(value).collect::<Vec<_>>().join("  ")
+        let channels = self.picture.layers().iter().flat_map(|layer| self.picture.channels_of(layer));
+        channels.map(value).collect::<Vec<_>>().join("  ")
     }
 }
 

@@ -305,9 +305,14 @@ impl CompareSettings {
         }
     }
 
-    /// Returns the opened picture of a role; `None` if its picture is drawn.
+    /// Returns the opened picture of a role; `None` if its picture is drawn. If A is a file, it is the reference unless
+    /// another file is, because drawn references show the scene.
     pub(crate) fn opened(&self, tiles: &TileSet, role: PictureRole) -> Option<Arc<OpenedPicture>> {
-        self.pictures.get(tiles.file(role)?)
+        let file = match role {
+            PictureRole::Tile(_) => tiles.file(role),
+            PictureRole::Reference => tiles.file(role).or_else(|| tiles.file(PictureRole::Tile(0))),
+        };
+        self.pictures.get(file?)
     }
 
     /// Returns the name of the reference: that of its file, or its kind.

@@ -12,6 +12,7 @@ use crate::image::{Image, Rgba8};
 use crate::measure::region::PixelRegion;
 use crate::ui::canvas::PictureTexture;
 use crate::ui::command::Command;
+use crate::ui::compare::files::PictureRole;
 use crate::ui::method_colors::method_color;
 use crate::ui::panels::tradeoff;
 use crate::ui::session::Session;
@@ -141,7 +142,8 @@ impl FilmstripView {
 /// Returns the index of the picture of the comparison that shows the upscaler, A (0) before B (1).
 fn letter_of(upscaling: Upscaling, session: &Session) -> Option<usize> {
     let recipe = |tile| session.state.tiles.recipe(tile, session.state.recipe);
-    (0..2).find(|tile| recipe(*tile).upscaler == upscaling)
+    let is_drawn = |tile: &usize| session.state.tiles.file(PictureRole::Tile(*tile)).is_none();
+    (0..2).filter(is_drawn).find(|tile| recipe(*tile).upscaler == upscaling)
 }
 
 /// Draws the lists that set scale and order.

@@ -3,10 +3,14 @@
 
 use std::io::Cursor;
 
+use exr::block::chunk::{CompressedBlock, CompressedScanLineBlock, CompressedTileBlock};
+use exr::compression::Compression;
 use exr::image::{AnyChannels, FlatSamples, Layer};
-use exr::meta::MetaData;
+use exr::math::Vec2;
 use exr::meta::attribute::IntegerBounds;
+use exr::meta::attribute::LevelMode;
 use exr::meta::header::Header;
+use exr::meta::{BlockDescription, MetaData};
 use exr::prelude::{ReadChannels as _, ReadLayers as _, read};
 
 use super::{Channel, DataWindow, Picture, Samples};
@@ -14,6 +18,9 @@ use crate::image::file::{MAX_PIXELS, MAX_SIDE};
 
 /// Maximum size of all decoded samples, in bytes. With the file itself, reading stays below a gigabyte.
 const MAX_SAMPLE_BYTES: u64 = 512 << 20;
+
+/// Places of the sizes of decompressed data among the counters at the start of a DWA block.
+const DECOMPRESSED_SIZES: [usize; 5] = [1, 6, 7, 8, 9];
 
 /// Returns the width and height of the display window in pixels.
 pub(super) fn size(bytes: &[u8]) -> Result<(u32, u32), String> {
@@ -28,6 +35,7 @@ pub(super) fn size(bytes: &[u8]) -> Result<(u32, u32), String> {
 /// Decodes all layers at their largest resolution.
 pub(super) fn decode(bytes: &[u8]) -> Result<Picture, String> {
     let size = size(bytes)?;
+    check_blocks(bytes)?;
     let reader = read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
     let image = reader.non_parallel().from_buffered(Cursor::new(bytes)).map_err(|error| error.to_string())?;
     let display = image.attributes.display_window;
@@ -61,6 +69,50 @@ fn check(headers: &[Header]) -> Result<(), String> {
     }
     if total > MAX_SAMPLE_BYTES {
         return Err(format!("its samples need more than {} MiB, the maximum", MAX_SAMPLE_BYTES >> 20));
+    }
+    Ok(())
+}
+
+/// Checks what the decoder does not: the sizes that DWA blocks state for their decompressed parts, which it allocates, and
+/// that layers of one resolution have no blocks of others.
+fn check_blocks(bytes: &[u8]) -> Result<(), String> {
+    let words = |error: exr::error::Error| error.to_string();
+    let reader = exr::block::read(Cursor::new(bytes), false).map_err(words)?;
+    let headers = reader.headers().to_vec();
+    let is_dwa = |header: &Header| matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_));
+    let is_tiled_in_levels = |header: &Header| match header.blocks {
+        BlockDescription::Tiles(tiles) => tiles.level_mode != LevelMode::Singular,
+        BlockDescription::ScanLines => false,
+    };
+    for chunk in reader.all_chunks(false).map_err(words)? {
+        let chunk = chunk.map_err(words)?;
+        let header = headers.get(chunk.layer_index).ok_or("invalid: layer of a block")?;
+        let block = &chunk.compressed_block;
+        let indices = header.get_block_data_indices(block).map_err(words)?;
+        if indices.level_index != Vec2(0, 0) && !is_tiled_in_levels(header) {
+            return Err("invalid: resolution level of a block".to_owned());
+        }
+        if !is_dwa(header) {
+            continue;
+        }
+        let pixels = header.get_absolute_block_pixel_coordinates(indices).map_err(words)?.size;
+        let (CompressedBlock::ScanLine(CompressedScanLineBlock { compressed_pixels_le: data, .. })
+        | CompressedBlock::Tile(CompressedTileBlock { compressed_pixels_le: data, .. })) = block
+        else {
+            continue;
+        };
+        let bytes_per_pixel = header.channels.bytes_per_pixel;
+        if data.len() == pixels.width() * pixels.height() * bytes_per_pixel {
+            // A block that compression would enlarge is stored as it is.
+            continue;
+        }
+        // Squares of 8 × 8 px are complete even at the border, and run lengths may enlarge data a little.
+        let largest = 2 * (pixels.width() + 8) * (pixels.height() + 8) * bytes_per_pixel;
+        let (counters, _) = data.as_chunks::<8>();
+        let stated = DECOMPRESSED_SIZES.iter().filter_map(|place| counters.get(*place));
+        if stated.map(|counter| u64::from_le_bytes(*counter)).any(|size| size > largest as u64) {
+            return Err("invalid: size of DWA data".to_owned());
+        }
     }
     Ok(())
 }

@@ -7,13 +7,19 @@ use image::ImageFormat;
 use super::{Picture, exr, standard};
 use crate::image::pfm;
 
+/// Function that returns the width and height in pixels from the header of a file.
+type SizeReader = fn(&[u8]) -> Result<(u32, u32), String>;
+
+/// Function that decodes a whole file.
+type Decoder = fn(&[u8]) -> Result<Picture, String>;
+
 /// Decoder of a format.
 #[derive(Debug)]
 pub(in crate::image) enum Codec {
     /// Decoder of the crate `image`.
     Image(ImageFormat),
-    /// Decoder of this project: functions that return the size in pixels from the header, and the whole picture.
-    Own(fn(&[u8]) -> Result<(u32, u32), String>, fn(&[u8]) -> Result<Picture, String>),
+    /// Decoder of this project.
+    Own(SizeReader, Decoder),
 }
 
 /// Picture format.

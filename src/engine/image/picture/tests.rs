@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use ::exr::image::write::WritableImage as _;
 use ::exr::prelude::Encoding;
 use ::exr::prelude::{
-    AnyChannel, AnyChannels, FlatSamples, Image as ExrImage, ImageAttributes, IntegerBounds, Layer as ExrLayer,
-    LayerAttributes, SmallVec, Text, Vec2,
+    AnyChannel, AnyChannels, Compression, FlatSamples, Image as ExrImage, ImageAttributes, IntegerBounds,
+    Layer as ExrLayer, LayerAttributes, SmallVec, Text, Vec2,
 };
 use image::{DynamicImage, ImageBuffer, ImageFormat, Rgb};
 
@@ -68,7 +68,7 @@ fn tiff_files_of_one_float_per_pixel_are_read() {
 
 /// Returns an OpenEXR file with the layers `beauty` (half and float) and `id` (integers). The data window lies a pixel
 /// to the left of the display window of 4 × 2 px.
-fn layered_exr() -> Vec<u8> {
+fn layered_exr(encoding: Encoding) -> Vec<u8> {
     let channel = |name: &str, sample_data| AnyChannel {
         name: Text::from(name),
         sample_data,
@@ -78,7 +78,7 @@ fn layered_exr() -> Vec<u8> {
     let layer = |name: &str, channels: Vec<AnyChannel<FlatSamples>>| {
         let attributes = LayerAttributes { layer_position: Vec2(9, 20), ..LayerAttributes::named(name) };
         let channels = AnyChannels::sort(SmallVec::from_vec(channels));
-        ExrLayer::new((3, 2), attributes, Encoding::SMALL_LOSSLESS, channels)
+        ExrLayer::new((3, 2), attributes, encoding, channels)
     };
     let half = |start: f32| FlatSamples::F16((0..6_u8).map(|index| f16::from_f32(start + f32::from(index))).collect());
     let layers = vec![
@@ -102,7 +102,7 @@ fn layered_exr() -> Vec<u8> {
 
 #[test]
 fn layers_and_windows_of_exr_files_are_kept() {
-    let picture = read_bytes("a.exr", &layered_exr());
+    let picture = read_bytes("a.exr", &layered_exr(Encoding::SMALL_LOSSLESS));
     assert_eq!(picture.size(), (4, 2));
     let layers: Vec<_> = picture.layers().iter().map(|layer| (layer.name.as_str(), layer.is_color)).collect();
     assert_eq!(layers, [("beauty", true), ("beauty.Z", false), ("id.object", false)]);
@@ -126,12 +126,27 @@ fn layers_and_windows_of_exr_files_are_kept() {
 
 #[test]
 fn a_cut_exr_file_is_an_error_that_names_it() {
-    let bytes = layered_exr();
+    let bytes = layered_exr(Encoding::SMALL_LOSSLESS);
     for end in 4..bytes.len() {
         let (_folder, path) = written("cut.exr", &bytes[..end]);
         let message = Picture::read(&path).map(|_| end).unwrap_err().to_string();
         assert!(message.contains("cut.exr: cannot decode this OpenEXR file: "), "{message}");
     }
+}
+
+#[test]
+fn huge_sizes_anywhere_in_a_dwa_file_allocate_nothing() {
+    let encoding = Encoding { compression: Compression::DWAA(None), ..Encoding::SMALL_LOSSLESS };
+    let bytes = layered_exr(encoding);
+    let whole = super::exr::decode(&bytes).unwrap();
+    assert_eq!(whole.size(), (4, 2));
+    let refused = (0..bytes.len() - 8).filter(|at| {
+        let mut damaged = bytes.clone();
+        damaged[*at..*at + 8].copy_from_slice(&(1_u64 << 42).to_le_bytes());
+        // Without a check, the process would abort.
+        super::exr::decode(&damaged).is_err_and(|error| error == "invalid: size of DWA data")
+    });
+    assert!(refused.count() >= 5);
 }
 
 #[test]

@@ -26,7 +26,7 @@ pub(super) fn readout(
     let lines: Vec<String> = tiles
         .filter_map(|tile| {
             let file = compared.tiles.get(tile)?.file.as_ref()?;
-            Some(format!("{} {x},{y}  {}", letter(tile), file.values_at((x, y))))
+            Some(format!("{} at {x},{y}:  {}", letter(tile), file.values_at((x, y))))
         })
         .collect();
     if lines.is_empty() {
