@@ -347,7 +347,7 @@ impl Session {
             Command::SetRecipe(recipe) => self.state.recipe = recipe,
             Command::ApplyRemedy(remedy) => remedy.apply(&mut self.state.recipe, &mut self.state.camera),
             Command::ChooseUpscaler(place) => {
-                let method = upscale::ALL.get(place).map(|u| u.id());
+                let method = upscale::all().get(place).map(|u| u.id());
                 let chosen = self.state.recipe.upscaler;
                 if let Some(upscaler) = method.and_then(|id| chosen.with_method(id)) {
                     self.state.recipe.upscaler = upscaler;

@@ -8,7 +8,8 @@
 //! dark edges ring more. Images are bit-identical for any number of threads and on any processor. [`Upscaler::taps`]
 //! lists the samples of a pixel, and [`Upscaler::pixel`] computes a single pixel with the same arithmetic.
 //!
-//! Each upscaler has an entry in the registry [`ALL`], which menus, command line, tests and reports read.
+//! [`all`] returns the registry, which menus, command line, tests and reports read: the constant list [`BUILT_IN`],
+//! followed by the upscalers that a program adds with [`register`].
 
 use serde::Serialize;
 
@@ -32,6 +33,7 @@ mod native;
 mod nearest;
 #[cfg(target_arch = "x86_64")]
 mod nearest_avx2;
+mod registry;
 mod scale;
 mod separable;
 
@@ -58,6 +60,10 @@ pub use lattice::Anchor;
 pub(crate) use lattice::Lattice;
 pub(crate) use native::NATIVE;
 pub(crate) use nearest::NEAREST;
+pub use registry::RegisterError;
+pub use registry::all;
+pub use registry::register;
+pub use registry::register_boxed;
 pub use scale::Scale;
 
 /// An upscaler, which fills in the pixels that were not drawn.
@@ -240,8 +246,8 @@ pub struct Tap {
     pub weight: f32,
 }
 
-/// All upscalers, in menu order.
-pub static ALL: &[&dyn Upscaler] = &[
+/// The built-in upscalers, in menu order.
+pub static BUILT_IN: &[&dyn Upscaler] = &[
     &NATIVE,
     &CHECKERBOARD,
     &CHECKERBOARD_EDGES,

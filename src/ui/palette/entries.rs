@@ -200,7 +200,7 @@ pub(crate) fn all(session: &Session) -> Vec<PaletteEntry> {
             .with(panel.spec().help, false)
             .also(panel.synonyms().iter().copied())
     }));
-    entries.extend(upscale::ALL.iter().enumerate().map(|(place, upscaler)| {
+    entries.extend(upscale::all().iter().enumerate().map(|(place, upscaler)| {
         let chosen = session.state.recipe.upscaler.method() == upscaler.id();
         let title = format!("Choose upscaler: {}", upscaler.name());
         let entry = entry(EntryKind::Upscaler, title, Command::ChooseUpscaler(place));

@@ -37,7 +37,7 @@ pub(super) fn antialias(ui: &mut Ui, antialias: &mut Antialiasing) {
 pub(super) fn upscaler(ui: &mut Ui, recipe: &mut Recipe) {
     let before = recipe.upscaler;
     let mut method = before.method();
-    let methods: Vec<_> = upscale::ALL.iter().map(|u| (u.id(), u.name(), u.help())).collect();
+    let methods: Vec<_> = upscale::all().iter().map(|u| (u.id(), u.name(), u.help())).collect();
     row(ui, "Method", "Upscaling method, which reconstructs the pixels that are not drawn", |ui| {
         choice(ui, &mut method, &methods)
     });
