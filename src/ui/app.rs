@@ -61,6 +61,8 @@ pub(crate) struct Workbench {
     session: Session,
     worker: Worker,
     last_request: Option<Request>,
+    /// Number of failures of upscaler processes that were reported.
+    process_failures: usize,
     /// Sequence number of the latest measurement of all upscalers; responses with another number are discarded.
     measurement: u64,
     /// Decides when a measurement starts by itself.
@@ -105,6 +107,7 @@ impl Workbench {
             session,
             worker,
             last_request: None,
+            process_failures: 0,
             measurement: 0,
             idle: IdleMeasurement::default(),
             loading: None,

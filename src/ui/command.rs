@@ -101,6 +101,8 @@ pub(crate) enum Command {
     ApplyRemedy(Remedy),
     /// Selects the upscaler at this index of the registry.
     ChooseUpscaler(usize),
+    /// Starts failed upscaler processes again, and draws all pictures again.
+    RestartUpscalers,
     /// Changes the comparison of pictures.
     Compare(CompareChange),
     /// Changes the filmstrip of all upscaling methods below a comparison.

@@ -344,12 +344,18 @@ impl Session {
             Command::Place(change) => return self.change_places(change),
             Command::WhatIf(change) => return self.change_what_if(change),
             Command::Watch(change) => self.change_watch(change),
-            Command::SetRecipe(recipe) => self.state.recipe = recipe,
+            Command::SetRecipe(recipe) => {
+                if recipe.upscaler.method() != self.state.recipe.upscaler.method() {
+                    recipe.upscaler.upscaler().retry();
+                }
+                self.state.recipe = recipe;
+            }
             Command::ApplyRemedy(remedy) => remedy.apply(&mut self.state.recipe, &mut self.state.camera),
             Command::ChooseUpscaler(place) => {
                 let method = upscale::all().get(place).map(|u| u.id());
                 let chosen = self.state.recipe.upscaler;
                 if let Some(upscaler) = method.and_then(|id| chosen.with_method(id)) {
+                    upscaler.upscaler().retry();
                     self.state.recipe.upscaler = upscaler;
                 }
             }
@@ -370,6 +376,11 @@ impl Session {
             Command::FitCamera => {
                 let Viewport { width, height } = self.viewport();
                 self.state.camera = self.state.camera.refit(self.scene.bounds(), width as f32 / height as f32);
+            }
+            Command::RestartUpscalers => {
+                upscale::all().iter().for_each(|upscaler| upscaler.retry());
+                // All pictures of the old scene object count as outdated.
+                self.scene = Arc::new(Scene::clone(&self.scene));
             }
             Command::ResetRecipe => self.state.recipe = Recipe::default(),
             Command::Pick(pixel) => self.pick = pixel,

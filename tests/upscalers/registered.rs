@@ -127,5 +127,5 @@ fn a_registered_upscaler_is_drawn_explained_and_measured_like_a_built_in_one() {
     let report = sweep::run(&plan, &|_| (), &|| false).unwrap();
     assert!(csv(&report).contains(",flat-measured,4,"), "{}", csv(&report));
     let page = page(&report).unwrap();
-    assert!(page.contains("Flat ×4"));
+    assert!(page.contains("Flat ×4") && !page.contains("<th>transfer</th>"));
 }

@@ -210,6 +210,7 @@ impl CompareSettings {
             }
             CompareChange::Activate(tile) => tiles.active = tile,
             CompareChange::Recipe(tile, wanted) => {
+                wanted.upscaler.upscaler().retry();
                 tiles.fill((tile + 1).min(MAX_TILES), *recipe);
                 if let Some(place) = tiles.recipes.get_mut(tile) {
                     *place = *wanted;

@@ -231,6 +231,7 @@ fn commands() -> Vec<PaletteEntry> {
         keyless("Mirror the scene along z", Command::MirrorZ).also(["handedness", "flip z"]),
         keyless("Reset all settings", Command::ResetRecipe).also(["reset", "defaults"]),
         keyless("Save the picked triangle as a case file", Command::SaveCase),
+        keyless("Restart upscaler processes", Command::RestartUpscalers).also(["external", "retry"]),
         keyless("Switch between dark and light theme", Command::ToggleTheme).also(["dark mode", "light mode"]),
         keyless("Manage bookmarks", Command::Place(place::PlaceChange::Manage)),
         keyless("Compare all upscalers in tiles", Command::Compare(CompareChange::Every(None))),

@@ -44,6 +44,9 @@ pub(super) fn upscaler(ui: &mut Ui, recipe: &mut Recipe) {
     let chosen = before.with_method(method).unwrap_or(before);
     recipe.upscaler = choices(ui, chosen);
     note(ui, recipe.upscaler.upscaler().help());
+    if let Some(failure) = recipe.upscaler.upscaler().failure() {
+        note(ui, &failure);
+    }
 }
 
 /// Draws the options of the current upscaling method. Returns the upscaler with the selected options.
