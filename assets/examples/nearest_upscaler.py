@@ -14,9 +14,10 @@ while header := read(36):
     number, columns, rows, width, height, scale, first, size = struct.unpack("<5I2fQ", header)
     data = read(size)  # colours, then depths
     x_offsets = [int(x / scale) * pixel for x in range(width)]
-    write(struct.pack("<3I", number, width, height))
+    picture = bytearray()
     for y in range(height):
         start = int(y / scale) * columns * pixel
         row = data[start : start + columns * pixel]
-        write(b"".join(row[x : x + pixel] for x in x_offsets))
+        picture += b"".join(row[x : x + pixel] for x in x_offsets)
+    write(struct.pack("<3I", number, width, height) + picture)
     sys.stdout.buffer.flush()
