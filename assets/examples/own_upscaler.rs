@@ -1,4 +1,4 @@
-//! Write an upscaler and measure its error.
+//! Write an upscaler, register it, and measure its error and its time like those of the built-in upscalers.
 //!
 //! Run it with `cargo run --release --example own_upscaler`. EPX (Eric Johnston, 1992) doubles pixel art: a corner of a
 //! doubled pixel takes the colour of its two neighbours if these are equal.
@@ -10,9 +10,15 @@ use std::sync::Arc;
 use rasterscope::chain::{Recipe, Renderer};
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::measure::error::compare;
+use rasterscope::measure::motion::Turn;
+use rasterscope::measure::reference::Reference;
 use rasterscope::pipeline::viewport::Viewport;
+use rasterscope::report::upscaling::csv::csv;
+use rasterscope::report::upscaling::sweep::{self, NamedView, UpscalingPlan};
 use rasterscope::scene::builtin;
-use rasterscope::upscale::{Anchor, FilterSpace, Offers, Sampling, Scale, Tap, UpscaleInputs, Upscaler, Upscaling};
+use rasterscope::upscale::{
+    self, Anchor, FilterSpace, Offers, Sampling, Scale, Tap, UpscaleInputs, Upscaler, Upscaling,
+};
 
 /// The EPX upscaler, which has a scale of 2.
 struct Epx;
@@ -84,21 +90,33 @@ impl Upscaler for Epx {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
+    // From here on, recipes, menus, comparisons and reports of this program know the upscaler by its id.
+    upscale::register(&Epx)?;
+
     let scene = Arc::new(builtin::ALL[0].build());
     let viewport = Viewport { width: 640, height: 360 };
     let mut renderer = Renderer::default();
     let reference = renderer.render_converged(&scene, &scene.home, &Recipe::default(), viewport);
-
-    // Draws a quarter of the pixels: the samples that the built-in method `nearest` uses at scale 2.
-    let mut recipe = Recipe::default();
-    recipe.set_all(&["upscaler.method=nearest", "upscaler.scale=2", "upscaler.anchor=centre"])?;
-    let frame = renderer.render_converged(&scene, &scene.home, &recipe, viewport);
-    let mut doubled = Image::filled(viewport.width, viewport.height, [0; 4]);
-    Epx.upscale(recipe.upscaler, &UpscaleInputs::from(&frame.drawn.color), &mut doubled);
-
-    for (name, picture) in [(recipe.upscaler.upscaler().name(), frame.image()), (Epx.name(), &doubled)] {
-        let error = compare(picture, reference.image()).ok_or("pictures of different sizes")?;
-        println!("{name:8} PSNR {:.2} dB, SSIM {:.4}", error.psnr_db, error.ssim);
+    let mut recipes = Vec::new();
+    for method in ["nearest", "epx"] {
+        let mut recipe = Recipe::default();
+        recipe.set_all(&[&format!("upscaler.method={method}"), "upscaler.scale=2", "upscaler.anchor=centre"])?;
+        let frame = renderer.render_converged(&scene, &scene.home, &recipe, viewport);
+        let error = compare(frame.image(), reference.image()).ok_or("pictures of different sizes")?;
+        println!("{:8} PSNR {:.2} dB, SSIM {:.4}", recipe.upscaler.upscaler().name(), error.psnr_db, error.ssim);
+        recipes.push(recipe);
     }
+
+    // `every_upscaler` would return the recipes of all upscalers, including the registered one.
+    let plan = UpscalingPlan {
+        subjects: vec![NamedView { name: scene.name.clone(), camera: scene.home, scene }],
+        recipes,
+        viewport,
+        rounds: 5,
+        reference: Reference::Native,
+        turn: Turn::default(),
+    };
+    let report = sweep::run(&plan, &|_| (), &|| false).ok_or("nothing was measured")?;
+    print!("{}", csv(&report));
     Ok(())
 }

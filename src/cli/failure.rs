@@ -10,9 +10,10 @@ use crate::drawing::file::DrawingFileError;
 use crate::image::file::ImageFileError;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::SceneError;
+use crate::upscale::process::ProcessFailure;
 use thiserror::Error;
 
-/// Exit code for unusable input and unwritable output.
+/// Exit code for unusable input, unwritable output and failed upscaler processes.
 const BAD_INPUT: u8 = 2;
 
 /// Exit code if the requested window cannot be opened.
@@ -72,6 +73,9 @@ pub(crate) enum Failure {
     /// The error of a picture is beyond a bound of `compare`.
     #[error("{0}")]
     OutOfBounds(String),
+    /// An upscaler process failed; the results contain pictures of nearest neighbours in its place.
+    #[error(transparent)]
+    UpscalerProcess(ProcessFailure),
     /// A command was interrupted.
     #[error("interrupted: {0}")]
     Interrupted(&'static str),

@@ -1,8 +1,9 @@
 //! The command line: one file per subcommand, which defines its options and a function that runs it.
 //!
 //! Results go to standard output or to files; warnings and errors go to standard error, one line each. Exit codes: 0
-//! success; 1 a violation found by `check`, `compare` or `bench --verify`; 2 unusable input or unwritable output; 3 the
-//! requested window cannot be opened; 130 interrupted measurement, whose complete results are written.
+//! success; 1 a violation found by `check`, `compare` or `bench --verify`; 2 unusable input, unwritable output, or a
+//! failed upscaler process, whose pictures are filled in by nearest neighbour; 3 the requested window cannot be opened;
+//! 130 interrupted measurement, whose complete results are written.
 
 mod bench;
 mod bench_scrub;
@@ -32,6 +33,7 @@ mod scenes;
 mod screenshot;
 mod seen_args;
 mod stability;
+mod upscaler_args;
 mod vector;
 mod window;
 #[cfg(feature = "ui")]
@@ -68,7 +70,7 @@ struct Cli {
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\n\n", include_str!("../../assets/NOTICES.txt"));
 
 const EXIT_CODES: &str = "Exit codes: 0 success; 1 violation found by `check`, `compare` or `bench --verify`; 2 unusable \
-    input or unwritable output; 3 window cannot be opened; 130 interrupted, the results so far are written";
+    input, unwritable output or failed upscaler process; 3 window cannot be opened; 130 interrupted, the results so far are written";
 
 /// Returns the final part of a command's help text: an example and the exit codes.
 fn example(arguments: &str) -> String {
@@ -143,7 +145,7 @@ enum CliCommand {
 pub fn run() -> ExitCode {
     disk::protect_inputs();
     let outcome = match Cli::try_parse() {
-        Ok(cli) => execute(&cli),
+        Ok(cli) => upscaler_args::with_process_failures(execute(&cli)),
         Err(error) => usage(&error),
     };
     match outcome {

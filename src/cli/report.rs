@@ -18,6 +18,7 @@ use clap::Args;
 use super::failure::Failure;
 use super::progress::ProgressLine;
 use super::scene_args::MemoryArgs;
+use super::upscaler_args::UpscalerArgs;
 use super::{interrupt, output, parse, scene_args};
 
 /// File names of the report's HTML page, CSV table and JSON.
@@ -44,6 +45,9 @@ pub(crate) struct ReportArgs {
 
     #[command(flatten)]
     memory: MemoryArgs,
+
+    #[command(flatten)]
+    upscalers: UpscalerArgs,
 
     /// Number of timed rounds; each draws one frame of the sequence with every upscaler
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u16).range(1..=1000))]
@@ -89,6 +93,7 @@ pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
 }
 
 fn plan(args: &ReportArgs) -> Result<UpscalingPlan, Failure> {
+    args.upscalers.register()?;
     let mut recipe = Recipe::default();
     recipe.set_all(&args.set)?;
     let names = args.scenes.iter().map(Some);

@@ -18,6 +18,7 @@ use clap::Args;
 use super::failure::Failure;
 use super::parse::Up;
 use super::progress::ProgressLine;
+use super::upscaler_args::UpscalerArgs;
 use super::{output, parse};
 
 /// Options for scene, camera and settings.
@@ -56,6 +57,9 @@ pub(crate) struct SceneArgs {
 
     #[command(flatten)]
     memory: MemoryArgs,
+
+    #[command(flatten)]
+    upscalers: UpscalerArgs,
 
     /// Camera, as JSON or as a path to a JSON file
     #[arg(long, value_name = "FILE.json", long_help = CAMERA_HELP)]
@@ -145,6 +149,7 @@ impl RequestedView {
 impl SceneArgs {
     /// Loads the scene, and reads the camera and the recipe. Warnings of the loader go to standard error.
     pub(crate) fn view(&self) -> Result<RequestedView, Failure> {
+        self.upscalers.register()?;
         // Invalid options are reported before the scene is loaded.
         self.recipe(Recipe::default())?;
         let camera = self.camera.as_deref().map(camera).transpose()?;

@@ -56,6 +56,8 @@ pub(crate) struct Workbench {
     worker: Worker,
     /// Requests that the worker has received last.
     sent: SentRequests,
+    /// Number of failures of upscaler processes that were reported.
+    process_failures: usize,
     /// Measurements of all upscalers.
     measuring: UpscalerMeasurement,
     /// Model or case that is being opened.
@@ -85,6 +87,7 @@ impl Workbench {
             session,
             worker,
             sent: SentRequests::default(),
+            process_failures: 0,
             measuring: UpscalerMeasurement::default(),
             opening: Opening::default(),
             pictures: PictureFiles::default(),

@@ -53,6 +53,8 @@ macro_rules! define_command {
             ApplyRemedy(Remedy),
             /// Selects the upscaler at this index of the registry.
             ChooseUpscaler(usize),
+            /// Starts failed upscaler processes again, and draws all pictures again.
+            RestartUpscalers,
             /// Resets the recipe to the default.
             ResetRecipe,
             /// Replaces the camera.
@@ -100,9 +102,10 @@ macro_rules! define_command {
                     Self::Dialog(command) => return Some(WindowTask::Dialog(command)),
                     Self::Workspace(change) => return Some(WindowTask::Workspace(change)),
                     Self::MirrorZ => session.mirror_z(),
-                    Self::SetRecipe(recipe) => session.state.recipe = recipe,
+                    Self::SetRecipe(recipe) => session.set_recipe(recipe),
                     Self::ApplyRemedy(remedy) => remedy.apply(&mut session.state.recipe, &mut session.state.camera),
                     Self::ChooseUpscaler(place) => session.choose_upscaler(place),
+                    Self::RestartUpscalers => session.restart_upscalers(),
                     Self::ResetRecipe => session.state.recipe = Recipe::default(),
                     Self::SetCamera(camera) => session.state.camera = camera,
                     Self::ResetCamera => session.state.camera = session.scene.home,

@@ -5,7 +5,7 @@ use eframe::egui::{Color32, Rgba, Ui};
 use glam::{Mat3, Vec3, mat3, vec3};
 
 use super::theme::tokens;
-use crate::upscale::{self, Scale, Upscaling};
+use crate::upscale::{Scale, Upscaling};
 
 /// Angle between the hues of consecutive methods, in degrees: the golden angle, which keeps the hues of any number of
 /// methods apart and those of neighbours far apart.
@@ -25,8 +25,7 @@ const LIGHT_LIGHTNESS: [f32; 2] = [0.42, 0.62];
 
 /// Returns the colour of an upscaler in the theme of `ui`. Native rendering has the colour of text.
 pub(crate) fn method_color(ui: &Ui, upscaling: Upscaling) -> Color32 {
-    let method = upscale::ALL.iter().position(|upscaler| upscaler.id() == upscaling.method());
-    match method.unwrap_or_default() {
+    match upscaling.place() {
         0 => tokens(ui).text,
         method => hue_color(ui.visuals().dark_mode, method - 1, upscaling.scale()),
     }
@@ -81,8 +80,7 @@ mod tests {
     }
 
     fn color(dark_mode: bool, upscaling: Upscaling) -> Color32 {
-        let method = upscale::ALL.iter().position(|upscaler| upscaler.id() == upscaling.method()).unwrap();
-        hue_color(dark_mode, method - 1, upscaling.scale())
+        hue_color(dark_mode, upscaling.place() - 1, upscaling.scale())
     }
 
     #[test]

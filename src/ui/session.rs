@@ -233,11 +233,26 @@ impl Session {
     }
 
     pub(super) fn choose_upscaler(&mut self, place: usize) {
-        let method = upscale::ALL.get(place).map(|u| u.id());
+        let method = upscale::all().get(place).map(|u| u.id());
         let chosen = self.state.recipe.upscaler;
         if let Some(upscaler) = method.and_then(|id| chosen.with_method(id)) {
+            upscaler.upscaler().retry();
             self.state.recipe.upscaler = upscaler;
         }
+    }
+
+    pub(super) fn set_recipe(&mut self, recipe: Recipe) {
+        if recipe.upscaler.method() != self.state.recipe.upscaler.method() {
+            recipe.upscaler.upscaler().retry();
+        }
+        self.state.recipe = recipe;
+    }
+
+    /// Starts failed upscaler processes again.
+    pub(super) fn restart_upscalers(&mut self) {
+        upscale::all().iter().for_each(|upscaler| upscaler.retry());
+        // All pictures of the old scene object count as outdated.
+        self.scene = Arc::new(Scene::clone(&self.scene));
     }
 
     pub(super) fn fit_camera(&mut self) {

@@ -69,7 +69,8 @@ struct Damage {
 /// Reads a preferences file. Copies it to a backup if some of it cannot be read.
 fn read_file(path: &Path) -> std::io::Result<(Preferences, Option<Damage>)> {
     let bytes = disk::read_own(path, MAX_BYTES)?;
-    let (preferences, is_complete) = Preferences::read_checked(&String::from_utf8_lossy(&bytes));
+    let stored = String::from_utf8_lossy(&bytes);
+    let (preferences, is_complete) = Preferences::read_checked(&stored);
     if is_complete {
         return Ok((preferences, None));
     }
@@ -81,7 +82,9 @@ fn read_file(path: &Path) -> std::io::Result<(Preferences, Option<Damage>)> {
         Ok(backup) => format!("the file is kept as {}", backup.display()),
         Err(error) => format!("no backup of the file was written: {error}"),
     };
-    let warning = format!("{}: some preferences cannot be read; {kept}", path.display());
+    let unknown = Preferences::unknown_upscaler(&stored);
+    let unknown = unknown.map_or_else(String::new, |id| format!(", such as those with the unknown upscaler `{id}`"));
+    let warning = format!("{}: some preferences cannot be read{unknown}; {kept}", path.display());
     Ok((preferences, Some(Damage { warning, is_new })))
 }
 
@@ -255,6 +258,17 @@ mod tests {
             assert!(read(folder.path()).unwrap().warning.is_some(), "it is still damaged");
             assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "one backup");
         }
+    }
+
+    #[test]
+    fn an_upscaler_that_is_not_registered_is_named() {
+        let stored = with(&["kept"]).write().replace("\"method\":\"native\"", "\"method\":\"my-net\"");
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join(FILE), stored).unwrap();
+        let found = read(folder.path()).unwrap();
+        assert_eq!(found.preferences.recipe.upscaler.method(), "native");
+        let warning = found.warning.unwrap();
+        assert!(warning.contains("the unknown upscaler `my-net`; the file is kept as "), "{warning}");
     }
 
     #[test]

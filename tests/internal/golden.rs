@@ -106,7 +106,7 @@ const FIRST_FRAME_OF_ANOTHER: [&str; 1] = ["checkerboard-temporal"];
 fn upscalers() -> Vec<(String, Image<Rgba8>)> {
     let chess = Arc::new(scene("chess"));
     let mut pictures = Vec::new();
-    for method in upscale::ALL.iter().filter(|upscaler| upscaler.id() != "native") {
+    for method in upscale::BUILT_IN.iter().filter(|upscaler| upscaler.id() != "native") {
         let id = method.id();
         let upscaler = Upscaling::new(id, Scale::FOUR).expect("an upscaler of the registry");
         let recipe = Recipe { upscaler, ..Recipe::default() };

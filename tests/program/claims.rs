@@ -392,7 +392,7 @@ fn claims_something(sentence: &str) -> bool {
 #[test]
 fn every_help_text_that_compares_has_its_claims_in_the_table() {
     let helps = [
-        rasterscope::upscale::ALL.iter().map(|upscaler| upscaler.help()).collect(),
+        rasterscope::upscale::BUILT_IN.iter().map(|upscaler| upscaler.help()).collect(),
         help_of::<AntialiasMethod>(),
         help_of::<SampleCount>(),
         help_of::<PostFilterKind>(),

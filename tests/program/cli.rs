@@ -112,7 +112,7 @@ fn the_manual_names_every_setting_scene_method_buffer_and_kind_and_class_of_case
     let manual: String = Chapter::ALL.iter().map(|chapter| chapter.text()).collect();
     let settings = Recipe::keys().into_iter().map(|(key, _)| key);
     let scenes = builtin::ALL.iter().map(|scene| scene.id.to_owned());
-    let methods = upscale::ALL.iter().map(|upscaler| upscaler.id().to_owned());
+    let methods = upscale::BUILT_IN.iter().map(|upscaler| upscaler.id().to_owned());
     let buffers = Buffer::ALL.iter().map(|buffer| buffer.id().to_owned());
     let buffers = buffers.chain(Intermediate::ALL.iter().map(|number| number.id().to_owned()));
     let kinds = Task::KINDS.iter().map(|kind| (*kind).to_owned());
@@ -179,7 +179,7 @@ fn the_report_is_a_page_a_table_and_json_of_every_upscaler() {
     let columns = csv.lines().next().unwrap().split(',').count();
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     let scene = &json["scenes"][0];
-    assert_eq!((scene["rows"].as_array().unwrap().len(), columns), (rows, 39));
+    assert_eq!((scene["rows"].as_array().unwrap().len(), columns), (rows, 40));
     assert_eq!(scene["rows"][0]["error"]["mse"].as_f64(), Some(0.0), "native");
     assert_eq!(scene["rows"][0]["motion"]["worst"]["mse"].as_f64(), Some(0.0), "native in motion");
     assert_eq!(scene["noise"]["pairs"], 5, "two rounds are one block of each of five recipes that are drawn twice");
@@ -412,7 +412,7 @@ const MORE_SETTINGS: [&str; 4] = ["wireframe=true", "shading=gouraud", "backgrou
 #[test]
 fn the_colour_of_a_replayed_pixel_is_the_rendered_one() {
     let folder = folder();
-    let methods = upscale::ALL.iter().map(|upscaler| format!("upscaler.method={}", upscaler.id()));
+    let methods = upscale::BUILT_IN.iter().map(|upscaler| format!("upscaler.method={}", upscaler.id()));
     for setting in methods.chain(MORE_SETTINGS.map(str::to_owned)) {
         let options = ["cubes", "--size", "63x47", "--set", &setting];
         assert_success(&run(&folder, &[&["render", "-o", "out.png"], &options[..]].concat()));

@@ -8,7 +8,7 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::triangle_list::TriangleList;
 use crate::pipeline::viewport::Viewport;
 use crate::pipeline::wireframe;
-use crate::upscale::UpscaleInputs;
+use crate::upscale::{UpscaleInputs, Upscaled};
 
 /// Full-resolution picture before the post filter and the wireframe. It is stored separately only if it differs from
 /// both the drawn and the finished picture.
@@ -29,6 +29,8 @@ pub(super) struct Finished {
     pub(super) picture: Option<Image<Rgba8>>,
     pub(super) unfiltered: Unfiltered,
     pub(super) history: Option<Image<[f32; 4]>>,
+    /// Time taken by transfers to and from the process of the upscaler.
+    pub(super) transfer: Duration,
     /// Time taken by the post filter and the wireframe.
     pub(super) post: Duration,
 }
@@ -50,23 +52,25 @@ pub(super) fn finish<'a>(
     triangles: impl Fn() -> &'a TriangleList,
 ) -> Finished {
     let Viewport { width, height } = viewport;
-    let (upscaled, memory) = if recipe.upscaler.is_native() {
-        (None, None)
+    let (upscaled, result) = if recipe.upscaler.is_native() {
+        (None, Upscaled::default())
     } else {
         let mut full = Image::reusing(spare.full.take(), width, height, [0; 4]);
         let upscaler = recipe.upscaler.upscaler();
-        let memory = upscaler.upscale_with_history(recipe.upscaler, drawn, &mut full, spare.history);
-        (Some(full), memory)
+        let result = upscaler.upscale_with_history(recipe.upscaler, drawn, &mut full, spare.history);
+        (Some(full), result)
     };
+    let Upscaled { history, transfer } = result;
     let upscaled_at = Instant::now();
     let filtered = post::apply(&recipe.post, upscaled.as_ref().unwrap_or(drawn.color), spare.full);
     if filtered.is_none() && !recipe.wireframe {
-        return Finished { picture: upscaled, unfiltered: Unfiltered::Finished, history: memory, post: Duration::ZERO };
+        let (unfiltered, post) = (Unfiltered::Finished, Duration::ZERO);
+        return Finished { picture: upscaled, unfiltered, history, transfer, post };
     }
     let mut picture = filtered.unwrap_or_else(|| upscaled.as_ref().unwrap_or(drawn.color).clone());
     if recipe.wireframe {
         wireframe::overlay(triangles(), &mut picture);
     }
     let unfiltered = upscaled.map_or(Unfiltered::Drawn, Unfiltered::Kept);
-    Finished { picture: Some(picture), unfiltered, history: memory, post: upscaled_at.elapsed() }
+    Finished { picture: Some(picture), unfiltered, history, transfer, post: upscaled_at.elapsed() }
 }

@@ -35,6 +35,8 @@ pub struct FrameTimes {
     pub(crate) surfaces: Duration,
     /// Time spent filling in pixels that were not drawn, and storing the frame as history.
     pub(crate) upscale: Duration,
+    /// Part of `upscale` that was spent on transfers to and from the process of the upscaler.
+    pub(crate) transfer: Duration,
     /// Time spent on the post filter and the wireframe.
     pub(crate) post: Duration,
     /// Total time from the plan to the finished picture.

@@ -281,7 +281,7 @@ fn collect_keys(tree: &Value, prefix: &str, keys: &mut Vec<(String, String)>) {
 fn describe_values(key: &str, value: &Value) -> String {
     match value {
         _ if key.starts_with(UPSCALER_KEYS) && key != METHOD_KEY => {
-            format!("{}, where the method offers a choice", offered(key, upscale::ALL))
+            format!("{}, where the method offers a choice", offered(key, &upscale::all()))
         }
         Value::Bool(_) => "true, false".to_owned(),
         Value::Number(_) if key == "light.ambient" => "number, 0…1".to_owned(),

@@ -207,13 +207,14 @@ impl Renderer {
         let known =
             UpscaleInputs { color: &drawn.color, frame: frame_inputs(surfaces.as_deref(), camera, past.as_deref()) };
         let spare = std::mem::take(&mut self.spare_full);
-        let Finished { picture, unfiltered, history: memory, post } =
+        let Finished { picture, unfiltered, history: memory, transfer, post } =
             finish(recipe, &known, viewport, spare, || outlines.as_ref().unwrap_or_else(|| &geometry.triangles));
         let times = FrameTimes {
             geometry: report.times.transform + report.times.cull,
             pixels: report.times.rasterize + report.times.shade,
             resolve,
             surfaces: drawn_at - surfaces_begun,
+            transfer,
             upscale: drawn_at.elapsed().saturating_sub(post),
             post,
             total: start.elapsed(),

@@ -100,13 +100,14 @@ pub(super) fn run_after<O: Observer>(
     let outlines = outlines(scene, camera, recipe, viewport);
     let known =
         UpscaleInputs { color: &drawn.color, frame: frame_inputs(surfaces.as_deref(), camera, past.as_deref()) };
-    let Finished { picture, unfiltered, history: memory, post } =
+    let Finished { picture, unfiltered, history: memory, transfer, post } =
         finish(recipe, &known, viewport, spare, || outlines.as_ref().unwrap_or(&geometry.triangles));
     let times = FrameTimes {
         geometry: geometry_time,
         pixels: pixels_time,
         resolve,
         surfaces: drawn_at - surfaces_begun,
+        transfer,
         upscale: drawn_at.elapsed().saturating_sub(post),
         post,
         total: start.elapsed(),

@@ -277,7 +277,11 @@ pub(super) fn replayed(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y:
     let mut recorder = FragmentRecorder::new(scene, recipe, frame);
     let final_depth = replay(scene, recipe, frame, drawn_at, &mut recorder).flatten();
 
-    let upscaled = upscaler.pixel(how, &frame.as_drawn(&picture_of(&sources, frame)), (width, height), (x, y));
+    let upscaled = if upscaler.is_opaque() {
+        frame.unfiltered().at(x, y)
+    } else {
+        upscaler.pixel(how, &frame.as_drawn(&picture_of(&sources, frame)), (width, height), (x, y))
+    };
     let filtered = filtered(recipe, frame, (x, y), upscaled);
     let below = filtered.unwrap_or(upscaled);
     let wireframe = recipe.wireframe.then(|| wireframe::crosses(frame.outlines(), (width, height), (x, y))).flatten();

@@ -73,6 +73,9 @@ impl InspectionState {
         words.extend(self.mirrored.then(|| "--mirror-z".to_owned()));
         let mut option = |name: &str, value: String| words.extend([format!("--{name}"), value]);
         option("camera", camera_file::text(&self.camera));
+        if let Some(process) = self.recipe.upscaler.upscaler().process() {
+            option("upscaler-process", process.to_owned());
+        }
         for assignment in assignments(&self.recipe) {
             option("set", assignment);
         }

@@ -188,7 +188,8 @@ fn stages(frame: &Frame, recipe: &Recipe) -> Vec<(&'static str, Duration)> {
     let rest = [
         ("resolve", times.resolve, recipe.antialias.has_passes()),
         ("surfaces", times.surfaces, recipe.upscaler.upscaler().reads().gbuffer),
-        ("upscale", times.upscale, true),
+        ("upscale", times.upscale.saturating_sub(times.transfer), true),
+        ("transfer", times.transfer, recipe.upscaler.upscaler().process().is_some()),
         ("post filter", times.post, !recipe.post.is_off() || recipe.wireframe),
     ];
     stages.extend(rest.into_iter().filter(|(.., runs)| *runs).map(|(name, time, _)| (name, time)));

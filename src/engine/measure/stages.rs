@@ -49,6 +49,8 @@ pub struct StageTimes {
     pub surfaces: Option<Duration>,
     /// Time spent on upscaling: filling in pixels that were not drawn, and storing the frame as history.
     pub upscale: Duration,
+    /// Time spent on transfers to and from the process of the upscaler.
+    pub transfer: Option<Duration>,
     /// Time spent on post filter and wireframe.
     pub post: Option<Duration>,
     /// Time spent between the stages, on buffers, thread pool and copies.
@@ -72,6 +74,7 @@ impl StageTimes {
             ("resolve", self.resolve),
             ("surfaces", self.surfaces),
             ("upscale", Some(self.upscale)),
+            ("transfer", self.transfer),
             ("post filter", self.post),
             ("other", Some(self.other)),
         ];
@@ -109,7 +112,8 @@ impl StageTimes {
         let mut all = Self {
             resolve: recipe.antialias.has_passes().then_some(times.resolve),
             surfaces: recipe.upscaler.upscaler().reads().gbuffer.then_some(times.surfaces),
-            upscale: times.upscale,
+            upscale: times.upscale.saturating_sub(times.transfer),
+            transfer: recipe.upscaler.upscaler().process().map(|_| times.transfer),
             post: (!recipe.post.is_off() || recipe.wireframe).then_some(times.post),
             other: Duration::ZERO,
             ..self

@@ -14,8 +14,8 @@ use std::ops::Range;
 use arrayvec::ArrayVec;
 
 use super::{
-    Anchor, FilterSpace, Lattice, Motion, Offers, Reads, Reprojected, Sampling, Scale, Tap, UpscaleInputs, Upscaler,
-    Upscaling,
+    Anchor, FilterSpace, Lattice, Motion, Offers, Reads, Reprojected, Sampling, Scale, Tap, UpscaleInputs, Upscaled,
+    Upscaler, Upscaling,
 };
 use crate::antialias::pattern::Pattern;
 use crate::image::color::Tables;
@@ -89,11 +89,11 @@ impl Upscaler for Accumulation {
         drawn: &UpscaleInputs<'_>,
         full: &mut Image<Rgba8>,
         memory: Option<Image<[f32; 4]>>,
-    ) -> Option<Image<[f32; 4]>> {
+    ) -> Upscaled {
         let (width, height) = full.size();
         let mut memory = Image::reusing(memory, width, height, [0.0; 4]);
         rows::fill(Lanes::best(), &FrameContext::new(how, drawn, (width, height)), full, &mut memory);
-        Some(memory)
+        Upscaled { history: Some(memory), ..Upscaled::default() }
     }
 
     fn pixel(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{ALL, Anchor, Lattice, Sampling, Scale, UpscaleInputs, Upscaler};
+use super::{Anchor, Lattice, Sampling, Scale, UpscaleInputs, Upscaler, all, registry};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::settings::{Choice, choice};
@@ -26,7 +26,7 @@ pub(super) const MAX_SHARPENING: u32 = 100;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(try_from = "Written", into = "Written")]
 pub struct Upscaling {
-    /// Index of the upscaler in [`ALL`].
+    /// Index of the upscaler in the registry, [`all`].
     method: usize,
     scale: Scale,
     anchor: Anchor,
@@ -54,7 +54,7 @@ struct Written {
 }
 
 impl Upscaling {
-    /// Native rendering: the first entry of [`ALL`].
+    /// Native rendering: the first entry of the registry.
     pub const NATIVE: Self = Self {
         method: 0,
         scale: Scale::ONE,
@@ -79,8 +79,8 @@ impl Upscaling {
     /// assert_eq!(Upscaling::new("dlss", 2), None);
     /// ```
     pub fn new(method: &str, scale: impl Into<Scale>) -> Option<Self> {
-        let method = ALL.iter().position(|u| u.id() == method)?;
-        let offers = ALL[method].offers();
+        let method = registry::index_of(method)?;
+        let offers = registry::at(method).offers();
         let (anchor, light) = (*offers.anchors.first()?, *offers.lights.first()?);
         Some(Self { method, scale: scale.into(), anchor, light, ..Self::NATIVE }.offered())
     }
@@ -100,7 +100,7 @@ impl Upscaling {
     /// Returns every upscaler at every scale it offers, with its default options.
     pub fn every() -> impl Iterator<Item = Self> {
         let choices = |u: &'static dyn Upscaler| u.offers().scales.iter().filter_map(|scale| Self::new(u.id(), *scale));
-        ALL.iter().flat_map(move |u| choices(*u))
+        all().into_iter().flat_map(choices)
     }
 
     /// Returns the upscaler with this id and its default options, at the offered scale nearest to the current one.
@@ -140,9 +140,14 @@ impl Upscaling {
         self.method == Self::NATIVE.method
     }
 
-    /// Returns the selected upscaler, an entry of [`ALL`].
+    /// Returns the selected upscaler, an entry of the registry.
     pub fn upscaler(self) -> &'static dyn Upscaler {
-        ALL[self.method]
+        registry::at(self.method)
+    }
+
+    /// Returns the index of the selected upscaler in the registry, [`all`]; 0 is native rendering.
+    pub fn place(self) -> usize {
+        self.method
     }
 
     /// Returns the id of the selected upscaler, in kebab case.
@@ -260,7 +265,7 @@ impl TryFrom<Written> for Upscaling {
     fn try_from(written: Written) -> Result<Self, String> {
         let Written { method, scale, anchor, light, deringing, sharpening } = written;
         let default = Self::new(&method, scale).ok_or_else(|| {
-            let known: Vec<_> = ALL.iter().map(|u| format!("`{}`", u.id())).collect();
+            let known: Vec<_> = all().iter().map(|u| format!("`{}`", u.id())).collect();
             format!("unknown upscaler `{method}`, expected one of {}", known.join(", "))
         })?;
         let (anchor, light) = (anchor.unwrap_or(default.anchor), light.unwrap_or(default.light));

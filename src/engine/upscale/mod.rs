@@ -8,7 +8,10 @@
 //! dark edges ring more. Images are bit-identical for any number of threads and on any processor. [`Upscaler::taps`]
 //! lists the samples of a pixel, and [`Upscaler::pixel`] computes a single pixel with the same arithmetic.
 //!
-//! Each upscaler has an entry in the registry [`ALL`], which menus, command line, tests and reports read.
+//! [`all`] returns the registry, which menus, command line, tests and reports read: the constant list [`BUILT_IN`],
+//! followed by the upscalers that a program adds with [`register`].
+
+use std::time::Duration;
 
 use serde::Serialize;
 
@@ -32,6 +35,8 @@ mod native;
 mod nearest;
 #[cfg(target_arch = "x86_64")]
 mod nearest_avx2;
+pub mod process;
+mod registry;
 mod scale;
 mod separable;
 
@@ -58,6 +63,10 @@ pub use lattice::Anchor;
 pub(crate) use lattice::Lattice;
 pub(crate) use native::NATIVE;
 pub(crate) use nearest::NEAREST;
+pub use registry::RegisterError;
+pub use registry::all;
+pub use registry::register;
+pub use registry::register_boxed;
 pub use scale::Scale;
 
 /// An upscaler, which fills in the pixels that were not drawn.
@@ -119,18 +128,48 @@ pub trait Upscaler: Sync {
         None
     }
 
-    /// Upscales like [`Upscaler::upscale`] and returns the history for the next frame, or `None` if the upscaler stores
-    /// none. `_memory` is an older history whose buffer may be reused.
+    /// Whether the whole picture is needed to know a pixel. If so, [`Upscaler::pixel`] and [`Upscaler::taps`] only
+    /// approximate the picture of [`Upscaler::upscale`].
+    fn is_opaque(&self) -> bool {
+        false
+    }
+
+    /// Returns the process that upscales, as the option `--upscaler-process` describes it. Returns `None` if the
+    /// upscaler runs within this process and transfers nothing; see [`Upscaled::transfer`].
+    fn process(&self) -> Option<&str> {
+        None
+    }
+
+    /// Returns the message of the failure since which the upscaler uses a fallback; `None` if it works.
+    fn failure(&self) -> Option<String> {
+        None
+    }
+
+    /// Ends the fallback after a failure, so that the next use tries again. Called when the user chooses the upscaler
+    /// explicitly.
+    fn retry(&self) {}
+
+    /// Upscales like [`Upscaler::upscale`] and returns the history for the next frame. `_memory` is an older history
+    /// whose buffer may be reused.
     fn upscale_with_history(
         &self,
         how: Upscaling,
         drawn: &UpscaleInputs<'_>,
         full: &mut Image<Rgba8>,
         _memory: Option<Image<[f32; 4]>>,
-    ) -> Option<Image<[f32; 4]>> {
+    ) -> Upscaled {
         self.upscale(how, drawn, full);
-        None
+        Upscaled::default()
     }
+}
+
+/// Result of upscaling besides the picture.
+#[derive(Clone, Debug, Default)]
+pub struct Upscaled {
+    /// History for the next frame; `None` if the upscaler stores none.
+    pub history: Option<Image<[f32; 4]>>,
+    /// Part of the time that was spent on moving pictures to and from another process; zero within this process.
+    pub transfer: Duration,
 }
 
 /// Centre of a pixel, relative to its top left corner.
@@ -240,8 +279,8 @@ pub struct Tap {
     pub weight: f32,
 }
 
-/// All upscalers, in menu order.
-pub static ALL: &[&dyn Upscaler] = &[
+/// The built-in upscalers, in menu order.
+pub static BUILT_IN: &[&dyn Upscaler] = &[
     &NATIVE,
     &CHECKERBOARD,
     &CHECKERBOARD_EDGES,

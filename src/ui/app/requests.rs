@@ -13,6 +13,7 @@ use crate::ui::session::Severity;
 use crate::ui::task::BackgroundTask;
 use crate::ui::worker::{MeasureRequest, WorkerRequest, WorkerResponse};
 use crate::ui::workspace::Panel;
+use crate::upscale::process;
 
 /// Requests that the worker has received last.
 #[derive(Default)]
@@ -29,12 +30,23 @@ impl Workbench {
         while let Some(answer) = self.worker.poll() {
             self.handle(answer);
         }
+        self.report_process_failures();
         self.poll_tasks();
         self.poll_saving();
         self.poll_opener();
         self.poll_loading();
         self.poll_case();
         self.poll_pictures();
+    }
+
+    /// Reports the failures of upscaler processes that were not reported yet.
+    fn report_process_failures(&mut self) {
+        let failures = process::failures_after(self.process_failures);
+        self.process_failures += failures.len();
+        for failure in failures {
+            let text = format!("{failure}. Choose the upscaler again, or run “Restart upscaler processes”, to retry.");
+            self.session.report(Severity::Error, text);
+        }
     }
 
     pub(super) fn handle(&mut self, answer: WorkerResponse) {

@@ -15,8 +15,8 @@ use crate::ui::filmstrip::{self, FilmstripChange};
 use crate::ui::manual::manual_button;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
-use crate::ui::window_task::DialogCommand;
 use crate::ui::widgets::{combo, number_field};
+use crate::ui::window_task::DialogCommand;
 use crate::ui::workspace::PanelWidgets;
 
 /// Tile counts that can be chosen with a button.

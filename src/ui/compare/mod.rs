@@ -250,6 +250,7 @@ impl CompareSettings {
             }
             CompareChange::Activate(tile) => tiles.active = tile,
             CompareChange::Recipe(tile, wanted) => {
+                wanted.upscaler.upscaler().retry();
                 tiles.fill((tile + 1).min(MAX_TILES), *recipe);
                 if let Some(place) = tiles.tiles.get_mut(tile) {
                     place.recipe = *wanted;
@@ -340,7 +341,7 @@ fn suggestions() -> impl Iterator<Item = Upscaling> {
 /// Returns every upscaling method once, in the order of the menus: at `scale` or the nearest offered scale, or at its
 /// largest scale if `scale` is `None`.
 pub(crate) fn methods(scale: Option<Scale>) -> impl Iterator<Item = Upscaling> {
-    upscale::ALL.iter().filter_map(move |method| {
+    upscale::all().into_iter().filter_map(move |method| {
         let largest = *method.offers().scales.last()?;
         Upscaling::new(method.id(), scale.unwrap_or(largest))
     })
@@ -408,9 +409,9 @@ mod tests {
         assert_eq!(upscalers.len(), 8);
         bench.apply(CompareChange::Every(None));
         let shown: Vec<_> = bench.recipes().iter().map(|recipe| recipe.upscaler.method()).collect();
-        assert_eq!(shown, upscale::ALL.iter().map(|method| method.id()).collect::<Vec<_>>());
+        assert_eq!(shown, upscale::all().iter().map(|method| method.id()).collect::<Vec<_>>());
         bench.apply(CompareChange::Every(Some(Scale::TWO)));
-        for (method, recipe) in upscale::ALL.iter().zip(bench.recipes()) {
+        for (method, recipe) in upscale::all().iter().zip(bench.recipes()) {
             let offers_two = method.offers().scales.contains(&Scale::TWO);
             assert_eq!(recipe.upscaler.scale() == Scale::TWO, offers_two, "{}", method.id());
         }

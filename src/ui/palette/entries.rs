@@ -208,7 +208,7 @@ pub(crate) fn all(session: &Session) -> Vec<PaletteEntry> {
             .with(panel.spec().help, false)
             .also(panel.synonyms().iter().copied())
     }));
-    entries.extend(upscale::ALL.iter().enumerate().map(|(place, upscaler)| {
+    entries.extend(upscale::all().iter().enumerate().map(|(place, upscaler)| {
         let chosen = session.state.recipe.upscaler.method() == upscaler.id();
         let title = format!("Choose upscaler: {}", upscaler.name());
         let entry = entry(EntryKind::Upscaler, title, Command::ChooseUpscaler(place));
@@ -241,6 +241,7 @@ fn commands() -> Vec<PaletteEntry> {
         keyless("Mirror the scene along z", Command::MirrorZ).also(["handedness", "flip z"]),
         keyless("Reset all settings", Command::ResetRecipe).also(["reset", "defaults"]),
         keyless("Save the picked triangle as a case file", Command::File(FileCommand::SaveCase)),
+        keyless("Restart upscaler processes", Command::RestartUpscalers).also(["external", "retry"]),
         keyless("Switch between dark and light theme", Command::Appearance(AppearanceChange::ToggleTheme))
             .also(["dark mode", "light mode"]),
         keyless("Reduce motion", Command::Appearance(AppearanceChange::ToggleMotion)).also([

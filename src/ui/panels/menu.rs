@@ -27,6 +27,7 @@ use crate::ui::what_if;
 use crate::ui::widgets::{icon_button, monospace_width, overflow_menu, text_width};
 use crate::ui::window_task::DialogCommand;
 use crate::ui::workspace::{Workspace, WorkspaceChange};
+use crate::upscale;
 
 /// Selectable interface scales, as factors of the default size.
 const SCALES: [f32; 6] = [0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
@@ -137,6 +138,8 @@ fn edit(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     entry_if(ui, session.can_redo(), "Redo", Command::Redo, commands);
     ui.separator();
     entry_if(ui, session.state.recipe != Recipe::default(), "Reset all settings", Command::ResetRecipe, commands);
+    let has_failed = upscale::all().iter().any(|upscaler| upscaler.failure().is_some());
+    entry_if(ui, has_failed, "Restart upscaler processes", Command::RestartUpscalers, commands);
 }
 
 fn compare(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {

@@ -438,7 +438,7 @@ fn time_of(stage: Stage, times: &StageTimes) -> Option<Duration> {
         Stage::Depth => times.depth,
         Stage::Interpolate => times.interpolate,
         Stage::Shade => Some(times.shade),
-        Stage::Upscale => Some(times.upscale),
+        Stage::Upscale => Some(times.upscale + times.transfer.unwrap_or_default()),
     }
 }
 

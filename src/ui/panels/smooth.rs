@@ -37,13 +37,16 @@ pub(super) fn antialias(ui: &mut Ui, antialias: &mut Antialiasing) {
 pub(super) fn upscaler(ui: &mut Ui, recipe: &mut Recipe) {
     let before = recipe.upscaler;
     let mut method = before.method();
-    let methods: Vec<_> = upscale::ALL.iter().map(|u| (u.id(), u.name(), u.help())).collect();
+    let methods: Vec<_> = upscale::all().iter().map(|u| (u.id(), u.name(), u.help())).collect();
     row(ui, "Method", "Upscaling method, which reconstructs the pixels that are not drawn", |ui| {
         choice(ui, &mut method, &methods)
     });
     let chosen = before.with_method(method).unwrap_or(before);
     recipe.upscaler = choices(ui, chosen);
     note(ui, recipe.upscaler.upscaler().help());
+    if let Some(failure) = recipe.upscaler.upscaler().failure() {
+        note(ui, &failure);
+    }
 }
 
 /// Draws the options of the current upscaling method. Returns the upscaler with the selected options.

@@ -17,6 +17,7 @@ use crate::ui::onboarding::Seen;
 use crate::ui::place::Bookmark;
 use crate::ui::watch;
 use crate::ui::workspace::StoredLayouts;
+use crate::upscale::{Scale, Upscaling};
 
 /// Size of the picture that the pipeline draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -154,6 +155,20 @@ impl Preferences {
         };
         let is_complete = others.is_empty() && readable.iter().all(is_kept);
         (read, is_complete)
+    }
+
+    /// Returns the id of the first upscaler in stored preferences that is not registered.
+    pub(crate) fn unknown_upscaler(stored: &str) -> Option<String> {
+        fn search(value: &Value) -> Option<String> {
+            let method = value.pointer("/upscaler/method").and_then(Value::as_str);
+            let unknown = method.filter(|method| Upscaling::new(method, Scale::ONE).is_none()).map(str::to_owned);
+            unknown.or_else(|| match value {
+                Value::Object(fields) => fields.values().find_map(search),
+                Value::Array(items) => items.iter().find_map(search),
+                _ => None,
+            })
+        }
+        search(&serde_json::from_str(stored).ok()?)
     }
 
     /// Merges two sets of preferences that were both derived from `base`. Lists are merged item by item. Any other

@@ -10,7 +10,7 @@ use rasterscope::measure::region::PixelRegion;
 use rasterscope::ui::compare::Mode;
 use rasterscope::ui::compare::compute::Compared;
 use rasterscope::ui::workspace::Panel;
-use rasterscope::upscale::{ALL, Scale, Upscaling};
+use rasterscope::upscale::{BUILT_IN, Scale, Upscaling};
 
 use super::bench::Bench;
 
@@ -81,10 +81,10 @@ fn all_tiles_show_every_upscaler_at_the_same_size() {
     let mut bench = Bench::small("triangle");
     bench.press(Key::T);
     bench.click("All");
-    assert_eq!(compared(&bench).tiles.len(), ALL.len());
+    assert_eq!(compared(&bench).tiles.len(), BUILT_IN.len());
     assert!(compared(&bench).complete);
     let sizes: Vec<_> =
-        (b'A'..).take(ALL.len()).map(|l| rect(&bench, &format!("Picture {}", l as char)).size()).collect();
+        (b'A'..).take(BUILT_IN.len()).map(|l| rect(&bench, &format!("Picture {}", l as char)).size()).collect();
     assert!(sizes.iter().all(|size| (*size - sizes[0]).length() < 0.01), "{sizes:?}");
     bench.click("4 tiles");
     assert_eq!(compared(&bench).tiles.len(), 4);
@@ -204,7 +204,7 @@ fn the_filmstrip_has_a_frame_of_every_method_and_a_click_shows_it_as_b() {
     bench.press(Key::T);
     bench.click("Filmstrip");
     let frames = strip(&bench);
-    assert_eq!(frames.len(), ALL.len());
+    assert_eq!(frames.len(), BUILT_IN.len());
     assert!(frames.iter().all(|frame| frame.contains("FLIP ")), "every error is measured: {frames:?}");
     let drawn = bench.session().features.filmstrip.drawn.as_ref().expect("they are drawn");
     let request = bench.session().request();

@@ -6,7 +6,7 @@ use crate::report::PARTIAL;
 
 /// Header line of the CSV table.
 const HEAD: &str = "scene,triangles,width,height,threads,reference,method,scale,anchor,light,label,drawn,rounds,frame_ms,\
-    frame_ms_p10,frame_ms_p90,frame_ms_max,geometry_ms,pixels_ms,upscale_ms,mse,psnr_db,ssim,flip,max_abs,differing_pixels,\
+    frame_ms_p10,frame_ms_p90,frame_ms_max,geometry_ms,pixels_ms,upscale_ms,transfer_ms,mse,psnr_db,ssim,flip,max_abs,differing_pixels,\
     turn_degrees,motion_frames,motion_mse,motion_psnr_db,motion_ssim,motion_flip,worst_psnr_db,worst_flip,dominated_by,within_noise_of,\
     native_within_noise,noise,noise_pairs";
 
@@ -44,6 +44,7 @@ fn line(report: &UpscalingReport, scene: &SceneReport, row: &UpscalingRow) -> St
         parts.geometry.to_string(),
         parts.pixels.to_string(),
         parts.upscale.to_string(),
+        parts.transfer.to_string(),
         codes.mse.to_string(),
         codes.psnr_db.to_string(),
         codes.ssim.to_string(),

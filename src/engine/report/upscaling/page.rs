@@ -152,16 +152,31 @@ fn sixteenth(rows: &[UpscalingRow], native: &UpscalingRow) -> String {
 fn table(report: &UpscalingReport, rows: &[UpscalingRow], native: Option<&UpscalingRow>) -> String {
     let mut order: Vec<&UpscalingRow> = rows.iter().collect();
     order.sort_by(|a, b| a.frame_ms.median.total_cmp(&b.frame_ms.median));
-    let lines: String = order.into_iter().map(|row| line(row, native)).collect();
+    let transfers = rows.iter().any(transfers);
+    let lines: String = order.into_iter().map(|row| line(row, native, transfers)).collect();
+    let transfer = if transfers { "<th>transfer</th>" } else { "" };
     format!(
-        "<p class=\"soft\">{} The columns after them show errors of the still view.</p>\n<div class=\"scroll\"><table \
+        "{}<p class=\"soft\">{} The columns after them show errors of the still view.</p>\n<div class=\"scroll\"><table \
          class=\"rows\">\n<thead><tr><th>upscaler</th><th>anchor</th><th>light</th><th>drawn</th><th>median \
-         ms</th><th>p10</th><th>p90</th><th>speed-up</th><th>geometry</th><th>pixels</th><th>upscale</th><th>FLIP in \
+         ms</th><th>p10</th><th>p90</th><th>speed-up</th><th>geometry</th><th>pixels</th><th>upscale</th>{transfer}<th>FLIP in \
          motion</th><th>worst frame</th><th>PSNR in motion, dB</th><th>FLIP</th><th>PSNR \
          dB</th><th>SSIM</th><th>MSE</th><th>max</th><th>differing px</th><th class=\"words\">dominated \
          by</th></tr></thead>\n<tbody>\n{lines}</tbody></table></div>\n",
+        failures(rows),
         motion(report)
     )
+}
+
+/// Returns the failures of upscalers as HTML paragraphs.
+fn failures(rows: &[UpscalingRow]) -> String {
+    let mut texts: Vec<_> = rows.iter().filter_map(|row| row.failure.as_deref()).collect();
+    texts.dedup();
+    texts.iter().map(|text| format!("<p><b>Failure:</b> {}</p>\n", escaped(text))).collect()
+}
+
+/// Whether the upscaler of a row transfers pictures to another process.
+fn transfers(row: &UpscalingRow) -> bool {
+    row.recipe.upscaler.upscaler().process().is_some()
 }
 
 /// Returns a sentence that describes the camera motion during the error measurement.
@@ -177,7 +192,7 @@ fn motion(report: &UpscalingReport) -> String {
     )
 }
 
-fn line(row: &UpscalingRow, native: Option<&UpscalingRow>) -> String {
+fn line(row: &UpscalingRow, native: Option<&UpscalingRow>, with_transfer: bool) -> String {
     let (ms, codes, parts) = (row.frame_ms, row.error.codes, row.parts_ms);
     let faster = native.map_or_else(|| "–".to_owned(), |native| faster(native, row));
     let psnr = |codes: ImageError| match codes.mse {
@@ -189,6 +204,7 @@ fn line(row: &UpscalingRow, native: Option<&UpscalingRow>) -> String {
         (None, Some(of)) => ("beaten", format!("{WITHIN} of {}", escaped(of))),
         (None, None) => ("best", "none".to_owned()),
     };
+    let transfer = if with_transfer { format!("</td><td>{:.3}", parts.transfer) } else { String::new() };
     let cells = [
         row.recipe.upscaler.anchor().id().to_owned(),
         row.recipe.upscaler.light().id().to_owned(),
@@ -199,7 +215,7 @@ fn line(row: &UpscalingRow, native: Option<&UpscalingRow>) -> String {
         faster,
         format!("{:.3}", parts.geometry),
         format!("{:.3}", parts.pixels),
-        format!("{:.3}", parts.upscale),
+        format!("{:.3}", parts.upscale) + &transfer,
         format!("{:.4}", row.motion.mean.flip),
         format!("{:.4}", row.motion.worst.flip),
         psnr(row.motion.mean.codes),

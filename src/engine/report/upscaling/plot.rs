@@ -9,12 +9,16 @@ use crate::report::html::escaped;
 use crate::report::plot::{
     BOTTOM, HEIGHT, LEFT, LETTER, LINE, MARK, Plot, PlotAxis, RIGHT, TOP, WIDTH, ZERO_LANE, svg, tick,
 };
-use crate::upscale;
 
-/// Returns the colour index of a row's method.
+/// Number of colours in the style sheet; the first one belongs to native rendering.
+const COLORS: usize = 16;
+
+/// Returns the colour index of a row's method. If there are more methods than colours, colours repeat.
 pub(super) fn color(row: &UpscalingRow) -> usize {
-    let method = row.recipe.upscaler.method();
-    upscale::ALL.iter().position(|upscaler| upscaler.id() == method).unwrap_or(0)
+    match row.recipe.upscaler.place() {
+        0 => 0,
+        method => 1 + (method - 1) % (COLORS - 1),
+    }
 }
 
 /// Returns an SVG plot of error against time, or an empty string if there are no rows.

@@ -136,6 +136,8 @@ pub struct UpscalingRow {
     pub(crate) within_noise_of: Option<String>,
     /// Whether the frame time is within noise of the native frame time; `false` for native rendering itself.
     pub(crate) native_within_noise: bool,
+    /// Failure of the upscaler because of which other pictures than its own were measured; `None` without a failure.
+    pub(crate) failure: Option<String>,
     /// Image of the recipe, cropped to the region of the largest errors.
     #[serde(skip)]
     pub crop: Image<Rgba8>,
@@ -155,8 +157,10 @@ pub(crate) struct Parts {
     pub(crate) geometry: f64,
     /// Median pixel time, from rasterization to shading, in milliseconds.
     pub(crate) pixels: f64,
-    /// Median upscaling time, in milliseconds.
+    /// Median upscaling time without transfers, in milliseconds.
     pub(crate) upscale: f64,
+    /// Median time of transfers to and from the process of the upscaler, in milliseconds; 0 within this process.
+    pub(crate) transfer: f64,
 }
 
 /// Maximum width and height of a crop, in pixels.
@@ -316,7 +320,8 @@ fn row(
     let parts_ms = Parts {
         geometry: summary(|times| times.geometry)?.median,
         pixels: summary(|times| times.pixels)?.median,
-        upscale: summary(|times| times.upscale)?.median,
+        upscale: summary(|times| times.upscale.saturating_sub(times.transfer))?.median,
+        transfer: summary(|times| times.transfer)?.median,
     };
     Some(UpscalingRow {
         label: recipe.upscaler.label(),
@@ -329,6 +334,7 @@ fn row(
         dominated_by: None,
         within_noise_of: None,
         native_within_noise: false,
+        failure: recipe.upscaler.upscaler().failure(),
         crop: crop.of(&judged.picture)?,
     })
 }

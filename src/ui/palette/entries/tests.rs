@@ -31,7 +31,7 @@ fn everything_with_a_name_has_an_entry() {
     }
     assert!(Buffer::ALL.iter().all(|buffer| offers(EntryKind::Buffer, buffer.name())));
     assert!(Stage::ALL.iter().all(|stage| offers(EntryKind::Stage, stage.name())));
-    assert!(upscale::ALL.iter().all(|upscaler| offers(EntryKind::Upscaler, upscaler.name())));
+    assert!(upscale::all().iter().all(|upscaler| offers(EntryKind::Upscaler, upscaler.name())));
     assert!(Panel::ALL.iter().all(|panel| offers(EntryKind::Panel, panel.name())));
     assert!(Recipe::keys().iter().all(|(key, _)| offers(EntryKind::Setting, &format!("{key} = "))));
 }
