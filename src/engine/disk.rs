@@ -68,9 +68,16 @@ pub(crate) fn length(path: &Path) -> u64 {
 
 /// Returns whether the regular file at `path` starts with these bytes; `false` if it cannot be read.
 pub(crate) fn starts_with(path: &Path, prefix: &[u8]) -> bool {
-    let mut start = vec![0; prefix.len()];
+    start(path, prefix.len() as u64) == prefix
+}
+
+/// Returns the first bytes of the regular file at `path`, at most `max_bytes`; empty if it cannot be read.
+pub(crate) fn start(path: &Path, max_bytes: u64) -> Vec<u8> {
+    let mut start = Vec::new();
     let is_regular = std::fs::metadata(path).is_ok_and(|metadata| metadata.is_file());
-    is_regular && File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok() && start == prefix
+    let file = is_regular.then(|| File::open(path)).and_then(Result::ok);
+    let read = file.is_some_and(|file| file.take(max_bytes).read_to_end(&mut start).is_ok());
+    if read { start } else { Vec::new() }
 }
 
 /// Makes [`write()`] refuse to replace files that this process reads from now on.

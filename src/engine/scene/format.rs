@@ -3,12 +3,11 @@
 //! The command line, the window and the error messages read this list. A new format is a module with a `FORMAT`, and a
 //! line in [`SceneFormat::ALL`].
 
-use std::fs::File;
-use std::io::Read as _;
 use std::path::Path;
 
 use super::obj::TrMeaning;
 use super::{LoadControl, Loaded, SceneError, gltf, obj};
+use crate::disk;
 
 /// File format of models.
 #[derive(Clone, Copy, Debug)]
@@ -84,12 +83,8 @@ impl SceneFormat {
 
 /// Returns the first bytes of a regular file, without a byte-order mark and white space; empty if it cannot be read.
 fn start(path: &Path) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    let is_regular = std::fs::metadata(path).is_ok_and(|metadata| metadata.is_file());
-    if is_regular && let Ok(file) = File::open(path) {
-        // A file that cannot be read gives an error when it is loaded.
-        let _ = file.take(START_BYTES).read_to_end(&mut bytes);
-    }
+    // A file that cannot be read gives an error when it is loaded.
+    let bytes = disk::start(path, START_BYTES);
     bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&bytes).trim_ascii_start().to_vec()
 }
 
