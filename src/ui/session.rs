@@ -143,13 +143,14 @@ impl Session {
     }
 
     /// Replaces the scene. Resets the camera, the pick and what the features know of the previous scene; the recipe
-    /// stays.
+    /// stays, except for the light of a scene that has one.
     pub(crate) fn show_scene(&mut self, scene: Scene, source: SceneSource) {
         if let SceneSource::File(path, _) = &source {
             self.features.files.remember(path);
         }
         self.report(Severity::Info, format!("Opened {}: {} triangles", scene.name, scene.triangle_count()));
         self.state.camera = scene.home;
+        self.state.recipe.take_light(&scene, Some(&self.scene));
         (self.messages.offered_picture, self.messages.notice, self.messages.error) = (None, None, None);
         self.scene = Arc::new(scene);
         self.source = source;

@@ -299,7 +299,7 @@ pub fn summarize_stages(frames: &[Vec<(&'static str, Duration)>]) -> Option<Vec<
 mod tests {
     use super::*;
     use crate::chain::run;
-    use crate::pipeline::settings::Choice as _;
+    use crate::pipeline::settings::{Choice as _, DisabledOptimisation};
     use crate::pipeline::viewport::Viewport;
     use crate::scene::builtin;
 
@@ -307,6 +307,8 @@ mod tests {
         let scene = Arc::new(builtin::by_id("cubes").unwrap().build());
         let mut recipe = Recipe { execution: Execution::Classic, ..Recipe::default() };
         recipe.pipeline.depth_test = depth_test;
+        // Otherwise clipping would be skipped, because all objects lie inside the view.
+        recipe.pipeline.force = DisabledOptimisation::Clipping;
         let frame = run(&scene, &scene.home, &recipe, Viewport { width: 160, height: 120 }, &mut ());
         stage_times(&scene, &scene.home, &recipe, &frame)
     }

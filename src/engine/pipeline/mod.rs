@@ -332,7 +332,7 @@ fn finish_unclipped<O: Observer>(
     for (id, corners) in (draw.first.0..).map(TriangleId).zip(draw.triangles) {
         let corners = corners.map(|corner| &projected[corner as usize]);
         let (area, scale) = doubled_area(settings.arithmetic, corners.map(|corner| corner.position_px));
-        if let Some(fate) = cull::cull(area, settings.culling) {
+        if let Some(fate) = cull::cull(area, draw.culling) {
             observer.rejected(id, fate);
             continue;
         }

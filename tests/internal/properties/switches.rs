@@ -14,7 +14,7 @@ use rasterscope::pipeline::settings::{Choice, DepthFormat, DepthTest, DisabledOp
 use rasterscope::pipeline::shade::Shader;
 use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport, relative_inv_w};
 use rasterscope::pipeline::{Extent, LastStage, draw};
-use rasterscope::scene::{Scene, Transparency, TriangleId};
+use rasterscope::scene::{Material, Scene, Transparency, TriangleId};
 
 use crate::internal::common::{
     SceneBuilder, coplanar_scene, cube, for_seeds, ground_and_cube, in_cube, recipe, render, scenes, soup,
@@ -303,9 +303,11 @@ fn skipping_the_interpolation_of_attributes_changes_no_bit() {
 fn skipping_the_clipping_of_an_object_inside_the_view_changes_no_bit() {
     let mut compared = 0;
     for_seeds(60, |rng| {
-        let scene = SceneBuilder::new(in_cube(rng).normalize() * (1.8 + 3.0 * rng.f32()))
+        let mut scene = SceneBuilder::new(in_cube(rng).normalize() * (1.8 + 3.0 * rng.f32()))
             .with(soup(rng, 20), Mat4::IDENTITY, None)
             .0;
+        let double_sided = rng.bool();
+        scene.library = scene.library.with_materials(|material| Material { double_sided, ..material.clone() });
         let recipe = Recipe::default();
         let frame = render(&scene, &recipe, SIZE);
         if frame.plans[0].runs(PipelinePart::Clipping) {
