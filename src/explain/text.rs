@@ -38,9 +38,9 @@ impl Explanation {
     pub fn summary(&self) -> String {
         match self.confidence {
             Confidence::Agrees => "The picture agrees with ours; what differs is rounding.".to_owned(),
-            Confidence::Complete => format!("{} explain the picture:", self.count()),
+            Confidence::Complete => format!("{} the picture:", self.count()),
             Confidence::Partial => {
-                format!("{} explain a part of the picture; nothing known explains the rest:", self.count())
+                format!("{} a part of the picture; nothing known explains the rest:", self.count())
             }
             Confidence::Unknown => "No known fault explains the picture.".to_owned(),
         }
@@ -48,8 +48,8 @@ impl Explanation {
 
     fn count(&self) -> String {
         match self.causes.len() {
-            1 => "This difference would".to_owned(),
-            many => format!("These {many} differences together would"),
+            1 => "One difference explains".to_owned(),
+            many => format!("{many} differences together explain"),
         }
     }
 

@@ -150,6 +150,7 @@ fn unknown_faults_are_not_blamed_on_known_ones() {
 
 #[test]
 #[ignore = "takes many minutes; prints a table"]
+#[expect(clippy::print_stdout, reason = "the table is its result")]
 fn all_faults_and_pairs_in_all_scenes() {
     let mut named = [[0_u32; 2]; 2];
     let mut seconds = Vec::new();

@@ -130,7 +130,7 @@ fn listen(session: &mut Session) {
     let explaining = &mut session.features.explaining;
     let Some(task) = &explaining.task else { return };
     match task.poll(&mut explaining.progress) {
-        TaskStatus::Running => return,
+        TaskStatus::Running => {}
         TaskStatus::Ended(found) => {
             explaining.task = None;
             if let Some(found) = found {
