@@ -29,7 +29,7 @@ const REFERENCE_POINTS: f32 = 190.0;
 const REFERENCE_LIST_POINTS: f32 = 136.0;
 
 /// Width of the bar from which the list of references has a label, in points.
-const LABEL_POINTS: f32 = 960.0;
+const LABEL_POINTS: f32 = 1080.0;
 
 /// Draws the comparison modes, the tile count, the region, the filmstrip switch and the reference.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, widgets: &PanelWidgets, commands: &mut Vec<Command>) {
