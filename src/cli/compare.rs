@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::image::file::write_png;
-use crate::image::picture::{Layer, Picture};
+use crate::image::picture::{Layer, Picture, format_names};
 use crate::measure::difference::{self, Difference};
 use crate::measure::picture_error::{LayerPair, Metric, PictureErrors, PictureLayer, ValueScale};
 use crate::measure::tone::{Tone, ToneCurve};
@@ -18,8 +18,7 @@ use super::{output, parse};
 /// Arguments of `compare`.
 #[derive(Args, Debug)]
 pub(crate) struct CompareArgs {
-    /// Picture A: PNG, JPEG, BMP, TGA, GIF, TIFF, Radiance HDR, OpenEXR or PFM
-    #[arg(value_name = "A")]
+    #[arg(value_name = "A", help = format!("Picture A: {}", format_names()))]
     a: PathBuf,
 
     /// Picture B

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use eframe::egui::{Frame, Id, Key, Modal, RichText, TextEdit, Ui};
 
 use super::system_dialog::{Answer, SystemDialog};
-use crate::image::picture::suffixes;
+use crate::image::picture::{format_names, suffixes};
 use crate::scene::SceneFormat;
 use crate::ui::command::Command;
 use crate::ui::compare::files::PictureRole;
@@ -110,9 +110,7 @@ impl OpenDialog {
         match self.role {
             Some(role) => (
                 format!("Open a picture as {}", role.name()),
-                "Path of a picture: PNG, JPEG, BMP, TGA, GIF, TIFF, Radiance HDR, OpenEXR or PFM. You can also drop the \
-                 file on a compared picture."
-                    .to_owned(),
+                format!("Path of a picture: {}. You can also drop the file on a compared picture.", format_names()),
                 "/path/to/picture.exr",
             ),
             None => (

@@ -91,7 +91,7 @@ pub fn suffixes() -> impl Iterator<Item = &'static str> {
 }
 
 /// Returns the names of all formats as a list in words.
-pub(in crate::image) fn names() -> String {
+pub fn names() -> String {
     let names: Vec<_> = ALL.iter().map(|format| format.name).collect();
     let (last, others) = names.split_last().unwrap_or((&"", &[]));
     format!("{} or {last}", others.join(", "))

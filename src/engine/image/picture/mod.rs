@@ -18,7 +18,7 @@ use super::color::{self, Tables};
 use super::file::{ImageFileError, PictureFile};
 use super::{Image, Rgba8};
 
-pub use formats::suffixes;
+pub use formats::{names as format_names, suffixes};
 
 /// Largest 8-bit code, to which the codes of all integer samples are scaled.
 const MAX_CODE: f64 = 255.0;
