@@ -1,26 +1,23 @@
 //! Explanation: the faults that a search found, what each of them explains, and what remains.
 
-use std::collections::BTreeMap;
-
-use rasterscope_engine::antialias::settings::Antialiasing;
-use rasterscope_engine::chain::{Recipe, Renderer, run_unobserved};
-use rasterscope_engine::image::color::{decode, encode};
+use rasterscope_engine::chain::Renderer;
 use rasterscope_engine::image::{Image, Rgba8};
-use rasterscope_engine::inspect::capture;
 use rasterscope_engine::inspect::what_if::Changes;
-use rasterscope_engine::scene::TriangleId;
-use rasterscope_engine::upscale::Upscaling;
 use serde::Serialize;
 use thiserror::Error;
 
 use crate::agreement::{TOLERANCE, difference};
 use crate::fault::{Fault, Slot};
 use crate::faults::ALL;
+use crate::rest::Rest;
 use crate::search::{FaultSet, Interrupted, Search, extended, reduced};
-use crate::setup::{Rounding, Setup};
+use crate::setup::Setup;
 
-/// Smallest number of pixels, and smallest share of the picture, that only one fault must explain to be named.
-const LEAST: (f64, f64) = (20.0, 2e-4);
+/// Smallest number of pixels that only one fault must explain to be named.
+const LEAST_PIXELS: f64 = 20.0;
+
+/// Smallest share of the picture that only one fault must explain to be named.
+const LEAST_SHARE: f64 = 2e-4;
 
 /// Smallest share of the pixels that a fault changes towards or away from agreement that must change towards it.
 const LEAST_PRECISION: f64 = 0.9;
@@ -106,19 +103,6 @@ pub struct Cause {
     pub alternatives: Vec<&'static Fault>,
 }
 
-/// Differing pixels of one object that no cause explains.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Rest {
-    /// Name of the object that our drawing with the causes shows there; `None` for the background.
-    pub object: Option<String>,
-    /// Number of pixels.
-    pub pixels: u64,
-    /// Number of them beside another triangle or the background, where rounded vertices decide.
-    pub at_edges: u64,
-    /// Number of them that are a lighter or darker shade of our colour: light or normals differ, not the surface.
-    pub shades: u64,
-}
-
 /// Answer to a [`Query`].
 #[derive(Clone, Debug, Serialize)]
 pub struct Explanation {
@@ -190,6 +174,7 @@ pub fn explain(query: &Query, go_on: &(dyn Fn(f32) -> bool + Sync)) -> Result<Ex
     };
     search.draw_all(vec![FaultSet::new(), faults.clone()])?;
     let setup = search.setup(&faults);
+    let drawn = setup.draw(&mut Renderer::default());
     let differing = |set: &[usize]| search.get(set).map_or(0, |trial| trial.agreement.differing);
     let (before, after) = (differing(&[]), differing(&faults));
     Ok(Explanation {
@@ -198,7 +183,7 @@ pub fn explain(query: &Query, go_on: &(dyn Fn(f32) -> bool + Sync)) -> Result<Ex
         differing_after: after,
         confidence: confidence(&causes, before, after, &query.theirs),
         causes,
-        rest: rest(&search, &setup),
+        rest: Rest::of(&setup, &query.theirs, &drawn),
         setup,
         drawings: search.drawings(),
     })
@@ -207,11 +192,12 @@ pub fn explain(query: &Query, go_on: &(dyn Fn(f32) -> bool + Sync)) -> Result<Ex
 /// Returns what each fault of a set explains, the one that explains most first.
 fn causes(search: &mut Search<'_>, faults: &[usize]) -> Result<Vec<Cause>, Interrupted> {
     let mut causes = Vec::new();
+    let with_all = differences(search, faults);
     for index in faults {
         let others = reduced(faults, *index);
         // Rounding changes codes by one, which is within the tolerance.
         let most = if ALL[*index].slot == Slot::Rounding { 0 } else { TOLERANCE };
-        let (with_all, without) = (differences(search, faults), differences(search, &others));
+        let without = differences(search, &others);
         let pairs = || with_all.iter().copied().zip(without.iter().copied());
         causes.push(Cause {
             fault: &ALL[*index],
@@ -245,11 +231,11 @@ fn alternatives(search: &mut Search<'_>, faults: &[usize], index: usize) -> Resu
     Ok(same.map(|(other, _)| &ALL[*other]).collect())
 }
 
-/// Returns whether a cause explains enough pixels, many of them exactly, and spoils few.
+/// Returns whether enough pixels agree only with a cause, many of them exactly, and few only without it.
 fn is_convincing(cause: &Cause, picture: &Image<Rgba8>) -> bool {
     let (explained, exact, spoiled) = (cause.explained as f64, cause.exact as f64, cause.spoiled as f64);
-    let share = if cause.fault.slot == Slot::Rounding { LEAST_ROUNDED } else { LEAST.1 };
-    let least = LEAST.0.max(share * picture.pixels().len() as f64);
+    let share = if cause.fault.slot == Slot::Rounding { LEAST_ROUNDED } else { LEAST_SHARE };
+    let least = LEAST_PIXELS.max(share * picture.pixels().len() as f64);
     let of_differing = LEAST_OF_DIFFERING * cause.differing_without as f64;
     explained >= least.max(of_differing)
         && exact >= LEAST_EXACT * explained
@@ -257,7 +243,7 @@ fn is_convincing(cause: &Cause, picture: &Image<Rgba8>) -> bool {
 }
 
 fn confidence(causes: &[Cause], before: u64, after: u64, picture: &Image<Rgba8>) -> Confidence {
-    let noise = LEAST.0.max(NOISE * picture.pixels().len() as f64);
+    let noise = LEAST_PIXELS.max(NOISE * picture.pixels().len() as f64);
     let (before, after) = (before as f64, after as f64);
     match causes {
         [] if before <= noise => Confidence::Agrees,
@@ -265,52 +251,4 @@ fn confidence(causes: &[Cause], before: u64, after: u64, picture: &Image<Rgba8>)
         _ if after <= noise.max(COMPLETE * before) => Confidence::Complete,
         _ => Confidence::Partial,
     }
-}
-
-/// Returns the pixels that no cause explains, by the object that our drawing with the causes shows there.
-fn rest(search: &Search<'_>, setup: &Setup) -> Vec<Rest> {
-    // One sample per pixel, so that every pixel has one triangle.
-    let (antialias, upscaler) = (Antialiasing::default(), Upscaling::NATIVE);
-    let recipe = Recipe { antialias, upscaler, ..setup.recipe };
-    let frame = run_unobserved(&setup.scene, &setup.camera, &recipe, setup.viewport);
-    let triangles = setup.placed(capture(&setup.scene, &recipe, &frame).triangle);
-    let first = setup.scene.first_triangles();
-    let object = |triangle: TriangleId| {
-        (triangle != TriangleId::NONE).then(|| first.partition_point(|start| *start <= triangle) - 1)
-    };
-    let mut rest: BTreeMap<Option<usize>, Rest> = BTreeMap::new();
-    let (theirs, ours) = (&search.target().picture, setup.draw(&mut Renderer::default()));
-    for (pixel, difference) in (0_u32..).zip(search.target().differences(&ours, setup.rounding)) {
-        if difference <= TOLERANCE {
-            continue;
-        }
-        let (x, y) = (pixel % triangles.width(), pixel / triangles.width());
-        let here = triangles.at(x, y);
-        let name = || object(here).map(|index| setup.scene.instances[index].name.clone());
-        let found =
-            rest.entry(object(here)).or_insert_with(|| Rest { object: name(), pixels: 0, at_edges: 0, shades: 0 });
-        found.pixels += 1;
-        found.at_edges += u64::from(is_edge(&triangles, x, y));
-        found.shades += u64::from(is_shade(theirs.at(x, y), ours.at(x, y)));
-    }
-    let mut rest: Vec<_> = rest.into_values().collect();
-    rest.sort_by_key(|object| std::cmp::Reverse(object.pixels));
-    rest
-}
-
-/// Returns whether a colour is another one times a factor, in linear light and within [`TOLERANCE`].
-fn is_shade(color: Rgba8, of: Rgba8) -> bool {
-    let linear = |color: Rgba8| [0, 1, 2].map(|channel| decode(f32::from(color[channel]) / 255.0));
-    let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let (ours, theirs) = (linear(of), linear(color));
-    let factor = dot(ours, theirs) / dot(ours, ours).max(f32::MIN_POSITIVE);
-    let [r, g, b] = ours.map(|value| (encode(factor * value) * 255.0).round() as u8);
-    difference(color, [r, g, b, color[3]], Rounding::Nearest) <= TOLERANCE
-}
-
-/// Returns whether one of the eight neighbours of a pixel shows another triangle.
-fn is_edge(triangles: &Image<TriangleId>, x: u32, y: u32) -> bool {
-    let here = triangles.at(x, y);
-    let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (i64::from(x) + dx, i64::from(y) + dy)));
-    around.into_iter().any(|(x, y)| triangles.at_clamped(x, y) != here)
 }

@@ -5,22 +5,24 @@
 //! draws the view with single faults and then with combinations, and compares each drawing with the picture.
 //!
 //! A fault is named only if drawings with it agree with the picture in many pixels that no drawing without it explains,
-//! and if it spoils hardly any pixel. What remains is reported as unexplained.
+//! and hardly any pixel agrees only without it. What remains is reported as unexplained.
 
 mod agreement;
 mod explanation;
 mod fault;
 mod faults;
 mod geometry;
+mod rest;
 mod search;
 mod setup;
 mod terminator;
 mod text;
 
 pub use agreement::TOLERANCE;
-pub use explanation::{Cause, Confidence, ExplainError, Explanation, Query, Rest, explain};
+pub use explanation::{Cause, Confidence, ExplainError, Explanation, Query, explain};
 pub use fault::{Fault, Kind};
 pub use faults::{ALL, by_id};
+pub use rest::Rest;
 pub use setup::Setup;
 
 #[cfg(test)]

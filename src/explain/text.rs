@@ -5,8 +5,9 @@ use std::fmt::{self, Display, Formatter};
 use serde::{Serialize, Serializer};
 
 use crate::agreement::TOLERANCE;
-use crate::explanation::{Cause, Confidence, Explanation, Rest};
+use crate::explanation::{Cause, Confidence, Explanation};
 use crate::fault::Kind;
+use crate::rest::Rest;
 
 /// Largest number of objects that are listed as unexplained.
 const MOST_OBJECTS: usize = 5;
@@ -64,9 +65,9 @@ impl Display for Cause {
             Kind::Error => "",
             Kind::Convention => " (another convention, not an error)",
         };
-        write!(f, "{}{kind}: it alone explains {} px", self.fault.title(), self.explained)?;
+        write!(f, "{}{kind}: {} px agree only with it", self.fault.title(), self.explained)?;
         if self.spoiled > 0 {
-            write!(f, " and spoils {} px", self.spoiled)?;
+            write!(f, ", {} px only without it", self.spoiled)?;
         }
         for other in &self.alternatives {
             write!(f, "; here the same as: {}", other.name)?;

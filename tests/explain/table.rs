@@ -4,6 +4,10 @@
 //! `cargo bench --bench explanations` takes some minutes.
 
 #![expect(clippy::print_stdout, reason = "the table is its result")]
+#![expect(
+    unused_imports,
+    reason = "without a test harness, tests of the textbook renderer are compiled without functions"
+)]
 
 mod judge;
 mod textbook;

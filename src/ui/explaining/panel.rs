@@ -73,7 +73,7 @@ fn introduction(ui: &mut Ui, session: &Session) {
 fn answer(ui: &mut Ui, session: &Session, found: &Explained, commands: &mut Vec<Command>) {
     let explanation = &found.explanation;
     if !found.is_of(session) {
-        chip(ui, Status::Warning, "another view", "The view or the settings have changed since the search");
+        chip(ui, Status::Warning, "outdated", "The view or the settings have changed since the search");
     }
     let (status, word) = match explanation.confidence {
         Confidence::Agrees => (Status::Passed, "agrees"),
@@ -105,9 +105,9 @@ fn answer(ui: &mut Ui, session: &Session, found: &Explained, commands: &mut Vec<
 fn row(ui: &mut Ui, session: &Session, cause: &Cause, commands: &mut Vec<Command>) {
     ui.separator();
     ui.add(Label::new(cause.fault.title()).wrap());
-    let mut text = format!("alone explains {} px", format::count(cause.explained));
+    let mut text = format!("{} px agree only with it", format::count(cause.explained));
     if cause.spoiled > 0 {
-        text += &format!(", spoils {}", format::count(cause.spoiled));
+        text += &format!(", {} px only without it", format::count(cause.spoiled));
     }
     if cause.fault.kind == Kind::Convention {
         text += "; another convention, not an error";
@@ -119,8 +119,8 @@ fn row(ui: &mut Ui, session: &Session, cause: &Cause, commands: &mut Vec<Command
     let mut recipe = session.state.recipe;
     let settings = cause.fault.settings().filter(|settings| recipe.set_all(settings).is_ok());
     if let Some(settings) = settings {
-        let help = format!("Draw our picture with this fault, to inspect it: {}", settings.join(", "));
-        if ui.small_button("Use as settings").on_hover_text(help).clicked() {
+        let help = format!("Draw our picture with this fault: {}", settings.join(", "));
+        if ui.small_button("Apply settings").on_hover_text(help).clicked() {
             commands.push(Command::SetRecipe(recipe));
         }
     }

@@ -49,9 +49,9 @@ fn a_fault_of_an_opened_picture_is_named_and_drawn_as_c() {
     let [r, g, b, _] = theirs.at(30, 20);
     assert!(bench.says(&format!("{r:3} {g:3} {b:3}  ours with the faults")));
 
-    bench.click("Use as settings");
+    bench.click("Apply settings");
     assert_eq!(*bench.session().view.as_ref().unwrap().frame.image(), theirs);
-    assert!(bench.mentions("another view"), "the settings have changed since the search");
+    assert!(bench.mentions("outdated"), "the settings have changed since the search");
 }
 
 #[test]
