@@ -180,7 +180,7 @@ fn rust_files(folder: &Path) -> Vec<PathBuf> {
 #[test]
 fn every_file_of_tests_is_declared_as_a_module() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let libraries = ["src/lib.rs", "src/engine/lib.rs"].map(|path| fs::read_to_string(root.join(path)).unwrap());
+    let roots = ["src/lib.rs", "src/engine/lib.rs", "Cargo.toml"].map(|path| fs::read_to_string(root.join(path)).unwrap());
     for folder in ["tests/internal", "tests/fuzz", "tests/program", "tests/explain"] {
         for file in rust_files(&root.join(folder)) {
             let name = file.file_stem().unwrap().to_string_lossy().into_owned();
@@ -190,10 +190,11 @@ fn every_file_of_tests_is_declared_as_a_module() {
             let parent = file.parent().unwrap();
             let siblings = fs::read_dir(parent).unwrap().map(|entry| entry.unwrap().path());
             let above = siblings.chain([parent.with_extension("rs")]).filter(|path| *path != file);
-            let texts = above.filter_map(|path| fs::read_to_string(path).ok()).chain(libraries.clone());
+            let texts = above.filter_map(|path| fs::read_to_string(path).ok()).chain(roots.clone());
             let is_declared = texts.into_iter().any(|text| {
                 text.lines().any(|line| line.trim().trim_start_matches("pub(crate) ") == format!("mod {name};"))
                     || text.contains(&format!("/{name}.rs\"]"))
+                    || text.contains(&format!("/{name}.rs\"\n"))
             });
             assert!(is_declared, "{} is in no module", file.display());
         }
