@@ -43,15 +43,15 @@ pub(crate) struct SeenArgs {
     #[arg(long, value_name = "N", requires = "triangles")]
     pub(crate) fragments: Option<usize>,
 
-    /// Picture file to compare as A
+    /// Picture file, or sequence of picture files, to compare as A
     #[arg(long, value_name = "FILE")]
     pub(crate) picture_a: Option<PathBuf>,
 
-    /// Picture file to compare as B
+    /// Picture file, or sequence of picture files, to compare as B
     #[arg(long, value_name = "FILE")]
     pub(crate) picture_b: Option<PathBuf>,
 
-    /// Picture file to measure the compared pictures against
+    /// Picture file, or sequence of picture files, to measure the compared pictures against
     #[arg(long, value_name = "FILE")]
     pub(crate) picture_reference: Option<PathBuf>,
 

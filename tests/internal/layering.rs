@@ -180,7 +180,8 @@ fn rust_files(folder: &Path) -> Vec<PathBuf> {
 #[test]
 fn every_file_of_tests_is_declared_as_a_module() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let roots = ["src/lib.rs", "src/engine/lib.rs", "Cargo.toml"].map(|path| fs::read_to_string(root.join(path)).unwrap());
+    let roots =
+        ["src/lib.rs", "src/engine/lib.rs", "Cargo.toml"].map(|path| fs::read_to_string(root.join(path)).unwrap());
     for folder in ["tests/internal", "tests/fuzz", "tests/program", "tests/explain"] {
         for file in rust_files(&root.join(folder)) {
             let name = file.file_stem().unwrap().to_string_lossy().into_owned();

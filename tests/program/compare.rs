@@ -121,3 +121,76 @@ fn bad_input_is_one_sentence_and_exit_code_2() {
         assert!(message.contains(culprit) && message.lines().count() == 1, "{args:?}: {message}");
     }
 }
+
+/// Creates a folder with the frames 1 to 4 of a sequence, each brighter than the one before.
+fn frames() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("ours")).unwrap();
+    for frame in 1..=4 {
+        let name = format!("f.{frame:03}.png");
+        write_png(&folder.path().join(&name), &Image::filled(8, 6, [10 * frame, 0, 0, 255])).unwrap();
+        // One frame behind.
+        let ours = folder.path().join("ours").join(format!("{}.png", frame + 1));
+        write_png(&ours, &Image::filled(8, 6, [10 * frame, u8::from(frame == 3), 0, 255])).unwrap();
+    }
+    folder
+}
+
+#[test]
+fn every_frame_of_a_sequence_is_compared_and_the_worst_is_named() {
+    let folder = frames();
+    let report = json(&compare(folder.path(), &["f.###.png", "ours", "--metric", "max", "--json", "-o", "d.##.png"]));
+    let errors = |report: &Value| -> Vec<(i64, f64)> {
+        let frames = report["frames"].as_array().unwrap();
+        let error = |frame: &Value| frame["errors"][0]["metrics"]["max"].as_f64().unwrap();
+        frames.iter().map(|frame| (frame["frame"].as_i64().unwrap(), error(frame))).collect()
+    };
+    assert_eq!(errors(&report), [(2, 10.0), (3, 10.0), (4, 10.0)]);
+    assert_eq!(report["skipped"], serde_json::json!([1, 5]));
+    assert_eq!(file::read(&folder.path().join("d.03.png")).unwrap().size(), (8, 6));
+
+    let shifted = json(&compare(folder.path(), &["f.###.png", "ours", "--shift-b", "1", "--metric", "max", "--json"]));
+    assert_eq!(errors(&shifted), [(1, 0.0), (2, 0.0), (3, 1.0), (4, 0.0)]);
+    let worst = &shifted["summary"][0];
+    assert_eq!((&worst["worst"], &worst["worst_frame"], &worst["mean"]), (&1.0.into(), &3.into(), &0.25.into()));
+
+    let output = compare(folder.path(), &["f.###.png", "ours", "--shift-b", "1", "--max", "max=0.5"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(stderr(&output), "error: frame 3: A against B: max 1 is above 0.5\n");
+}
+
+#[test]
+fn one_picture_serves_as_the_reference_of_every_frame() {
+    let folder = frames();
+    let text = compare(folder.path(), &["f.#.png", "f.#.png", "--reference", "f.001.png", "--metric", "max"]);
+    let text = String::from_utf8(text.stdout).unwrap();
+    assert!(text.contains("reference: f.001.png: one picture for all frames"), "{text}");
+    assert!(text.contains("frame 4, B against reference: max 30"), "{text}");
+    assert!(
+        text.contains("A against reference, Largest difference: mean 15.000000, worst 30.000000 (frame 4)"),
+        "{text}"
+    );
+}
+
+#[test]
+fn unusable_sequences_are_refused_in_one_sentence() {
+    let folder = frames();
+    for (args, message) in [
+        (&["x.#.png", "ours"][..], "error: x.#.png: no file has a name of this pattern\n"),
+        (
+            &["f.#.png", "ours", "--shift-b", "9"],
+            "error: the sequences have no frame number in common; see --shift-b\n",
+        ),
+        (
+            &["f.#.png", "ours", "-o", "d.png"],
+            "error: --output d.png: for sequences, name a pattern such as difference.####.png\n",
+        ),
+        (
+            &["f.001.png", "f.002.png", "--shift-b", "1"],
+            "error: --shift-b and --shift-reference: only sequences have frames\n",
+        ),
+    ] {
+        let output = compare(folder.path(), args);
+        assert_eq!((output.status.code(), stderr(&output).as_str()), (Some(2), message));
+    }
+}

@@ -71,6 +71,14 @@ pub enum ImageFileError {
         /// Error message of the decoder.
         reason: String,
     },
+    /// A path names no sequence of pictures.
+    #[error("{}: {reason}", path.display())]
+    NoSequence {
+        /// Folder, or path with a pattern in its file name.
+        path: PathBuf,
+        /// Reason, such as `the folder has no pictures`.
+        reason: String,
+    },
     /// The file cannot be written.
     #[error("{}: cannot write it: {source}", path.display())]
     Unwritable {

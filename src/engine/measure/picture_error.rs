@@ -39,6 +39,16 @@ impl Metric {
         matches!(self, Self::Psnr | Self::Ssim)
     }
 
+    /// Formats a value with its unit and at least four significant digits.
+    pub fn format(self, value: f64) -> String {
+        match self {
+            Self::Changed => format!("{value}"),
+            Self::Psnr => format!("{value:.4} dB"),
+            _ if value == 0.0 || (1e-3..1e7).contains(&value.abs()) => format!("{value:.6}"),
+            _ => format!("{value:.6e}"),
+        }
+    }
+
     /// Whether the metric is defined for data, such as depths and ids, and not only for colours.
     pub fn measures_data(self) -> bool {
         matches!(self, Self::Mse | Self::Max | Self::Changed)
