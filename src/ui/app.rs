@@ -149,6 +149,7 @@ impl Workbench {
         if !ui.input(|i| i.pointer.any_down()) {
             self.session.settle(ui.input(|i| i.time));
         }
+        self.update_sequences(ui);
         self.send_request(ui);
         self.send_compare_request(ui);
         self.send_filmstrip_request(ui);

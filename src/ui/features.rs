@@ -71,6 +71,8 @@ macro_rules! with_features {
             watch: $crate::ui::watch::WatchList => Watch,
             /// Explanation of another renderer's picture.
             explaining: $crate::ui::explaining::Explaining => Explaining,
+            /// Sequences of picture files, and the frame that they show.
+            sequences: $crate::ui::sequences::Sequences => Sequence,
             /// Filmstrip of all upscaling methods below a comparison.
             filmstrip: $crate::ui::filmstrip::Filmstrip => Filmstrip,
             /// Start card, coach and lessons for new users.

@@ -16,6 +16,8 @@ pub(crate) mod fates;
 
 pub(crate) mod scrub;
 
+pub(crate) mod sequences;
+
 mod layout;
 
 mod seam_search;

@@ -10,6 +10,7 @@ use super::legend_strip;
 use super::onboarding;
 use super::panels::transport;
 use super::scrub;
+use super::sequences;
 use super::theme;
 use super::what_if;
 use super::workspace::{PanelContext, PanelSpec, PanelWidgets};
@@ -54,6 +55,9 @@ fn ui(ui: &mut Ui, cx: &mut PanelContext<'_>) {
         Panel::bottom("scrubber").frame(frame).exact_size(scrub::transport::HEIGHT).show(ui, |ui| {
             scrub::transport::ui(ui, session, commands);
         });
+    }
+    if compares && session.sequence_range().is_some() {
+        Panel::bottom("sequences").frame(frame).show(ui, |ui| sequences::strip::ui(ui, session, commands));
     }
     widgets.shows_filmstrip = compares && session.features.filmstrip.is_shown_in(widgets.picture_panel_height);
     if widgets.shows_filmstrip {

@@ -176,7 +176,8 @@ impl Session {
 
     /// Applies a command to this state. Returns a task if the window must complete the command.
     pub(crate) fn apply(&mut self, command: Command) -> Option<WindowTask> {
-        self.features.lab.claim(command)?.apply(self)
+        let command = self.features.lab.claim(command)?;
+        self.redirect_playback(command).apply(self)
     }
 
     /// Changes the comparison. A comparison shows final colours only.

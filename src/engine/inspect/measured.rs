@@ -4,6 +4,7 @@ use super::histogram::Histogram;
 use super::range::{channels, pixels};
 use super::statistics::Statistics;
 use super::view::{Range, Value};
+use crate::image::picture::{Layer, Picture};
 use crate::measure::region::PixelRegion;
 
 /// Number of bins of a histogram. In the widest histogram strip, a bin is about three points (logical pixels) wide.
@@ -20,7 +21,7 @@ pub struct PictureStatistics {
     /// no value is finite.
     pub histograms: Vec<Histogram>,
     /// Range of the finite values of all channels; `None` if no value is finite.
-    pub(crate) extent: Option<Range>,
+    pub extent: Option<Range>,
 }
 
 /// Computes the statistics and histograms of a picture of `size` pixels with `count` channels. Histograms span `axis`,
@@ -55,6 +56,17 @@ pub fn measure(
         }
     }
     PictureStatistics { part: region.map(|region| (region, statistics(region))), whole, histograms, extent }
+}
+
+/// Computes the statistics and histograms of the stored values of a picture file's layer: one channel, or red, green and
+/// blue. Integer colours are on a scale on which white is 255.
+pub fn measure_layer(picture: &Picture, layer: &Layer) -> PictureStatistics {
+    let count = picture.channels_of(layer).count().min(3);
+    let count = if count == 3 { 3 } else { 1 };
+    measure(picture.size(), count, None, None, |x, y| {
+        let values = picture.value(layer, x, y).map(|value| value as f32);
+        if count == 3 { Value::Weights(values) } else { Value::Number(values[0]) }
+    })
 }
 
 #[cfg(test)]

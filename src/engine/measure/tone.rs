@@ -1,6 +1,8 @@
 //! Tone mapping: conversion of linear light of any range to sRGB codes, for display and for metrics of displayed
 //! pictures.
 
+use std::ops::RangeInclusive;
+
 use serde::Serialize;
 
 use crate::image::color::{Tables, quantize};
@@ -52,6 +54,12 @@ impl Tone {
     /// Returns a layer as opaque sRGB codes. Integer colours are rounded to 8 bits and not changed otherwise. Values of
     /// data, such as depths, become grey from the smallest finite value to the largest. NaN is black.
     pub fn displayed(&self, picture: &Picture, layer: &Layer) -> Image<Rgba8> {
+        self.displayed_in(picture, layer, None)
+    }
+
+    /// Returns a layer as opaque sRGB codes, as [`Self::displayed`] does, but shows the values of data from black to white
+    /// over `range`; `None` means the range of all finite values.
+    pub fn displayed_in(&self, picture: &Picture, layer: &Layer, range: Option<RangeInclusive<f64>>) -> Image<Rgba8> {
         let (width, height) = picture.size();
         let draw = |code: &dyn Fn(f64) -> u8| {
             Image::from_fn(width, height, |x, y| {
@@ -60,7 +68,7 @@ impl Tone {
             })
         };
         if !layer.is_color {
-            let (low, high) = finite_range(picture, layer);
+            let (low, high) = range.map_or_else(|| finite_range(picture, layer), RangeInclusive::into_inner);
             let span = if high > low { high - low } else { 1.0 };
             return draw(&|value| quantize(((value - low) / span) as f32));
         }

@@ -4,7 +4,9 @@ use eframe::egui::{self, Ui};
 
 use super::Workbench;
 use crate::image::file::is_named_picture;
+use crate::image::sequence::FileSequence;
 use crate::ui::command::{BINDINGS, Command};
+use crate::ui::compare::files::PictureRole;
 use crate::ui::files::FileCommand;
 use crate::ui::navigate::FLYING_KEYS;
 use crate::ui::session::{PointerMode, Session};
@@ -38,9 +40,13 @@ impl Workbench {
 pub(super) fn dropped_files(ui: &Ui, session: &Session, commands: &mut Vec<Command>) {
     let Some(file) = ui.input(|i| i.raw.dropped_files.last().cloned()) else { return };
     let path = file.path().to_owned();
-    let is_compared = session.comparison.is_on() && session.features.case.is_none() && is_named_picture(&path);
+    let is_picture = is_named_picture(&path) || FileSequence::is_named_by(&path);
     // The tiles find out on which of them the file was dropped.
+    let is_compared = session.comparison.is_on() && session.features.case.is_none() && is_picture;
     if !is_compared {
-        commands.push(Command::File(FileCommand::Open(path)));
+        commands.push(Command::File(match FileSequence::is_named_by(&path) {
+            true => FileCommand::OpenPicture(PictureRole::Tile(1), path),
+            false => FileCommand::Open(path),
+        }));
     }
 }

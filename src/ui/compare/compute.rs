@@ -9,6 +9,7 @@ use crate::image::{Image, Rgba8};
 use crate::inspect::what_if::Changes;
 use crate::measure::against::{ErrorMetrics, figures, figures_within};
 use crate::measure::difference::{self, Difference};
+use crate::measure::picture_error::PictureErrors;
 use crate::measure::reference::{ProgressiveRender, Reference};
 use crate::measure::region::PixelRegion;
 use crate::pipeline::viewport::Viewport;
@@ -98,6 +99,8 @@ pub struct TileMetrics {
     pub figures: Option<ErrorMetrics>,
     /// FLIP error of every pixel; `None` if the two pictures differ in size.
     flip: Option<Arc<Image<f32>>>,
+    /// Errors of the stored values; `None` unless both pictures are files with comparable layers.
+    pub(crate) stored: Option<PictureErrors>,
 }
 
 /// Difference image of the first two tiles.
@@ -188,7 +191,9 @@ impl Comparer {
         };
         let (figures, flip) = figures(&picture, &reference).unzip();
         let known = self.results.as_mut()?;
-        known.tiles[place].measured = Some(TileMetrics { figures, flip: flip.map(Arc::new) });
+        let files = known.tiles[place].file.as_ref().zip(known.request.files.reference.as_ref());
+        let stored = files.and_then(|(file, reference)| file.errors_against(reference));
+        known.tiles[place].measured = Some(TileMetrics { figures, flip: flip.map(Arc::new), stored });
         self.results.as_ref()
     }
 

@@ -1,12 +1,17 @@
 //! Pictures from files that take part in a comparison, in place of pictures that are drawn.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use crate::image::file::ImageFileError;
-use crate::image::picture::Picture;
+use crate::image::picture::{Layer, Picture};
 use crate::image::{Image, Rgba8};
+use crate::inspect::measured::{PictureStatistics, measure_layer};
+use crate::inspect::view::Range;
+use crate::measure::picture_error::{LayerPair, Metric, PictureErrors, PictureLayer};
 use crate::measure::tone::Tone;
+use crate::pipeline::settings::Choice as _;
 
 /// Part of a picture in a comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,45 +35,101 @@ impl PictureRole {
     }
 }
 
+/// Displayed part of a picture file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct PictureLook {
+    /// Name of the displayed and compared layer. `None`, or a name that the file lacks, means the first layer.
+    pub(crate) layer: Option<String>,
+    /// Values of data that are shown as black and as white; `None` means the smallest and the largest value.
+    pub(crate) range: Option<Range>,
+}
+
 /// Picture file of a comparison, with its exact samples and as displayed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OpenedPicture {
-    /// Path of the file.
+    /// Path that was opened: that of the file, or of a sequence of which the file is a frame.
     pub(crate) path: PathBuf,
+    /// Path of the file.
+    pub(crate) file: PathBuf,
     /// Exact samples of all channels.
     pub(crate) picture: Arc<Picture>,
-    /// First layer as opaque sRGB codes, after tone mapping.
+    /// Displayed layer as opaque sRGB codes, after tone mapping.
     pub(crate) shown: Arc<Image<Rgba8>>,
+    look: PictureLook,
+    tone: Tone,
+    /// Statistics of the displayed layer, computed when they are first needed.
+    statistics: Arc<OnceLock<PictureStatistics>>,
 }
 
 impl OpenedPicture {
-    /// Reads a picture file. `tone` converts linear light for display.
-    pub(crate) fn read(path: &Path, tone: Tone) -> Result<Self, ImageFileError> {
-        let picture = Arc::new(Picture::read(path)?);
-        let shown = Arc::new(tone.displayed(&picture, &picture.layers()[0]));
-        Ok(Self { path: path.to_owned(), picture, shown })
+    /// Reads a picture file that was opened as `path`, which differs from `file` if it is a frame of a sequence. `tone`
+    /// converts linear light for display.
+    pub(crate) fn read(path: &Path, file: &Path, tone: Tone) -> Result<Self, ImageFileError> {
+        Ok(Self::of(path, file, Picture::read(file)?, tone))
     }
 
     /// Returns a picture that was drawn and has no file; `name` takes the place of its path.
-    pub(crate) fn drawn(name: PathBuf, picture: &Image<Rgba8>) -> Self {
-        Self { path: name, picture: Arc::new(Picture::of_codes(picture)), shown: Arc::new(picture.clone()) }
+    pub(crate) fn drawn(name: &Path, picture: &Image<Rgba8>) -> Self {
+        Self::of(name, name, Picture::of_codes(picture), Tone::default())
     }
 
-    /// Returns the picture as displayed with another tone.
-    fn toned(&self, tone: Tone) -> Self {
-        let shown = Arc::new(tone.displayed(&self.picture, &self.picture.layers()[0]));
-        Self { shown, ..self.clone() }
+    fn of(path: &Path, file: &Path, picture: Picture, tone: Tone) -> Self {
+        Self {
+            path: path.to_owned(),
+            file: file.to_owned(),
+            shown: Arc::new(tone.displayed(&picture, &picture.layers()[0])),
+            picture: Arc::new(picture),
+            look: PictureLook::default(),
+            tone,
+            statistics: Arc::default(),
+        }
+    }
+
+    /// Returns the picture as displayed with another look and tone.
+    fn displayed(&self, look: PictureLook, tone: Tone) -> Self {
+        let mut displayed = Self { look, tone, ..self.clone() };
+        let range = displayed.look.range.map(|range| f64::from(range.low)..=f64::from(range.high));
+        displayed.shown = Arc::new(tone.displayed_in(&self.picture, displayed.layer(), range));
+        if displayed.layer() != self.layer() {
+            displayed.statistics = Arc::default();
+        }
+        displayed
+    }
+
+    /// Measures the errors of the stored values in the displayed layer against those of another picture. Returns `None` if
+    /// they cannot be compared.
+    pub(super) fn errors_against(&self, other: &Self) -> Option<PictureErrors> {
+        let [a, b] = [self, other].map(|of| PictureLayer { picture: &of.picture, layer: of.layer() });
+        let pair = LayerPair::new(a, b, self.tone).ok()?;
+        let is_of_values = |metric: &Metric| !matches!(metric, Metric::Flip | Metric::Ssim);
+        Some(pair.measure(&Metric::ALL.iter().copied().filter(is_of_values).collect::<Vec<_>>()))
+    }
+
+    /// Returns the displayed layer and its range.
+    pub(crate) fn look(&self) -> &PictureLook {
+        &self.look
+    }
+
+    /// Returns the displayed layer.
+    pub(crate) fn layer(&self) -> &Layer {
+        let layers = self.picture.layers();
+        let named = layers.iter().find(|layer| self.look.layer.as_ref() == Some(&layer.name));
+        named.unwrap_or(&layers[0])
+    }
+
+    /// Returns the statistics and histograms of the stored values in the displayed layer.
+    pub(crate) fn statistics(&self) -> &PictureStatistics {
+        self.statistics.get_or_init(|| measure_layer(&self.picture, self.layer()))
     }
 
     /// Whether exposure and tone curve change the displayed picture.
     fn has_tone(&self) -> bool {
-        let layer = &self.picture.layers()[0];
-        layer.is_color && self.picture.is_float(layer)
+        self.layer().is_color && self.picture.is_float(self.layer())
     }
 
     /// Returns the name of the file without its folder.
     pub(crate) fn name(&self) -> String {
-        crate::text::path(self.path.file_name().map_or(&self.path, Path::new))
+        crate::text::path(self.file.file_name().map_or(&self.file, Path::new))
     }
 
     /// Returns the stored value of every channel at a pixel, such as `R 0.5  G 1  B 0.25`, layer by layer.
@@ -82,12 +143,14 @@ impl OpenedPicture {
     }
 }
 
-/// Opened picture files, and their exposure and tone curve.
+/// Opened picture files, their exposure and tone curve, and their displayed layers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct OpenedPictures {
     opened: Vec<Arc<OpenedPicture>>,
     /// Exposure and tone curve of float pictures, for display and metrics.
     tone: Tone,
+    /// Look of every opened path that has another one than the default.
+    looks: BTreeMap<PathBuf, PictureLook>,
 }
 
 impl OpenedPictures {
@@ -96,10 +159,12 @@ impl OpenedPictures {
         self.opened.iter().find(|opened| opened.path == path).cloned()
     }
 
-    /// Adds a picture, or replaces the picture with the same path.
+    /// Adds a picture, or replaces the picture with the same path and keeps its look.
     pub(super) fn insert(&mut self, picture: Arc<OpenedPicture>) {
         self.opened.retain(|opened| opened.path != picture.path);
-        self.opened.push(picture);
+        let look = self.looks.get(&picture.path).cloned().unwrap_or_default();
+        let is_current = picture.look == look && (picture.tone == self.tone || !picture.has_tone());
+        self.opened.push(if is_current { picture } else { Arc::new(picture.displayed(look, self.tone)) });
     }
 
     /// Returns the exposure and tone curve.
@@ -111,7 +176,15 @@ impl OpenedPictures {
     pub(super) fn set_tone(&mut self, tone: Tone) {
         self.tone = tone;
         for opened in self.opened.iter_mut().filter(|opened| opened.has_tone()) {
-            *opened = Arc::new(opened.toned(tone));
+            *opened = Arc::new(opened.displayed(opened.look.clone(), tone));
+        }
+    }
+
+    /// Sets the displayed layer and range of a picture.
+    pub(super) fn set_look(&mut self, path: &Path, look: PictureLook) {
+        self.looks.insert(path.to_owned(), look);
+        if let Some(opened) = self.get(path) {
+            self.insert(opened);
         }
     }
 
@@ -120,9 +193,9 @@ impl OpenedPictures {
         self.opened.iter().any(|opened| opened.has_tone())
     }
 
-    /// Returns the paths of all opened files.
-    pub(crate) fn paths(&self) -> impl Iterator<Item = &Path> {
-        self.opened.iter().map(|opened| opened.path.as_path())
+    /// Returns all opened pictures.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &Arc<OpenedPicture>> {
+        self.opened.iter()
     }
 }
 

@@ -169,7 +169,7 @@ fn explained(
 /// Stores an explanation, and shows the drawing with the faults if there are any.
 fn show(session: &mut Session, found: Explained) {
     if !found.explanation.causes.is_empty() {
-        let drawn = OpenedPicture::drawn(faulty_name(&found.path), &found.faulty);
+        let drawn = OpenedPicture::drawn(&faulty_name(&found.path), &found.faulty);
         session.compare(CompareChange::File(PictureRole::Tile(FAULTY_TILE), Arc::new(drawn)));
     }
     session.report(Severity::Info, found.explanation.summary());

@@ -5,7 +5,7 @@ use eframe::egui::{
     self, Align, Button, Label, Layout, Rect, Response, RichText, Ui, UiBuilder, Vec2, WidgetInfo, vec2,
 };
 
-use super::plot::HistogramPlot;
+use super::plot::{HistogramPlot, color_of};
 use super::{RangeChange, figures};
 use crate::inspect::display::{ColorMap, ValueKind};
 use crate::inspect::range::{RangeFit, Rule};
@@ -55,7 +55,14 @@ pub(crate) fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &RenderedVi
     } else {
         let setting = control.setting(shown);
         let size = vec2(column.available_width(), PLOT_HEIGHT);
-        let plot = HistogramPlot { view, setting, log_counts: control.log_counts };
+        let color = |range, value| color_of(shown, &setting, range, value);
+        let plot = HistogramPlot {
+            histograms: view.look_result.measured.as_deref().map_or(&[], |measured| &measured.histograms),
+            channels: kind.channels(),
+            range: view.range,
+            color: &color,
+            log_counts: control.log_counts,
+        };
         changes.extend(plot.ui(&mut column, size).map(|range| RangeChange::Rule(Rule::Fixed(range))));
         column.add_space(space::XS);
         row(&mut column, |ui| ends(ui, session, view, &mut changes));

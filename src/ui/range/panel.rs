@@ -4,7 +4,7 @@ use eframe::egui::{Grid, RichText, ScrollArea, Ui, vec2};
 
 use super::RangeChange;
 use super::figures::{COLUMNS, texts};
-use super::plot::HistogramPlot;
+use super::plot::{HistogramPlot, color_of};
 use crate::inspect::range::Rule;
 use crate::inspect::statistics::Statistics;
 use crate::manual::Chapter;
@@ -47,9 +47,13 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         return;
     };
     let shown = view.request.shown;
+    let setting = session.features.range.setting(shown);
+    let color = |range, value| color_of(shown, &setting, range, value);
     let plot = HistogramPlot {
-        view,
-        setting: session.features.range.setting(shown),
+        histograms: &measured.histograms,
+        channels: kind(shown).channels(),
+        range: view.range,
+        color: &color,
         log_counts: session.features.range.log_counts,
     };
     let fixed = |range| Command::Range(RangeChange::Rule(Rule::Fixed(range)));
@@ -110,7 +114,7 @@ pub(crate) fn notify_open(is_open: bool, session: &Session, commands: &mut Vec<C
 }
 
 /// Draws the statistics in a narrow panel, with a column per channel.
-fn compact_table(ui: &mut Ui, of: &str, names: &[&str], channels: &[Statistics]) {
+pub(crate) fn compact_table(ui: &mut Ui, of: &str, names: &[&str], channels: &[Statistics]) {
     ui.label(RichText::new(of).strong());
     let texts: Vec<_> = channels.iter().map(texts).collect();
     Grid::new(of).num_columns(1 + names.len()).spacing([8.0, 2.0]).striped(true).show(ui, |ui| {

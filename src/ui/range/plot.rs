@@ -11,7 +11,7 @@ use crate::inspect::Buffer;
 use crate::inspect::display::ValueKind;
 use crate::inspect::histogram::Histogram;
 use crate::inspect::view::Range;
-use crate::ui::engine::{RenderedView, Shown};
+use crate::ui::engine::Shown;
 use crate::ui::format;
 use crate::ui::legend_strip::color_bar;
 use crate::ui::look::kind;
@@ -29,10 +29,14 @@ const GRIP: f32 = 5.0;
 /// Inputs of a histogram plot.
 #[derive(Clone, Copy)]
 pub(crate) struct HistogramPlot<'a> {
-    /// View on screen, which contains the histograms.
-    pub(crate) view: &'a RenderedView,
-    /// Display settings of the shown quantity.
-    pub(crate) setting: Setting,
+    /// Histogram of each channel, all with the same range.
+    pub(crate) histograms: &'a [Histogram],
+    /// Name of each channel.
+    pub(crate) channels: &'a [&'a str],
+    /// Range of the values that differ in the picture; others have the colour of the nearer bound.
+    pub(crate) range: Option<Range>,
+    /// Returns the colour of a value in the picture, given the range.
+    pub(crate) color: &'a dyn Fn(Range, f32) -> Rgba8,
     /// Whether bar heights are logarithms of the counts.
     pub(crate) log_counts: bool,
 }
@@ -44,22 +48,21 @@ impl HistogramPlot<'_> {
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Histogram"));
         let bars = Rect::from_min_max(rect.min, rect.max - vec2(0.0, STRIP + NUMBERS));
         ui.painter().rect_filled(bars, RADIUS, tokens(ui).field);
-        let measured = self.view.look_result.measured.as_deref()?;
-        let Some(axis) = measured.histograms.first().map(|histogram| histogram.range) else {
+        let Some(axis) = self.histograms.first().map(|histogram| histogram.range) else {
             let font = FontId::proportional(font_size::SMALL);
             let text = "No finite values to count";
             ui.painter().text(bars.center(), Align2::CENTER_CENTER, text, font, tokens(ui).text_weak);
             return None;
         };
-        let range = self.view.range?;
-        let most = measured.histograms.iter().map(Histogram::max_count).max().unwrap_or(0);
-        for (channel, histogram) in measured.histograms.iter().enumerate() {
+        let range = self.range?;
+        let most = self.histograms.iter().map(Histogram::max_count).max().unwrap_or(0);
+        for (channel, histogram) in self.histograms.iter().enumerate() {
             self.bars(ui, bars, channel, histogram, most);
         }
         self.strip(ui, Rect::from_min_size(bars.left_bottom(), vec2(bars.width(), STRIP)), axis);
         axis_numbers(ui, rect, axis, most, self.log_counts);
         let dragged = handles(ui, &response, bars, axis, range);
-        tooltip(response, bars, &measured.histograms, kind(self.view.request.shown));
+        tooltip(response, bars, self.histograms, self.channels);
         dragged
     }
 
@@ -68,8 +71,8 @@ impl HistogramPlot<'_> {
             let (count, most) = (count as f32, most.max(1) as f32);
             if self.log_counts { count.ln_1p() / most.ln_1p() } else { count / most }
         };
-        let several = kind(self.view.request.shown).channels().len() > 1;
-        let color = if several { theme::WEIGHTS[channel].gamma_multiply(0.6) } else { tokens(ui).text_weak };
+        let color =
+            if self.channels.len() > 1 { theme::WEIGHTS[channel].gamma_multiply(0.6) } else { tokens(ui).text_weak };
         let step = rect.width() / histogram.bins.len() as f32;
         for (bin, count) in histogram.bins.iter().enumerate().filter(|(_, count)| **count > 0) {
             let left = rect.left() + bin as f32 * step;
@@ -82,11 +85,8 @@ impl HistogramPlot<'_> {
 
     /// Draws a strip with the colours of the values along the axis.
     fn strip(&self, ui: &Ui, rect: Rect, axis: Range) {
-        let Some(range) = self.view.range else { return };
-        color_bar(ui.painter(), rect, |share| {
-            let value = axis.low + (axis.high - axis.low) * share;
-            color_of(self.view.request.shown, &self.setting, range, value)
-        });
+        let Some(range) = self.range else { return };
+        color_bar(ui.painter(), rect, |share| (self.color)(range, axis.low + (axis.high - axis.low) * share));
     }
 }
 
@@ -181,12 +181,12 @@ fn handles(ui: &Ui, response: &Response, bars: Rect, axis: Range, range: Range) 
 }
 
 /// Draws the tooltip with the counts of the bins under the pointer.
-fn tooltip(response: Response, bars: Rect, histograms: &[Histogram], kind: ValueKind) {
+fn tooltip(response: Response, bars: Rect, histograms: &[Histogram], channels: &[&str]) {
     let Some(pointer) = response.hover_pos().filter(|pointer| bars.contains(*pointer)) else { return };
     let share = ((pointer.x - bars.left()) / bars.width()).clamp(0.0, 1.0);
     response.on_hover_ui_at_pointer(|ui| {
         ui.spacing_mut().item_spacing.y = space::XS / 2.0;
-        for (name, histogram) in kind.channels().iter().zip(histograms) {
+        for (name, histogram) in channels.iter().zip(histograms) {
             let bin = ((share * histogram.bins.len() as f32) as usize).min(histogram.bins.len() - 1);
             let (from, to) = histogram.span_of(bin);
             let count = format::count(histogram.bins[bin]);

@@ -56,7 +56,7 @@ impl Workspace {
                     ]),
                     REST,
                 ),
-                part(tabs(&[Panel::Stages, Panel::Pixel, Panel::OtherRenderer]), PIXEL_WIDTH),
+                part(tabs(&[Panel::Stages, Panel::Pixel, Panel::PictureFiles, Panel::OtherRenderer]), PIXEL_WIDTH),
             ]),
             Self::Measure => {
                 tabs(&[Panel::FrameTime, Panel::ErrorTime, Panel::Scaling, Panel::SkippedWork, Panel::Log])

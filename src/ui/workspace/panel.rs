@@ -17,7 +17,7 @@ use crate::ui::panels::inspector::Inspector;
 use crate::ui::session::Session;
 use crate::ui::thumbnails::Thumbnails;
 use crate::ui::{
-    checks, explaining, fates, lab, mesh_view, panels, picture_panel, probe, range, trace, vertices, watch,
+    checks, compare, explaining, fates, lab, mesh_view, panels, picture_panel, probe, range, trace, vertices, watch,
 };
 
 /// Description of a panel, declared in the file of the panel.
@@ -160,6 +160,8 @@ panels! {
     Assertions = checks::panel::PANEL,
     /// Faults of another renderer that explain its picture.
     OtherRenderer = explaining::panel::PANEL,
+    /// Layers, ranges and stored values of compared picture files.
+    PictureFiles = compare::files_panel::PANEL,
     /// Log of all messages.
     Log = panels::log::PANEL,
     /// 2D lab.

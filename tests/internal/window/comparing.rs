@@ -1,14 +1,16 @@
 //! Tests of comparing pictures in the window: tiles, wipe, flip, difference, and errors against the reference.
 
 use base64::prelude::{BASE64_STANDARD, Engine as _};
-use eframe::egui::{Key, PointerButton, Pos2, Rect, Role, Vec2};
+use eframe::egui::{Event, Key, PointerButton, Pos2, Rect, Role, Vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use rasterscope::chain::run;
 use rasterscope::inspect::Stage;
 use rasterscope::measure::error::compare;
 use rasterscope::measure::region::PixelRegion;
+use rasterscope::ui::command::Command;
 use rasterscope::ui::compare::Mode;
 use rasterscope::ui::compare::compute::Compared;
+use rasterscope::ui::window_task::DialogCommand;
 use rasterscope::ui::workspace::Panel;
 use rasterscope::upscale::{BUILT_IN, Scale, Upscaling};
 
@@ -242,4 +244,25 @@ fn the_filmstrip_is_sorted_by_error_and_has_one_scale() {
     bench.click("All");
     let scales: Vec<_> = compared(&bench).tiles.iter().map(|tile| tile.recipe.upscaler.scale()).collect();
     assert!(scales.iter().all(|scale| [Scale::ONE, Scale::TWO].contains(scale)), "{scales:?}");
+}
+
+#[test]
+fn an_upscaler_process_that_cannot_be_added_is_refused_in_its_dialog() {
+    let mut bench = Bench::small("triangle");
+    let before = bench.session().state.recipe;
+    for (text, reason) in [
+        ("nearest=python3 net.py", "there is already an upscaler `nearest`; choose another id"),
+        ("my-net:2=", "the command after `=` is empty"),
+        ("My Net=python3 net.py", "`My Net` is not an id of an upscaler"),
+    ] {
+        bench.window.state_mut().queue(vec![Command::Dialog(DialogCommand::AddUpscaler)]);
+        bench.rest();
+        bench.window.event(Event::Text(text.to_owned()));
+        bench.rest();
+        bench.click("Add");
+        assert!(bench.mentions(reason), "{text}");
+        bench.click("Cancel");
+        assert!(!bench.mentions(reason));
+    }
+    assert_eq!(bench.session().state.recipe, before);
 }

@@ -5,6 +5,7 @@ use eframe::egui::{FontId, Rect, Response, Ui, Vec2};
 use super::layout::TileLayout;
 use super::line_x;
 use crate::image::file::is_named_picture;
+use crate::image::sequence::FileSequence;
 use crate::ui::command::Command;
 use crate::ui::compare::compute::Compared;
 use crate::ui::compare::files::PictureRole;
@@ -46,7 +47,7 @@ pub(super) fn readout(
 pub(super) fn dropped(ui: &Ui, responses: &[Response], session: &Session, commands: &mut Vec<Command>) {
     let Some(file) = ui.input(|i| i.raw.dropped_files.last().cloned()) else { return };
     let path = file.path().to_owned();
-    if !is_named_picture(&path) {
+    if !is_named_picture(&path) && !FileSequence::is_named_by(&path) {
         return;
     }
     let pointer = ui.input(|i| i.pointer.latest_pos());
