@@ -69,6 +69,8 @@ pub(crate) enum DialogCommand {
     Palette,
     /// Opens the dialog for renaming and deleting bookmarks.
     Bookmarks,
+    /// Opens the dialog for adding an upscaler process.
+    AddUpscaler,
     /// Opens the manual at a chapter; `None` focuses its search field.
     Manual(Option<Chapter>),
 }

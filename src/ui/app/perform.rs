@@ -10,6 +10,7 @@ use crate::ui::command::Command;
 use crate::ui::files::FileCommand;
 use crate::ui::long_tasks::MeasureCommand;
 use crate::ui::palette::Palette;
+use crate::ui::panels::add_upscaler::AddUpscalerDialog;
 use crate::ui::panels::dialogs::{Dialog, OpenDialog};
 use crate::ui::probe;
 use crate::ui::save_as::{Destination, SaveItem};
@@ -70,7 +71,7 @@ impl Workbench {
         let mut save = |item| self.save_item(ui, item, Destination::Automatic);
         match command {
             FileCommand::Open(path) => self.open(ui, SceneSource::File(path, TrMeaning::Auto)),
-            FileCommand::OpenPicture(role, path) => self.open_picture(ui, role, path),
+            FileCommand::OpenPicture(role, path) => self.open_picture(ui, role, &path),
             FileCommand::Reopen(path, tr) => self.open(ui, SceneSource::File(path, tr)),
             FileCommand::OpenBuiltin(id) => self.open(ui, SceneSource::named(id.into())),
             FileCommand::OpenLesson(lesson) => self.open_lesson(ui, lesson),
@@ -119,6 +120,7 @@ impl Workbench {
             DialogCommand::Keys => Dialog::Keys(String::new()),
             DialogCommand::Palette => Dialog::Palette(Box::new(Palette::new(&self.session, ""))),
             DialogCommand::Bookmarks => Dialog::Bookmarks,
+            DialogCommand::AddUpscaler => Dialog::AddUpscaler(AddUpscalerDialog::default()),
             DialogCommand::Manual(chapter) => {
                 self.manual.open(chapter);
                 return;

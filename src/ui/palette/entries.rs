@@ -263,6 +263,8 @@ fn commands() -> Vec<PaletteEntry> {
             Command::File(FileCommand::SaveComparison),
         ),
         keyless("Stop comparing", Command::Compare(CompareChange::Mode(Mode::Off))),
+        keyless("Add an upscaler process…", Command::Dialog(DialogCommand::AddUpscaler))
+            .also(["external", "python", "plugin", "custom"]),
         keyless("Measure all upscalers", Command::Measure(MeasureCommand::MeasureUpscalers)).also(["profile"]),
         keyless("Measure the savings of skipped work", Command::Measure(MeasureCommand::MeasurePlan)),
         keyless("Measure scaling", Command::Measure(MeasureCommand::MeasureScaling)),

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use eframe::egui::{Frame, Id, Key, Modal, RichText, TextEdit, Ui};
 
+use super::add_upscaler::AddUpscalerDialog;
 use super::system_dialog::{Answer, SystemDialog};
 use crate::image::picture::{format_names, suffixes};
 use crate::scene::SceneFormat;
@@ -35,6 +36,8 @@ pub(crate) enum Dialog {
     Palette(Box<Palette>),
     /// List of bookmarks.
     Bookmarks,
+    /// Dialog for adding an upscaler process.
+    AddUpscaler(AddUpscalerDialog),
 }
 
 /// Dialog for opening a model or a picture: by path, from the recent files, or with the system's file dialog.
@@ -60,6 +63,7 @@ impl Dialog {
                 ui.button("Close").clicked()
             }),
             Self::Palette(palette) => palette.ui(ui, session, commands),
+            Self::AddUpscaler(dialog) => dialog.ui(ui, session, commands),
             Self::Bookmarks => modal(ui, "Bookmarks", |ui| bookmarks::ui(ui, session, commands)),
         };
         if !stays {
@@ -110,7 +114,11 @@ impl OpenDialog {
         match self.role {
             Some(role) => (
                 format!("Open a picture as {}", role.name()),
-                format!("Path of a picture: {}. You can also drop the file on a compared picture.", format_names()),
+                format!(
+                    "Path of a picture: {}. A sequence is named by its folder or by a pattern such as frame.####.exr. You \
+                     can also drop the file or folder on a compared picture.",
+                    format_names()
+                ),
                 "/path/to/picture.exr",
             ),
             None => (

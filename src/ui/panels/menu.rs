@@ -139,6 +139,7 @@ fn edit(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ui.separator();
     entry_if(ui, session.state.recipe != Recipe::default(), "Reset all settings", Command::ResetRecipe, commands);
     let has_failed = upscale::all().iter().any(|upscaler| upscaler.failure().is_some());
+    entry(ui, "Add upscaler process…", Command::Dialog(DialogCommand::AddUpscaler), commands);
     entry_if(ui, has_failed, "Restart upscaler processes", Command::RestartUpscalers, commands);
 }
 

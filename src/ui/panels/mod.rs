@@ -1,5 +1,7 @@
 //! The panels around the canvas, one file each. A panel reads the session and emits commands.
 
+pub(crate) mod add_upscaler;
+
 mod budget_line;
 
 pub(crate) mod case;

@@ -398,6 +398,7 @@ fn rest_rows(times: &StageTimes) -> Vec<RestRow> {
     let rows = [
         ("Resolve", times.resolve, "Averages the samples of each pixel"),
         ("Surfaces", times.surfaces, "Finds the visible surface of each pixel for the upscaler"),
+        ("Transfer", times.transfer, "Sends the samples to the process of the upscaler and receives its picture"),
         ("Post filter", times.post, "Applies the post filter and draws the wireframe"),
         ("Other", Some(times.other), "Work between the stages: buffers, thread pool and copies"),
         (
@@ -438,7 +439,7 @@ fn time_of(stage: Stage, times: &StageTimes) -> Option<Duration> {
         Stage::Depth => times.depth,
         Stage::Interpolate => times.interpolate,
         Stage::Shade => Some(times.shade),
-        Stage::Upscale => Some(times.upscale + times.transfer.unwrap_or_default()),
+        Stage::Upscale => Some(times.upscale),
     }
 }
 

@@ -41,6 +41,11 @@ pub struct ProcessSpec {
 }
 
 impl ProcessSpec {
+    /// Returns the id of the upscaler.
+    pub fn id(&self) -> &str {
+        &self.id
+    }
+
     /// Returns the command as clean text, for messages.
     pub(super) fn command_text(&self) -> String {
         text::one_line(&self.command.join(" "))
