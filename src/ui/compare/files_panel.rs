@@ -5,13 +5,14 @@ use eframe::egui::{Label, RichText, Ui, vec2};
 
 use super::CompareChange;
 use super::files::{OpenedPicture, PictureLook, PictureRole};
+use crate::inspect::statistics::Statistics;
 use crate::inspect::view::Range;
 use crate::manual::Chapter;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
 use crate::ui::format;
-use crate::ui::range::panel::compact_table;
 use crate::ui::range::plot::HistogramPlot;
+use crate::ui::range::{RangeChange, figures};
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, font_size, space, tokens};
 use crate::ui::widgets::{combo, empty_state, number_field};
@@ -26,7 +27,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     chapter: Chapter::ComparingUpscalers,
     grows: false,
     titled: true,
-    controls: None,
+    controls: Some(|ui, cx| controls(ui, cx.session, cx.commands)),
     content: |ui, cx| self::ui(ui, cx.session, cx.commands),
 };
 
@@ -35,6 +36,14 @@ const PLOT_HEIGHT: f32 = 110.0;
 
 /// Maximum number of watched pixels whose values are listed.
 const MAX_LISTED: usize = 8;
+
+fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let mut log = session.features.range.log_counts;
+    let checkbox = ui.checkbox(&mut log, "logarithmic counts");
+    if checkbox.on_hover_text("Logarithmic bars, so that rare values are visible, too").changed() {
+        commands.push(Command::Range(RangeChange::LogCounts(log)));
+    }
+}
 
 fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let tiles = &session.state.tiles;
@@ -86,13 +95,10 @@ fn file(ui: &mut Ui, session: &Session, role: PictureRole, opened: &OpenedPictur
     if let Some(range) = plot.ui(ui, size).filter(|_| !layer.is_color) {
         look.range = Some(range);
     }
-    compact_table(
-        ui,
-        &format!("Picture {name}"),
-        &channels[..statistics.whole.len().min(channels.len())],
-        &statistics.whole,
-    );
-    errors(ui, session, role);
+    for (channel, statistics) in channels.iter().zip(&statistics.whole) {
+        ui.add(Label::new(RichText::new(summary(channel, statistics)).monospace().size(font_size::SMALL)).wrap());
+    }
+    errors(ui, session, role, opened);
     values(ui, session, opened);
     if look != *opened.look() {
         commands.push(Command::Compare(CompareChange::Look(opened.path.clone(), look)));
@@ -138,9 +144,21 @@ fn bounds(ui: &mut Ui, name: &str, range: Option<Range>, look: &mut PictureLook)
     });
 }
 
+/// Returns the statistics of a channel in one line.
+fn summary(channel: &str, statistics: &Statistics) -> String {
+    let [count, min, max, mean, deviation, nan, infinite] = figures::texts(statistics);
+    let odd =
+        if statistics.nan + statistics.infinite > 0 { format!(", {nan} NaN, {infinite} ∞") } else { String::new() };
+    format!("{channel}: {min} … {max}, mean {mean}, σ {deviation}, n {count}{odd}")
+}
+
 /// Lists the errors of the stored values against the reference, if it is a file, too.
-fn errors(ui: &mut Ui, session: &Session, role: PictureRole) {
+fn errors(ui: &mut Ui, session: &Session, role: PictureRole, opened: &OpenedPicture) {
     let PictureRole::Tile(tile) = role else { return };
+    let against = session.comparison.opened(&session.state.tiles, PictureRole::Reference);
+    if against.is_some_and(|against| against.path == opened.path) {
+        return;
+    }
     let compared = session.compared.as_ref().and_then(|compared| compared.tiles.get(tile)?.measured.as_ref());
     let Some(stored) = compared.and_then(|measured| measured.stored.as_ref()) else { return };
     let reference = session.comparison.reference_name(&session.state.tiles);

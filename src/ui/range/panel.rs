@@ -114,7 +114,7 @@ pub(crate) fn notify_open(is_open: bool, session: &Session, commands: &mut Vec<C
 }
 
 /// Draws the statistics in a narrow panel, with a column per channel.
-pub(crate) fn compact_table(ui: &mut Ui, of: &str, names: &[&str], channels: &[Statistics]) {
+fn compact_table(ui: &mut Ui, of: &str, names: &[&str], channels: &[Statistics]) {
     ui.label(RichText::new(of).strong());
     let texts: Vec<_> = channels.iter().map(texts).collect();
     Grid::new(of).num_columns(1 + names.len()).spacing([8.0, 2.0]).striped(true).show(ui, |ui| {
