@@ -118,7 +118,8 @@ fn axis_numbers(ui: &Ui, rect: Rect, axis: Range, most: u64, log: bool) {
     for text in [format!("{scale}, highest {}", format::count(most)), scale.to_owned()] {
         let text = painter.layout_no_wrap(text, font.clone(), color);
         if text.size().x <= room {
-            let corner = Align2::CENTER_BOTTOM.anchor_size(rect.center_bottom(), text.size()).min;
+            let middle = pos2(0.5 * (low.right() + high.left()), rect.bottom());
+            let corner = Align2::CENTER_BOTTOM.anchor_size(middle, text.size()).min;
             painter.galley(corner, text, color);
             return;
         }
