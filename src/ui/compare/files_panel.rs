@@ -111,7 +111,7 @@ fn layers(ui: &mut Ui, name: &str, opened: &OpenedPicture, look: &mut PictureLoo
     if layers.len() < 2 {
         return;
     }
-    ui.name_inputs(&format!("Layer of {name}"), |ui| {
+    ui.name_inputs(format!("Layer of {name}"), |ui| {
         let chosen = opened.layer().name.clone();
         combo(&format!("layer {name}"), &chosen, ui.available_width().min(180.0)).show_ui(ui, |ui| {
             for layer in layers {
@@ -130,7 +130,7 @@ fn bounds(ui: &mut Ui, name: &str, range: Option<Range>, look: &mut PictureLook)
     ui.horizontal(|ui| {
         let speed = (f64::from(high - low) / 300.0).max(f64::from(f32::MIN_POSITIVE));
         for (bound, value) in [("Black", &mut low), ("White", &mut high)] {
-            ui.name_inputs(&format!("{bound} in {name}"), |ui| {
+            ui.name_inputs(format!("{bound} in {name}"), |ui| {
                 let field = number_field(value, |value| (value as f32).to_string()).speed(speed);
                 ui.add(field).on_hover_text(format!("Value that is shown as {}", bound.to_lowercase()));
             });

@@ -75,7 +75,7 @@ impl Feature for Sequences {
     type Change = SequenceChange;
 
     fn apply(session: &mut Session, change: SequenceChange) -> Option<WindowTask> {
-        let Some((first, last)) = session.sequence_range() else { return None };
+        let (first, last) = session.sequence_range()?;
         let is_loaded = session.shows_wanted_frames();
         let sequences = &mut session.features.sequences;
         match change {

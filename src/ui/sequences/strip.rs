@@ -89,7 +89,7 @@ fn file(
         (true, true) => format!("{}: {} frames", sequence.files.name(), sequence.files.frames().count()),
     });
     let mut shift = sequence.shift;
-    ui.name_inputs(&format!("Shift of {}", role.name()), |ui| {
+    ui.name_inputs(format!("Shift of {}", role.name()), |ui| {
         let field = number_field(&mut shift, |shift| format!("{shift:+.0}")).speed(0.1).range(-MAX_SHIFT..=MAX_SHIFT);
         ui.add(field).on_hover_text("Number of frames by which this sequence is ahead of the others");
     });
