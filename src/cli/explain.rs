@@ -1,6 +1,8 @@
 //! `rasterscope explain`: finds the faults of another renderer by which its picture of a scene differs from ours.
 
+use std::fmt::{self, Display, Formatter};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use crate::chain::Renderer;
@@ -14,37 +16,42 @@ use serde::Serialize;
 use super::failure::Failure;
 use super::progress::ProgressLine;
 use super::scene_args::{RequestedView, SceneArgs};
-use super::{interrupt, output, parse};
+use super::shard::ShardArgs;
+use super::{explain_folder, interrupt, output, parse};
 
 /// Names of the pictures that are written.
-const PICTURES: [&str; 3] = ["ours.png", "ours-with-faults.png", "unexplained.png"];
+pub(super) const PICTURES: [&str; 3] = ["ours.png", "ours-with-faults.png", "unexplained.png"];
 
 /// Arguments of `explain`.
 #[derive(Args, Debug)]
 pub(crate) struct ExplainArgs {
-    /// Picture that another renderer drew of the scene, of any size
+    /// Picture that another renderer drew of the scene, of any size; or a folder, all of whose pictures are explained, in
+    /// the order of their names
     #[arg(value_name = "PICTURE")]
-    picture: PathBuf,
+    pub(super) picture: PathBuf,
 
     #[command(flatten)]
-    scene: SceneArgs,
+    pub(super) scene: SceneArgs,
+
+    #[command(flatten)]
+    pub(super) shard: ShardArgs,
 
     /// Fault that is not considered; may be given several times. The known faults are listed in the manual
     #[arg(long, value_name = "FAULT", value_parser = fault)]
-    without: Vec<String>,
+    pub(super) without: Vec<String>,
 
     /// Pixel whose colours are printed: theirs, ours, and ours with the faults; may be given several times
     #[arg(long, value_name = "X,Y", value_parser = parse::pixel)]
-    at: Vec<(u32, u32)>,
+    pub(super) at: Vec<(u32, u32)>,
 
     /// Print JSON instead of text
-    #[arg(long)]
-    json: bool,
+    #[arg(long, conflicts_with = "shard")]
+    pub(super) json: bool,
 
     /// Folder for three pictures: ours.png, ours-with-faults.png, and unexplained.png with only the pixels in colour that
-    /// still differ
+    /// still differ. With a folder of pictures, one subfolder for each; with --shard, file for the part
     #[arg(short, long, value_name = "FOLDER")]
-    output: Option<PathBuf>,
+    pub(super) output: Option<PathBuf>,
 }
 
 /// Colours of one pixel, as sRGB codes.
@@ -56,48 +63,73 @@ struct PixelColors {
     ours_with_faults: [u8; 3],
 }
 
-/// Explanation as JSON.
+/// Explanation of one picture, as JSON and as text.
 #[derive(Serialize)]
-struct ExplanationReport<'a> {
-    scene: &'a str,
+pub(super) struct ExplanationReport {
+    scene: String,
     size: [u32; 2],
     #[serde(flatten)]
-    explanation: &'a Explanation,
+    explanation: Explanation,
     pixels_at: Vec<PixelColors>,
+}
+
+impl Display for ExplanationReport {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "{}{}", self.explanation, self.pixels_at.iter().map(text).collect::<String>())
+    }
 }
 
 /// Runs `explain`: searches for the faults, writes the requested pictures, and prints the explanation.
 pub(crate) fn run(args: &ExplainArgs) -> Result<(), Failure> {
+    if args.picture.is_dir() || args.shard.shard.is_some() {
+        return explain_folder::run(args);
+    }
     if let Some(folder) = &args.output {
         output::prepare_folder(folder, &PICTURES)?;
     }
-    let theirs = read(&args.picture)?;
-    let RequestedView { scene, recipe, camera, .. } = args.scene.view()?;
-    let (width, height) = theirs.size();
-    if let Some((x, y)) = args.at.iter().find(|(x, y)| *x >= width || *y >= height) {
-        return Err(Failure::OutsidePicture { x: *x, y: *y, picture: Viewport { width, height } });
-    }
-    let correct = Setup::new(scene, camera, recipe, Viewport { width, height });
+    let theirs = picture(args, &args.picture)?;
+    let view = args.scene.view()?;
     let (line, interrupted) = (ProgressLine::new(), interrupt::flag());
     let go_on = |share: f32| {
         line.show_share("searching", share);
         !interrupted.load(Ordering::Relaxed)
     };
-    let query = Query { correct, theirs, without: args.without.clone() };
-    let Ok(found) = explain(&query, &go_on) else { return Err(interrupt::nothing()) };
+    let found = explained(args, &view, theirs, args.output.as_deref(), &go_on)?;
     drop(line);
+    let report = found.ok_or_else(interrupt::nothing)?;
+    if args.json { output::print_json(&report) } else { output::print(&report.to_string()) }
+}
+
+/// Reads a picture, and checks that it contains the requested pixels.
+pub(super) fn picture(args: &ExplainArgs, path: &Path) -> Result<Image<Rgba8>, Failure> {
+    let theirs = read(path)?;
+    let (width, height) = theirs.size();
+    match args.at.iter().find(|(x, y)| *x >= width || *y >= height) {
+        Some((x, y)) => Err(Failure::OutsidePicture { x: *x, y: *y, picture: Viewport { width, height } }),
+        None => Ok(theirs),
+    }
+}
+
+/// Explains a picture, and writes the drawings to `folder`. Returns `None` if interrupted.
+pub(super) fn explained(
+    args: &ExplainArgs,
+    view: &RequestedView,
+    theirs: Image<Rgba8>,
+    folder: Option<&Path>,
+    go_on: &(dyn Fn(f32) -> bool + Sync),
+) -> Result<Option<ExplanationReport>, Failure> {
+    let (width, height) = theirs.size();
+    let correct = Setup::new(Arc::clone(&view.scene), view.camera, view.recipe, Viewport { width, height });
+    let query = Query { correct, theirs, without: args.without.clone() };
+    let Ok(found) = explain(&query, go_on) else { return Ok(None) };
     let mut renderer = Renderer::default();
     let (ours, faulty) = (query.correct.draw(&mut renderer), found.setup.draw(&mut renderer));
     let pixels_at = args.at.iter().map(|at| colors(*at, [&query.theirs, &ours, &faulty])).collect();
-    if let Some(folder) = &args.output {
+    if let Some(folder) = folder {
         write_pictures(folder, &found, &query.theirs, [&ours, &faulty])?;
     }
-    if args.json {
-        let size = [width, height];
-        let report = ExplanationReport { scene: &query.correct.scene.name, size, explanation: &found, pixels_at };
-        return output::print_json(&report);
-    }
-    output::print(&(found.to_string() + &pixels_at.iter().map(text).collect::<String>()))
+    let scene = query.correct.scene.name.clone();
+    Ok(Some(ExplanationReport { scene, size: [width, height], explanation: found, pixels_at }))
 }
 
 /// Checks that a fault exists.

@@ -8,6 +8,7 @@ use crate::case::CaseError;
 use crate::chain::SetError;
 use crate::drawing::file::DrawingFileError;
 use crate::image::file::ImageFileError;
+use crate::measure::part::PartError;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::SceneError;
 use crate::upscale::process::ProcessFailure;
@@ -55,6 +56,9 @@ pub(crate) enum Failure {
     /// A case cannot be read.
     #[error(transparent)]
     Case(#[from] CaseError),
+    /// Parts of an experiment cannot be merged.
+    #[error(transparent)]
+    Part(#[from] PartError),
     /// A result file or report cannot be written.
     #[error("{}: cannot write it: {source}", path.display())]
     ResultFile { path: PathBuf, source: std::io::Error },

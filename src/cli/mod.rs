@@ -3,7 +3,7 @@
 //! Results go to standard output or to files; warnings and errors go to standard error, one line each. Exit codes: 0
 //! success; 1 a violation found by `check`, `compare` or `bench --verify`; 2 unusable input, unwritable output, or a
 //! failed upscaler process, whose pictures are filled in by nearest neighbour; 3 the requested window cannot be opened;
-//! 130 interrupted measurement, whose complete results are written.
+//! 130 interrupted measurement, or one merged from an interrupted part, whose complete results are written.
 
 mod bench;
 mod bench_scrub;
@@ -14,10 +14,12 @@ mod check;
 mod compare;
 mod diff;
 mod explain;
+mod explain_folder;
 mod failure;
 mod fates;
 mod interrupt;
 mod lab;
+mod merge;
 mod output;
 mod parse;
 mod pixel;
@@ -32,6 +34,7 @@ mod scene_args;
 mod scenes;
 mod screenshot;
 mod seen_args;
+mod shard;
 mod stability;
 mod upscaler_args;
 mod vector;
@@ -70,7 +73,8 @@ struct Cli {
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\n\n", include_str!("../../assets/NOTICES.txt"));
 
 const EXIT_CODES: &str = "Exit codes: 0 success; 1 violation found by `check`, `compare` or `bench --verify`; 2 unusable \
-    input, unwritable output or failed upscaler process; 3 window cannot be opened; 130 interrupted, the results so far are written";
+    input, unwritable output or failed upscaler process; 3 window cannot be opened; 130 interrupted, or \
+    merged from an interrupted part; the results so far are written";
 
 /// Returns the final part of a command's help text: an example and the exit codes.
 fn example(arguments: &str) -> String {
@@ -130,6 +134,10 @@ enum CliCommand {
     /// Measure error against run time of every upscaler, and write an HTML page, a CSV table and JSON
     #[command(after_help = example("report chess --size 640x360 -o report"))]
     Report(report::ReportArgs),
+    /// Combine the parts that `report`, `stability`, `probe` or `explain` wrote with --shard, for example on several
+    /// machines, into the result of one run
+    #[command(after_help = example("merge part-1.json part-2.json -o result"))]
+    Merge(merge::MergeArgs),
     /// Export a scene as a vector drawing: wireframe, hidden-line drawing, or polygons
     #[command(after_help = example("vector cubes --kind hidden-line -o cubes.svg"))]
     Vector(vector::VectorArgs),
@@ -176,6 +184,7 @@ fn execute(cli: &Cli) -> Result<(), Failure> {
         Some(CliCommand::Stability(args)) => stability::run(args),
         Some(CliCommand::Probe(args)) => probe::run(args),
         Some(CliCommand::Report(args)) => report::run(args),
+        Some(CliCommand::Merge(args)) => merge::run(args),
         Some(CliCommand::Vector(args)) => vector::run(args),
         Some(CliCommand::Lab(args)) => lab::run(args),
         Some(CliCommand::Scenes) => scenes::run(),

@@ -45,7 +45,12 @@ pub(crate) fn display(path: &Path) -> String {
 
 /// Writes a text file atomically.
 pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
-    disk::write(path, text.as_bytes()).map_err(|source| Failure::ResultFile { path: path.to_owned(), source })
+    write_bytes(path, text.as_bytes())
+}
+
+/// Writes a file atomically.
+pub(crate) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    disk::write(path, bytes).map_err(|source| Failure::ResultFile { path: path.to_owned(), source })
 }
 
 /// Writes a file atomically and piece by piece, without holding all of it in memory.

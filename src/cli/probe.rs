@@ -5,17 +5,23 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use crate::case::MinimalCase;
-use crate::image::file::write_png;
+use crate::image::file::{encode_png, write_png};
 use crate::inspect::probe::{
-    Changed, Fragile, Heat, JitterTarget, Probe, ProbeResult, ProbedView, picture, run as probe,
+    Changed, Fragile, Heat, JitterTarget, Probe, ProbeCounts, ProbeFindings, ProbePlan, ProbeResult, ProbedView, count,
+    picture, run as probe,
 };
+use crate::measure::machine::Machine;
+use crate::measure::part::{Experiment, Parts};
+use crate::measure::shard::ShardRun;
 use crate::pipeline::settings::Choice as _;
 use clap::Args;
 use serde::Serialize;
 
 use super::failure::Failure;
+use super::merge::Merged;
 use super::scene_args::{FrameArgs, RequestedView};
-use super::{output, parse};
+use super::shard::{ShardArgs, write_part};
+use super::{interrupt, output, parse};
 
 /// Maximum number of triangles listed in the text output.
 const MAX_LISTED: usize = 10;
@@ -43,19 +49,22 @@ pub(crate) struct ProbeArgs {
     seed: u64,
 
     /// Property by which the heat map compares pixels
-    #[arg(long, default_value = "owner", value_parser = parse::choice::<Heat>())]
+    #[arg(long, default_value = "owner", conflicts_with = "shard", value_parser = parse::choice::<Heat>())]
     heat: Heat,
 
+    #[command(flatten)]
+    shard: ShardArgs,
+
     /// Print JSON, with all triangles that lost or gained pixels
-    #[arg(long)]
+    #[arg(long, conflicts_with = "shard")]
     json: bool,
 
-    /// PNG file for the heat map
+    /// PNG file for the heat map; with --shard, file for the part
     #[arg(short, long, value_name = "HEAT.png")]
     output: Option<PathBuf>,
 
     /// Case file to write for the most fragile triangle
-    #[arg(long, value_name = "CASE.json")]
+    #[arg(long, value_name = "CASE.json", conflicts_with = "shard")]
     save_case: Option<PathBuf>,
 }
 
@@ -64,22 +73,52 @@ pub(crate) fn run(args: &ProbeArgs) -> Result<(), Failure> {
     let RequestedView { scene, recipe, camera, .. } = args.frame.view()?;
     let subject = ProbedView { scene, camera, settings: recipe.pipeline, viewport: args.frame.size() };
     let what = Probe { what: args.what, ulps: args.ulps, runs: args.runs, seed: args.seed };
-    // The flag is never set: the only way to cancel is to end the process.
-    let Some(found) = probe(&subject, what, &|_| {}, &AtomicBool::new(false)) else { return Ok(()) };
+    let never = AtomicBool::new(false);
+    if let Some(shard) = args.shard.shard {
+        let machine = Machine::at_start().with_host();
+        let Some(results) = count(&subject, what, shard, &|_| {}, &never) else { return Ok(()) };
+        let run = ShardRun { shard, machine: machine.at_end(), partial: false, results };
+        return write_part(args.output.as_deref(), Experiment::Probe, ProbePlan::new(&subject, what), run);
+    }
+    let Some(found) = probe(&subject, what, &|_| {}, &never) else { return Ok(()) };
     if let Some(path) = &args.output {
-        let (heat, _) = picture(&found, args.heat)
+        let (heat, _) = picture(&found.findings, args.heat)
             .ok_or_else(|| Failure::Usage("--heat depth: without a depth test the frame has no depth".to_owned()))?;
         write_png(path, &heat)?;
     }
     if let Some(path) = &args.save_case {
         save_case(&found, path)?;
     }
-    output::print(&if args.json { json(&found)? } else { text(&found) })
+    let ProbeResult { subject, findings } = &found;
+    output::print(&if args.json { json(&subject.scene.name, findings)? } else { text(findings) })
+}
+
+/// Merges the parts of a probe into its findings as JSON and text, and one heat map for each aspect.
+pub(crate) fn merge(parts: Parts) -> Result<Merged, Failure> {
+    let (plan, runs) = parts.into_runs(ProbeCounts::check)?;
+    let partial = runs.iter().any(|run| run.partial);
+    let mut counts = runs.into_iter().map(|run| run.results);
+    let first = counts.next().ok_or_else(interrupt::nothing)?;
+    let counts = counts.fold(first, |mut all, more| {
+        all.join(more);
+        all
+    });
+    let ProbePlan { scene, probe, picture: still, .. } = plan;
+    let found = ProbeFindings::new(probe, still, &counts);
+    let mut files = vec![("probe.json", json(&scene, &found)?.into_bytes()), ("probe.txt", text(&found).into_bytes())];
+    for (name, heat) in
+        [("heat-owner.png", Heat::Owner), ("heat-depth.png", Heat::Depth), ("heat-color.png", Heat::Color)]
+    {
+        if let Some((heat, _)) = picture(&found, heat) {
+            files.push((name, encode_png(&heat).map_err(Failure::Output)?));
+        }
+    }
+    Ok(Merged { files, partial })
 }
 
 /// Writes the most fragile triangle, which gained and lost the most pixels, to a case file.
 fn save_case(found: &ProbeResult, path: &Path) -> Result<(), Failure> {
-    let worst = found.ranking.first().and_then(|worst| Some((worst, found.triangle_of(worst)?)));
+    let worst = found.findings.ranking.first().and_then(|worst| Some((worst, found.triangle_of(worst)?)));
     let Some((worst, triangle)) = worst else {
         return Err(Failure::Usage("--save-case: no triangle lost or gained a pixel; raise --ulps".to_owned()));
     };
@@ -99,15 +138,14 @@ struct ProbeJsonOutput<'a> {
     ranking: &'a [Fragile],
 }
 
-fn json(found: &ProbeResult) -> Result<String, Failure> {
-    let ProbedView { scene, viewport, .. } = &found.subject;
-    let (width, height) = (viewport.width, viewport.height);
+fn json(scene: &str, found: &ProbeFindings) -> Result<String, Failure> {
+    let (width, height) = found.size();
     let (summary, ranking) = (found.summary(), &found.ranking[..]);
-    let printed = ProbeJsonOutput { scene: &scene.name, width, height, probe: found.probe, summary, ranking };
+    let printed = ProbeJsonOutput { scene, width, height, probe: found.probe, summary, ranking };
     output::json(&printed)
 }
 
-fn text(found: &ProbeResult) -> String {
+fn text(found: &ProbeFindings) -> String {
     let Probe { what, ulps, runs, seed } = found.probe;
     let summary = found.summary();
     let name = what.name().to_lowercase();

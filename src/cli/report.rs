@@ -7,17 +7,23 @@ use std::sync::atomic::Ordering;
 
 use crate::chain::Recipe;
 use crate::measure::motion::Turn;
+use crate::measure::part::{Experiment, Parts};
 use crate::measure::reference::Reference;
 use crate::pipeline::viewport::Viewport;
 use crate::report::upscaling::csv::csv;
+use crate::report::upscaling::measurements::{Measurements, measure};
 use crate::report::upscaling::page::page;
-use crate::report::upscaling::sweep::{self, NamedView, UpscalingPlan, UpscalingProgress, every_upscaler};
+use crate::report::upscaling::sweep::{
+    self, NamedView, UpscalingPlan, UpscalingProgress, UpscalingReport, every_upscaler,
+};
 use crate::scene::Loaded;
 use clap::Args;
 
 use super::failure::Failure;
+use super::merge::Merged;
 use super::progress::ProgressLine;
 use super::scene_args::MemoryArgs;
+use super::shard::{ShardArgs, write_part};
 use super::upscaler_args::UpscalerArgs;
 use super::{interrupt, output, parse, scene_args};
 
@@ -31,9 +37,12 @@ pub(crate) struct ReportArgs {
     #[arg(value_name = "SCENE")]
     scenes: Vec<PathBuf>,
 
-    /// Folder for the report; created if missing
+    /// Folder for the report; created if missing. With --shard, file for the part
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
+
+    #[command(flatten)]
+    shard: ShardArgs,
 
     /// Setting to change for all measurements; may be given several times. The upscaler is varied by the report itself
     #[arg(long, value_name = "KEY=VALUE")]
@@ -67,10 +76,13 @@ pub(crate) struct ReportArgs {
     turn: f32,
 }
 
-/// Runs `report`: measures the upscalers, and writes `index.html`, `report.csv` and `report.json`.
+/// Runs `report`: measures the upscalers, and writes `index.html`, `report.csv` and `report.json`, or a part of them.
 pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
     let plan = plan(args)?;
-    output::prepare_folder(&args.output, &FILES)?;
+    match args.shard.shard {
+        None => output::prepare_folder(&args.output, &FILES)?,
+        Some(_) => output::check_writable(&args.output)?,
+    }
     let line = ProgressLine::new();
     let show = |UpscalingProgress { scene, stage, done, of }: UpscalingProgress| {
         line.show(&format!("{scene}, {stage}: {done} of {of}"));
@@ -79,17 +91,36 @@ pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
     let pool =
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| Failure::Threads(e.to_string()))?;
     let interrupted = interrupt::flag();
-    let report = pool.install(|| sweep::run(&plan, &show, &|| interrupted.load(Ordering::Relaxed)));
+    let is_interrupted = || interrupted.load(Ordering::Relaxed);
+    if let Some(shard) = args.shard.shard {
+        let part = pool.install(|| measure(&plan, shard, &show, &is_interrupted));
+        drop(line);
+        let part = part.ok_or_else(interrupt::nothing)?;
+        return write_part(Some(&args.output), Experiment::Report, plan.record(), part);
+    }
+    let report = pool.install(|| sweep::run(&plan, &show, &is_interrupted));
     drop(line);
     let report = report.ok_or_else(interrupt::nothing)?;
-    let [index, table, json] = FILES.map(|name| args.output.join(name));
-    let page = page(&report).map_err(|source| Failure::ResultFile { path: index.clone(), source })?;
-    output::write(&index, &page)?;
-    output::write(&table, &csv(&report))?;
-    output::write(&json, &output::json(&report)?)?;
+    let index = args.output.join(FILES[0]);
+    for (name, content) in files(&report)? {
+        output::write_bytes(&args.output.join(name), &content)?;
+    }
     let rows = report.scenes.iter().map(|scene| scene.rows.len()).sum::<usize>();
     output::print(&format!("{}: {rows} rows, with report.csv and report.json\n", output::display(&index)))?;
     interrupt::outcome(report.partial)
+}
+
+/// Returns the names and contents of a report's files.
+fn files(report: &UpscalingReport) -> Result<Vec<(&'static str, Vec<u8>)>, Failure> {
+    let contents = [page(report).map_err(Failure::Output)?, csv(report), output::json(report)?];
+    Ok(FILES.into_iter().zip(contents.map(String::into_bytes)).collect())
+}
+
+/// Merges the parts of a report.
+pub(crate) fn merge(parts: Parts) -> Result<Merged, Failure> {
+    let (plan, runs) = parts.into_runs(Measurements::check)?;
+    let report = sweep::combine(&plan, &runs).ok_or_else(interrupt::nothing)?;
+    Ok(Merged { files: files(&report)?, partial: report.partial })
 }
 
 fn plan(args: &ReportArgs) -> Result<UpscalingPlan, Failure> {

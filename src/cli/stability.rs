@@ -2,15 +2,19 @@
 
 use std::path::PathBuf;
 
+use crate::measure::part::{Experiment, Parts};
 use crate::pipeline::settings::{Arithmetic, Rasterizer};
 use crate::report::stability::catalogue::{self, Class};
+use crate::report::stability::observations::{Observations, observe};
 use crate::report::stability::sweep::{self, DEFAULT_SEED, StabilityPlan, StabilityProgress, StabilityReport};
 use crate::report::stability::{csv::csv, html::html, text::text};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::failure::Failure;
+use super::merge::Merged;
 use super::progress::ProgressLine;
+use super::shard::{ShardArgs, write_part};
 use super::{interrupt, output, parse};
 
 /// Arguments of `stability`.
@@ -36,16 +40,19 @@ pub(crate) struct StabilityArgs {
     #[arg(long)]
     untimed: bool,
 
+    #[command(flatten)]
+    shard: ShardArgs,
+
     /// Write JSON, with the worst case for every cell of the table
-    #[arg(long, group = "format")]
+    #[arg(long, group = "format", conflicts_with = "shard")]
     json: bool,
 
     /// Write comma-separated values, one line for every cell of the table
-    #[arg(long, group = "format")]
+    #[arg(long, group = "format", conflicts_with = "shard")]
     csv: bool,
 
     /// Write an HTML page
-    #[arg(long, group = "format")]
+    #[arg(long, group = "format", conflicts_with = "shard")]
     html: bool,
 
     /// File to write instead of standard output
@@ -74,6 +81,12 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<(), Failure> {
     let show = |StabilityProgress { stage, done, of }: StabilityProgress| {
         line.show(&format!("{}: {done} of {of}", stage.name()));
     };
+    if let Some(shard) = args.shard.shard {
+        let run = observe(&plan, shard, &show, interrupt::flag());
+        drop(line);
+        let run = run.ok_or_else(interrupt::nothing)?;
+        return write_part(args.output.as_deref(), Experiment::Stability, &plan, run);
+    }
     let report = sweep::run(&plan, &show, interrupt::flag());
     drop(line);
     let report = report.ok_or_else(interrupt::nothing)?;
@@ -83,6 +96,19 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<(), Failure> {
         Some(path) => output::write(path, &written)?,
     }
     interrupt::outcome(report.partial)
+}
+
+/// Merges the parts of a report into the same report in every format.
+pub(crate) fn merge(parts: Parts) -> Result<Merged, Failure> {
+    let (plan, runs) = parts.into_runs(Observations::check)?;
+    let report = sweep::combine(&plan, &runs).ok_or_else(interrupt::nothing)?;
+    let files = [
+        ("stability.html", html(&report)),
+        ("stability.csv", csv(&report)),
+        ("stability.json", output::json(&report)?),
+        ("stability.txt", text(&report)),
+    ];
+    Ok(Merged { files: files.map(|(name, text)| (name, text.into_bytes())).into(), partial: report.partial })
 }
 
 fn or_all<T: Clone>(chosen: &[T], all: Vec<T>) -> Vec<T> {

@@ -6,3 +6,4 @@ mod compare;
 mod files;
 #[cfg(feature = "ui")]
 mod manual;
+mod shards;

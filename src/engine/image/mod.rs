@@ -8,6 +8,8 @@ pub mod pfm;
 
 pub mod picture;
 
+pub mod png_text;
+
 pub mod sequence;
 
 /// Four 8-bit channels: red, green, blue (sRGB codes) and alpha (straight, not premultiplied).

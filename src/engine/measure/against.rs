@@ -1,6 +1,6 @@
 //! Comparison of an image with a reference by all error metrics at once, over the whole image or a rectangle.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::error::{ImageError, compare};
 use super::flip;
@@ -8,7 +8,7 @@ use super::region::PixelRegion;
 use crate::image::{Image, Rgba8};
 
 /// Error of an image against a reference, one value per metric.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ErrorMetrics {
     /// Error metrics on 8-bit sRGB-encoded values.
     #[serde(flatten)]

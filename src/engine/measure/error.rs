@@ -6,7 +6,7 @@
 //! common) give other values.
 
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::image::{Image, Rgba8};
 
@@ -23,11 +23,12 @@ const C1: f64 = (0.01 * 255.0) * (0.01 * 255.0);
 const C2: f64 = (0.03 * 255.0) * (0.03 * 255.0);
 
 /// Error metrics between two images. Swapping the images does not change the values.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ImageError {
     /// Mean squared error of 8-bit values, over all pixels and the red, green and blue channels.
     pub mse: f64,
     /// Peak signal-to-noise ratio, 10 log₁₀(255² / mse), in dB; infinite for identical images.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub psnr_db: f64,
     /// Structural similarity in [−1, 1]; 1 for identical images.
     ///
@@ -38,6 +39,11 @@ pub struct ImageError {
     pub max_abs: u8,
     /// Number of pixels that differ in red, green or blue.
     pub differing_pixels: u64,
+}
+
+/// Reads a number that JSON writes as null if it is infinite.
+fn infinite_if_null<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(from)?.unwrap_or(f64::INFINITY))
 }
 
 /// Compares two images. Returns `None` if their sizes differ or they have no pixels.

@@ -24,6 +24,8 @@ pub mod noise;
 
 pub mod pair;
 
+pub mod part;
+
 pub mod picture_error;
 
 pub mod reference;
@@ -35,6 +37,8 @@ pub mod response;
 pub mod rounds;
 
 pub mod scaling;
+
+pub mod shard;
 
 pub mod stages;
 

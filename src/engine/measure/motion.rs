@@ -8,7 +8,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::against::{ErrorMetrics, PreparedReference, figures};
 use super::reference::{ProgressiveRender, Reference};
@@ -20,7 +20,7 @@ use crate::scene::{Camera, Scene};
 use crate::upscale::Upscaling;
 
 /// Camera orbit around its target, at a constant angle per frame.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Turn {
     /// Angle between two frames in degrees; 0 is the still view.
     pub degrees: f32,
@@ -83,7 +83,7 @@ pub struct FrameSequence<'a> {
 }
 
 /// Error over the frames of a sequence.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MotionError {
     /// Number of measured frames, at least 1.
     pub frames: usize,

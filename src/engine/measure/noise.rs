@@ -7,7 +7,7 @@
 //!
 //! A median over the whole run uses more frames than a median over a block, so the floor is an upper estimate.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::timing::summarize;
 
@@ -61,7 +61,8 @@ pub fn label(within_noise: bool) -> &'static str {
 }
 
 /// A/A pairs of a timing run.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(transparent)]
 pub(crate) struct Pairs {
     /// Relative difference of each pair.
     differences: Vec<f64>,

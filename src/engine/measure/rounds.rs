@@ -127,11 +127,16 @@ impl RoundTimer {
 
     /// Returns the noise floor of the rounds so far, or `None` before the first measured round.
     pub fn noise(&self) -> Option<Noise> {
+        self.pairs().noise()
+    }
+
+    /// Returns the A/A pairs of the rounds so far.
+    pub(crate) fn pairs(&self) -> Pairs {
         let mut pairs = Pairs::default();
         for twin in &self.entries[self.recipes..] {
             pairs.add(&self.ms(twin.recipe), &ms(&twin.times));
         }
-        pairs.noise()
+        pairs
     }
 }
 

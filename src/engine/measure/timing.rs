@@ -3,13 +3,13 @@
 //! The median is the typical cost of a frame; p10 and p90 show its spread; the maximum is the hitch that a user
 //! notices. Comparisons do not use the mean, because a single hitch shifts it.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Order statistics of a series of times, all in milliseconds.
 ///
 /// A percentile is interpolated linearly between the two nearest samples. Among n sorted samples, it lies at index p ·
 /// (n − 1), counted from 0 (definition 7 of Hyndman and Fan 1996, the default in spreadsheets and NumPy).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Number of times in the series, at least 1.
     pub n: usize,

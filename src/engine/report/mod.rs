@@ -18,3 +18,8 @@ pub mod upscaling;
 
 /// Last line of the text and CSV output of an interrupted measurement.
 const PARTIAL: &str = "# partial: interrupted before everything was measured";
+
+/// Returns text as a quoted field of CSV.
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('"', "\"\""))
+}

@@ -228,7 +228,7 @@ pub fn page(scaling: &Scaling) -> String {
     let mut body = format!(
         "<h1>Cost of a frame</h1>\n<p class=\"soft\">Times of whole frames of generated scenes, with one quantity \
          varied at a time. Rasterscope {} on {}.</p>\n{}{}",
-        escaped(machine.version),
+        escaped(&machine.version),
         escaped(&machine.summary()),
         partial(scaling.partial),
         tiles(figures)

@@ -85,7 +85,7 @@ pub struct Instance {
 }
 
 /// Identifier of a triangle in a scene, numbered in draw order over all instances.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(transparent)]
 pub struct TriangleId(pub u32);
 

@@ -10,9 +10,9 @@ use crate::ui::legend_strip::{ScaleLegend, note};
 pub(crate) fn legend(ui: &mut Ui, probing: &ProbeState) {
     let (Some(found), Some((_, most))) = (&probing.found, &probing.picture) else { return };
     if *most == 0 {
-        note(ui, &format!("nothing changed in {} runs", found.probe.runs));
+        note(ui, &format!("nothing changed in {} runs", found.findings.probe.runs));
         return;
     }
-    let ends = ["changed in 1 run".to_owned(), format!("in {most} of {} runs", found.probe.runs)];
+    let ends = ["changed in 1 run".to_owned(), format!("in {most} of {} runs", found.findings.probe.runs)];
     ScaleLegend { ends }.ui(ui, map_color);
 }

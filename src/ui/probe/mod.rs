@@ -171,7 +171,7 @@ impl ProbeState {
 
     fn show(&mut self, heat: Option<Heat>) {
         self.heat = heat;
-        let painted = self.found.as_ref().zip(heat).and_then(|(found, heat)| probe::picture(found, heat));
+        let painted = self.found.as_ref().zip(heat).and_then(|(found, heat)| probe::picture(&found.findings, heat));
         self.picture = painted.map(|(image, most)| (Arc::new(image), most));
     }
 
@@ -197,7 +197,7 @@ impl ProbeState {
     /// Returns the number of runs in which the pixel (x, y) changed, according to the visible heat map; `None` if no
     /// heat map is visible.
     pub(crate) fn count(&self, (x, y): (u32, u32)) -> Option<u16> {
-        self.found.as_ref()?.counts(self.heat?)?.get(x, y)
+        self.found.as_ref()?.findings.counts(self.heat?)?.get(x, y)
     }
 }
 
@@ -219,7 +219,7 @@ mod tests {
         let mut engine = crate::ui::engine::Engine::default();
         let view = engine.answer(session.request());
         assert_eq!(session.features.probing.picture(&view).map(|picture| picture.size()), Some((64, 48)));
-        let worst = session.features.probing.found.as_ref().unwrap().ranking[0];
+        let worst = session.features.probing.found.as_ref().unwrap().findings.ranking[0];
         assert_eq!(
             ProbeState::apply(&mut session, ProbeChange::GoTo(worst)),
             Some(WindowTask::BringIntoView(worst.worst_pixel))

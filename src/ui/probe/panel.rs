@@ -48,7 +48,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     }
     for heat in Heat::ALL {
         let label = Button::selectable(probing.heat == Some(*heat), heat.name());
-        let response = ui.add_enabled(found.counts(*heat).is_some(), label).on_hover_text(heat.help());
+        let response = ui.add_enabled(found.findings.counts(*heat).is_some(), label).on_hover_text(heat.help());
         if response.on_disabled_hover_text("Not available: without a depth test, no depth is stored").clicked() {
             commands.push(Command::Probe(ProbeChange::Show(Some(*heat))));
         }
@@ -88,7 +88,7 @@ fn settings(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 }
 
 fn summary(ui: &mut Ui, found: &ProbeResult) {
-    let summary = found.summary();
+    let summary = found.findings.summary();
     let mut line = |name: &str, changed: Changed, help: &str| {
         let share = format::percent(changed.pixels as f64 / summary.pixels.max(1) as f64);
         value_row(ui, name, &format!("{} px  {share}", format::count(changed.pixels)), help);
@@ -107,7 +107,7 @@ fn finding(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         empty_state(ui, Icon::Activity, "No probe results yet", how);
         return;
     };
-    let probe = found.probe;
+    let probe = found.findings.probe;
     ui.horizontal(|ui| {
         let what = probe.what.name().to_lowercase();
         let text =
@@ -122,7 +122,7 @@ fn finding(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             }
         }
     });
-    if found.ranking.is_empty() {
+    if found.findings.ranking.is_empty() {
         chip(
             ui,
             Status::Passed,
@@ -133,8 +133,8 @@ fn finding(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     }
     header(ui);
     let rows = ScrollArea::vertical().id_salt("fragile triangles").auto_shrink(false);
-    rows.show_rows(ui, ROW_HEIGHT - ui.spacing().item_spacing.y, found.ranking.len(), |ui, range| {
-        for fragile in &found.ranking[range] {
+    rows.show_rows(ui, ROW_HEIGHT - ui.spacing().item_spacing.y, found.findings.ranking.len(), |ui, range| {
+        for fragile in &found.findings.ranking[range] {
             triangle(ui, session, found, fragile, commands);
         }
     });
@@ -162,7 +162,7 @@ fn triangle(ui: &mut Ui, session: &Session, found: &ProbeResult, fragile: &Fragi
             fragile.triangle.0.to_string(),
             format::count(fragile.changes),
             format!("{x}, {y}"),
-            format!("{} of {}", fragile.worst_changes, found.probe.runs),
+            format!("{} of {}", fragile.worst_changes, found.findings.probe.runs),
         ];
         let start = ui.cursor().min;
         let color = if is_picked { tokens(ui).accent } else { tokens(ui).text };

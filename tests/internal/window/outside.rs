@@ -69,7 +69,7 @@ fn the_probe_runs_and_picks_the_pixel_that_changed_most() {
         bench.window.step();
     }
     bench.rest();
-    let worst = bench.session().features.probing.found.as_ref().expect("it was found").ranking[0];
+    let worst = bench.session().features.probing.found.as_ref().expect("it was found").findings.ranking[0];
     bench.click(&format!("Go to the worst pixel of triangle {}", worst.triangle.0));
     assert_eq!(bench.session().pick, Some(worst.worst_pixel));
     assert!(bench.session().features.probing.picture(bench.view()).is_some());

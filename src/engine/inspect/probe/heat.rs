@@ -1,6 +1,6 @@
-//! Heat map of a probe result: bright colours on changed pixels, and a dim grey picture of the scene elsewhere.
+//! Heat map of a probe's findings: bright colours on changed pixels, and a dim grey picture of the scene elsewhere.
 
-use super::ProbeResult;
+use super::ProbeFindings;
 use crate::image::color::luma;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::{Choice, choice};
@@ -31,12 +31,12 @@ pub fn map_color(position: f32) -> Rgba8 {
 
 /// Returns the heat map, and the number of runs that its brightest colour represents: the maximum over all pixels.
 /// Returns `None` if the aspect was not compared.
-pub fn picture(result: &ProbeResult, heat: Heat) -> Option<(Image<Rgba8>, u16)> {
-    let counts = result.counts(heat)?;
+pub fn picture(findings: &ProbeFindings, heat: Heat) -> Option<(Image<Rgba8>, u16)> {
+    let counts = findings.counts(heat)?;
     let most = counts.pixels().iter().copied().max().unwrap_or(0);
     let pixel = |x, y| match counts.at(x, y) {
         0 => {
-            let grey = (luma(result.picture.at(x, y)) * DIM) as u8;
+            let grey = (luma(findings.picture.at(x, y)) * DIM) as u8;
             [grey, grey, grey, 255]
         }
         count => map_color(f32::from(count) / f32::from(most.max(1))),

@@ -5,28 +5,34 @@
 //! centres. A seed determines all jitter, so a finding is reproducible. The pipeline draws one sample at the centre of
 //! every pixel, without anti-aliasing, upscaler or post filter.
 
+mod counts;
+
 mod draw;
+
+mod findings;
 
 mod heat;
 
 mod jitter;
 
-mod tally;
-
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
-use crate::image::{Image, Rgba8};
+use crate::image::{Image, Rgba8, png_text};
+use crate::measure::shard::Shard;
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::prepare;
 use crate::pipeline::raster::{Scissor, cover_within};
 use crate::pipeline::settings::{Choice, Settings, choice};
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
-use crate::scene::{Camera, Scene, TriangleId};
+use crate::scene::{Camera, Scene};
 
+pub use counts::ProbeCounts;
+pub use findings::{Changed, Fragile, ProbeFindings, ProbeSummary};
 pub use heat::Heat;
 pub use heat::map_color;
 pub use heat::picture;
@@ -40,7 +46,7 @@ choice! {
 }
 
 /// Parameters of a stability probe.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Probe {
     /// Part of the view that is moved.
     pub what: JitterTarget,
@@ -79,93 +85,47 @@ impl ProbedView {
     }
 }
 
-/// Triangle that gained or lost pixels during a stability probe.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Fragile {
-    /// Triangle that gained or lost pixels.
-    pub triangle: TriangleId,
-    /// Number of pixels that the triangle gained or lost, summed over all runs.
-    pub changes: u64,
-    /// Column and row of the pixel whose owner changed in the most runs, among the pixels that the triangle gained or
-    /// lost.
-    pub worst_pixel: (u32, u32),
-    /// Number of runs in which `worst_pixel` had a different owner.
-    pub worst_changes: u16,
-}
-
-/// Result of a stability probe. All images have the size of the probed view, and all counts are numbers of runs.
-#[derive(Clone, Debug)]
-pub struct ProbeResult {
+/// Everything that determines the result of a stability probe, without the scene itself.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct ProbePlan {
+    /// Name of the scene.
+    pub scene: String,
+    /// Number of triangles of the scene.
+    triangles: usize,
+    camera: Value,
+    settings: Value,
     /// Parameters of the probe.
     pub probe: Probe,
+    /// Picture without jitter, as sRGB codes. Plans of scenes of one name that differ are told apart by it.
+    #[serde(with = "png_text")]
+    pub picture: Image<Rgba8>,
+}
+
+impl ProbePlan {
+    /// Creates the plan of a probe, and draws its picture without jitter.
+    pub fn new(subject: &ProbedView, probe: Probe) -> Self {
+        Self {
+            scene: subject.scene.name.clone(),
+            triangles: subject.scene.triangle_count(),
+            // Plain data can always be written.
+            camera: serde_json::to_value(subject.camera).unwrap_or_default(),
+            settings: serde_json::to_value(subject.settings).unwrap_or_default(),
+            probe,
+            picture: draw::draw_still(subject).color,
+        }
+    }
+}
+
+/// Result of a stability probe of a view.
+#[derive(Clone, Debug)]
+pub struct ProbeResult {
     /// View that was probed.
     pub subject: ProbedView,
-    /// Number of runs in which the owner of each pixel differed from the owner without jitter. A pixel that has an
-    /// owner in only one of the two pictures counts as different.
-    pub(crate) owner_changes: Image<u16>,
-    /// Number of runs in which the stored depth of each pixel differed from the depth without jitter, even by one step;
-    /// `None` without a depth test.
-    pub(crate) depth_changes: Option<Image<u16>>,
-    /// Number of runs in which the colour of each pixel differed from the colour without jitter.
-    pub(crate) color_changes: Image<u16>,
-    /// Triangle that owns each pixel in the picture without jitter.
-    #[cfg_attr(not(test), expect(dead_code, reason = "tests compare it with the exact owners"))]
-    pub(crate) owners: Image<TriangleId>,
-    /// Picture without jitter, as sRGB codes.
-    pub(crate) picture: Image<Rgba8>,
-    /// Triangles that lost or gained pixels, most fragile first.
-    pub ranking: Vec<Fragile>,
-}
-
-/// Summary of the pixels that changed in one aspect, such as depth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Changed {
-    /// Number of pixels that changed in at least one run.
-    pub pixels: u64,
-    /// Number of runs in which the most frequently changed pixel changed.
-    pub most: u16,
-}
-
-/// Summary of the result of a stability probe.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct ProbeSummary {
-    /// Number of pixels in the picture.
-    pub pixels: u64,
-    /// Changes of the triangle that owns a pixel.
-    pub owner: Changed,
-    /// Changes of the stored depth; `None` without a depth test.
-    pub depth: Option<Changed>,
-    /// Changes of the pixel colour.
-    pub color: Changed,
-    /// Number of triangles that lost or gained pixels.
-    pub fragile_triangles: usize,
+    /// Pixels and triangles that changed.
+    pub findings: ProbeFindings,
 }
 
 impl ProbeResult {
-    /// Summarises the changes over all pixels.
-    pub fn summary(&self) -> ProbeSummary {
-        let changed = |counts: &Image<u16>| Changed {
-            pixels: counts.pixels().iter().filter(|count| **count > 0).count() as u64,
-            most: counts.pixels().iter().copied().max().unwrap_or(0),
-        };
-        ProbeSummary {
-            pixels: self.owner_changes.pixels().len() as u64,
-            owner: changed(&self.owner_changes),
-            depth: self.depth_changes.as_ref().map(changed),
-            color: changed(&self.color_changes),
-            fragile_triangles: self.ranking.len(),
-        }
-    }
-
-    /// Returns, for each pixel, the number of runs in which one aspect changed; `None` for depth without a depth test.
-    pub fn counts(&self, heat: Heat) -> Option<&Image<u16>> {
-        match heat {
-            Heat::Owner => Some(&self.owner_changes),
-            Heat::Depth => self.depth_changes.as_ref(),
-            Heat::Color => Some(&self.color_changes),
-        }
-    }
-
     /// Returns a fragile triangle as rasterized without jitter; `None` if it is not rasterized. For a clipped triangle,
     /// returns the piece that covers its worst pixel, or else the first piece.
     pub fn triangle_of(&self, fragile: &Fragile) -> Option<ScreenTriangle> {
@@ -193,19 +153,32 @@ pub fn run(
     report_progress: &dyn Fn(f32),
     stop: &AtomicBool,
 ) -> Option<ProbeResult> {
-    let mut tally = tally::ProbeTally::new(draw::draw_still(subject), subject.scene.triangle_count());
+    let counts = count(subject, probe, Shard::WHOLE, report_progress, stop)?;
+    let picture = draw::draw_still(subject).color;
+    Some(ProbeResult { subject: subject.clone(), findings: ProbeFindings::new(probe, picture, &counts) })
+}
+
+/// Counts the changes of the runs that belong to a shard, as [`run`] does for all runs.
+pub fn count(
+    subject: &ProbedView,
+    probe: Probe,
+    shard: Shard,
+    report_progress: &dyn Fn(f32),
+    stop: &AtomicBool,
+) -> Option<ProbeCounts> {
+    let still = draw::draw_still(subject);
+    let mut counts = ProbeCounts::new(still.depth.is_some());
     let at_once = rayon::current_num_threads().max(1);
-    let runs: Vec<u16> = (0..probe.runs).collect();
+    let runs: Vec<u16> = (0..probe.runs).filter(|run| shard.owns((*run).into())).collect();
     for (index, batch) in runs.chunks(at_once).enumerate() {
         if stop.load(Ordering::Relaxed) {
             return None;
         }
         report_progress((index * at_once) as f32 / runs.len() as f32);
         let drawn: Vec<_> = batch.par_iter().map(|run| draw::jittered(subject, probe, *run)).collect();
-        // Adds results in the order of the runs, independent of the order in which threads finish.
-        drawn.iter().for_each(|drawn| tally.add(drawn));
+        drawn.iter().for_each(|drawn| counts.add(&still, drawn));
     }
-    Some(tally.finish(subject.clone(), probe))
+    Some(counts)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 use super::*;
 use crate::pipeline::settings::DepthTest;
-use crate::scene::builtin;
+use crate::scene::{TriangleId, builtin};
 
 const SIZE: Viewport = Viewport { width: 160, height: 100 };
 
@@ -9,8 +9,8 @@ fn subject(id: &str) -> ProbedView {
     ProbedView { camera: scene.home, scene, settings: Settings::default(), viewport: SIZE }
 }
 
-fn found(subject: &ProbedView, probe: Probe) -> ProbeResult {
-    run(subject, probe, &|_| {}, &AtomicBool::new(false)).unwrap()
+fn found(subject: &ProbedView, probe: Probe) -> ProbeFindings {
+    run(subject, probe, &|_| {}, &AtomicBool::new(false)).unwrap().findings
 }
 
 const FEW: Probe = Probe { what: JitterTarget::Camera, ulps: 32, runs: 8, seed: 7 };
@@ -27,7 +27,8 @@ fn z_fighting_surfaces_are_fragile_and_a_single_triangle_is_not() {
         let alone = found(&subject("triangle"), probe);
         // A pixel may change only if an edge passes within rounding error of its centre.
         assert!(alone.summary().owner.pixels <= 1, "{what:?}: {:?}", alone.summary());
-        assert!(alone.owners.pixels().iter().filter(|id| **id == TriangleId(0)).count() > 500);
+        let owners = draw::draw_still(&subject("triangle")).owner;
+        assert!(owners.pixels().iter().filter(|id| **id == TriangleId(0)).count() > 500);
     }
 }
 
@@ -57,7 +58,8 @@ fn equal_seeds_give_equal_results_on_any_number_of_threads() {
 
 #[test]
 fn the_ranking_adds_up_and_names_pixels_that_changed() {
-    let result = found(&subject("z-fighting"), FEW);
+    let whole = run(&subject("z-fighting"), FEW, &|_| {}, &AtomicBool::new(false)).unwrap();
+    let result = &whole.findings;
     assert!(result.ranking.is_sorted_by(|a, b| a.changes >= b.changes));
     // Each change of owner counts for both triangles, or for one triangle if the other side is the background.
     let changes: u64 = result.owner_changes.pixels().iter().map(|count| u64::from(*count)).sum();
@@ -67,7 +69,7 @@ fn the_ranking_adds_up_and_names_pixels_that_changed() {
         let (x, y) = fragile.worst_pixel;
         assert_eq!(result.owner_changes.at(x, y), fragile.worst_changes);
         assert!(fragile.worst_changes > 0 && fragile.worst_changes <= FEW.runs);
-        assert_eq!(result.triangle_of(fragile).unwrap().id, fragile.triangle);
+        assert_eq!(whole.triangle_of(fragile).unwrap().id, fragile.triangle);
     }
 }
 
@@ -88,4 +90,29 @@ fn the_heat_map_is_dark_exactly_where_nothing_changed() {
 #[test]
 fn a_cancelled_probe_finds_nothing() {
     assert!(run(&subject("triangle"), FEW, &|_| {}, &AtomicBool::new(true)).is_none());
+}
+
+#[test]
+fn each_triangle_has_the_changes_and_the_worst_pixel_of_all_runs() {
+    let subject = subject("z-fighting");
+    let result = found(&subject, FEW);
+    // Counted from complete pictures, one triangle at a time.
+    let still = draw::draw_still(&subject).owner;
+    let runs: Vec<_> = (0..FEW.runs).map(|run| draw::jittered(&subject, FEW, run).owner).collect();
+    let changed = |x, y| runs.iter().filter(|run| run.at(x, y) != still.at(x, y)).count() as u16;
+    for fragile in &result.ranking {
+        let (mut changes, mut worst) = (0, None::<((u32, u32), u16)>);
+        for (x, y) in (0..SIZE.height).flat_map(|y| (0..SIZE.width).map(move |x| (x, y))) {
+            let of = |run: &&Image<TriangleId>| {
+                let owners = [run.at(x, y), still.at(x, y)];
+                owners[0] != owners[1] && owners.contains(&fragile.triangle)
+            };
+            let here = runs.iter().filter(of).count() as u64;
+            changes += here;
+            if here > 0 && worst.is_none_or(|(_, most)| changed(x, y) > most) {
+                worst = Some(((x, y), changed(x, y)));
+            }
+        }
+        assert_eq!((fragile.changes, Some((fragile.worst_pixel, fragile.worst_changes))), (changes, worst));
+    }
 }

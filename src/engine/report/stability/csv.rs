@@ -3,7 +3,7 @@
 use super::metric::Metric;
 use super::sweep::{ClassReport, ReportCell, StabilityReport};
 use crate::pipeline::settings::Choice as _;
-use crate::report::PARTIAL;
+use crate::report::{PARTIAL, quoted};
 
 /// Headings of the columns before the metrics.
 const KEYS: [&str; 10] =
@@ -12,19 +12,25 @@ const KEYS: [&str; 10] =
 /// Headings of the columns after the metrics.
 const TIMES: [&str; 5] = ["ns_per_pixel", "ns_per_pixel_p10", "ns_per_pixel_p90", "ns_per_triangle", "rounds"];
 
-/// Formats the stability report as CSV with a header line. Values that were not measured are left empty.
+/// Formats the stability report as CSV with a header line. Values that were not measured are left empty. A last column
+/// names the machine that timed the class, if there were several.
 pub fn csv(report: &StabilityReport) -> String {
     let metrics = Metric::ALL.iter().map(|metric| metric.id().replace('-', "_"));
-    let head: Vec<String> =
-        KEYS.into_iter().map(str::to_owned).chain(metrics).chain(TIMES.into_iter().map(str::to_owned)).collect();
+    let machine = report.machines.are_several().then_some("machine");
+    let head: Vec<String> = KEYS
+        .into_iter()
+        .map(str::to_owned)
+        .chain(metrics)
+        .chain(TIMES.into_iter().chain(machine).map(str::to_owned))
+        .collect();
     let cells = report.classes.iter().flat_map(|class| class.cells.iter().map(move |cell| (class, cell)));
     let lines = cells.map(|(class, cell)| line(report, class, cell));
     let mark = report.partial.then(|| PARTIAL.to_owned());
     std::iter::once(head.join(",")).chain(lines).chain(mark).map(|line| line + "\n").collect()
 }
 
-/// Formats one line of the table. Quoting is unnecessary: every field is a name or number from this program, without
-/// commas or quotation marks.
+/// Formats one line of the table. Only the machine needs quotation marks: every other field is a name or number from this
+/// program, without commas or quotation marks.
 fn line(report: &StabilityReport, class: &ClassReport, cell: &ReportCell) -> String {
     let keys = [
         class.class.family.id().to_owned(),
@@ -48,5 +54,6 @@ fn line(report: &StabilityReport, class: &ClassReport, cell: &ReportCell) -> Str
         number(cell.time.and_then(|time| time.ns_per_triangle)),
         cell.time.map(|time| time.rounds.to_string()).unwrap_or_default(),
     ];
-    keys.into_iter().chain(metrics).chain(times).collect::<Vec<_>>().join(",")
+    let machine = report.machines.are_several().then(|| class.machine.as_deref().map(quoted).unwrap_or_default());
+    keys.into_iter().chain(metrics).chain(times).chain(machine).collect::<Vec<_>>().join(",")
 }

@@ -1,9 +1,10 @@
 //! Metrics of the report, and rules for combining their values over several cases.
 
+use std::collections::HashMap;
 use std::fmt::{self, Display, Formatter};
 
 use serde::ser::SerializeMap as _;
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::pipeline::settings::{Choice, choice};
 
@@ -205,6 +206,17 @@ impl Serialize for Measures {
             map.serialize_entry(metric.id(), &value)?;
         }
         map.end()
+    }
+}
+
+impl<'de> Deserialize<'de> for Measures {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let values = HashMap::<Metric, Option<f64>>::deserialize(deserializer)?;
+        // JSON writes null for infinity. NaN is never measured: results that are not finite are counted instead.
+        let with = |measures: Self, (metric, value): (Metric, Option<f64>)| {
+            measures.with(metric, value.unwrap_or(f64::INFINITY))
+        };
+        Ok(values.into_iter().fold(Self::default(), with))
     }
 }
 

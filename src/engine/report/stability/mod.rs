@@ -9,8 +9,9 @@
 //!
 //! [`catalogue`] generates classes of numerically hard [`case`]s, and [`oracle`] solves them in exact arithmetic.
 //! [`subject`] runs the engine and is the only part that calls it; [`measure`] compares its results with the exact
-//! ones. [`sweep`] runs and times every class in every [`mod@column`]. The report is plain data: [`mod@text`],
-//! [`mod@csv`] and [`mod@html`] format it, and the window shows it.
+//! ones. [`sweep`] runs and times every class in every [`mod@column`]; it combines [`observations`], which may come from
+//! several machines. The report is plain data: [`mod@text`], [`mod@csv`] and [`mod@html`] format it, and the window
+//! shows it.
 
 pub(crate) mod case;
 
@@ -25,6 +26,8 @@ pub mod html;
 pub(crate) mod measure;
 
 pub mod metric;
+
+pub mod observations;
 
 pub(crate) mod oracle;
 

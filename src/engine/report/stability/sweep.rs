@@ -1,29 +1,32 @@
 //! Runs the engine in all configurations on classes of test cases.
 //!
 //! First, all cases are evaluated in parallel. Then the classes are timed one after the other, with nothing else
-//! running. The engine's results, and therefore the errors, do not depend on timing or on the number of threads.
+//! running. The engine's results, and therefore the errors, do not depend on timing, on the number of threads, or on the
+//! division into shards.
 
 use std::collections::HashSet;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
 
-use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::case::{Body, StabilityCase};
 use super::catalogue::{self, Class, Family};
 use super::column::ReportColumn;
-use super::measure::{Expected, MeasureOutcome, answer, only_pair};
+use super::measure::{MeasureOutcome, only_pair};
 use super::metric::{Measures, Metric, Verdict};
-use super::timing::{Time, time_class};
-use crate::measure::machine::Machine;
+use super::observations::{CaseObservation, ClassObservations, Observations, observe};
+use super::timing::Time;
+use crate::measure::machine::Machines;
 use crate::measure::noise::{Noise, Pairs};
+use crate::measure::shard::{Shard, ShardRun};
 use crate::pipeline::settings::{Arithmetic, Choice as _, Rasterizer};
 
 /// Selection of the classes and configurations to run.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct StabilityPlan {
-    /// Classes to run, in this order.
+    /// Classes to run, in this order; serialised as their ids.
+    #[serde(with = "class_ids")]
     pub classes: Vec<&'static Class>,
     /// Rasterizers to run, in the classes that compare rasterizers.
     pub rasterizers: Vec<Rasterizer>,
@@ -52,7 +55,7 @@ impl Default for StabilityPlan {
 
 impl StabilityPlan {
     /// Returns the selected columns of a class.
-    fn columns(&self, class: &Class) -> Vec<ReportColumn> {
+    pub(super) fn columns(&self, class: &Class) -> Vec<ReportColumn> {
         let wanted = |column: &ReportColumn| match column {
             ReportColumn::Coverage(by) => {
                 self.rasterizers.contains(&by.rasterizer) && self.arithmetics.contains(&by.arithmetic)
@@ -61,6 +64,23 @@ impl StabilityPlan {
             ReportColumn::Depth(_) => true,
         };
         ReportColumn::of(class.family).into_iter().filter(wanted).collect()
+    }
+}
+
+/// Serialisation of classes as a list of their ids.
+mod class_ids {
+    use serde::de::Error as _;
+    use serde::{Deserialize as _, Deserializer, Serializer};
+
+    use super::super::catalogue::{Class, by_id};
+
+    pub(super) fn serialize<S: Serializer>(classes: &[&'static Class], to: S) -> Result<S::Ok, S::Error> {
+        to.collect_seq(classes.iter().map(|class| class.id))
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<&'static Class>, D::Error> {
+        let class = |id: String| by_id(&id).ok_or_else(|| D::Error::custom(format!("no class {id}")));
+        Vec::<String>::deserialize(from)?.into_iter().map(class).collect()
     }
 }
 
@@ -99,9 +119,10 @@ impl SweepStage {
 pub struct StabilityReport {
     /// Seed from which the random cases were generated.
     pub(crate) seed: u64,
-    /// Machine that ran the report.
-    pub(crate) machine: Machine,
-    /// Duration of the whole run; serialised in seconds.
+    /// Machines that ran the report.
+    #[serde(flatten)]
+    pub(crate) machines: Machines,
+    /// Duration of the whole run, summed over shards; serialised in seconds.
     #[serde(serialize_with = "seconds")]
     pub(crate) duration: Duration,
     /// Noise floor, from timing the first configuration of each class against itself; `None` without times.
@@ -128,6 +149,9 @@ pub struct ClassReport {
     pub(crate) triangles: usize,
     /// Total number of pixels, samples or depths in the cases.
     pub(crate) units: u64,
+    /// Machine that timed the class; `None` if all classes were timed by the same one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) machine: Option<String>,
     /// Results of each column.
     pub cells: Vec<ReportCell>,
     /// Complete cases to which [`Worst::of`] refers, without duplicates. [`Worst::measures`] can be recomputed from
@@ -154,6 +178,16 @@ pub struct ReportCell {
     /// Results of each case in depth classes, where every case is a separate experiment; empty in other classes.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) by_case: Vec<CaseMeasures>,
+}
+
+impl ReportCell {
+    /// Records the time of the cell, and the measure that is derived from it.
+    fn take(&mut self, time: Time) {
+        self.time = Some(time);
+        if let Some(stiffness) = time.stiffness {
+            self.measures.note(Metric::Stiffness, stiffness);
+        }
+    }
 }
 
 /// Results of one case in one configuration.
@@ -185,88 +219,61 @@ pub fn run(
     progress: &(dyn Fn(StabilityProgress) + Sync),
     cancel: &AtomicBool,
 ) -> Option<StabilityReport> {
-    let start = Instant::now();
-    let machine = Machine::at_start();
-    let is_cancelled = || cancel.load(Ordering::Relaxed);
-    let cases = plan.classes.iter().map(|class| (!is_cancelled()).then(|| class.cases(plan.seed)));
-    let cases = cases.collect::<Option<Vec<Vec<StabilityCase>>>>()?;
-    let judged = evaluate(plan, &cases, progress, cancel);
+    combine(plan, &[observe(plan, Shard::WHOLE, progress, cancel)?])
+}
+
+/// Combines the observations of all shards of a plan. Returns `None` if no class is complete because shards were
+/// cancelled.
+pub fn combine(plan: &StabilityPlan, shards: &[ShardRun<Observations>]) -> Option<StabilityReport> {
+    let machines = Machines::of(shards.iter().map(|shard| &shard.machine))?;
     let (mut classes, mut pairs) = (Vec::new(), Pairs::default());
-    for (done, (judged, cases)) in judged.into_iter().zip(&cases).enumerate() {
-        let Some((mut report, units)) = judged else { continue };
-        if plan.timed && !report.cells.is_empty() {
-            progress(StabilityProgress { stage: SweepStage::Timing, done, of: plan.classes.len() });
-            match time(&mut report, cases, &units, cancel) {
-                Some(of_class) => pairs.append(of_class),
-                None if cancel.load(Ordering::Relaxed) => {}
-                None => return None,
-            }
+    for (place, class) in plan.classes.iter().enumerate() {
+        let of_shards: Vec<&ClassObservations> = shards.iter().map(|shard| &shard.results.classes[place]).collect();
+        let Some(mut report) = evaluated(class, plan.columns(class), &class.cases(plan.seed), &of_shards) else {
+            continue;
+        };
+        let timed = shards.iter().find_map(|shard| Some((shard, shard.results.classes[place].times.as_ref()?)));
+        if let Some((shard, times)) = timed {
+            pairs.append(times.pairs.clone());
+            report.machine = machines.label(&shard.machine);
+            report.cells.iter_mut().zip(&times.columns).for_each(|(cell, time)| cell.take(*time));
         }
+        report.cells.iter_mut().for_each(|cell| cell.verdict = verdict(class, cell));
         classes.push(report);
     }
-    for report in &mut classes {
-        report.cells.iter_mut().for_each(|cell| cell.verdict = verdict(report.class, cell));
-    }
-    let partial = cancel.load(Ordering::Relaxed);
+    let partial = shards.iter().any(|shard| shard.partial);
     if partial && classes.is_empty() {
         return None;
     }
-    let (machine, timing_noise) = (machine.at_end(), pairs.noise());
-    Some(StabilityReport { seed: plan.seed, machine, duration: start.elapsed(), timing_noise, classes, partial })
+    let duration = shards.iter().map(|shard| shard.results.duration).sum();
+    Some(StabilityReport { seed: plan.seed, machines, duration, timing_noise: pairs.noise(), classes, partial })
 }
 
-/// Runs all cases in all configurations and compares the results with the exact ones. Returns the report of each class,
-/// with the number of pixels, samples or depths of each of its cases. A class that is incomplete due to cancellation is
-/// `None`.
-fn evaluate(
-    plan: &StabilityPlan,
-    cases: &[Vec<StabilityCase>],
-    progress: &(dyn Fn(StabilityProgress) + Sync),
-    cancel: &AtomicBool,
-) -> Vec<Option<(ClassReport, Vec<u64>)>> {
-    let columns: Vec<Vec<ReportColumn>> = plan.classes.iter().map(|class| plan.columns(class)).collect();
-    let of = cases.iter().map(Vec::len).sum();
-    let done = AtomicUsize::new(0);
-    progress(StabilityProgress { stage: SweepStage::Judging, done: 0, of });
-    let judge_case = |(class, case): (usize, &StabilityCase)| {
-        if cancel.load(Ordering::Relaxed) {
-            return None;
-        }
-        let expected = Expected::new(case);
-        let answered = columns[class]
-            .iter()
-            .map(|column| (!cancel.load(Ordering::Relaxed)).then(|| answer(case, &expected, *column)));
-        let outcomes = answered.collect::<Option<Vec<_>>>()?;
-        progress(StabilityProgress { stage: SweepStage::Judging, done: done.fetch_add(1, Ordering::Relaxed) + 1, of });
-        Some((expected.units(case), outcomes))
+/// Combines the outcomes of all cases of a class. Returns `None` if an outcome is missing.
+fn evaluated(
+    class: &'static Class,
+    columns: Vec<ReportColumn>,
+    cases: &[StabilityCase],
+    shards: &[&ClassObservations],
+) -> Option<ClassReport> {
+    let of_case = |case: usize| shards.iter().find_map(|shard| shard.cases.get(&case));
+    let judged: Vec<&CaseObservation> = (0..cases.len()).map(of_case).collect::<Option<_>>()?;
+    let cell = |(index, column): (usize, ReportColumn)| {
+        let outcomes = cases.iter().zip(&judged).filter_map(|(case, one)| Some((case, one.outcomes[index].as_ref()?)));
+        join(class, column, &outcomes.collect::<Vec<_>>())
     };
-    let jobs: Vec<(usize, &StabilityCase)> =
-        cases.iter().enumerate().flat_map(|(i, cases)| cases.iter().map(move |c| (i, c))).collect();
-    let judged: Vec<Option<(u64, Vec<Option<MeasureOutcome>>)>> = jobs.into_par_iter().map(judge_case).collect();
-    let mut judged = judged.into_iter();
-    let reports = plan.classes.iter().zip(cases).zip(columns).map(|((class, cases), columns)| {
-        let judged: Vec<_> = judged.by_ref().take(cases.len()).collect();
-        let judged = judged.into_iter().collect::<Option<Vec<_>>>()?;
-        let cell = |(index, column): (usize, ReportColumn)| {
-            let outcomes =
-                cases.iter().zip(&judged).filter_map(|(case, (_, outcomes))| Some((case, outcomes[index].as_ref()?)));
-            join(class, column, &outcomes.collect::<Vec<_>>())
-        };
-        let units: Vec<u64> = judged.iter().map(|(units, _)| *units).collect();
-        let cells: Vec<ReportCell> = columns.into_iter().enumerate().map(cell).collect();
-        let worst: HashSet<&str> = cells.iter().filter_map(|cell| Some(&*cell.worst.as_ref()?.of)).collect();
-        let worst_cases = cases.iter().filter(|case| worst.contains(&*case.id)).cloned().collect();
-        let report = ClassReport {
-            class,
-            cases: cases.len(),
-            triangles: cases.iter().map(StabilityCase::triangle_count).sum(),
-            units: units.iter().sum(),
-            cells,
-            worst_cases,
-        };
-        Some((report, units))
-    });
-    reports.collect()
+    let cells: Vec<ReportCell> = columns.into_iter().enumerate().map(cell).collect();
+    let worst: HashSet<&str> = cells.iter().filter_map(|cell| Some(&*cell.worst.as_ref()?.of)).collect();
+    let worst_cases = cases.iter().filter(|case| worst.contains(&*case.id)).cloned().collect();
+    Some(ClassReport {
+        class,
+        cases: cases.len(),
+        triangles: cases.iter().map(StabilityCase::triangle_count).sum(),
+        units: judged.iter().map(|one| one.units).sum(),
+        machine: None,
+        cells,
+        worst_cases,
+    })
 }
 
 /// Combines the outcomes of all cases of a class in one column.
@@ -316,20 +323,6 @@ fn shown(case: &StabilityCase, culprits: &[usize], column: ReportColumn) -> Stab
         }
         ReportColumn::Coverage(_) | ReportColumn::Weights(_) => part,
     }
-}
-
-/// Times all configurations of a class. The first configuration is timed twice per round; returns these pairs of times
-/// (A/A pairs), or `None` if cancelled.
-fn time(report: &mut ClassReport, cases: &[StabilityCase], units: &[u64], cancel: &AtomicBool) -> Option<Pairs> {
-    let columns: Vec<ReportColumn> = report.cells.iter().map(|cell| cell.column).collect();
-    let (times, pairs) = time_class(report.class, cases, units, &columns, cancel)?;
-    for (cell, time) in report.cells.iter_mut().zip(times) {
-        cell.time = Some(time);
-        if let Some(stiffness) = time.stiffness {
-            cell.measures.note(Metric::Stiffness, stiffness);
-        }
-    }
-    Some(pairs)
 }
 
 fn verdict(class: &Class, cell: &ReportCell) -> Verdict {

@@ -19,7 +19,7 @@ pub fn text(report: &StabilityReport) -> String {
             "Stability report, seed {}, {:.1} s on {}",
             report.seed,
             report.duration.as_secs_f64(),
-            report.machine.summary()
+            report.machines.summary()
         ),
         "Each cell: main measure of the class, then nanoseconds per pixel; * is PASS, ! is REFUSED.".to_owned(),
     ];
@@ -33,6 +33,8 @@ pub fn text(report: &StabilityReport) -> String {
     }
     lines.push(String::new());
     lines.push(totals(report));
+    let timed = report.classes.iter().filter_map(|class| Some((class.class.id, class.machine.as_ref()?)));
+    lines.extend(timed.map(|(class, machine)| format!("{class} was timed on {machine}")));
     lines.extend(report.partial.then(|| PARTIAL.to_owned()));
     lines.join("\n") + "\n"
 }

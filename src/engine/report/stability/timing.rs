@@ -8,7 +8,7 @@ use std::hint::black_box;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::case::{Body, StabilityCase};
 use super::catalogue::{Class, Family};
@@ -37,7 +37,7 @@ const MAX_ROUNDS: usize = 31;
 const DISTANCES: usize = 2000;
 
 /// Median and percentiles of a time, over all rounds of a measurement.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
     /// Median over the rounds.
     pub median: f64,
@@ -48,7 +48,7 @@ pub struct Spread {
 }
 
 /// Cost of one configuration on the cases of a class.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Time {
     /// Time in nanoseconds per pixel, sample or stored depth, depending on the class. Pixels are those of the exact
     /// coverage. `None` if the cases have none.

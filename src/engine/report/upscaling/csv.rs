@@ -2,33 +2,33 @@
 
 use super::sweep::{SceneReport, UpscalingReport, UpscalingRow};
 use crate::pipeline::settings::Choice as _;
-use crate::report::PARTIAL;
+use crate::report::{PARTIAL, quoted};
 
-/// Header line of the CSV table.
+/// Header line of the CSV table. Reports of several machines have one more column, `machine`.
 const HEAD: &str = "scene,triangles,width,height,threads,reference,method,scale,anchor,light,label,drawn,rounds,frame_ms,\
     frame_ms_p10,frame_ms_p90,frame_ms_max,geometry_ms,pixels_ms,upscale_ms,transfer_ms,mse,psnr_db,ssim,flip,max_abs,differing_pixels,\
     turn_degrees,motion_frames,motion_mse,motion_psnr_db,motion_ssim,motion_flip,worst_psnr_db,worst_flip,dominated_by,within_noise_of,\
-    native_within_noise,noise,noise_pairs";
+    native_within_noise,noise,noise_pairs,native_ms";
 
 /// Formats the upscaling report as CSV with a header line. Text is quoted; values that do not apply are left empty.
 pub fn csv(report: &UpscalingReport) -> String {
     let rows = report.scenes.iter().flat_map(|scene| scene.rows.iter().map(move |row| (scene, row)));
     let lines = rows.map(|(scene, row)| line(report, scene, row));
     let mark = report.partial.then(|| PARTIAL.to_owned());
-    std::iter::once(HEAD.to_owned()).chain(lines).chain(mark).map(|line| line + "\n").collect()
+    let machine = if report.machines.are_several() { ",machine" } else { "" };
+    std::iter::once(format!("{HEAD}{machine}")).chain(lines).chain(mark).map(|line| line + "\n").collect()
 }
 
 fn line(report: &UpscalingReport, scene: &SceneReport, row: &UpscalingRow) -> String {
-    let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
     let [width, height] = report.size;
     let (codes, parts, ms) = (row.error.codes, row.parts_ms, row.frame_ms);
     let (mean, worst) = (row.motion.mean, row.motion.worst);
-    [
+    let fields = [
         quoted(&scene.scene),
         scene.triangles.to_string(),
         width.to_string(),
         height.to_string(),
-        report.threads.to_string(),
+        row.threads.to_string(),
         quoted(report.reference),
         row.recipe.upscaler.method().to_owned(),
         row.recipe.upscaler.scale().to_string(),
@@ -64,6 +64,7 @@ fn line(report: &UpscalingReport, scene: &SceneReport, row: &UpscalingRow) -> St
         row.native_within_noise.to_string(),
         scene.noise.p90.to_string(),
         scene.noise.pairs.to_string(),
-    ]
-    .join(",")
+        row.native_ms.map(|native| native.frame.to_string()).unwrap_or_default(),
+    ];
+    fields.into_iter().chain(row.machine.as_deref().map(quoted)).collect::<Vec<_>>().join(",")
 }

@@ -4,7 +4,7 @@ use std::io;
 
 use super::plot;
 use super::skipping::PixelShareTimes;
-use super::sweep::{SceneReport, UpscalingReport, UpscalingRow};
+use super::sweep::{NativeTimes, SceneReport, UpscalingReport, UpscalingRow};
 use crate::measure::error::ImageError;
 use crate::measure::motion::Turn;
 use crate::measure::noise::WITHIN;
@@ -44,7 +44,7 @@ fn head(report: &UpscalingReport) -> String {
         "<h1>Error against run time</h1>\n<p class=\"soft\">Time saved by drawing fewer samples and upscaling, and \
          the resulting error. Every error is relative to one reference: <b>{}</b>. Rasterscope {}.</p>\n{}{}",
         escaped(report.reference),
-        escaped(report.machine.version),
+        escaped(report.machines.version()),
         partial(report.partial),
         tiles(figures)
     )
@@ -57,7 +57,7 @@ fn section(report: &UpscalingReport, scene: &SceneReport) -> io::Result<String> 
         "<section>\n<h2>{}</h2>\n<p class=\"soft\">{} triangles. Down and to the left is better; {best} of {} points \
          are on the Pareto front, joined by the dashed line. Grey points are dominated, or their time advantage over \
          a more accurate point is within noise. Bars extend from the 10th to the 90th percentile; thin lines join the \
-         scales of one method. Noise floor of the times: {}. {}</p>\n<div \
+         scales of one method. Noise floor of the times: {}. {}{}</p>\n<div \
          class=\"panels\"><figure>{}</figure>{}</div>\n{}<h3>Table</h3>\n{}<h3>Region of the largest differences</h3>\n\
          <p class=\"soft\">{} × {} px from column {}, row {}, enlarged without filtering.</p>\n{}</section>\n",
         escaped(&scene.scene),
@@ -65,10 +65,11 @@ fn section(report: &UpscalingReport, scene: &SceneReport) -> io::Result<String> 
         scene.rows.len(),
         scene.noise.words(),
         anchors(&scene.rows),
+        scales(&scene.rows),
         plot::tradeoff(scene),
-        scene.shares.as_deref().map(shares).unwrap_or_default(),
+        scene.shares.as_deref().map(|times| shares(times, scene.shares_machine.as_deref())).unwrap_or_default(),
         native.map(|native| sixteenth(&scene.rows, native)).unwrap_or_default(),
-        table(report, &scene.rows, native),
+        table(report, &scene.rows),
         scene.crop.right - scene.crop.left,
         scene.crop.bottom - scene.crop.top,
         scene.crop.left,
@@ -98,14 +99,25 @@ fn anchors(rows: &[UpscalingRow]) -> String {
     format!("Anchors differ: the position of the sample in its block depends on the method. {}.", parts.join("; "))
 }
 
-fn shares(shares: &[PixelShareTimes]) -> String {
+/// Returns a sentence about times from different shards; empty if all rows were timed in the same rounds.
+fn scales(rows: &[UpscalingRow]) -> &'static str {
+    if rows.iter().all(|row| row.scale == 1.0) {
+        return "";
+    }
+    " The rows were timed in several runs, each with the native frame in the same rounds. The plot and the ranking compare \
+     their times as multiples of it; the table lists them as measured."
+}
+
+/// `machine` is the machine that measured the times, if there are several in the report.
+fn shares(shares: &[PixelShareTimes], machine: Option<&str>) -> String {
     format!(
         "<figure>{}<div class=\"legend key\"><span class=\"skip\"><i></i>skipping pixels inside the loop</span><span \
          class=\"visit\"><i></i>visiting only the wanted pixels</span><span class=\"dashed\"><i></i>time of \
          rasterization; the rest is shading</span></div><figcaption>Both loops draw the same samples, triangle by \
          triangle on one thread, with the same edge functions, depth test and shading. Skipping inside the loop saves \
-         only shading: the loop still visits every pixel, so the dashed line hardly falls.</figcaption></figure>",
-        plot::shares(shares)
+         only shading: the loop still visits every pixel, so the dashed line hardly falls.{}</figcaption></figure>",
+        plot::shares(shares),
+        machine.map(|machine| format!(" Measured on {}.", escaped(machine))).unwrap_or_default()
     )
 }
 
@@ -123,11 +135,11 @@ fn sixteenth(rows: &[UpscalingRow], native: &UpscalingRow) -> String {
     let lines: String = few
         .into_iter()
         .map(|row| {
-            let times = |of_native: f64, own: f64| format!("{:.1}×", of_native / own.max(f64::MIN_POSITIVE));
+            let pixels = |native: NativeTimes| native.pixels / row.parts_ms.pixels.max(f64::MIN_POSITIVE);
             let cells = [
                 format!("{:.3}", row.frame_ms.median),
-                faster(native, row),
-                times(native.parts_ms.pixels, row.parts_ms.pixels),
+                faster(row),
+                row.native_ms.map(pixels).map_or_else(|| "–".to_owned(), |times| format!("{times:.1}×")),
                 format!("{:.3}", row.parts_ms.upscale),
                 format!("{:.4}", row.motion.mean.flip),
                 format!("{:.2}", row.motion.mean.codes.psnr_db),
@@ -149,11 +161,12 @@ fn sixteenth(rows: &[UpscalingRow], native: &UpscalingRow) -> String {
     )
 }
 
-fn table(report: &UpscalingReport, rows: &[UpscalingRow], native: Option<&UpscalingRow>) -> String {
+fn table(report: &UpscalingReport, rows: &[UpscalingRow]) -> String {
     let mut order: Vec<&UpscalingRow> = rows.iter().collect();
-    order.sort_by(|a, b| a.frame_ms.median.total_cmp(&b.frame_ms.median));
+    order.sort_by(|a, b| a.comparable_ms().total_cmp(&b.comparable_ms()));
     let transfers = rows.iter().any(transfers);
-    let lines: String = order.into_iter().map(|row| line(row, native, transfers)).collect();
+    let lines: String = order.into_iter().map(|row| line(row, transfers)).collect();
+    let machine = if report.machines.are_several() { "<th class=\"words\">machine</th>" } else { "" };
     let transfer = if transfers { "<th>transfer</th>" } else { "" };
     format!(
         "{}<p class=\"soft\">{} The columns after them show errors of the still view.</p>\n<div class=\"scroll\"><table \
@@ -161,7 +174,7 @@ fn table(report: &UpscalingReport, rows: &[UpscalingRow], native: Option<&Upscal
          ms</th><th>p10</th><th>p90</th><th>speed-up</th><th>geometry</th><th>pixels</th><th>upscale</th>{transfer}<th>FLIP in \
          motion</th><th>worst frame</th><th>PSNR in motion, dB</th><th>FLIP</th><th>PSNR \
          dB</th><th>SSIM</th><th>MSE</th><th>max</th><th>differing px</th><th class=\"words\">dominated \
-         by</th></tr></thead>\n<tbody>\n{lines}</tbody></table></div>\n",
+         by</th>{machine}</tr></thead>\n<tbody>\n{lines}</tbody></table></div>\n",
         failures(rows),
         motion(report)
     )
@@ -192,9 +205,8 @@ fn motion(report: &UpscalingReport) -> String {
     )
 }
 
-fn line(row: &UpscalingRow, native: Option<&UpscalingRow>, with_transfer: bool) -> String {
+fn line(row: &UpscalingRow, with_transfer: bool) -> String {
     let (ms, codes, parts) = (row.frame_ms, row.error.codes, row.parts_ms);
-    let faster = native.map_or_else(|| "–".to_owned(), |native| faster(native, row));
     let psnr = |codes: ImageError| match codes.mse {
         0.0 => "identical".to_owned(),
         _ => format!("{:.2}", codes.psnr_db),
@@ -212,7 +224,7 @@ fn line(row: &UpscalingRow, native: Option<&UpscalingRow>, with_transfer: bool) 
         format!("{:.3}", ms.median),
         format!("{:.3}", ms.p10),
         format!("{:.3}", ms.p90),
-        faster,
+        faster(row),
         format!("{:.3}", parts.geometry),
         format!("{:.3}", parts.pixels),
         format!("{:.3}", parts.upscale) + &transfer,
@@ -227,18 +239,20 @@ fn line(row: &UpscalingRow, native: Option<&UpscalingRow>, with_transfer: bool) 
         codes.differing_pixels.to_string(),
     ];
     format!(
-        "<tr class=\"{style}\"><td><span class=\"dot m{}\"></span>{}</td>{}<td class=\"words\">{}</td></tr>\n",
+        "<tr class=\"{style}\"><td><span class=\"dot m{}\"></span>{}</td>{}<td class=\"words\">{}</td>{}</tr>\n",
         plot::color(row),
         escaped(&row.label),
         cells.map(|cell| format!("<td>{cell}</td>")).concat(),
-        by
+        by,
+        row.machine.as_deref().map(|by| format!("<td class=\"words\">{}</td>", escaped(by))).unwrap_or_default()
     )
 }
 
-/// Returns the speed-up relative to native rendering as HTML, greyed out and labelled if the difference is within
-/// noise.
-fn faster(native: &UpscalingRow, row: &UpscalingRow) -> String {
-    let text = format!("{:.2}×", native.frame_ms.median / row.frame_ms.median.max(f64::MIN_POSITIVE));
+/// Returns the speed-up relative to native rendering in the same rounds as HTML, greyed out and labelled if the difference
+/// is within noise.
+fn faster(row: &UpscalingRow) -> String {
+    let Some(native) = row.native_ms else { return "–".to_owned() };
+    let text = format!("{:.2}×", native.frame / row.frame_ms.median.max(f64::MIN_POSITIVE));
     if row.native_within_noise { format!("<span class=\"noise\">{text} {WITHIN}</span>") } else { text }
 }
 
@@ -270,7 +284,7 @@ fn method(report: &UpscalingReport) -> String {
          0 is equal, 1 black against white. PSNR and MSE use sRGB codes. SSIM has a Gaussian window of 11 × 11 px, σ \
          1.5, on luma. A reference of one sample per pixel is aliased itself, so a method that smooths has an error \
          against it.</p>\n</section>\n",
-        escaped(&report.machine.summary()),
+        escaped(&report.machines.summary()),
         report.threads,
         report.rounds,
         motion(report)

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use super::skipping::{PixelShareTimes, Split};
 use super::sweep::{SceneReport, UpscalingRow};
 use crate::measure::noise::WITHIN;
+use crate::measure::timing::Summary;
 use crate::report::html::escaped;
 use crate::report::plot::{
     BOTTOM, HEIGHT, LEFT, LETTER, LINE, MARK, Plot, PlotAxis, RIGHT, TOP, WIDTH, ZERO_LANE, svg, tick,
@@ -23,7 +24,10 @@ pub(super) fn color(row: &UpscalingRow) -> usize {
 
 /// Returns an SVG plot of error against time, or an empty string if there are no rows.
 pub(super) fn tradeoff(scene: &SceneReport) -> String {
-    let times = scene.rows.iter().flat_map(|row| [row.frame_ms.p10, row.frame_ms.median, row.frame_ms.p90]);
+    let times = scene.rows.iter().flat_map(|row| {
+        let Summary { p10, median, p90, .. } = row.frame_ms;
+        [p10, median, p90].map(|ms| ms * row.scale)
+    });
     let Some(x) = PlotAxis::log(times) else { return String::new() };
     let y = PlotAxis::log(scene.rows.iter().map(|row| row.motion.mean.flip));
     let y = y.unwrap_or(PlotAxis { low: -3.0, high: 0.0, is_log: true });
@@ -42,13 +46,13 @@ pub(super) fn tradeoff(scene: &SceneReport) -> String {
 }
 
 fn place(plot: &Plot, row: &UpscalingRow) -> (f64, f64) {
-    (plot.x(row.frame_ms.median), plot.y(row.motion.mean.flip))
+    (plot.x(row.comparable_ms()), plot.y(row.motion.mean.flip))
 }
 
 /// Returns the Pareto front as an SVG step line.
 fn front(plot: &Plot, rows: &[UpscalingRow]) -> String {
     let mut best: Vec<&UpscalingRow> = rows.iter().filter(|row| row.is_on_front()).collect();
-    best.sort_by(|a, b| a.frame_ms.median.total_cmp(&b.frame_ms.median));
+    best.sort_by(|a, b| a.comparable_ms().total_cmp(&b.comparable_ms()));
     let mut path = String::new();
     let mut last = None;
     for row in best {
@@ -76,8 +80,8 @@ fn drawn(plot: &Plot, row: &UpscalingRow) -> String {
         "<g class=\"{style}\"><title>{}</title><line class=\"bar m{color}\" x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{y:.1}\" \
          y2=\"{y:.1}\"/><circle class=\"mark m{color}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{MARK}\"/></g>",
         escaped(&title),
-        plot.x(row.frame_ms.p10),
-        plot.x(row.frame_ms.p90)
+        plot.x(row.frame_ms.p10 * row.scale),
+        plot.x(row.frame_ms.p90 * row.scale)
     )
 }
 

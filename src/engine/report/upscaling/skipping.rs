@@ -8,7 +8,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::chain::Recipe;
 use crate::measure::timing::{Summary, summarize};
@@ -33,7 +33,7 @@ const GRIDS: [SampleGrid; 5] = [
 ];
 
 /// Frame times of both ways to draw a given fraction of the pixels, in milliseconds.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct PixelShareTimes {
     /// Fraction of the pixels that are drawn, in (0, 1].
     pub(crate) drawn: f64,
@@ -44,7 +44,7 @@ pub(crate) struct PixelShareTimes {
 }
 
 /// Frame time split into rasterization and shading, in milliseconds.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Split {
     /// Time spent clearing the framebuffer, finding samples and testing their depth, in milliseconds.
     pub(crate) raster: Summary,

@@ -1,25 +1,27 @@
-//! Measures every recipe on every scene: first its errors at rest and in motion, then its time in interleaved rounds.
+//! Upscaling report: every recipe on every scene, with its errors at rest and in motion, and its time.
 //!
-//! The rounds time the same frames whose error in motion is measured; see [`crate::measure::rounds`]. File access and
-//! error metrics are not timed.
+//! [`measure`] measures the rows of one shard, and [`combine`] ranks those of all shards. The shards of one report may run
+//! on different machines; their times are then compared by their ratio to the time of native rendering, which every shard
+//! measures in the same rounds.
 
 use std::sync::Arc;
-use std::time::Duration;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
-use super::skipping::{self, PixelShareTimes};
+use super::measurements::{Measurements, RowMeasurements, candidates, measure};
+use super::skipping::PixelShareTimes;
 use super::tradeoff::{Standing, standings};
-use crate::chain::{Frame, FrameTimes, Recipe};
-use crate::image::{Image, Rgba8};
+use crate::chain::{Recipe, run_unobserved};
+use crate::image::{Image, Rgba8, png_text};
 use crate::measure::against::ErrorMetrics;
-use crate::measure::machine::Machine;
-use crate::measure::motion::{ErrorMeasurement, FrameSequence, MotionError, Turn};
-use crate::measure::noise::Noise;
+use crate::measure::machine::Machines;
+use crate::measure::motion::{MotionError, Turn};
+use crate::measure::noise::{Noise, Pairs};
 use crate::measure::reference::Reference;
 use crate::measure::region::PixelRegion;
-use crate::measure::rounds::RoundTimer;
-use crate::measure::timing::{Summary, summarize};
+use crate::measure::shard::{Shard, ShardRun};
+use crate::measure::timing::Summary;
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
@@ -53,6 +55,54 @@ pub struct UpscalingPlan {
     pub turn: Turn,
 }
 
+/// Plan of a report without the scenes themselves: everything that merging needs, and by which plans are compared.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct PlanRecord {
+    pub(super) scenes: Vec<SceneRecord>,
+    pub(super) recipes: Vec<Recipe>,
+    /// Width and height of the full image, in pixels.
+    pub(super) size: [u32; 2],
+    rounds: usize,
+    reference: Reference,
+    turn: Turn,
+}
+
+/// Scene of a [`PlanRecord`].
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct SceneRecord {
+    pub(super) name: String,
+    triangles: usize,
+    camera: Value,
+    /// Small native image. Scenes of one name that differ are told apart by it.
+    #[serde(with = "png_text")]
+    sample: Image<Rgba8>,
+}
+
+/// Size of the images by which scenes are told apart, in pixels.
+const SAMPLE: Viewport = Viewport { width: 96, height: 54 };
+
+impl UpscalingPlan {
+    /// Returns the plan without the scenes themselves. Draws a small image of each scene.
+    pub fn record(&self) -> PlanRecord {
+        let native = Recipe { upscaler: Upscaling::NATIVE, ..self.recipes.first().copied().unwrap_or_default() };
+        let scene = |NamedView { name, scene, camera }: &NamedView| SceneRecord {
+            name: name.clone(),
+            triangles: scene.triangle_count(),
+            // Plain data can always be written.
+            camera: serde_json::to_value(camera).unwrap_or_default(),
+            sample: run_unobserved(scene, camera, &native, SAMPLE).image().clone(),
+        };
+        PlanRecord {
+            scenes: self.subjects.iter().map(scene).collect(),
+            recipes: self.recipes.clone(),
+            size: [self.viewport.width, self.viewport.height],
+            rounds: self.rounds,
+            reference: self.reference,
+            turn: self.turn,
+        }
+    }
+}
+
 /// Returns one copy of the recipe for each upscaler at each of its scales.
 pub fn every_upscaler(recipe: Recipe) -> Vec<Recipe> {
     Upscaling::every().map(|upscaler| Recipe { upscaler, ..recipe }).collect()
@@ -74,9 +124,10 @@ pub struct UpscalingProgress {
 /// Complete upscaling report.
 #[derive(Clone, Debug, Serialize)]
 pub struct UpscalingReport {
-    /// Machine and build, with the load at the start and at the end.
-    pub(crate) machine: Machine,
-    /// Number of threads that draw.
+    /// Machines and build, with the load at the start and at the end.
+    #[serde(flatten)]
+    pub(crate) machines: Machines,
+    /// Largest number of threads that drew.
     pub(crate) threads: usize,
     /// Width and height of the full image, in pixels.
     pub(crate) size: [u32; 2],
@@ -105,6 +156,9 @@ pub struct SceneReport {
     pub rows: Vec<UpscalingRow>,
     /// Comparison of two ways to draw fewer pixels; `None` if the scene has transparency.
     pub(crate) shares: Option<Vec<PixelShareTimes>>,
+    /// Machine that measured `shares`; `None` if the same one measured everything.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) shares_machine: Option<String>,
     /// Part of the image where the methods' errors are largest.
     pub(crate) crop: PixelRegion,
 }
@@ -118,8 +172,19 @@ pub struct UpscalingRow {
     pub recipe: Recipe,
     /// Fraction of the pixels that were drawn, in (0, 1].
     pub(crate) drawn: f64,
+    /// Machine that measured the times; `None` if the same one measured all rows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) machine: Option<String>,
+    /// Number of threads that drew.
+    pub(crate) threads: usize,
     /// Frame time, in milliseconds.
     pub(crate) frame_ms: Summary,
+    /// Times of native rendering in the same rounds; `None` without a native recipe.
+    pub(crate) native_ms: Option<NativeTimes>,
+    /// Factor that makes times comparable with those of the native row, whose shard may have run elsewhere: the ratio of
+    /// the native frame times. 1 without shards.
+    #[serde(skip)]
+    pub(crate) scale: f64,
     /// Median time spent in each part of a frame, in milliseconds.
     pub(crate) parts_ms: Parts,
     /// Error of the image in the still view.
@@ -144,14 +209,28 @@ pub struct UpscalingRow {
 }
 
 impl UpscalingRow {
+    /// Returns the median frame time, in milliseconds, in comparison with the native row.
+    pub(crate) fn comparable_ms(&self) -> f64 {
+        self.frame_ms.median * self.scale
+    }
+
     /// Whether the row is on the Pareto front of frame time and FLIP error in the moving view.
     pub(crate) fn is_on_front(&self) -> bool {
         self.dominated_by.is_none() && self.within_noise_of.is_none()
     }
 }
 
+/// Median times of native rendering, in milliseconds.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct NativeTimes {
+    /// Time of a frame.
+    pub(crate) frame: f64,
+    /// Time from rasterization to shading.
+    pub(crate) pixels: f64,
+}
+
 /// Time spent in each part of a frame, in milliseconds.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Parts {
     /// Median geometry time, from planning to culling, in milliseconds.
     pub(crate) geometry: f64,
@@ -163,9 +242,6 @@ pub(crate) struct Parts {
     pub(crate) transfer: f64,
 }
 
-/// Maximum width and height of a crop, in pixels.
-const CROP: (u32, u32) = (160, 110);
-
 /// Runs all measurements. If cancelled, returns the scenes measured so far, or `None` if there are none. The last scene
 /// may have fewer rounds.
 pub fn run(
@@ -173,177 +249,107 @@ pub fn run(
     report_progress: &dyn Fn(UpscalingProgress),
     cancelled: &dyn Fn() -> bool,
 ) -> Option<UpscalingReport> {
-    let machine = Machine::at_start();
-    let mut scenes = Vec::with_capacity(plan.subjects.len());
-    for subject in &plan.subjects {
-        match of_scene(plan, subject, report_progress, cancelled) {
-            Some(scene) => scenes.push(scene),
-            None if cancelled() && !scenes.is_empty() => break,
-            None => return None,
-        }
-        if cancelled() {
-            break;
-        }
+    combine(&plan.record(), &[measure(plan, Shard::WHOLE, report_progress, cancelled)?])
+}
+
+/// Combines the measurements of all shards of a plan. Returns `None` if there are none because shards were cancelled.
+pub fn combine(plan: &PlanRecord, shards: &[ShardRun<Measurements>]) -> Option<UpscalingReport> {
+    let machines = Machines::of(shards.iter().map(|shard| &shard.machine))?;
+    let numbers = 0..plan.scenes.len();
+    let scenes: Vec<_> = numbers.filter_map(|number| scene_report(plan, number, &machines, shards)).collect();
+    let partial = shards.iter().any(|shard| shard.partial);
+    if partial && scenes.is_empty() {
+        return None;
     }
-    let Viewport { width, height } = plan.viewport;
     Some(UpscalingReport {
-        machine: machine.at_end(),
-        threads: rayon::current_num_threads(),
-        size: [width, height],
+        machines,
+        threads: shards.iter().map(|shard| shard.results.threads).max()?,
+        size: plan.size,
         rounds: plan.rounds,
         reference: plan.reference.name(),
         turn: plan.turn,
         scenes,
-        partial: cancelled(),
+        partial,
     })
 }
 
-/// Image of one recipe at rest, with its FLIP error.
-struct MeasuredImage {
-    picture: Image<Rgba8>,
-    flip: Image<f32>,
-    drawn: f64,
+/// Measurements of a row, with their recipe and the shard that they come from.
+#[derive(Clone, Copy)]
+struct MeasuredRow<'a> {
+    recipe: Recipe,
+    shard: &'a ShardRun<Measurements>,
+    row: &'a RowMeasurements,
 }
 
-fn of_scene(
-    plan: &UpscalingPlan,
-    subject: &NamedView,
-    report_progress: &dyn Fn(UpscalingProgress),
-    cancelled: &dyn Fn() -> bool,
+/// Combines the measurements of one scene; `None` if there are none.
+fn scene_report(
+    plan: &PlanRecord,
+    number: usize,
+    machines: &Machines,
+    shards: &[ShardRun<Measurements>],
 ) -> Option<SceneReport> {
-    let say = |stage, done, of| report_progress(UpscalingProgress { scene: subject.name.clone(), stage, done, of });
-    let NamedView { scene, camera, .. } = subject;
-    let shot = FrameSequence { scene, camera, viewport: plan.viewport, turn: plan.turn };
-    let still = FrameSequence { turn: Turn::STILL, ..shot };
-    let mut judged = Vec::with_capacity(plan.recipes.len());
-    let at_rest = measure_errors(
-        plan,
-        &still,
-        cancelled,
-        &mut |done, judge| {
-            say("errors at rest", done, judge.total(still.turn));
-        },
-        |frame, flip| {
-            judged.push(MeasuredImage { picture: frame.image().clone(), drawn: frame.drawn_share(), flip });
-        },
-    )?;
-    let in_motion = if plan.turn.is_still() {
-        None
-    } else {
-        let say = &mut |done, judge: &ErrorMeasurement| say("errors in motion", done, judge.total(plan.turn));
-        Some(measure_errors(plan, &shot, cancelled, say, |_, _| ())?)
+    let mut pairs = Pairs::default();
+    shards.iter().filter_map(|shard| shard.results.scene(number)).for_each(|scene| pairs.append(scene.pairs.clone()));
+    let measured = |(index, recipe): (usize, &Recipe)| {
+        let find =
+            |shard| Some(MeasuredRow { recipe: *recipe, shard, row: shard.results.scene(number)?.rows.get(&index)? });
+        shards.iter().find_map(find)
     };
-    let timer = time(plan, &shot, &|done, of| say("times", done, of), cancelled)?;
-    say("shares", 0, 1);
-    let first = plan.recipes.first()?;
-    let applies = skipping::applies(scene, first, camera, plan.viewport);
-    let rounds = plan.rounds.min(SHARE_ROUNDS);
-    let shares = applies.then(|| skipping::measure(scene, camera, first, plan.viewport, rounds, cancelled));
-    let shares = shares.map_or(Some(None), |shares| shares.map(Some).or(cancelled().then_some(None)))?;
-    let crop = crop_of(&judged);
-    let mut rows = Vec::with_capacity(judged.len());
-    for (number, (recipe, judged)) in plan.recipes.iter().zip(&judged).enumerate() {
-        let still = at_rest.error(number)?;
-        let motion = in_motion.as_ref().map_or(Some(still), |judge| judge.error(number))?;
-        rows.push(row(*recipe, judged, (still.mean, motion), timer.times(number), crop)?);
-    }
-    let noise = timer.noise()?;
+    // In the order of the recipes, so that sums over them do not depend on the shards.
+    let measured: Vec<MeasuredRow<'_>> = plan.recipes.iter().enumerate().filter_map(measured).collect();
+    let region_errors: Vec<&[f64]> = measured.iter().map(|measured| &measured.row.region_errors[..]).collect();
+    let crop = crop_of(plan.size, &region_errors);
+    let native = measured.iter().find(|row| row.recipe.upscaler.is_native()).or(measured.first());
+    let native = native.and_then(|native| native.row.native_ms);
+    let row = |measured: &MeasuredRow<'_>| row(measured, machines, native, crop);
+    let mut rows = measured.iter().map(row).collect::<Option<Vec<_>>>()?;
+    let noise = pairs.noise()?;
     rank(&mut rows, &noise);
+    let shares = shards.iter().find_map(|shard| Some((shard, shard.results.scene(number)?.shares.as_ref()?)));
     Some(SceneReport {
-        scene: subject.name.clone(),
-        triangles: subject.scene.triangle_count(),
+        scene: plan.scenes[number].name.clone(),
+        triangles: plan.scenes[number].triangles,
         noise,
         rows,
-        shares,
+        shares: shares.map(|(_, shares)| shares.clone()),
+        shares_machine: shares.and_then(|(shard, _)| machines.label(&shard.machine)),
         crop,
     })
 }
 
-/// Maximum number of rounds for the comparison of two ways to draw fewer pixels. Each round draws 20 images on one
-/// thread.
-const SHARE_ROUNDS: usize = 9;
-
-/// Measures the errors of all recipes over a frame sequence. `look` receives each frame and the FLIP error of each of
-/// its pixels. Returns `None` if cancelled.
-fn measure_errors(
-    plan: &UpscalingPlan,
-    shot: &FrameSequence<'_>,
-    cancelled: &dyn Fn() -> bool,
-    say: &mut dyn FnMut(usize, &ErrorMeasurement),
-    mut look: impl FnMut(&Frame, Image<f32>),
-) -> Option<ErrorMeasurement> {
-    let mut judge = ErrorMeasurement::new(plan.reference, plan.recipes.iter().copied());
-    say(0, &judge);
-    while !judge.is_complete(shot.turn) {
-        if cancelled() {
-            return None;
-        }
-        if judge.step(shot, |_, frame, flip| look(frame, flip)).is_some() {
-            say(judge.measured_frames(), &judge);
-        }
-    }
-    Some(judge)
-}
-
-/// Times all recipes. If cancelled, returns the rounds completed so far, or `None` if there are none.
-fn time(
-    plan: &UpscalingPlan,
-    shot: &FrameSequence<'_>,
-    say: &dyn Fn(usize, usize),
-    cancelled: &dyn Fn() -> bool,
-) -> Option<RoundTimer> {
-    let mut timer = RoundTimer::new(&plan.recipes, plan.rounds);
-    let mut reported_rounds = None;
-    while !timer.is_complete() {
-        if reported_rounds != Some(timer.rounds()) {
-            reported_rounds = Some(timer.rounds());
-            say(timer.rounds(), plan.rounds);
-        }
-        if cancelled() {
-            return (timer.rounds() > 0).then_some(timer);
-        }
-        timer.step(shot);
-    }
-    Some(timer)
-}
-
+/// Returns a row that is not ranked yet. `native` holds the times of native rendering with which times are compared.
 fn row(
-    recipe: Recipe,
-    judged: &MeasuredImage,
-    (error, motion): (ErrorMetrics, MotionError),
-    times: &[FrameTimes],
+    MeasuredRow { recipe, shard, row }: &MeasuredRow<'_>,
+    machines: &Machines,
+    native: Option<NativeTimes>,
     crop: PixelRegion,
 ) -> Option<UpscalingRow> {
-    let summary = |part: fn(&FrameTimes) -> Duration| {
-        summarize(&times.iter().map(|times| part(times).as_secs_f64() * 1e3).collect::<Vec<_>>())
-    };
-    let parts_ms = Parts {
-        geometry: summary(|times| times.geometry)?.median,
-        pixels: summary(|times| times.pixels)?.median,
-        upscale: summary(|times| times.upscale.saturating_sub(times.transfer))?.median,
-        transfer: summary(|times| times.transfer)?.median,
-    };
+    let scale = |all: NativeTimes, own: NativeTimes| all.frame / own.frame.max(f64::MIN_POSITIVE);
     Some(UpscalingRow {
         label: recipe.upscaler.label(),
-        recipe,
-        drawn: judged.drawn,
-        frame_ms: summary(|times| times.total)?,
-        parts_ms,
-        error,
-        motion,
+        recipe: *recipe,
+        drawn: row.drawn,
+        machine: machines.label(&shard.machine),
+        threads: shard.results.threads,
+        frame_ms: row.frame_ms,
+        native_ms: row.native_ms,
+        scale: native.zip(row.native_ms).map_or(1.0, |(all, own)| scale(all, own)),
+        parts_ms: row.parts_ms,
+        error: row.error,
+        motion: row.motion,
         dominated_by: None,
         within_noise_of: None,
         native_within_noise: false,
-        failure: recipe.upscaler.upscaler().failure(),
-        crop: crop.of(&judged.picture)?,
+        failure: row.failure.clone(),
+        crop: crop.of(&row.picture)?,
     })
 }
 
 /// Determines which rows are dominated, and which time differences are within noise.
 fn rank(rows: &mut [UpscalingRow], noise: &Noise) {
-    let points: Vec<_> = rows.iter().map(|row| (row.frame_ms.median, row.motion.mean.flip)).collect();
+    let points: Vec<_> = rows.iter().map(|row| (row.comparable_ms(), row.motion.mean.flip)).collect();
     let labels: Vec<_> = rows.iter().map(|row| row.label.clone()).collect();
-    let native = rows.iter().find(|row| row.recipe.upscaler.is_native()).map(|row| row.frame_ms.median);
+    let native = rows.iter().find(|row| row.recipe.upscaler.is_native()).map(UpscalingRow::comparable_ms);
     for (row, standing) in rows.iter_mut().zip(standings(&points, noise)) {
         match standing {
             Standing::Front => {}
@@ -351,103 +357,18 @@ fn rank(rows: &mut [UpscalingRow], noise: &Noise) {
             Standing::Beaten(by) => row.dominated_by = Some(labels[by].clone()),
         }
         row.native_within_noise =
-            !row.recipe.upscaler.is_native() && native.is_some_and(|native| noise.covers(native, row.frame_ms.median));
+            !row.recipe.upscaler.is_native() && native.is_some_and(|native| noise.covers(native, row.comparable_ms()));
     }
 }
 
-/// Returns the crop rectangle with the largest total error over all recipes. Candidate positions are half a rectangle
-/// apart.
-fn crop_of(judged: &[MeasuredImage]) -> PixelRegion {
-    let (width, height) = judged.first().map_or((1, 1), |judged| judged.picture.size());
-    let (across, down) = (CROP.0.min(width), CROP.1.min(height));
-    let steps = |length: u32, part: u32| (0..=length - part).step_by((part as usize / 2).max(1));
-    let regions = steps(height, down).flat_map(|top| steps(width, across).map(move |left| (left, top)));
-    let region = |(left, top)| PixelRegion { left, top, right: left + across, bottom: top + down };
-    let error = |region: &PixelRegion| judged.iter().filter_map(|judged| region.mean(&judged.flip)).sum::<f64>();
-    let regions = regions.map(region).map(|region| (region, error(&region)));
+/// Returns the crop rectangle with the largest total error over all rows. `errors` holds the errors of each row in all
+/// [`candidates`].
+fn crop_of(size: [u32; 2], errors: &[&[f64]]) -> PixelRegion {
+    let total = |candidate: usize| errors.iter().map(|row| row[candidate]).sum::<f64>();
+    let regions = candidates(size).into_iter().enumerate().map(|(number, region)| (region, total(number)));
     let worst = regions.max_by(|(_, a), (_, b)| a.total_cmp(b));
-    worst.map_or(PixelRegion { left: 0, top: 0, right: across, bottom: down }, |(region, _)| region)
+    worst.map_or(PixelRegion { left: 0, top: 0, right: size[0], bottom: size[1] }, |(region, _)| region)
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scene::SceneSource;
-
-    fn plan(viewport: Viewport, rounds: usize) -> UpscalingPlan {
-        let scene = SceneSource::named("triangle".into()).load().unwrap().scene;
-        let subject = NamedView { name: scene.name.clone(), camera: scene.home, scene: Arc::new(scene) };
-        UpscalingPlan {
-            subjects: vec![subject],
-            recipes: every_upscaler(Recipe::default()),
-            viewport,
-            rounds,
-            reference: Reference::Native,
-            turn: Turn { degrees: 0.5, frames: 2 },
-        }
-    }
-
-    #[test]
-    fn every_upscaler_has_a_row_and_native_has_no_error() {
-        let plan = plan(Viewport { width: 40, height: 24 }, 2);
-        let report = run(&plan, &|_| {}, &|| false).unwrap();
-        let [scene] = &report.scenes[..] else { panic!("one scene") };
-        assert_eq!(scene.rows.len(), Upscaling::every().count());
-        let native = &scene.rows[0];
-        assert!(native.recipe.upscaler.is_native() && native.error.codes.mse == 0.0 && native.drawn == 1.0);
-        assert_eq!(native.motion.worst.codes.mse, 0.0);
-        let temporal = scene.rows.iter().find(|row| row.recipe.upscaler.method() == "checkerboard-temporal").unwrap();
-        assert!(
-            temporal.error.codes.mse == 0.0 && temporal.motion.mean.codes.mse > 0.0,
-            "exact at rest, not in motion"
-        );
-        for row in &scene.rows {
-            assert_eq!((row.frame_ms.n, row.crop.size()), (2, (40, 24)), "{}", row.label);
-            assert!(row.parts_ms.pixels <= row.frame_ms.max && row.error.flip >= 0.0, "{}", row.label);
-        }
-        let nearest = scene.rows.iter().find(|row| row.label == "Nearest ×4").unwrap();
-        assert!(nearest.error.flip > 0.0 && (nearest.drawn - 1.0 / 16.0).abs() < 1e-9);
-        assert!(scene.rows.iter().any(|row| row.dominated_by.is_none()), "somebody is best");
-        // Two rounds form one block for each of five twins.
-        assert_eq!(scene.noise.pairs, 5);
-        assert_eq!(report.machine.load_at_start.is_some(), report.machine.load_at_end.is_some());
-    }
-
-    #[test]
-    fn small_differences_of_time_do_not_rank_rows() {
-        let plan = plan(Viewport { width: 16, height: 16 }, 1);
-        let mut rows = run(&plan, &|_| {}, &|| false).unwrap().scenes.remove(0).rows;
-        rows.truncate(3);
-        assert!(rows[0].recipe.upscaler.is_native());
-        for (row, (ms, flip)) in rows.iter_mut().zip([(4.0, 0.0), (4.02, 0.1), (3.98, 0.2)]) {
-            row.frame_ms.median = ms;
-            row.motion.mean.flip = flip;
-            (row.dominated_by, row.within_noise_of) = (None, None);
-        }
-        rank(&mut rows, &Noise { pairs: 5, p90: 0.02 });
-        let native = Some(rows[0].label.clone());
-        assert_eq!(rows.iter().map(|row| row.dominated_by.clone()).collect::<Vec<_>>(), [None, native.clone(), None]);
-        assert_eq!(rows.iter().map(|row| row.within_noise_of.clone()).collect::<Vec<_>>(), [None, None, native]);
-        assert_eq!(rows.iter().map(|row| row.native_within_noise).collect::<Vec<_>>(), [false, true, true]);
-        rank(&mut rows, &Noise { pairs: 5, p90: 0.001 });
-        assert!(rows.iter().all(|row| !row.native_within_noise));
-    }
-
-    #[test]
-    fn a_cancelled_sweep_has_no_report() {
-        assert!(run(&plan(Viewport { width: 16, height: 16 }, 1), &|_| {}, &|| true).is_none());
-    }
-
-    #[test]
-    fn a_sweep_cancelled_later_has_the_rounds_that_were_complete() {
-        let rounds = std::cell::Cell::new(0);
-        let note = |progress: UpscalingProgress| {
-            if progress.stage == "times" {
-                rounds.set(progress.done);
-            }
-        };
-        let report = run(&plan(Viewport { width: 16, height: 16 }, 9), &note, &|| rounds.get() == 2).unwrap();
-        assert!(report.partial && report.scenes[0].shares.is_none());
-        assert!(report.scenes[0].rows.iter().all(|row| row.frame_ms.n == 2), "two complete rounds");
-    }
-}
+mod tests;

@@ -42,7 +42,7 @@ fn head(report: &StabilityReport) -> String {
         "<h1>Stability report</h1>\n<p class=\"soft\">Errors and costs of ill-conditioned and extreme cases on every \
          rasterizer, arithmetic and depth format of Rasterscope {}. The correct results come from exact arithmetic \
          that shares no code with the code under test.</p>\n{}{}",
-        escaped(report.machine.version),
+        escaped(report.machines.version()),
         partial(report.partial),
         tiles(figures)
     )
@@ -66,11 +66,23 @@ fn method(report: &StabilityReport) -> String {
     format!(
         "<section>\n<h2>How it was measured</h2>\n<p>Seed {}. {}. {times}</p>\n<p>Stiffness is the time of a case over \
          that of one compact triangle with as many pixels, by the same configuration in the same rounds.</p>\n\
-         <details><summary>Bounds for PASS, class by class</summary><dl>{}</dl></details>\n\
+         {}<details><summary>Bounds for PASS, class by class</summary><dl>{}</dl></details>\n\
          <details><summary>Definitions of the measures</summary><dl>{}</dl></details>\n</section>\n",
         report.seed,
-        escaped(&report.machine.summary()),
+        escaped(&report.machines.summary()),
+        machines(report),
         bounds.collect::<String>(),
         metrics.collect::<String>()
     )
+}
+
+/// Lists the machine that timed each class; empty if all classes were timed by the same one.
+fn machines(report: &StabilityReport) -> String {
+    let timed = report.classes.iter().filter_map(|class| Some((class.class.name, class.machine.as_ref()?)));
+    let list: String =
+        timed.map(|(class, by)| format!("<dt>{}</dt><dd>{}</dd>", escaped(class), escaped(by))).collect();
+    if list.is_empty() {
+        return list;
+    }
+    format!("<details open><summary>Machine that timed each class</summary><dl>{list}</dl></details>\n")
 }

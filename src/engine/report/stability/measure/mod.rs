@@ -14,6 +14,8 @@ mod samples;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use serde::{Deserialize, Serialize};
+
 use super::case::{Body, StabilityCase};
 use super::column::ReportColumn;
 use super::metric::Measures;
@@ -37,7 +39,7 @@ pub(crate) enum Expected {
 }
 
 /// Outcome of comparing the engine's results for one test case with the exact ones.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct MeasureOutcome {
     /// Measured errors; `None` if the engine produced no result.
     pub(crate) measures: Option<Measures>,

@@ -1,9 +1,11 @@
+use std::sync::atomic::Ordering;
 use std::sync::{LazyLock, Mutex};
 
 use super::*;
 use crate::case::Case as CaseFile;
 use crate::report::stability::csv::csv;
 use crate::report::stability::html::html;
+use crate::report::stability::measure::{Expected, answer};
 use crate::report::stability::text::text;
 use crate::report::stability::tradeoff;
 
