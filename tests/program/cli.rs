@@ -179,7 +179,7 @@ fn the_report_is_a_page_a_table_and_json_of_every_upscaler() {
     let columns = csv.lines().next().unwrap().split(',').count();
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     let scene = &json["scenes"][0];
-    assert_eq!((scene["rows"].as_array().unwrap().len(), columns), (rows, 40));
+    assert_eq!((scene["rows"].as_array().unwrap().len(), columns), (rows, 41));
     assert_eq!(scene["rows"][0]["error"]["mse"].as_f64(), Some(0.0), "native");
     assert_eq!(scene["rows"][0]["motion"]["worst"]["mse"].as_f64(), Some(0.0), "native in motion");
     assert_eq!(scene["noise"]["pairs"], 5, "two rounds are one block of each of five recipes that are drawn twice");

@@ -4,7 +4,8 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use rasterscope::image::file;
+use rasterscope::explain;
+use rasterscope::image::{Image, file};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -35,7 +36,7 @@ const NEEDLES: [&str; 8] =
 
 const PROBE: [&str; 10] = ["probe", "z-fighting", "--size", "80x50", "--ulps", "32", "--runs", "9", "--seed", "7"];
 
-const REPORT: [&str; 9] = ["report", "triangle", "cubes", "--size", "40x30", "--rounds", "1", "--turn", "0"];
+const REPORT: [&str; 9] = ["report", "triangle", "shared-edges", "--size", "16x12", "--rounds", "1", "--turn", "0"];
 
 fn run(folder: &Path, args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_rasterscope")).args(args).current_dir(folder).output().unwrap()
@@ -259,22 +260,31 @@ fn rows_of_other_machines_are_compared_by_their_ratio_to_native_rendering() {
 #[test]
 fn merged_explanations_of_a_folder_equal_those_of_one_run() {
     let folder = folder();
-    let pictures = folder.path().join("theirs");
-    fs::create_dir(&pictures).unwrap();
-    let render = ["render", "cubes", "--size", "32x18", "-o"];
-    for (name, set) in [("a.png", "color_space=bytes"), ("b.png", "culling=none"), ("c.png", "wireframe=false")] {
-        output(folder.path(), &[&render[..], &[&format!("theirs/{name}"), "--set", set]].concat());
-    }
-    fs::write(pictures.join("notes.txt"), "not a picture").unwrap();
-    let explain = ["explain", "theirs", "cubes", "--at", "16,9"];
+    let theirs = folder.path().join("theirs");
+    fs::create_dir(&theirs).unwrap();
+    output(folder.path(), &["render", "triangle", "--size", "32x18", "-o", "theirs/a.png"]);
+    output(folder.path(), &["render", "triangle", "--size", "32x18", "--set", "wireframe=true", "-o", "theirs/c.png"]);
+    let ours = file::read(&theirs.join("a.png")).unwrap();
+    let flipped = Image::from_fn(32, 18, |x, y| ours.at(x, 17 - y));
+    file::write_png(&theirs.join("b.png"), &flipped).unwrap();
+    fs::write(theirs.join("notes.txt"), "not a picture").unwrap();
+    // Few faults, because the search draws them all.
+    let considered = ["flip-vertical", "red-blue-swapped", "blurred"];
+    let without =
+        explain::ALL.iter().filter(|fault| !considered.contains(&fault.id)).flat_map(|fault| ["--without", fault.id]);
+    let explain: Vec<&str> = ["explain", "theirs", "triangle", "--at", "16,9"].into_iter().chain(without).collect();
     let (text, whole) = (output(folder.path(), &explain), output(folder.path(), &[&explain[..], &["--json"]].concat()));
     let report = json(&whole);
-    let named: Vec<_> =
-        report["pictures"].as_array().unwrap().iter().map(|one| one["picture"].as_str().unwrap()).collect();
-    assert_eq!(named, ["a.png", "b.png", "c.png"]);
-    let alone = json(&output(folder.path(), &["explain", "theirs/b.png", "cubes", "--at", "16,9", "--json"]));
-    for key in ["causes", "confidence", "differing_before", "pixels_at"] {
-        assert_eq!(report["pictures"][1][key], alone[key], "{key}");
+    let named =
+        |key: &str| report["pictures"].as_array().unwrap().iter().map(|one| one[key].clone()).collect::<Vec<_>>();
+    assert_eq!(named("picture"), ["a.png", "b.png", "c.png"]);
+    assert_eq!(named("confidence"), ["agrees", "complete", "unknown"]);
+    assert_eq!(report["pictures"][1]["causes"][0]["fault"], "flip-vertical");
+    let mut alone = explain.clone();
+    alone[1] = "theirs/b.png";
+    let alone = json(&output(folder.path(), &[&alone[..], &["--json"]].concat()));
+    for (key, value) in alone.as_object().unwrap() {
+        assert_eq!(report["pictures"][1][key], *value, "{key}");
     }
     assert!(text.contains("b.png\n") && text.matches("pixel 16,9: theirs ").count() == 3, "{text}");
     for_each_division(folder.path(), &explain, |merged| {
@@ -293,10 +303,10 @@ fn parts_that_do_not_fit_are_refused_by_name() {
     let folder = folder.path();
     let parts = parts(folder, &NEEDLES, 3);
     let [first, second, third] = [0, 1, 2].map(|index| parts[index].clone());
-    let copy = |from: &str, to: &str| drop(fs::copy(folder.join(from), folder.join(to)).unwrap());
+    let copy = |from: &str, to: &str| assert!(fs::copy(folder.join(from), folder.join(to)).is_ok());
 
     assert_refused(folder, &[first.clone(), third.clone()], &[&first, "shard 2/3 is missing"]);
-    assert_refused(folder, &[third.clone()], &[&third, "shards 1/3 and 2/3 are missing"]);
+    assert_refused(folder, std::slice::from_ref(&third), &[&third, "shards 1/3 and 2/3 are missing"]);
     copy(&second, "again.json");
     let again = [first.clone(), "again.json".to_owned(), second.clone(), third.clone()];
     assert_refused(folder, &again, &["again.json", &second, "are both shard 2/3"]);
@@ -321,7 +331,7 @@ fn parts_that_do_not_fit_are_refused_by_name() {
         edit(folder, name, change);
     };
     changed("hole.json", |part| {
-        drop(part["run"]["results"]["classes"][0]["cases"].as_object_mut().unwrap().remove("1"))
+        drop(part["run"]["results"]["classes"][0]["cases"].as_object_mut().unwrap().remove("1"));
     });
     assert_refused(folder, &with("hole.json"), &["hole.json", "no result of case 1 of needles"]);
     changed("old.json", |part| part["rasterscope"] = "0.0.9".into());
@@ -360,7 +370,7 @@ fn an_interrupted_part_makes_the_merged_result_partial() {
     assert_eq!((report["partial"].as_bool(), report["classes"].as_array().unwrap().len()), (Some(true), 1));
     // Without all of its cases, a class has no result.
     edit(folder.path(), &parts[0], |part| {
-        part["run"]["results"]["classes"][0]["cases"] = Value::Object(Default::default())
+        part["run"]["results"]["classes"][0]["cases"] = Value::Object(Default::default());
     });
     let nothing = merge(folder.path(), &parts, "nothing");
     assert_eq!((nothing.status.code(), folder.path().join("nothing").exists()), (Some(130), false));
