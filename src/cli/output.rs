@@ -43,6 +43,12 @@ pub(crate) fn display(path: &Path) -> String {
     text::path(path)
 }
 
+/// Returns the command line of this process for a POSIX shell.
+pub(crate) fn command_line() -> String {
+    let arguments = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
+    text::shell_line(&std::iter::once("rasterscope".to_owned()).chain(arguments).collect::<Vec<_>>())
+}
+
 /// Writes a text file atomically.
 pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
     write_bytes(path, text.as_bytes())

@@ -1,13 +1,15 @@
-//! `rasterscope render`: renders a frame, one of its buffers, or the picture after a stage to a PNG, and prints its
-//! cost.
+//! `rasterscope render`: renders a frame, one of its buffers, or the picture after a stage to a PNG, or all buffers to
+//! an OpenEXR file, and prints its cost.
 
 use std::path::PathBuf;
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 use crate::chain::{Frame, KeepDepth, Recipe, Renderer};
 use crate::image::file::write_png;
 use crate::image::pfm::{Floats, write_pfm};
 use crate::image::{Image, Rgba8};
+use crate::disk;
+use crate::inspect::buffer_file::BufferSource;
 use crate::inspect::buffers::Buffers;
 use crate::inspect::display::{Display, ValueKind};
 use crate::inspect::intermediate::{self, Captured};
@@ -18,7 +20,7 @@ use crate::inspect::{Buffer, Intermediate, Stage, capture, stages, view};
 use crate::measure::stages::{StageSummary, stage_times, summarize_stages};
 use crate::pipeline::settings::Choice as _;
 use crate::scene::seams::Seams;
-use crate::scene::{Camera, Scene};
+use crate::scene::Scene;
 use clap::Args;
 
 use super::failure::Failure;
@@ -71,32 +73,44 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "FILE.pfm", conflicts_with = "stage")]
     data: Option<PathBuf>,
 
+    /// Write all buffers as named channels of an OpenEXR file: linear colour, depth, ids, weights, counts, texture
+    /// coordinates, normals and positions
+    #[arg(long, conflicts_with_all = ["buffer", "stage", "look", "overlay", "totals", "data"])]
+    buffers: bool,
+
     /// Number of frames to time; prints the median time of each stage, and the sum of the medians for the whole frame
     #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(1..=1000))]
     times: Option<u32>,
 
-    /// PNG file to write
-    #[arg(short, long, value_name = "FILE.png")]
+    /// PNG file to write, or OpenEXR file with --buffers
+    #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 }
 
 /// Runs `render`: draws the frame, writes the picture, and prints a summary line.
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
-    let DrawnFrame { scene, camera, recipe, frame } = args.frame.draw(moment(args.triangles, args.fragments))?;
+    check_output(args)?;
+    let drawn = args.frame.draw(moment(args.triangles, args.fragments))?;
+    if args.buffers {
+        write_buffers(args, &drawn)?;
+        print_summary(args, &drawn)?;
+        return print_times(args, &drawn);
+    }
+    let DrawnFrame { scene, camera, recipe, frame } = &drawn;
     let (buffer, captured) = match (args.stage.and_then(Stage::buffer), args.buffer) {
         (Some(buffer), _) | (None, Either::First(buffer)) => (buffer, None),
-        (None, Either::Second(number)) => (Buffer::Color, Some(intermediate::capture(&scene, &recipe, &frame, number))),
+        (None, Either::Second(number)) => (Buffer::Color, Some(intermediate::capture(scene, recipe, frame, number))),
     };
     let captured = captured.as_ref();
     let drawn_stage = args.stage.filter(|stage| stage.buffer().is_none());
-    let stage = drawn_stage.map(|stage| stages::picture(&scene, &camera, &recipe, &frame, stage));
+    let stage = drawn_stage.map(|stage| stages::picture(scene, camera, recipe, frame, stage));
     let buffers = (stage.is_none() && buffer != Buffer::Color)
-        .then(|| capture(&scene, &recipe, &frame).completed_for(buffer, &recipe, &frame));
+        .then(|| capture(scene, recipe, frame).completed_for(buffer, recipe, frame));
     let reads_seams = args.overlay.iter().any(|layer| layer.overlay.reads_seams());
     let wants_seams = reads_seams || buffers.as_ref().is_some_and(|buffers| buffers.hits.is_some());
-    let seams = wants_seams.then(|| Seams::of(&scene));
+    let seams = wants_seams.then(|| Seams::of(scene));
     let buffers = match &seams {
-        Some(seams) => buffers.map(|buffers| buffers.with_seams(&scene, &recipe, &frame, seams)),
+        Some(seams) => buffers.map(|buffers| buffers.with_seams(scene, recipe, frame, seams)),
         None => buffers,
     };
     let hits = buffers.as_ref().and_then(|buffers| buffers.hits.as_ref());
@@ -107,9 +121,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         buffers: buffers.as_ref(),
         seams: seams.as_ref(),
         display: args.look.unwrap_or_default(),
-        scene: &scene,
-        recipe: &recipe,
-        frame: &frame,
+        scene: scene,
+        recipe: recipe,
+        frame: frame,
         is_whole: args.triangles.is_none(),
     };
     let ends = captured.filter(|_| stage.is_none()).and_then(|_| shown.range());
@@ -123,16 +137,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     if let Some(path) = &args.totals {
         output::write(path, &csv(&sheets))?;
     }
-    output::print(&format!(
-        "{}: {} × {} px, triangles: {} in, {} drawn; {:.1} ms, {:.1} % of the pixels drawn\n",
-        output::display(&args.output),
-        frame.viewport.width,
-        frame.viewport.height,
-        scene.triangle_count(),
-        frame.rasterized(),
-        frame.times.total.as_secs_f64() * 1e3,
-        frame.drawn_share() * 100.0,
-    ))?;
+    print_summary(args, &drawn)?;
     if let Some(range) = ends {
         output::print(&format!("from {:?} (dark) to {:?} (bright)\n", range.low, range.high))?;
     }
@@ -145,7 +150,40 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         output::print(&first.unwrap_or_default())?;
     }
     output::print(&sheets.iter().map(totals).collect::<String>())?;
-    args.times.map_or(Ok(()), |frames| print_times(&scene, &camera, &recipe, &frame, frames))
+    print_times(args, &drawn)
+}
+
+/// Checks that the output file has the suffix of its format.
+fn check_output(args: &RenderArgs) -> Result<(), Failure> {
+    let is_exr = args.output.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("exr"));
+    let path = output::display(&args.output);
+    match (args.buffers, is_exr) {
+        (true, false) => Err(Failure::Usage(format!("{path}: --buffers writes OpenEXR; name a file that ends in .exr"))),
+        (false, true) => Err(Failure::Usage(format!("{path}: OpenEXR files hold all buffers; add --buffers"))),
+        _ => Ok(()),
+    }
+}
+
+/// Writes all buffers of the frame to an OpenEXR file.
+fn write_buffers(args: &RenderArgs, drawn: &DrawnFrame) -> Result<(), Failure> {
+    let DrawnFrame { scene, recipe, frame, .. } = drawn;
+    let encoded = BufferSource { scene, recipe, frame }.encode(&output::command_line());
+    let written = encoded.and_then(|bytes| disk::write(&args.output, &bytes));
+    written.map_err(|source| Failure::ResultFile { path: args.output.clone(), source })
+}
+
+/// Prints the output file, its size, the numbers of triangles and the cost of the frame.
+fn print_summary(args: &RenderArgs, DrawnFrame { scene, frame, .. }: &DrawnFrame) -> Result<(), Failure> {
+    output::print(&format!(
+        "{}: {} × {} px, triangles: {} in, {} drawn; {:.1} ms, {:.1} % of the pixels drawn\n",
+        output::display(&args.output),
+        frame.viewport.width,
+        frame.viewport.height,
+        scene.triangle_count(),
+        frame.rasterized(),
+        frame.times.total.as_secs_f64() * 1e3,
+        frame.drawn_share() * 100.0,
+    ))
 }
 
 /// Quantity shown in the picture, with the data from which it is computed.
@@ -231,14 +269,10 @@ fn totals(sheet: &Sheet) -> String {
         .collect()
 }
 
-/// Prints the median time of each stage over several frames, and the sum of these medians.
-fn print_times(
-    scene: &Arc<Scene>,
-    camera: &Camera,
-    recipe: &Recipe,
-    frame: &Frame,
-    frames: u32,
-) -> Result<(), Failure> {
+/// Prints the median time of each stage over the frames of `--times`, and the sum of these medians. Without `--times`,
+/// prints nothing.
+fn print_times(args: &RenderArgs, DrawnFrame { scene, camera, recipe, frame }: &DrawnFrame) -> Result<(), Failure> {
+    let Some(frames) = args.times else { return Ok(()) };
     let mut renderer = Renderer::default();
     let times = (0..frames).map(|_| {
         let frame = renderer.render(scene, camera, recipe, frame.viewport, KeepDepth::Yes);

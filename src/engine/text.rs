@@ -39,6 +39,20 @@ pub fn path(path: &Path) -> String {
     one_line(&path.display().to_string())
 }
 
+/// Returns the words of a command as one line for a POSIX shell, each quoted if necessary.
+pub fn shell_line<W: AsRef<str>>(words: &[W]) -> String {
+    words.iter().map(|word| quoted(word.as_ref())).collect::<Vec<_>>().join(" ")
+}
+
+/// Quotes a word for a POSIX shell if necessary.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-./,:=+@%".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', r"'\''"))
+}
+
 /// Returns whether a terminal or a title bar may interpret the character instead of displaying it: C0 controls, DEL, C1
 /// controls, bidirectional controls, and line and paragraph separators.
 fn is_unsafe(c: char) -> bool {
@@ -68,5 +82,13 @@ mod tests {
         let (fits, long) = ("ä".repeat(200), "ä".repeat(201));
         assert_eq!(message(&fits), fits);
         assert_eq!(message(&long), format!("{}…", "ä".repeat(199)));
+    }
+
+    #[test]
+    fn words_are_quoted_only_if_a_shell_requires_it() {
+        assert_eq!(quoted("fill_rule=top-left"), "fill_rule=top-left");
+        assert_eq!(quoted("my model.obj"), "'my model.obj'");
+        assert_eq!(quoted("it's"), r"'it'\''s'");
+        assert_eq!(quoted(""), "''");
     }
 }

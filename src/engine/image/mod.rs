@@ -115,6 +115,11 @@ impl<T: Copy> Image<T> {
         &self.pixels
     }
 
+    /// Returns the pixels, row by row from the top.
+    pub(crate) fn into_pixels(self) -> Vec<T> {
+        self.pixels
+    }
+
     /// Returns all values as a mutable slice, row by row.
     pub fn pixels_mut(&mut self) -> &mut [T] {
         &mut self.pixels

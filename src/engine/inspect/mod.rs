@@ -10,6 +10,8 @@ pub mod bad_fragments;
 
 mod blending;
 
+pub mod buffer_file;
+
 pub mod buffers;
 
 pub(crate) mod depth;

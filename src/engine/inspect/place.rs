@@ -18,6 +18,7 @@ use crate::disk::stored_path;
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, camera_file};
+use crate::text::shell_line;
 
 /// Complete state of an inspection, which can be restored later.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -103,7 +104,7 @@ impl InspectionState {
         if let Some((x, y)) = self.pixel {
             option("at", format!("{x},{y}"));
         }
-        words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
+        shell_line(&words)
     }
 
     /// Returns a short description of the state, such as "pixel 12, 34, Depth".
@@ -117,15 +118,6 @@ impl InspectionState {
         let parts: Vec<_> = pixel.into_iter().chain(shown.map(str::to_owned)).collect();
         if parts.is_empty() { "the picture".to_owned() } else { parts.join(", ") }
     }
-}
-
-/// Quotes a word for a POSIX shell if necessary.
-fn quoted(word: &str) -> String {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-./,:=+@%".contains(c);
-    if !word.is_empty() && word.chars().all(is_plain) {
-        return word.to_owned();
-    }
-    format!("'{}'", word.replace('\'', r"'\''"))
 }
 
 #[cfg(test)]
@@ -149,14 +141,6 @@ mod tests {
             fragments: None,
             pixel: None,
         }
-    }
-
-    #[test]
-    fn words_are_quoted_only_if_a_shell_requires_it() {
-        assert_eq!(quoted("fill_rule=top-left"), "fill_rule=top-left");
-        assert_eq!(quoted("my model.obj"), "'my model.obj'");
-        assert_eq!(quoted("it's"), r"'it'\''s'");
-        assert_eq!(quoted(""), "''");
     }
 
     #[test]

@@ -20,7 +20,7 @@ pub(crate) use blinn_phong::Highlight;
 pub(crate) use blinn_phong::Viewpoint;
 use glam::Vec3;
 pub(crate) use normal_map::NormalMap;
-use surface::PlacedMesh;
+pub(crate) use surface::PlacedMesh;
 
 use super::depth::depth_at;
 use super::interpolate::{AttributeSelection, Fragment};

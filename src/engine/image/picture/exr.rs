@@ -1,6 +1,8 @@
 //! OpenEXR files: layers of half, float and integer channels, with a data window of their own. Deep data and subsampled
 //! channels are not supported.
 
+pub(crate) mod write;
+
 use std::io::Cursor;
 
 use exr::block::chunk::{CompressedBlock, CompressedScanLineBlock, CompressedTileBlock};

@@ -18,6 +18,7 @@ use super::color::{self, Tables};
 use super::file::{ImageFileError, PictureFile};
 use super::{Image, Rgba8};
 
+pub(crate) use exr::write::{RenderAttributes, encode as encode_exr};
 pub use formats::{names as format_names, suffixes};
 
 /// Largest 8-bit code, to which the codes of all integer samples are scaled.
@@ -306,8 +307,8 @@ impl Picture {
     }
 }
 
-/// Groups channels into layers: the channels R, G and B, or Y, of each layer of the file with their alpha, and every
-/// other channel by itself. Colours come first.
+/// Groups channels into layers: the channels R, G and B, or Y without X, of each layer of the file with their alpha, and
+/// every other channel by itself. Colours come first.
 fn layers(channels: &[Channel]) -> Vec<Layer> {
     let split = |channel: &'_ Channel| match channel.name.rfind('.') {
         Some(dot) => (channel.name[..dot].to_owned(), channel.name[dot + 1..].to_owned()),
@@ -329,7 +330,9 @@ fn layers(channels: &[Channel]) -> Vec<Layer> {
             names.iter().position(is_it).filter(|index| !matches!(channels[*index].samples, Samples::U32(_)))
         };
         let color = [find("R"), find("G"), find("B")].into_iter().collect::<Option<Vec<_>>>();
-        let color = color.or_else(|| find("Y").map(|grey| vec![grey]));
+        // Besides X, Y is a coordinate and not a luminance.
+        let luminance = || find("Y").filter(|_| find("X").is_none());
+        let color = color.or_else(|| luminance().map(|grey| vec![grey]));
         let alpha = find("A").filter(|_| color.is_some());
         let members: Vec<usize> = color.iter().flatten().copied().chain(alpha).collect();
         if let Some(color) = color {

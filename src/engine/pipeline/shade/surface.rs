@@ -18,7 +18,8 @@ pub(crate) struct PlacedMesh<'a> {
 }
 
 impl<'a> PlacedMesh<'a> {
-    pub(super) fn new(library: &'a Library, instance: &Instance, plan: &DrawPlan) -> Self {
+    /// Returns the mesh of an instance, which `plan` draws.
+    pub(crate) fn new(library: &'a Library, instance: &Instance, plan: &DrawPlan) -> Self {
         let mesh = library.mesh(instance.mesh);
         Self { mesh, world_from_model: instance.world_from_model, first: plan.first_triangle() }
     }
