@@ -2,10 +2,12 @@
 //! cost.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use crate::chain::{Frame, Recipe, Renderer};
 use crate::image::file::write_png;
+use crate::image::{Image, Rgba8};
 use crate::inspect::fields::{FieldChange, changes};
 use crate::inspect::what_if::Changes;
 use crate::inspect::{Buffer, capture, view};
@@ -14,10 +16,12 @@ use crate::measure::machine::Machine;
 use crate::measure::motion::{FrameSequence, MotionError, Turn, between};
 use crate::measure::noise;
 use crate::measure::pair::{PairTimer, PairTimes};
+use crate::report::pictures::{MetricTable, PictureFigure, PicturePage};
 use clap::Args;
 use serde::Serialize;
 
 use super::failure::Failure;
+use super::output::is_html;
 use super::progress::ProgressLine;
 use super::scene_args::{FrameArgs, RequestedView};
 use super::{interrupt, output, parse};
@@ -50,8 +54,9 @@ pub(crate) struct DiffArgs {
     #[arg(long)]
     json: bool,
 
-    /// PNG file for the picture of B, with unchanged pixels in dark grey
-    #[arg(short, long, value_name = "FILE.png")]
+    /// PNG file for the picture of B, with unchanged pixels in dark grey, or HTML file for both pictures, their
+    /// difference, the settings that differ, and the errors
+    #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
 
@@ -106,8 +111,11 @@ pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
         machine: machine.at_end(),
         partial: interrupted.load(Ordering::Relaxed),
     };
-    if let Some(path) = &args.output {
+    if let Some(path) = args.output.as_ref().filter(|path| !is_html(path)) {
         write_png(path, &marked)?;
+    } else if let Some(path) = &args.output {
+        let pictures = [before.image(), after.image(), &marked].map(|picture| Arc::new(picture.clone()));
+        output::write_page(path, page(&report, pictures).html())?;
     }
     drop(line);
     if args.json {
@@ -115,7 +123,10 @@ pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
     } else {
         let written = args.output.as_deref().map(output::display);
         let written = written
-            .map(|path| format!("{path}: picture of B with only the changed pixels in colour\n"))
+            .map(|path| match args.output.as_deref().is_some_and(is_html) {
+                true => format!("{path}: both pictures, their difference, and errors\n"),
+                false => format!("{path}: picture of B with only the changed pixels in colour\n"),
+            })
             .unwrap_or_default();
         output::print(&(text(&report) + &written))?;
     }
@@ -128,7 +139,7 @@ fn compared(
     view: &RequestedView,
     (a, before): (&Recipe, &Frame),
     (b, after): (&Recipe, &Frame),
-) -> Result<(Changes, crate::image::Image<crate::image::Rgba8>), Failure> {
+) -> Result<(Changes, Image<Rgba8>), Failure> {
     let captured =
         |recipe: &Recipe, frame: &Frame| capture(&view.scene, recipe, frame).completed_for(buffer, recipe, frame);
     let buffers = (buffer != Buffer::Color).then(|| [captured(a, before), captured(b, after)]);
@@ -139,6 +150,44 @@ fn compared(
     let picture = view::picture(buffer, after, of_b, view::range(buffer, after, of_b));
     let marked = changed.with_unchanged_dimmed(&picture);
     Ok((changed, marked))
+}
+
+/// Returns the HTML page. The pictures are A, B, and B with only the changed pixels in colour. Times and motion are left
+/// out, so that the same command writes the same page.
+fn page(report: &DiffReport, [a, b, marked]: [Arc<Image<Rgba8>>; 3]) -> PicturePage {
+    let figure = |label: &str, picture, lines| PictureFigure { label: label.to_owned(), picture, lines, command: None };
+    let values = |which: usize| report.fields.iter().map(|field| format!("{}: {}", field[0], field[which])).collect();
+    let metrics = report.picture_error.map(|ImageError { mse, psnr_db, ssim, max_abs, .. }| {
+        let row = |name: &str, value: String| vec![name.to_owned(), value];
+        MetricTable {
+            columns: vec!["A against B".to_owned()],
+            rows: vec![
+                row("PSNR", format!("{psnr_db:.2} dB")),
+                row("SSIM", format!("{ssim:.6}")),
+                row("MSE", format!("{mse:.4}")),
+                row("Largest difference", max_abs.to_string()),
+            ],
+        }
+    });
+    PicturePage {
+        title: format!("Comparison of settings: {}", report.scene),
+        summary: vec![format!("{} × {} px", report.size[0], report.size[1]), changed_line(report)],
+        figures: vec![
+            figure("A", a, values(1)),
+            figure("B", b, values(2)),
+            figure("B with only the changed pixels in colour", marked, Vec::new()),
+        ],
+        metrics,
+        command: Some(output::command_line()),
+    }
+}
+
+/// Returns the number and the share of the changed pixels as one line.
+fn changed_line(report: &DiffReport) -> String {
+    let pixels = u64::from(report.size[0]) * u64::from(report.size[1]);
+    let name = crate::pipeline::settings::Choice::id(report.buffer);
+    let (count, share) = (report.changed_pixels, report.changed_share * 100.0);
+    format!("{name}: {count} of {pixels} pixels changed ({share:.4} %)\n")
 }
 
 fn timed(
@@ -165,10 +214,7 @@ fn text(report: &DiffReport) -> String {
     if report.fields.is_empty() {
         text += "A and B have the same settings\n";
     }
-    let pixels = u64::from(width) * u64::from(height);
-    let name = crate::pipeline::settings::Choice::id(report.buffer);
-    let (count, share) = (report.changed_pixels, report.changed_share * 100.0);
-    text += &format!("{name}: {count} of {pixels} pixels changed ({share:.4} %)\n");
+    text += &changed_line(report);
     if let Some(ImageError { mse, psnr_db, ssim, max_abs, .. }) = report.picture_error {
         text += &format!("picture: MSE {mse:.4}, PSNR {psnr_db:.2} dB, SSIM {ssim:.6}, largest difference {max_abs}\n");
     }

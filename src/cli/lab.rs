@@ -4,12 +4,14 @@ use std::path::PathBuf;
 
 use crate::image::file;
 use crate::lab::drawing::write_recording;
+use crate::lab::page::LabPage;
 use crate::lab::recording::Recording;
 use crate::lab::{Lesson, Page};
 use crate::pipeline::settings::Choice as _;
 use clap::Args;
 
 use super::failure::Failure;
+use super::output::is_html;
 use super::{output, parse};
 
 /// Arguments of `lab`.
@@ -31,8 +33,8 @@ pub(crate) struct LabArgs {
     #[arg(long)]
     compare: bool,
 
-    /// Output file; its extension determines the format: svg, pdf, png, bmp, jpg, tiff, or gif for all steps as an
-    /// animation. Without a file, the steps are printed
+    /// Output file; its extension determines the format: svg, pdf, png, bmp, jpg, tiff, gif for all steps as an
+    /// animation, or html for a page to step through. Without a file, the steps are printed
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
@@ -54,7 +56,13 @@ pub(crate) fn run(args: &LabArgs) -> Result<(), Failure> {
     let steps = args.step.unwrap_or(all).min(all);
     match &args.output {
         Some(path) => {
-            write_recording(path, &recording, steps)?;
+            if is_html(path) {
+                let command = output::command_line();
+                let page = LabPage { lesson: &lesson, recording: &recording, steps, command: Some(&command) };
+                output::write(path, &page.html())?;
+            } else {
+                write_recording(path, &recording, steps)?;
+            }
             output::print(&format!("{}: {steps} of {all} steps\n", output::display(path)))?;
         }
         None => output::print(&steps_text(&recording, steps))?,

@@ -23,7 +23,6 @@ mod merge;
 mod output;
 mod parse;
 mod pixel;
-mod pixel_text;
 mod plan;
 mod probe;
 mod progress;

@@ -49,6 +49,16 @@ pub(crate) fn command_line() -> String {
     text::shell_line(&std::iter::once("rasterscope".to_owned()).chain(arguments).collect::<Vec<_>>())
 }
 
+/// Returns whether the suffix of an output file requests an HTML page.
+pub(crate) fn is_html(path: &Path) -> bool {
+    path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("html") || suffix.eq_ignore_ascii_case("htm"))
+}
+
+/// Writes an HTML page atomically, unless its pictures could not be encoded.
+pub(crate) fn write_page(path: &Path, html: io::Result<String>) -> Result<(), Failure> {
+    write(path, &html.map_err(|source| Failure::ResultFile { path: path.to_owned(), source })?)
+}
+
 /// Writes a text file atomically.
 pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
     write_bytes(path, text.as_bytes())

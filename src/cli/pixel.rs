@@ -1,17 +1,15 @@
-//! `rasterscope pixel`: explains a pixel, as text or as JSON.
+//! `rasterscope pixel`: explains a pixel, as text, as JSON or as an HTML page.
 
 use std::hint::black_box;
-use std::sync::Arc;
+use std::path::PathBuf;
 use std::time::Instant;
 
-use crate::inspect::remedy::remedies;
-use crate::inspect::{Survey, Trace, explain};
+use crate::inspect::Trace;
 use crate::measure::timing::summarize;
-use crate::scene::seams::Seams;
+use crate::report::pixel::{PixelPage, describe, explain_fully};
 use clap::Args;
 
 use super::failure::Failure;
-use super::pixel_text::describe;
 use super::scene_args::{DrawnFrame, FrameArgs};
 use super::seen_args::moment;
 use super::{output, parse};
@@ -54,12 +52,16 @@ pub(crate) struct PixelArgs {
     #[arg(long)]
     json: bool,
 
+    /// HTML file for the explanation with the calculation, the picture, and the pixel's neighbourhood
+    #[arg(long, value_name = "FILE.html", conflicts_with_all = ["json", "times"])]
+    html: Option<PathBuf>,
+
     /// Print the calculation of the visible fragment line by line: formula, value, bits, exact value, rounding
     #[arg(long)]
     trace: bool,
 
     /// Number of the fragment to trace instead of the visible one, counted from 1 in drawing order
-    #[arg(long, value_name = "N", requires = "trace", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     fragment: Option<u32>,
 
     /// Number of traces to time; also prints their median time
@@ -76,13 +78,9 @@ pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
         return Err(outside());
     }
     let DrawnFrame { scene, recipe, frame, .. } = args.frame.draw(moment(args.triangles, args.fragments))?;
-    let mut survey = Survey::of(&scene, &recipe, &frame);
-    survey.set_seams(Arc::new(Seams::of(&scene)));
-    let mut report = explain(&scene, &recipe, &frame, &survey, (x, y)).ok_or_else(outside)?;
-    if args.triangles.is_none() {
-        report.remedies = remedies(&scene, &recipe, &frame, &report);
-    }
-    if !args.trace {
+    let is_whole = args.triangles.is_none();
+    let report = explain_fully(&scene, &recipe, &frame, (x, y), is_whole).ok_or_else(outside)?;
+    if !args.trace && args.html.is_none() {
         return if args.json { output::print_json(&report) } else { output::print(&describe(&report)) };
     }
     let fragment = args.fragment.map(|number| number as usize - 1);
@@ -91,6 +89,17 @@ pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
     }
     let make = || Trace::of(&scene, &recipe, &frame, &report, fragment);
     let trace = make();
+    if let Some(path) = &args.html {
+        let page = PixelPage {
+            scene: &scene.name,
+            frame: &frame,
+            report: &report,
+            trace: &trace,
+            command: &output::command_line(),
+        };
+        output::write_page(path, page.html())?;
+        return output::print(&format!("{}: pixel {x}, {y}: {}\n", output::display(path), report.verdict));
+    }
     if args.json {
         output::print_json(&trace)?;
     } else {

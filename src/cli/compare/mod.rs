@@ -1,5 +1,7 @@
 //! `rasterscope compare`: measures the error between picture files, or sequences of them, without a scene.
 
+mod page;
+
 mod print;
 
 mod sequence;
@@ -7,6 +9,7 @@ mod sequence;
 use std::path::{Path, PathBuf};
 
 use crate::image::file::write_png;
+use crate::image::{Image, Rgba8};
 use crate::image::picture::{Layer, Picture, format_names};
 use crate::image::sequence::FileSequence;
 use crate::measure::difference::{self, Difference};
@@ -77,8 +80,9 @@ pub(crate) struct CompareArgs {
     #[arg(long)]
     json: bool,
 
-    /// PNG file for the difference of A and B; for sequences a pattern such as difference.####.png
-    #[arg(short, long, value_name = "FILE.png")]
+    /// PNG file for the difference of A and B, for sequences a pattern such as difference.####.png; or HTML file for both
+    /// pictures, their difference and the errors
+    #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
 
@@ -147,6 +151,9 @@ struct Measured {
 pub(crate) fn run(args: &CompareArgs) -> Result<(), Failure> {
     check_bounds(args)?;
     if [&args.a, &args.b].into_iter().chain(&args.reference).any(|path| FileSequence::is_named_by(path)) {
+        if args.output.as_deref().is_some_and(output::is_html) {
+            return Err(Failure::Usage("--output: HTML pages show single pictures, not sequences".to_owned()));
+        }
         return sequence::run(args);
     }
     if args.shift_b != 0 || args.shift_reference != 0 {
@@ -154,7 +161,9 @@ pub(crate) fn run(args: &CompareArgs) -> Result<(), Failure> {
     }
     let inputs = Inputs::read(&args.a, &args.b, args.reference.as_deref())?;
     let measured = measure(args, &inputs)?;
-    if let Some(path) = &args.output {
+    if let Some(path) = args.output.as_ref().filter(|path| output::is_html(path)) {
+        page::write(args, &inputs, &measured, path)?;
+    } else if let Some(path) = &args.output {
         write_difference(args, &inputs, path)?;
     }
     let exceeded = exceeded(args, &measured);
@@ -190,8 +199,13 @@ fn measure(args: &CompareArgs, inputs: &Inputs<'_>) -> Result<Vec<Measured>, Fai
 
 /// Writes the difference of A and B.
 fn write_difference(args: &CompareArgs, inputs: &Inputs<'_>, path: &Path) -> Result<(), Failure> {
+    Ok(write_png(path, &difference_of(args, inputs)?)?)
+}
+
+/// Returns the difference of A and B as a picture.
+fn difference_of(args: &CompareArgs, inputs: &Inputs<'_>) -> Result<Image<Rgba8>, Failure> {
     let values = pair(args, &inputs.a, &inputs.b)?.difference(args.difference);
-    Ok(write_png(path, &difference::picture(args.difference, args.gain, &values))?)
+    Ok(difference::picture(args.difference, args.gain, &values))
 }
 
 /// Returns exposure and tone curve of linear light.

@@ -22,7 +22,7 @@ fn better(metric: Metric, measured: &[Measured]) -> Option<&'static str> {
 }
 
 /// Names the better picture in words; empty without a reference.
-fn verdict(inputs: &Inputs<'_>, measured: &[Measured]) -> String {
+pub(super) fn verdict(inputs: &Inputs<'_>, measured: &[Measured]) -> String {
     let [a, _] = measured else { return String::new() };
     let metrics = a.errors.metrics.iter().map(|(metric, _)| *metric);
     let by = |role: &str| -> Vec<&str> {
@@ -35,6 +35,15 @@ fn verdict(inputs: &Inputs<'_>, measured: &[Measured]) -> String {
         (of_a, _) if of_a.is_empty() => format!("B is better: {}\n", path(&inputs.b)),
         (of_a, of_b) => format!("A is better by {}, B by {}\n", of_a.join(", "), of_b.join(", ")),
     }
+}
+
+/// Returns the line that names the exposure and the tone curve of linear light; empty for other values.
+pub(super) fn tone_line(args: &CompareArgs, measured: &[Measured]) -> String {
+    if measured.iter().all(|measured| measured.scale != ValueScale::Linear) {
+        return String::new();
+    }
+    let Tone { exposure, curve } = tone(args);
+    format!("SSIM and FLIP: exposure {exposure} EV, tone curve {}, 8-bit sRGB\n", curve.name())
 }
 
 /// Returns the comparison as text.
@@ -55,11 +64,10 @@ pub(super) fn text(args: &CompareArgs, inputs: &Inputs<'_>, measured: &[Measured
         }
     }
     text += &verdict(inputs, measured);
-    if measured.iter().any(|measured| measured.scale == ValueScale::Linear) {
-        let Tone { exposure, curve } = tone(args);
-        text += &format!("SSIM and FLIP: exposure {exposure} EV, tone curve {}, 8-bit sRGB\n", curve.name());
-    }
-    if let Some(path) = &args.output {
+    text += &tone_line(args, measured);
+    if let Some(path) = args.output.as_ref().filter(|path| output::is_html(path)) {
+        text += &format!("{}: pictures, their difference, and errors\n", output::display(path));
+    } else if let Some(path) = &args.output {
         let (kind, gain) = (args.difference.name().to_lowercase(), args.gain);
         text += &format!("{}: {kind} difference of A and B, × {gain}\n", output::display(path));
     }

@@ -1,7 +1,7 @@
 //! Drawings as SVG 1.1.
 
 use glam::DVec2;
-use svg::Document;
+use svg::{Document, Node};
 use svg::node::element::{ClipPath, Definitions, Ellipse, Group, Line, Path, Polygon, Rectangle, Text, Use};
 
 use super::{Drawing, PartitionRegion, Rgb, SEAM_WIDTHS, Shape, Stroke};
@@ -26,16 +26,25 @@ pub(crate) fn text(drawing: &Drawing, scale: f64) -> String {
         let page = ClipPath::new().set("id", PAGE).add(page());
         document = document.set("xmlns:xlink", "http://www.w3.org/1999/xlink").add(page);
     }
-    drawing.shapes.iter().enumerate().fold(document, with).to_string()
+    drawing.shapes.iter().enumerate().for_each(|shape| append(&mut document, shape));
+    document.to_string()
 }
 
-fn with(document: Document, (number, shape): (usize, &Shape)) -> Document {
+/// Returns the elements of shapes as a group. `attributes` are those of its element, such as an id.
+pub(crate) fn group(shapes: &[Shape], attributes: &[(&str, String)]) -> String {
+    let mut group = Group::new();
+    attributes.iter().for_each(|(name, value)| group.assign(*name, value.as_str()));
+    shapes.iter().enumerate().for_each(|shape| append(&mut group, shape));
+    group.to_string()
+}
+
+fn append(parent: &mut impl Node, (number, shape): (usize, &Shape)) {
     match shape {
         Shape::Polygon { corners, fill, stroke } => {
             let points: Vec<_> =
                 corners.iter().map(|corner| format!("{},{}", short(corner.x), short(corner.y))).collect();
             let polygon = Polygon::new().set("points", points.join(" ")).set("fill-rule", "evenodd");
-            document.add(
+            parent.append(
                 polygon
                     .set("fill", fill.map_or("none".to_owned(), code))
                     .set("stroke", stroke.map_or("none".to_owned(), |stroke| code(stroke.color)))
@@ -43,7 +52,7 @@ fn with(document: Document, (number, shape): (usize, &Shape)) -> Document {
                     .set("stroke-linejoin", "round"),
             )
         }
-        Shape::Line { from, to, stroke: Stroke { color, width } } => document.add(
+        Shape::Line { from, to, stroke: Stroke { color, width } } => parent.append(
             Line::new()
                 .set("x1", short(from.x))
                 .set("y1", short(from.y))
@@ -53,7 +62,7 @@ fn with(document: Document, (number, shape): (usize, &Shape)) -> Document {
                 .set("stroke-width", *width)
                 .set("stroke-linecap", "round"),
         ),
-        Shape::Ellipse { center, radii, fill, stroke } => document.add(
+        Shape::Ellipse { center, radii, fill, stroke } => parent.append(
             Ellipse::new()
                 .set("cx", short(center.x))
                 .set("cy", short(center.y))
@@ -70,9 +79,10 @@ fn with(document: Document, (number, shape): (usize, &Shape)) -> Document {
             let drawn = |width: f64| Use::new().set("xlink:href", format!("#{id}")).set("stroke-width", width);
             let within_page = Group::new().set("clip-path", format!("url(#{PAGE})"));
             let times = SEAM_WIDTHS.into_iter().fold(within_page, |group, width| group.add(drawn(width)));
-            document.add(Definitions::new().add(all)).add(times)
+            parent.append(Definitions::new().add(all));
+            parent.append(times);
         }
-        Shape::Text { at, text, color, size } => document.add(
+        Shape::Text { at, text, color, size } => parent.append(
             Text::new(text.as_str())
                 .set("x", short(at.x))
                 .set("y", short(at.y))

@@ -65,12 +65,18 @@ impl InspectionState {
         self.picture.map_or(Ok(()), |(width, height)| Viewport { width, height }.check())
     }
 
-    /// Returns the command line that restores this state, with words quoted where a shell requires it.
+    /// Returns the command line that restores this state in the window, with words quoted where a shell requires it.
     pub fn command_line(&self) -> String {
+        self.command_line_of("window", &[])
+    }
+
+    /// Returns the command line that runs a command of the program with this state and further options, with words
+    /// quoted where a shell requires it.
+    pub fn command_line_of(&self, command: &str, options: &[&str]) -> String {
         let scene = self.scene.to_string_lossy();
         // The prefix `./` prevents a path from being parsed as an option.
         let scene = if scene.starts_with('-') { format!("./{scene}") } else { scene.into_owned() };
-        let mut words = vec!["rasterscope".to_owned(), "window".to_owned(), scene];
+        let mut words = vec!["rasterscope".to_owned(), command.to_owned(), scene];
         words.extend(self.mirrored.then(|| "--mirror-z".to_owned()));
         let mut option = |name: &str, value: String| words.extend([format!("--{name}"), value]);
         option("camera", camera_file::text(&self.camera));
@@ -104,6 +110,7 @@ impl InspectionState {
         if let Some((x, y)) = self.pixel {
             option("at", format!("{x},{y}"));
         }
+        words.extend(options.iter().map(|option| (*option).to_owned()));
         shell_line(&words)
     }
 

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use glam::DVec2;
 
-use super::recording::{Ink, Mark, Recording, Tone};
+use super::recording::{Ink, InkedPixel, Mark, Recording, Tone};
 use crate::drawing::file::{DrawingFileError, DrawingFormat, PixelFormat, encode, encode_animation, format_of, save};
 use crate::drawing::{Drawing, Rgb, Shape, Stroke};
 
@@ -63,26 +63,32 @@ pub fn encode_recording(path: &Path, recording: &Recording, steps: usize) -> Res
 /// Returns the drawing of a recording after its first `steps` steps; one unit of length is one grid pixel.
 pub(crate) fn drawing(recording: &Recording, steps: usize) -> Drawing {
     let (width, height) = recording.size;
-    let mut drawing = Drawing { size: DVec2::new(width.into(), height.into()), background: PAPER, shapes: Vec::new() };
-    for cell in recording.cells(steps) {
-        let inside = (0..i64::from(width)).contains(&cell.x) && (0..i64::from(height)).contains(&cell.y);
-        if inside {
+    let mut shapes = squares(recording.size, recording.cells(steps));
+    shapes.extend(grid(recording.size));
+    shapes.extend(recording.marks(steps).map(shape_of));
+    Drawing { size: DVec2::new(width.into(), height.into()), background: PAPER, shapes }
+}
+
+/// Returns a square for each of the pixels that lies in a grid of `size`.
+pub(super) fn squares<'a>(size: (u32, u32), cells: impl Iterator<Item = &'a InkedPixel>) -> Vec<Shape> {
+    let mut drawing = Drawing { size: DVec2::ZERO, background: PAPER, shapes: Vec::new() };
+    for cell in cells {
+        let is_inside = (0..i64::from(size.0)).contains(&cell.x) && (0..i64::from(size.1)).contains(&cell.y);
+        if is_inside {
             drawing.square(cell.x as f64, cell.y as f64, 1.0, color_of(cell.ink));
         }
     }
-    grid(&mut drawing);
-    drawing.shapes.extend(recording.marks(steps).map(shape_of));
-    drawing
+    drawing.shapes
 }
 
-fn grid(drawing: &mut Drawing) {
-    let DVec2 { x: width, y: height } = drawing.size;
-    let stroke = Stroke { color: GRID, width: GRID_LINE };
-    let mut line = |from: (f64, f64), to: (f64, f64)| {
-        drawing.shapes.push(Shape::Line { from: from.into(), to: to.into(), stroke });
+/// Returns the lines of a grid of `size`.
+pub(super) fn grid((width, height): (u32, u32)) -> impl Iterator<Item = Shape> {
+    let line = |from: (f64, f64), to: (f64, f64)| {
+        let stroke = Stroke { color: GRID, width: GRID_LINE };
+        Shape::Line { from: from.into(), to: to.into(), stroke }
     };
-    (0..=width as u32).map(f64::from).for_each(|x| line((x, 0.0), (x, height)));
-    (0..=height as u32).map(f64::from).for_each(|y| line((0.0, y), (width, y)));
+    let columns = (0..=width).map(move |x| line((x.into(), 0.0), (x.into(), height.into())));
+    columns.chain((0..=height).map(move |y| line((0.0, y.into()), (width.into(), y.into()))))
 }
 
 fn color_of(ink: Ink) -> Rgb {
@@ -109,7 +115,8 @@ fn color_of_tone(tone: Tone) -> Rgb {
     }
 }
 
-fn shape_of(mark: &Mark) -> Shape {
+/// Returns the shape of a mark.
+pub(super) fn shape_of(mark: &Mark) -> Shape {
     let stroke = |tone: &Tone| Stroke { color: color_of_tone(*tone), width: LINE };
     match mark {
         Mark::Line(from, to, tone) => Shape::Line { from: *from, to: *to, stroke: stroke(tone) },

@@ -9,6 +9,8 @@ pub mod recording;
 
 pub mod drawing;
 
+pub mod page;
+
 pub(crate) mod picture;
 
 pub mod lines;

@@ -6,6 +6,10 @@ pub mod html;
 
 pub mod skipped_work;
 
+pub mod pictures;
+
+pub mod pixel;
+
 pub mod plan;
 
 mod plot;

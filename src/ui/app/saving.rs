@@ -11,11 +11,18 @@ use super::Workbench;
 use crate::case::MinimalCase;
 use crate::image::file::encode_png;
 use crate::image::{Image, Rgba8};
+use crate::inspect::buffer_file::BufferSource;
+use crate::inspect::display::Display;
 use crate::inspect::outline::{OutlineControl, OutlineKind, OutlineRequest, outline};
+use crate::inspect::{Buffer, InspectionState, Trace};
+use crate::lab::Lesson;
 use crate::lab::drawing::encode_recording;
+use crate::lab::page::LabPage;
 use crate::pipeline::settings::Choice as _;
-use crate::ui::compare::export::ComparisonPage;
-use crate::ui::engine::Request;
+use crate::report::pixel::{PixelPage, explain_fully};
+use crate::text::shell_line;
+use crate::ui::compare::export::comparison_page;
+use crate::ui::engine::{RenderedView, Request};
 use crate::ui::overlays;
 use crate::ui::panels::dialogs::Dialog;
 use crate::ui::range;
@@ -92,7 +99,8 @@ impl Workbench {
     pub(super) fn ask_where_to_save(&mut self, ui: &Ui, item: SaveItem) {
         let savable = match item {
             SaveItem::Case => self.minimal_case().map(drop),
-            SaveItem::Comparison => ComparisonPage::of(&self.session).map(drop),
+            SaveItem::Comparison => comparison_page(&self.session).map(drop),
+            SaveItem::Pixel => self.picked_pixel().map(drop),
             _ => Ok(()),
         };
         match savable {
@@ -120,12 +128,31 @@ impl Workbench {
                     self.save(ui, file, move || Ok(range::save::encoded(&view)));
                 }
             }
+            SaveItem::Buffers => self.save_buffers(ui, file),
+            SaveItem::Pixel => match self.picked_pixel() {
+                Ok((view, pixel)) => self.save_pixel(ui, file, view, pixel),
+                Err(reason) => self.session.report(Severity::Error, reason),
+            },
+            SaveItem::LabRun => {
+                let lab = &self.session.features.lab;
+                let (lesson, page) = (lab.lesson().clone(), lab.page);
+                // No command restores an edited input.
+                let is_original = lesson == Lesson::new(page);
+                let words = ["rasterscope", "lab", page.id(), "-o", &format!("{}.html", page.id())];
+                let command = is_original.then(|| shell_line(&words));
+                self.save(ui, file, move || {
+                    let recording = lesson.record();
+                    let steps = recording.steps.len();
+                    let page = LabPage { lesson: &lesson, recording: &recording, steps, command: command.as_deref() };
+                    Ok(page.html().into_bytes())
+                });
+            }
             SaveItem::Outline(kind, extension) => self.save_outline(ui, file, kind, extension),
             SaveItem::Case => match self.minimal_case() {
                 Ok(minimal) => self.write_case(ui, &minimal, file.destination),
                 Err(reason) => self.session.report(Severity::Error, reason),
             },
-            SaveItem::Comparison => match ComparisonPage::of(&self.session) {
+            SaveItem::Comparison => match comparison_page(&self.session) {
                 Ok(page) => {
                     self.save(ui, file, move || page.html().map(String::into_bytes).map_err(|error| error.to_string()));
                 }
@@ -158,6 +185,60 @@ impl Workbench {
         let settings = &view.request.recipe.pipeline;
         let triangle = &view.frame.geometry.triangles[submission];
         Ok(MinimalCase::new(triangle, (x, y), view.frame.raster, settings, &view.request.scene.name))
+    }
+
+    /// Returns the view on the canvas and the picked pixel.
+    ///
+    /// # Errors
+    /// Returns an error if no pixel is picked.
+    fn picked_pixel(&self) -> Result<(RenderedView, (u32, u32)), &'static str> {
+        const NONE: &str = "No pixel to explain: pick a pixel first";
+        let view = self.session.view.clone().ok_or(NONE)?;
+        let pixel = view.report.as_ref().map(|report| (report.x, report.y)).ok_or(NONE)?;
+        Ok((view, pixel))
+    }
+
+    /// Saves all buffers of the frame as an OpenEXR file.
+    fn save_buffers(&mut self, ui: &Ui, file: SavedFile) {
+        let Some(view) = self.session.view.clone() else { return };
+        let command = self.command_of(&view, "render", &["--buffers", "-o", "buffers.exr"]);
+        self.save(ui, file, move || {
+            let Request { scene, recipe, .. } = &view.request;
+            let source = BufferSource { scene, recipe, frame: &view.frame };
+            source.encode(&command).map_err(|error| error.to_string())
+        });
+    }
+
+    /// Saves the explanation of a pixel as an HTML page.
+    fn save_pixel(&mut self, ui: &Ui, file: SavedFile, view: RenderedView, pixel: (u32, u32)) {
+        let command = self.command_of(&view, "pixel", &["--html", "pixel.html"]);
+        self.save(ui, file, move || {
+            let Request { scene, recipe, triangle_limit, .. } = &view.request;
+            let report = explain_fully(scene, recipe, &view.frame, pixel, triangle_limit.is_none());
+            let report = report.ok_or("The pixel lies outside the picture")?;
+            let trace = Trace::of(scene, recipe, &view.frame, &report, None);
+            let page =
+                PixelPage { scene: &scene.name, frame: &view.frame, report: &report, trace: &trace, command: &command };
+            page.html().map(String::into_bytes).map_err(|error| error.to_string())
+        });
+    }
+
+    /// Returns the command line that runs a command of the program with the state of a view. The way in which the canvas
+    /// shows it is left out.
+    fn command_of(&self, view: &RenderedView, command: &str, options: &[&str]) -> String {
+        let Request { camera, recipe, viewport, .. } = &view.request;
+        let state = InspectionState {
+            camera: *camera,
+            recipe: *recipe,
+            picture: Some((viewport.width, viewport.height)),
+            buffer: Buffer::Color,
+            stage: None,
+            number: None,
+            display: Display::default(),
+            overlays: Vec::new(),
+            ..self.session.place()
+        };
+        state.command_line_of(command, options)
     }
 
     /// Saves a case as a JSON file.

@@ -194,7 +194,12 @@ impl Lab {
                 return Some(Command::File(FileCommand::SaveAs(SaveItem::LabDrawing("png"))));
             }
             Command::File(FileCommand::SaveAs(
-                SaveItem::Values | SaveItem::Outline(..) | SaveItem::Case | SaveItem::Comparison,
+                SaveItem::Values
+                | SaveItem::Buffers
+                | SaveItem::Pixel
+                | SaveItem::Outline(..)
+                | SaveItem::Case
+                | SaveItem::Comparison,
             )) => {
                 return None;
             }

@@ -109,7 +109,7 @@ fn file(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ui.menu_button("Save as", |ui| {
         for item in SaveItem::LISTED {
             let name = item.name();
-            let enabled = item != SaveItem::Comparison || session.comparison.is_on();
+            let enabled = item.is_offered(session);
             entry_if(ui, enabled, &format!("Save {name} as…"), Command::File(FileCommand::SaveAs(item)), commands);
         }
     });

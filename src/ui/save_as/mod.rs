@@ -18,6 +18,10 @@ pub(crate) enum SaveItem {
     Picture,
     /// Exact values on the canvas, as PFM.
     Values,
+    /// All buffers of the frame, as named channels of an OpenEXR file.
+    Buffers,
+    /// Explanation of the picked pixel, as an HTML page.
+    Pixel,
     /// Vector drawing of the scene, in the format with this file name extension.
     Outline(OutlineKind, &'static str),
     /// Triangle visible at the picked pixel, as a case file.
@@ -28,21 +32,44 @@ pub(crate) enum SaveItem {
     FrameTimes,
     /// Drawing of the current page of the 2D lab, in the format with this file name extension.
     LabDrawing(&'static str),
+    /// All steps of the current page of the 2D lab, as an HTML page.
+    LabRun,
 }
 
 impl SaveItem {
     /// Items with an entry “Save … as…” in the menu “File” and in the palette.
-    pub(crate) const LISTED: [Self; 5] = [Self::Picture, Self::Values, Self::Case, Self::Comparison, Self::FrameTimes];
+    pub(crate) const LISTED: [Self; 8] = [
+        Self::Picture,
+        Self::Values,
+        Self::Buffers,
+        Self::Pixel,
+        Self::Case,
+        Self::Comparison,
+        Self::FrameTimes,
+        Self::LabRun,
+    ];
+
+    /// Whether the item exists now. Items whose absence has a reason to report always count as present.
+    pub(crate) fn is_offered(self, session: &Session) -> bool {
+        match self {
+            Self::Comparison => session.comparison.is_on(),
+            Self::LabRun => session.features.lab.open,
+            _ => true,
+        }
+    }
 
     /// Returns the display name, which continues “Save …”.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Picture => "picture",
             Self::Values => "exact values (PFM)",
+            Self::Buffers => "all buffers (OpenEXR)",
+            Self::Pixel => "explanation of the pixel (HTML)",
             Self::Outline(..) | Self::LabDrawing(_) => "drawing",
             Self::Case => "triangle as case file",
             Self::Comparison => "comparison (HTML)",
             Self::FrameTimes => "frame times (CSV)",
+            Self::LabRun => "2D lab run (HTML)",
         }
     }
 
@@ -51,9 +78,10 @@ impl SaveItem {
         match self {
             Self::Picture => "png",
             Self::Values => "pfm",
+            Self::Buffers => "exr",
             Self::Outline(_, extension) | Self::LabDrawing(extension) => extension,
             Self::Case => "json",
-            Self::Comparison => "html",
+            Self::Comparison | Self::Pixel | Self::LabRun => "html",
             Self::FrameTimes => "csv",
         }
     }
@@ -68,10 +96,12 @@ impl SaveItem {
                 Shown::Intermediate(number) => number.id(),
             },
             Self::Outline(kind, _) => kind.id(),
+            Self::Buffers => "buffers",
+            Self::Pixel => "pixel",
             Self::Case => "triangle",
             Self::Comparison => "comparison",
             Self::FrameTimes => "frame-times",
-            Self::LabDrawing(_) => session.features.lab.page.id(),
+            Self::LabDrawing(_) | Self::LabRun => session.features.lab.page.id(),
         }
     }
 

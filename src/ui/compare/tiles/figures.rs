@@ -96,6 +96,15 @@ pub(in crate::ui::compare) fn words_of_all(figures: &ErrorMetrics) -> String {
     words_of(figures, NAMED.len())
 }
 
+/// Returns a row for each error metric: its name, and its value for each picture, or a dash where it is not measured.
+pub(in crate::ui::compare) fn metric_rows(pictures: &[Option<ErrorMetrics>]) -> Vec<Vec<String>> {
+    let row = |(name, value): &Named| {
+        let values = pictures.iter().map(|figures| figures.as_ref().map_or_else(|| "–".to_owned(), value));
+        std::iter::once((*name).to_owned()).chain(values).collect()
+    };
+    NAMED.iter().map(row).collect()
+}
+
 fn words_of(figures: &ErrorMetrics, count: usize) -> String {
     let words = NAMED[..count].iter().map(|(name, value)| format!("{name} {}", value(figures)));
     words.collect::<Vec<_>>().join(" · ")

@@ -10,7 +10,7 @@ use crate::inspect::{DepthRecord, FragmentOutcome, FragmentRecord, PixelReport};
 use crate::pipeline::settings::{Arithmetic, Choice as _};
 
 /// Formats the whole report as text of several lines.
-pub(crate) fn describe(report: &PixelReport) -> String {
+pub fn describe(report: &PixelReport) -> String {
     let mut lines = vec![format!("pixel {}, {}: {}", report.x, report.y, color(report.color)), report.verdict.clone()];
     lines.extend(
         report
@@ -26,7 +26,7 @@ pub(crate) fn describe(report: &PixelReport) -> String {
     for (index, fragment) in report.fragments.iter().enumerate() {
         lines.push(String::new());
         lines.push(format!("fragment {} of {}", index + 1, report.fragments.len()));
-        lines.extend(fragment_lines(fragment).map(|line| format!("  {line}")));
+        lines.extend(fragment_rows(fragment).map(|(name, text)| format!("  {name:<9} {text}")));
     }
     if !report.absent.is_empty() {
         lines.push(String::new());
@@ -54,7 +54,8 @@ pub(crate) fn describe(report: &PixelReport) -> String {
     lines.join("\n") + "\n"
 }
 
-fn fragment_lines(fragment: &FragmentRecord) -> impl Iterator<Item = String> {
+/// Returns the properties of a fragment, each as a name and text. A name is empty if the text continues the one before.
+pub(super) fn fragment_rows(fragment: &FragmentRecord) -> impl Iterator<Item = (&'static str, String)> {
     let corners = fragment.corners_px.map(|[x, y]| format!("({x}, {y})")).join(" ");
     let stored = fragment.stored_depth.map_or("no depth buffer".to_owned(), |d| format!("previously stored {d}"));
     let rows = [
@@ -81,7 +82,6 @@ fn fragment_lines(fragment: &FragmentRecord) -> impl Iterator<Item = String> {
         .chain(alpha)
         .chain(change)
         .chain(fragment.shading.iter().flat_map(shading_rows))
-        .map(|(name, text)| format!("{name:<9} {text}"))
 }
 
 /// Formats the colour and the depth of a sample.
@@ -135,11 +135,13 @@ fn one_step(depth: DepthRecord) -> String {
     }
 }
 
-fn source_line(source: &SourceRecord) -> String {
+/// Formats a drawn sample that the upscaler reads.
+pub(super) fn source_line(source: &SourceRecord) -> String {
     format!("({}, {}) × {:?}: {}", source.tap.x, source.tap.y, source.tap.weight, color(source.color))
 }
 
-fn outcome(outcome: FragmentOutcome) -> &'static str {
+/// Returns the outcome of a fragment in words.
+pub(super) fn outcome(outcome: FragmentOutcome) -> &'static str {
     match outcome {
         FragmentOutcome::Visible => "visible",
         FragmentOutcome::Overwritten => "overwritten",
@@ -149,7 +151,8 @@ fn outcome(outcome: FragmentOutcome) -> &'static str {
     }
 }
 
-fn color([r, g, b, _]: Rgba8) -> String {
+/// Formats the codes of a colour in hexadecimal and in decimal.
+pub(super) fn color([r, g, b, _]: Rgba8) -> String {
     format!("#{r:02x}{g:02x}{b:02x} ({r}, {g}, {b})")
 }
 
