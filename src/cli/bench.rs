@@ -85,7 +85,7 @@ enum LanesArg {
 
 /// Runs `bench`: draws the frames, and prints times and costs.
 pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
-    let (view, size) = (args.frame.view()?, args.frame.size());
+    let (view, size) = (args.frame.view()?, args.frame.size()?);
     if args.window {
         let costs = bench_window::measure(view, size, args.frames as usize)?;
         return if args.json { output::print_json(&costs) } else { output::print(&bench_window::table(&costs, size)) };

@@ -85,7 +85,7 @@ struct DiffReport {
 /// Runs `diff`: draws the pictures A and B, compares and times them, and prints the differences.
 pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
     let view = args.frame.view()?;
-    let size = args.frame.size();
+    let size = args.frame.size()?;
     let (a, b) = (view.against(&args.against)?, view.recipe);
     let frame = |recipe: &Recipe| Renderer::default().render_converged(&view.scene, &view.camera, recipe, size);
     let (before, after) = (frame(&a), frame(&b));

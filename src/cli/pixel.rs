@@ -20,9 +20,9 @@ pub(crate) struct PixelArgs {
     #[command(flatten)]
     frame: FrameArgs,
 
-    /// Column and row of the pixel, counted from 0 at the top left
+    /// Column and row of the pixel, counted from 0 at the top left [default: the picked pixel of the project]
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = parse::pixel)]
-    at: (u32, u32),
+    at: Option<(u32, u32)>,
 
     /// Number of rasterized triangles to draw before the pixel is explained; all if omitted
     #[arg(long, value_name = "N")]
@@ -71,8 +71,9 @@ pub(crate) struct PixelArgs {
 
 /// Runs `pixel`: draws the frame, replays the pixel, and prints all its fragments.
 pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
-    let (x, y) = args.at;
-    let picture = args.frame.size();
+    let pick = || args.frame.pick()?.ok_or_else(|| Failure::Usage("--at X,Y is missing: name a pixel".to_owned()));
+    let (x, y) = args.at.map_or_else(pick, Ok)?;
+    let picture = args.frame.size()?;
     let outside = || Failure::OutsidePicture { x, y, picture };
     if x >= picture.width || y >= picture.height {
         return Err(outside());

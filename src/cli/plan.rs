@@ -62,7 +62,7 @@ struct Planned<'a> {
 /// skipping.
 pub(crate) fn run(args: &PlanArgs) -> Result<(), Failure> {
     let RequestedView { scene, camera, recipe, .. } = args.frame.view()?;
-    let viewport = args.frame.size();
+    let viewport = args.frame.size()?;
     if args.table {
         return table_of_scenes(args, &recipe, viewport);
     }

@@ -71,7 +71,7 @@ pub(crate) struct ProbeArgs {
 /// Runs `probe`: draws the view repeatedly with jittered inputs, writes the requested files, and prints the findings.
 pub(crate) fn run(args: &ProbeArgs) -> Result<(), Failure> {
     let RequestedView { scene, recipe, camera, .. } = args.frame.view()?;
-    let subject = ProbedView { scene, camera, settings: recipe.pipeline, viewport: args.frame.size() };
+    let subject = ProbedView { scene, camera, settings: recipe.pipeline, viewport: args.frame.size()? };
     let what = Probe { what: args.what, ulps: args.ulps, runs: args.runs, seed: args.seed };
     let never = AtomicBool::new(false);
     if let Some(shard) = args.shard.shard {

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use std::sync::OnceLock;
 
 use crate::chain::{Frame, KeepDepth, Recipe, Renderer};
+use crate::disk;
 use crate::image::file::write_png;
 use crate::image::pfm::{Floats, write_pfm};
 use crate::image::{Image, Rgba8};
-use crate::disk;
 use crate::inspect::buffer_file::BufferSource;
 use crate::inspect::buffers::Buffers;
 use crate::inspect::display::{Display, ValueKind};
@@ -19,8 +19,8 @@ use crate::inspect::view::{Range, Value};
 use crate::inspect::{Buffer, Intermediate, Stage, capture, stages, view};
 use crate::measure::stages::{StageSummary, stage_times, summarize_stages};
 use crate::pipeline::settings::Choice as _;
-use crate::scene::seams::Seams;
 use crate::scene::Scene;
+use crate::scene::seams::Seams;
 use clap::Args;
 
 use super::failure::Failure;
@@ -158,7 +158,9 @@ fn check_output(args: &RenderArgs) -> Result<(), Failure> {
     let is_exr = args.output.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("exr"));
     let path = output::display(&args.output);
     match (args.buffers, is_exr) {
-        (true, false) => Err(Failure::Usage(format!("{path}: --buffers writes OpenEXR; name a file that ends in .exr"))),
+        (true, false) => {
+            Err(Failure::Usage(format!("{path}: --buffers writes OpenEXR; name a file that ends in .exr")))
+        }
         (false, true) => Err(Failure::Usage(format!("{path}: OpenEXR files hold all buffers; add --buffers"))),
         _ => Ok(()),
     }

@@ -16,7 +16,6 @@ use crate::report::upscaling::page::page;
 use crate::report::upscaling::sweep::{
     self, NamedView, UpscalingPlan, UpscalingProgress, UpscalingReport, every_upscaler,
 };
-use crate::scene::Loaded;
 use clap::Args;
 
 use super::failure::Failure;
@@ -131,9 +130,8 @@ fn plan(args: &ReportArgs) -> Result<UpscalingPlan, Failure> {
     let names: Vec<Option<&PathBuf>> = if args.scenes.is_empty() { vec![None] } else { names.collect() };
     let mut subjects = Vec::with_capacity(names.len());
     for name in names {
-        let Loaded { scene, warnings, .. } = args.memory.load(&scene_args::source(name.map(PathBuf::as_path))?)?;
-        warnings.iter().for_each(|warning| output::report("warning", warning));
-        subjects.push(NamedView { name: scene.name.clone(), camera: scene.home, scene: Arc::new(scene) });
+        let (scene, camera) = scene_args::named_view(name.map(PathBuf::as_path), args.memory)?;
+        subjects.push(NamedView { name: scene.name.clone(), camera, scene: Arc::new(scene) });
     }
     Ok(UpscalingPlan {
         subjects,

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 use crate::chain::{Frame, Recipe, Renderer, run};
+use crate::inspect::project::{LoadedProject, Project};
 use crate::inspect::scrub::{Moment, Scrubber};
 use crate::pipeline::settings::{Arithmetic, Rasterizer};
 use crate::pipeline::viewport::Viewport;
@@ -132,6 +133,9 @@ pub(crate) struct RequestedView {
     pub(crate) mirrored: bool,
     /// Whether the options that select scene, home view, camera and recipe have their default values.
     pub(crate) is_default: bool,
+    /// Project file that gave the scene, for what the other fields do not hold.
+    #[cfg_attr(not(feature = "ui"), expect(dead_code, reason = "only the window restores it"))]
+    pub(crate) project: Option<Box<Project>>,
     /// Memory limit for models that the user opens later.
     #[cfg_attr(not(feature = "ui"), expect(dead_code, reason = "only the window opens others"))]
     pub(crate) memory_limit: MemoryLimit,
@@ -153,29 +157,48 @@ impl SceneArgs {
         // Invalid options are reported before the scene is loaded.
         self.recipe(Recipe::default())?;
         let camera = self.camera.as_deref().map(camera).transpose()?;
-        let source = source(self.scene.as_deref())?.with_tr(self.tr);
+        let loaded = self.project()?;
+        let warnings_of_project = loaded.iter().flat_map(|loaded| &loaded.warnings);
+        warnings_of_project.for_each(|warning| output::report("warning", warning));
+        let project = loaded.map(|loaded| loaded.project);
+        let source = match &project {
+            Some(project) if self.tr == TrMeaning::Auto => project.source(),
+            Some(project) => project.source().with_tr(self.tr),
+            None => source(self.scene.as_deref())?.with_tr(self.tr),
+        };
+        let state = project.as_ref().map(Project::state);
         let Loaded { scene, warnings, notes } = self.memory.load(&source)?;
         if std::env::var_os(WARNED).is_none() {
             warnings.iter().for_each(|warning| output::report("warning", warning));
             notes.iter().for_each(|note| output::report("note", note));
         }
-        let mut scene = if self.mirror_z { scene.mirrored_z() } else { scene };
+        let mirrored = self.mirror_z || state.as_ref().is_some_and(|state| state.mirrored);
+        let mut scene = if mirrored { scene.mirrored_z() } else { scene };
         if let Up::Axis(up) = self.up {
             scene.home = scene.first_view(up);
         }
         let mut recipe = Recipe::default();
         recipe.take_light(&scene, None);
+        recipe = state.as_ref().map_or(recipe, |state| state.recipe);
+        let stored = state.map(|state| state.camera).filter(|_| self.up == Up::Auto);
         let view = self.view.as_deref().map(|name| view(&scene, name)).transpose()?;
         Ok(RequestedView {
             recipe: self.recipe(recipe)?,
-            camera: camera.or(view).unwrap_or(scene.home),
+            camera: camera.or(view).or(stored).unwrap_or(scene.home),
             source,
             scene: Arc::new(scene),
             warnings,
-            mirrored: self.mirror_z,
+            mirrored,
+            project: project.map(Box::new),
             is_default: self.is_default(),
             memory_limit: self.memory.limit(),
         })
+    }
+
+    /// Reads the project file that the options name; returns `None` if they name something else.
+    pub(crate) fn project(&self) -> Result<Option<LoadedProject>, Failure> {
+        let path = self.scene.as_deref().filter(|path| Project::is_named(path));
+        Ok(path.map(Project::read).transpose()?)
     }
 
     fn is_default(&self) -> bool {
@@ -198,8 +221,8 @@ impl SceneArgs {
 fn scene_help() -> String {
     let formats = SceneFormat::names();
     format!(
-        "Id of a built-in scene (see `rasterscope scenes`) or path of a model ({formats}); the first built-in scene if \
-         omitted"
+        "Id of a built-in scene (see `rasterscope scenes`), path of a model ({formats}), or path of a project \
+         (.rasterscope), whose camera, settings and size other options override; the first built-in scene if omitted"
     )
 }
 
@@ -236,16 +259,34 @@ pub(crate) fn source(name: Option<&Path>) -> Result<SceneSource, Failure> {
     Ok(source)
 }
 
+/// Loads a scene by its name or by a project, and returns it with its home view or the camera of the project. Warnings go
+/// to standard error.
+pub(crate) fn named_view(name: Option<&Path>, memory: MemoryArgs) -> Result<(Scene, Camera), Failure> {
+    let project = name.filter(|path| Project::is_named(path)).map(Project::read).transpose()?;
+    let source = project.as_ref().map_or_else(|| source(name), |loaded| Ok(loaded.project.source()))?;
+    let Loaded { scene, warnings, .. } = memory.load(&source)?;
+    let warnings = project.iter().flat_map(|loaded| &loaded.warnings).chain(&warnings);
+    warnings.for_each(|warning| output::report("warning", warning));
+    let Some(state) = project.map(|loaded| loaded.project.state()) else {
+        let home = scene.home;
+        return Ok((scene, home));
+    };
+    Ok((if state.mirrored { scene.mirrored_z() } else { scene }, state.camera))
+}
+
 /// Options for scene, camera, recipe and size of one frame.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct FrameArgs {
     #[command(flatten)]
     scene: SceneArgs,
 
-    /// Width and height of the picture in pixels
-    #[arg(long, visible_alias = "picture", value_name = "WxH", default_value = "1280x720", value_parser = parse::size)]
-    size: Viewport,
+    /// Width and height of the picture in pixels [default: that of the project, or 1280x720]
+    #[arg(long, visible_alias = "picture", value_name = "WxH", value_parser = parse::size)]
+    size: Option<Viewport>,
 }
+
+/// Size of the picture unless an option or a project gives another one.
+const DEFAULT_SIZE: Viewport = Viewport { width: 1280, height: 720 };
 
 /// Memory budget for framebuffer checkpoints, in bytes. It is zero, because drawing up to a single point in time needs
 /// no checkpoints.
@@ -262,8 +303,17 @@ pub(crate) struct DrawnFrame {
 
 impl FrameArgs {
     /// Returns the size of the picture, in pixels.
-    pub(crate) fn size(&self) -> Viewport {
-        self.size
+    pub(crate) fn size(&self) -> Result<Viewport, Failure> {
+        let of_project = || Ok(self.scene.project()?.map(|loaded| loaded.project.size()));
+        match self.size {
+            Some(size) => Ok(size),
+            None => of_project().map(|size| size.unwrap_or(DEFAULT_SIZE)),
+        }
+    }
+
+    /// Returns the picked pixel of the project; `None` if there is none, or if the scene is not given by a project.
+    pub(crate) fn pick(&self) -> Result<Option<(u32, u32)>, Failure> {
+        Ok(self.scene.project()?.and_then(|loaded| loaded.project.state().pixel))
     }
 
     /// Loads the scene, and reads the camera and the recipe.
@@ -274,10 +324,11 @@ impl FrameArgs {
     /// Draws the frame, completely or only the triangles and fragments up to `moment`.
     pub(crate) fn draw(&self, moment: Option<Moment>) -> Result<DrawnFrame, Failure> {
         let RequestedView { scene, recipe, camera, .. } = self.view()?;
+        let size = self.size()?;
         let frame = match moment {
-            None => Renderer::default().render_converged(&scene, &camera, &recipe, self.size),
+            None => Renderer::default().render_converged(&scene, &camera, &recipe, size),
             Some(moment) => {
-                let frame = run(&scene, &camera, &recipe, self.size, &mut ());
+                let frame = run(&scene, &camera, &recipe, size, &mut ());
                 let mut scrubber = Scrubber::new(&scene, &recipe, &frame, NO_CHECKPOINTS);
                 let drawn = scrubber.frame_at(moment);
                 frame.at_moment(&recipe, drawn, scrubber.geometry_at(moment))

@@ -35,7 +35,7 @@ pub(crate) fn run(args: &VectorArgs) -> Result<(), Failure> {
         scene: &scene,
         camera: &camera,
         recipe: &recipe,
-        viewport: args.frame.size(),
+        viewport: args.frame.size()?,
         kind: args.kind,
     };
     let interrupted = interrupt::flag();

@@ -162,7 +162,8 @@ fn initial_view(args: SeenArgs, pixel: Option<(u32, u32)>) -> InitialView {
 }
 
 fn start(view: RequestedView, seen: InitialView) -> WindowStart {
-    let RequestedView { source, scene, warnings, recipe, camera, mirrored, is_default, memory_limit } = view;
+    let RequestedView { source, scene, warnings, recipe, camera, mirrored, is_default, project, memory_limit } = view;
+    let seen = project.as_ref().map_or_else(|| seen.clone(), |project| seen.clone().or_of(project));
     WindowStart {
         source,
         scene,
@@ -174,6 +175,7 @@ fn start(view: RequestedView, seen: InitialView) -> WindowStart {
         initial_view: seen,
         memory_limit,
         pending: None,
+        project,
     }
 }
 

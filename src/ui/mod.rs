@@ -110,6 +110,8 @@ pub(crate) mod mesh_view;
 
 pub(crate) mod workspace;
 
+pub(crate) mod project;
+
 pub(crate) mod panels;
 
 pub(crate) mod onboarding;

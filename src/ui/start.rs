@@ -31,6 +31,7 @@ use crate::inspect::display::Display;
 use crate::inspect::fates::{Bin, TriangleFate};
 use crate::inspect::mesh_view::MeshStyle;
 use crate::inspect::overlays::OverlayLayer;
+use crate::inspect::project::Project;
 use crate::inspect::scrub::Moment;
 use crate::lab::Page;
 use crate::pipeline::viewport::Viewport;
@@ -60,6 +61,8 @@ pub(crate) struct WindowStart {
     pub(crate) memory_limit: MemoryLimit,
     /// Scene to load after the window has opened, if any.
     pub(crate) pending: Option<PendingScene>,
+    /// Project that gave the scene, for what the other fields do not hold: comparison, workspace and probe.
+    pub(crate) project: Option<Box<Project>>,
 }
 
 /// Scene that takes too long to load before the window opens.
@@ -91,6 +94,20 @@ pub(crate) struct InitialView {
 }
 
 impl InitialView {
+    /// Returns this view with the values of a project in place of the defaults.
+    pub(crate) fn or_of(self, project: &Project) -> Self {
+        let state = project.state();
+        Self {
+            files: self.files,
+            pixel: self.pixel.or(state.pixel),
+            shown: self.shown.or(Some(place::shown_at(&state))),
+            display: self.display.or(Some(state.display)),
+            layers: if self.layers.is_empty() { state.overlays } else { self.layers },
+            moment: self.moment.or(project.moment()),
+            picture: self.picture.or(Some(project.size())),
+        }
+    }
+
     fn show(self, session: &mut Session) {
         session.pick = self.pixel;
         session.set_shown(self.shown.unwrap_or(session.shown));
@@ -295,9 +312,11 @@ pub(crate) fn workbench(start: WindowStart, preferences: &Preferences, worker: W
     session.state.size = preferences.size.checked();
     let files = start.initial_view.files.clone();
     start.initial_view.show(&mut session);
+    let restored = start.project.map_or_else(Vec::new, |project| session.restore_tools(&project));
     session.settle_silently();
     let mut workbench = Workbench::new(session, worker);
     workbench.warn(&start.warnings);
+    workbench.queue(restored);
     workbench
         .queue(files.into_iter().map(|(role, path)| Command::File(FileCommand::OpenPicture(role, path))).collect());
     if let Some(PendingScene { path, camera }) = start.pending {
@@ -408,6 +427,7 @@ mod tests {
             resume: true,
             memory_limit: MemoryLimit::default(),
             pending: None,
+            project: None,
             initial_view: InitialView::default(),
         }
     }

@@ -200,6 +200,7 @@ mod tests {
             resume: false,
             memory_limit: crate::scene::MemoryLimit::default(),
             pending: None,
+            project: None,
             initial_view: InitialView { picture: Some(Viewport { width: 64, height: 40 }), ..InitialView::default() },
         };
         let size = Viewport { width: 1000, height: 600 };

@@ -130,6 +130,7 @@ fn start(preferences: &Preferences) -> Result<(), Failure> {
         initial_view: InitialView::default(),
         memory_limit: MemoryLimit::default(),
         pending: None,
+        project: None,
     };
     let bookmarks = preferences.bookmarks.len().min(MOST_BOOKMARKS);
     let scale = if preferences.window.scale > 0.0 { preferences.window.scale.clamp(0.5, 3.0) } else { 1.0 };

@@ -286,6 +286,7 @@ fn a_screenshot_has_the_requested_size() {
             resume: false,
             memory_limit: MemoryLimit::default(),
             pending: None,
+            project: None,
             initial_view: InitialView::default(),
         };
         let size = Viewport { width, height };

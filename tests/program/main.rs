@@ -3,6 +3,7 @@
 mod claims;
 mod cli;
 mod compare;
+mod exports;
 mod files;
 #[cfg(feature = "ui")]
 mod manual;

@@ -1,8 +1,8 @@
 //! Drawings as SVG 1.1.
 
 use glam::DVec2;
-use svg::{Document, Node};
 use svg::node::element::{ClipPath, Definitions, Ellipse, Group, Line, Path, Polygon, Rectangle, Text, Use};
+use svg::{Document, Node};
 
 use super::{Drawing, PartitionRegion, Rgb, SEAM_WIDTHS, Shape, Stroke};
 

@@ -54,6 +54,8 @@ pub mod planes;
 
 pub mod probe;
 
+pub mod project;
+
 pub mod range;
 
 pub mod remedy;

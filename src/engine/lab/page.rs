@@ -1,8 +1,8 @@
 //! Recorded run as one HTML page: a drawing that can be stepped through, and a table of the steps.
 
+use super::Lesson;
 use super::drawing::{grid, shape_of, squares};
 use super::recording::{RecordedStep, Recording};
-use super::Lesson;
 use crate::drawing::svg;
 use crate::pipeline::settings::Choice as _;
 use crate::report::html::{MAX_PAGE_BYTES, command_section, document, escaped};
@@ -87,7 +87,8 @@ impl LabPage<'_> {
         parts.push(svg::group(&lines, &[]));
         parts.push(svg::group(&figure, &[]));
         for (number, together) in (1..).zip(steps.chunks(stride)) {
-            let marks: Vec<_> = together.iter().next_back().into_iter().flat_map(|step| &step.marks).map(shape_of).collect();
+            let marks: Vec<_> =
+                together.iter().next_back().into_iter().flat_map(|step| &step.marks).map(shape_of).collect();
             let display = if number == last { "inline" } else { "none" };
             let attributes = [("data-marks", format!("{number}")), ("style", format!("display:{display}"))];
             parts.push(svg::group(&marks, &attributes));
@@ -123,8 +124,8 @@ fn step_table(steps: &[RecordedStep], stride: usize) -> String {
 mod tests {
     use super::*;
     use crate::lab::Page;
-    use crate::lab::recording::cell;
     use crate::lab::recording::Ink;
+    use crate::lab::recording::cell;
 
     #[test]
     fn every_page_is_small_and_has_a_row_for_each_step() {

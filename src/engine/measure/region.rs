@@ -8,6 +8,7 @@ use crate::image::{Image, Rgba8};
 
 /// Rectangle of pixels in an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PixelRegion {
     /// First column of the rectangle.
     pub left: u32,

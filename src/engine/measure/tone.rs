@@ -3,7 +3,7 @@
 
 use std::ops::RangeInclusive;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::image::color::{Tables, quantize};
 use crate::image::picture::{Layer, Picture};
@@ -36,7 +36,8 @@ impl ToneCurve {
 }
 
 /// Exposure and tone curve. They apply to float pictures; integer pictures are already sRGB codes.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Tone {
     /// Exposure in stops: linear light is multiplied by 2 to this power.
     pub exposure: f32,

@@ -16,8 +16,7 @@ const STYLE: &str = include_str!("page.css");
 pub const MAX_PAGE_BYTES: usize = 2_000_000;
 
 /// Rule that keeps the browser from loading anything, whatever a name in the page contains.
-const NO_REQUESTS: &str =
-    "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'; base-uri 'none'; form-action 'none'";
+const NO_REQUESTS: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'; base-uri 'none'; form-action 'none'";
 
 /// Escapes text for use in HTML content and quoted attributes.
 pub fn escaped(text: &str) -> String {

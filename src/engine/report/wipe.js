@@ -21,6 +21,8 @@
     range.value = ((event.clientX - box.left) / box.width) * 100;
     move();
   });
+  const [width, height] = [shown[0].naturalWidth, shown[0].naturalHeight];
+  if (height) wipe.querySelector(".wipe").style.setProperty("--aspect", width / height);
   move();
   wipe.hidden = false;
 })();

@@ -8,7 +8,8 @@
 use std::path::Path;
 
 use glam::Vec3;
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Camera, Projection, SceneError};
 use crate::{disk, text};
@@ -81,6 +82,16 @@ pub fn text(camera: &Camera) -> String {
 /// rejects.
 pub fn parse(text: &str) -> Result<Camera, String> {
     serde_json::from_str::<CameraFile>(text).map_err(|error| error.to_string()).and_then(Camera::try_from)
+}
+
+/// Serialises a view as a value of a larger file.
+pub(crate) fn serialize<S: Serializer>(camera: &Camera, to: S) -> Result<S::Ok, S::Error> {
+    CameraFile::from(camera).serialize(to)
+}
+
+/// Deserialises a view written by [`serialize`].
+pub(crate) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Camera, D::Error> {
+    CameraFile::deserialize(from)?.try_into().map_err(Error::custom)
 }
 
 /// Reads a view from a regular file of at most 1 MiB. Returns an error for an unreadable file, malformed JSON, unknown

@@ -10,9 +10,11 @@ use super::Workbench;
 use crate::case::{Case, CaseError, Control, Options};
 use crate::image::file::is_named_picture;
 use crate::inspect::lesson::BlackPixelLesson;
+use crate::inspect::project::{LoadedProject, Project};
 use crate::pipeline::settings::Settings;
 use crate::scene::{LoadControl, Loaded, SceneError, SceneSource};
 use crate::ui::panels::case::{Evaluation, EvaluationRequest};
+use crate::ui::place::OpenedProject;
 use crate::ui::session::{Notice, Severity};
 use crate::ui::task::{BackgroundTask, TaskStatus};
 use crate::ui::worker::WorkerRequest;
@@ -90,6 +92,12 @@ impl Workbench {
         // The most recent request replaces a case that is still being opened.
         self.opening.case = None;
         if let SceneSource::File(path, _) = &source
+            && Project::is_named(path)
+        {
+            self.open_project(ui, path);
+            return;
+        }
+        if let SceneSource::File(path, _) = &source
             && path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
         {
             self.open_case(ui, path.clone());
@@ -113,6 +121,20 @@ impl Workbench {
         });
         self.opening.model = Some(Loading { source, task, completed: None, since: Instant::now() });
         ui.request_repaint_after(SLOW_LOAD);
+    }
+
+    /// Opens a project: reads it, then loads its scene. Until that has succeeded, the current scene stays.
+    fn open_project(&mut self, ui: &Ui, path: &Path) {
+        match Project::read(path) {
+            Ok(LoadedProject { project, warnings }) => {
+                let source = self.session.open_project(OpenedProject { path: path.to_owned(), project });
+                self.open(ui, source);
+                for warning in warnings {
+                    self.session.report(Severity::Warning, warning.to_string());
+                }
+            }
+            Err(error) => self.session.report(Severity::Error, error.to_string()),
+        }
     }
 
     /// Updates the progress of loading a model. Shows the model once it is loaded, or reports the error.
@@ -189,6 +211,8 @@ impl Workbench {
                 self.session.show_scene(scene, source);
                 self.worker.send(WorkerRequest::CancelMeasure);
                 self.widgets.canvas.fit();
+                let commands = std::mem::take(&mut self.session.features.places.after_project);
+                self.queue(commands);
                 for note in notes {
                     self.session.report(Severity::Info, note.to_string());
                 }

@@ -72,6 +72,14 @@ struct SavedFile {
 }
 
 impl SavedFile {
+    /// Returns the folder of the destination. `folder` is that of automatic ones.
+    fn folder(&self, folder: &Path) -> PathBuf {
+        match &self.destination {
+            Destination::Automatic => folder.to_owned(),
+            Destination::File(path) => path.parent().unwrap_or(folder).to_owned(),
+        }
+    }
+
     /// Writes `bytes` to the destination, in `folder` if it is automatic. Returns the path of the file.
     ///
     /// # Errors
@@ -127,6 +135,13 @@ impl Workbench {
                 if let Some(view) = what_if::visible_view(ui, &self.session).cloned() {
                     self.save(ui, file, move || Ok(range::save::encoded(&view)));
                 }
+            }
+            SaveItem::Project => {
+                let folder = file.folder(&self.session.features.files.folder);
+                let project = self.session.project();
+                self.save(ui, file, move || {
+                    project.encode(&folder).map_err(|error| format!("the model cannot be read: {error}"))
+                });
             }
             SaveItem::Buffers => self.save_buffers(ui, file),
             SaveItem::Pixel => match self.picked_pixel() {

@@ -55,7 +55,7 @@ pub(crate) fn comparison_page(session: &Session) -> Result<PicturePage, &'static
     })
 }
 
-/// Returns a compared picture with its metrics in the region and, unless it is a file, the command that shows it.
+/// Returns a compared picture with its metrics and, unless it is a file, the command that shows it.
 fn figure(session: &Session, compared: &Compared, tile: usize) -> PictureFigure {
     let (request, result) = (&compared.request, &compared.tiles[tile]);
     let state = InspectionState {
@@ -64,11 +64,13 @@ fn figure(session: &Session, compared: &Compared, tile: usize) -> PictureFigure 
         picture: Some((request.viewport.width, request.viewport.height)),
         ..session.place()
     };
+    let whole = result.measured.as_ref().and_then(|measured| measured.figures);
+    let whole = whole.map(|metrics| words_of_all(&metrics));
     let region = result.region_figures.map(|metrics| format!("Region: {}", words_of_all(&metrics)));
     PictureFigure {
         label: format!("{} · {}", letter(tile), result.title()),
         picture: Arc::clone(&result.picture),
-        lines: region.into_iter().collect(),
+        lines: whole.into_iter().chain(region).collect(),
         command: result.file.is_none().then(|| state.command_line()),
     }
 }

@@ -15,6 +15,8 @@ pub mod files;
 
 pub(crate) mod files_panel;
 
+mod stored;
+
 pub(crate) mod tiles;
 
 use std::path::{Path, PathBuf};

@@ -7,6 +7,7 @@ use eframe::egui::{Frame, Id, Key, Modal, RichText, TextEdit, Ui};
 use super::add_upscaler::AddUpscalerDialog;
 use super::system_dialog::{Answer, SystemDialog};
 use crate::image::picture::{format_names, suffixes};
+use crate::inspect::project;
 use crate::scene::SceneFormat;
 use crate::ui::command::Command;
 use crate::ui::compare::files::PictureRole;
@@ -185,7 +186,7 @@ impl OpenDialog {
             let dialog = if opens_picture {
                 dialog.add_filter("Pictures", &pictures)
             } else {
-                let models = dialog.add_filter("Models and cases", &model_extensions());
+                let models = dialog.add_filter("Models, projects and cases", &model_extensions());
                 models.add_filter("Pictures, for the 2D lab", &pictures)
             };
             dialog.pick_file()
@@ -212,7 +213,7 @@ impl OpenDialog {
 
 /// Returns the extensions of models and cases, in lower and upper case, because some file dialogs distinguish them.
 fn model_extensions() -> Vec<String> {
-    let known = SceneFormat::all_extensions().into_iter().chain(["json"]);
+    let known = SceneFormat::all_extensions().into_iter().chain(["json", project::EXTENSION]);
     known.flat_map(|extension| [extension.to_owned(), extension.to_uppercase()]).collect()
 }
 

@@ -7,6 +7,8 @@ pub(crate) mod menu;
 
 pub(crate) mod visits;
 
+use std::path::PathBuf;
+
 use serde::{Deserialize, Serialize};
 
 use super::command::Command;
@@ -15,6 +17,7 @@ use super::session::{PictureSize, Preferences, Session, Severity};
 use super::task::BackgroundTask;
 use super::vertices;
 use crate::inspect::find::{SearchResult, SearchTarget};
+use crate::inspect::project::Project;
 use crate::inspect::scrub::Moment;
 use crate::inspect::{Buffer, InspectionState};
 use crate::scene::SceneSource;
@@ -44,8 +47,21 @@ pub(crate) struct Places {
     pub(crate) visits: Visits,
     /// Inspection state to restore once its scene is loaded; `None` if none is pending.
     pub(crate) pending: Option<InspectionState>,
+    /// Project to restore together with `pending`.
+    pub(crate) project: Option<OpenedProject>,
+    /// Commands to apply after the project was restored, which open its picture files.
+    pub(crate) after_project: Vec<Command>,
     /// Search of the frame for a target; `None` if none is running.
     pub(crate) searching: Option<BackgroundTask<(), (SearchTarget, SearchResult)>>,
+}
+
+/// Project that is being opened.
+#[derive(Clone, Debug)]
+pub(crate) struct OpenedProject {
+    /// Path of the project file.
+    pub(crate) path: PathBuf,
+    /// Its content.
+    pub(crate) project: Project,
 }
 
 /// Change to the bookmarks or to the current inspection state.
@@ -216,6 +232,9 @@ impl Session {
             && place.scene == self.place().scene
         {
             self.stand_at(&place);
+            if let Some(opened) = self.features.places.project.take() {
+                self.finish_project(&opened);
+            }
         }
     }
 
@@ -249,6 +268,7 @@ impl Session {
         }
         self.close_case();
         self.features.lab.open = false;
+        self.features.places.project = None;
         if place.scene == self.place().scene {
             self.stand_at(&place);
             return None;
@@ -283,7 +303,7 @@ impl Session {
 }
 
 /// Returns the buffer, stage or intermediate value that is shown in an inspection state.
-fn shown_at(place: &InspectionState) -> Shown {
+pub(crate) fn shown_at(place: &InspectionState) -> Shown {
     let number = || place.number.map(Shown::Intermediate);
     place.stage.map(Shown::Stage).or_else(number).unwrap_or(Shown::Buffer(place.buffer))
 }

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use super::engine::Shown;
 use super::session::Session;
 use crate::inspect::outline::OutlineKind;
+use crate::inspect::project;
 use crate::pipeline::settings::Choice as _;
 
 /// Content that the window can save to a file.
@@ -34,11 +35,14 @@ pub(crate) enum SaveItem {
     LabDrawing(&'static str),
     /// All steps of the current page of the 2D lab, as an HTML page.
     LabRun,
+    /// State of the window, as a project file.
+    Project,
 }
 
 impl SaveItem {
     /// Items with an entry “Save … as…” in the menu “File” and in the palette.
-    pub(crate) const LISTED: [Self; 8] = [
+    pub(crate) const LISTED: [Self; 9] = [
+        Self::Project,
         Self::Picture,
         Self::Values,
         Self::Buffers,
@@ -70,6 +74,7 @@ impl SaveItem {
             Self::Comparison => "comparison (HTML)",
             Self::FrameTimes => "frame times (CSV)",
             Self::LabRun => "2D lab run (HTML)",
+            Self::Project => "project",
         }
     }
 
@@ -82,6 +87,7 @@ impl SaveItem {
             Self::Outline(_, extension) | Self::LabDrawing(extension) => extension,
             Self::Case => "json",
             Self::Comparison | Self::Pixel | Self::LabRun => "html",
+            Self::Project => project::EXTENSION,
             Self::FrameTimes => "csv",
         }
     }
@@ -96,6 +102,7 @@ impl SaveItem {
                 Shown::Intermediate(number) => number.id(),
             },
             Self::Outline(kind, _) => kind.id(),
+            Self::Project => "view",
             Self::Buffers => "buffers",
             Self::Pixel => "pixel",
             Self::Case => "triangle",

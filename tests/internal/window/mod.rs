@@ -22,6 +22,7 @@ mod overlays;
 mod picking;
 mod picture_files;
 mod places;
+mod projects;
 mod ranges;
 mod saving;
 mod scrubbing;

@@ -1,8 +1,16 @@
 //! Tests of “Save as…” and of the notice about a saved file.
 
+use std::path::Path;
+use std::sync::Arc;
+
 use eframe::egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
+use rasterscope::chain::Frame;
 use rasterscope::image::file;
+use rasterscope::image::picture::{Picture, Sample};
+use rasterscope::inspect::view::{self, Value};
+use rasterscope::inspect::{Buffer, capture};
+use rasterscope::lab::{Lesson, Page};
 use rasterscope::ui::command::Command;
 use rasterscope::ui::save_as::SaveItem;
 
@@ -80,4 +88,67 @@ fn a_missing_folder_or_triangle_is_named() {
     bench.window.state_mut().queue(vec![Command::File(FileCommand::SaveAs(SaveItem::Case))]);
     bench.rest();
     assert!(bench.session().messages.error.as_ref().is_some_and(|error| error.contains("pick a pixel")));
+}
+
+/// Saves an item at a path, without the dialog.
+fn save(bench: &mut Bench, item: SaveItem, path: &Path) {
+    bench.window.state_mut().queue(vec![Command::File(FileCommand::SaveTo(item, path.to_owned()))]);
+    bench.rest();
+    assert_eq!(bench.session().messages.error, None, "{item:?}");
+}
+
+#[test]
+fn saved_buffers_hold_the_values_of_the_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut bench = Bench::small("interpenetrating");
+    let path = folder.path().join("all.exr");
+    save(&mut bench, SaveItem::Buffers, &path);
+    let picture = Picture::read(&path).unwrap();
+    let (request, frame): (_, Arc<Frame>) = (&bench.view().request, bench.view().frame.clone());
+    let buffers = capture(&request.scene, &request.recipe, &frame);
+    let of = |name: &str| picture.channels().iter().find(|channel| channel.name == name).unwrap();
+    let (width, height) = picture.size();
+    assert_eq!((width, height), bench.image().size());
+    let mut drawn = 0;
+    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+        let id = match view::value(Buffer::TriangleId, &frame, Some(&buffers), x, y) {
+            Value::Triangle(id) => id.0,
+            _ => u32::MAX,
+        };
+        assert_eq!(of("id.triangle").sample(x, y), Some(Sample::U32(id)), "{x},{y}");
+        drawn += u32::from(id != u32::MAX);
+    }
+    assert!(drawn > 100, "{drawn}");
+}
+
+#[test]
+fn the_saved_explanation_has_the_verdict_and_a_command() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut bench = Bench::small("z-fighting");
+    let path = folder.path().join("why.html");
+    save(&mut bench, SaveItem::Pixel, &path);
+    let page = std::fs::read_to_string(&path).unwrap();
+    let report = bench.view().report.clone().expect("a pixel is picked");
+    let escaped = report.verdict.replace('&', "&amp;").replace('"', "&quot;").replace('<', "&lt;");
+    assert!(page.contains(&escaped), "{}", report.verdict);
+    let command = format!("--at {},{} --html pixel.html</pre>", report.x, report.y);
+    assert!(page.contains("<pre>rasterscope pixel z-fighting ") && page.contains(&command), "{command}");
+    bench.session_mut().pick = None;
+    bench.rest();
+    bench.window.state_mut().queue(vec![Command::File(FileCommand::SaveAs(SaveItem::Pixel))]);
+    bench.rest();
+    assert!(bench.session().messages.error.as_ref().is_some_and(|error| error.contains("pick a pixel first")));
+}
+
+#[test]
+fn a_saved_lab_run_has_all_steps_and_a_command_unless_it_was_edited() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut bench = Bench::small("triangle");
+    bench.session_mut().features.lab.page = Page::Lines;
+    let path = folder.path().join("run.html");
+    save(&mut bench, SaveItem::LabRun, &path);
+    let page = std::fs::read_to_string(&path).unwrap();
+    let steps = Lesson::new(Page::Lines).record().steps.len();
+    assert_eq!(page.matches("data-row=").count(), steps);
+    assert!(page.contains("<pre>rasterscope lab lines -o lines.html</pre>"));
 }

@@ -47,6 +47,7 @@ choice! {
 
 /// Parameters of a stability probe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Probe {
     /// Part of the view that is moved.
     pub what: JitterTarget,

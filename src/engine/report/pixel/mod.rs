@@ -25,7 +25,7 @@ const STYLE: &str = include_str!("page.css");
 const REACH: u32 = 10;
 
 /// Part of the page that remains for text, in bytes.
-const TEXT_BYTES: usize = 1_000_000;
+const TEXT_BYTES: usize = 600_000;
 
 /// Maximum number of listed triangles without a fragment at the pixel.
 const MAX_ABSENT: usize = 500;
@@ -123,7 +123,8 @@ impl PixelPage<'_> {
         let near_source = FittedPictures::new(&[&near], MAX_PAGE_BYTES)?;
         let ring = f64::from(width.max(height)) / 60.0;
         let (center_x, center_y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
-        let ring_mark = |class: &str| format!("<circle class=\"{class}\" cx=\"{center_x}\" cy=\"{center_y}\" r=\"{ring}\"/>");
+        let ring_mark =
+            |class: &str| format!("<circle class=\"{class}\" cx=\"{center_x}\" cy=\"{center_y}\" r=\"{ring}\"/>");
         let square_mark = |class: &str| {
             format!("<rect class=\"{class}\" x=\"{}\" y=\"{}\" width=\"1\" height=\"1\"/>", x - left, y - top)
         };
@@ -131,7 +132,7 @@ impl PixelPage<'_> {
         let near = marked(near.size(), &near_source.sources[0], &(square_mark("halo") + &square_mark("sign")));
         let note = fitted.note();
         Ok(format!(
-            "<section>\n<h2>Where it is</h2>\n<div class=\"pictures\">\n<figure>{whole}<figcaption>Whole picture. {note}\
+            "<section>\n<h2>Where it is</h2>\n<div class=\"places\">\n<figure>{whole}<figcaption>Whole picture. {note}\
              </figcaption></figure>\n<figure>{near}<figcaption>Columns {left} to {}, rows {top} to {}</figcaption>\
              </figure>\n</div>\n</section>\n",
             right - 1,

@@ -3,12 +3,15 @@
 
 use std::path::Path;
 
+use serde::{Deserialize, Serialize};
+
 use super::libraries::Libraries;
 use super::mtl::{Description, Descriptions, Located};
 use crate::scene::warnings::Warnings;
 
 /// Meaning of the MTL statement `Tr`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum TrMeaning {
     /// Opacity if the file indicates it, otherwise transparency.
     #[default]

@@ -1,0 +1,382 @@
+//! Project files: the state of the window as a small JSON file, which the window and the command line restore.
+//!
+//! Paths in the file are relative to its folder where possible. Settings are those that differ from the defaults, in the
+//! syntax of `--set`. Unknown fields and values are errors that name the line, with one exception: an upscaler that is
+//! not registered is replaced by native resolution, with a warning. Reading a project starts no process.
+
+mod paths;
+
+mod recipe_text;
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::buffers::Buffer;
+use super::display::Display;
+use super::intermediate::Intermediate;
+use super::overlays::OverlayLayer;
+use super::place::InspectionState;
+use super::probe::Probe;
+use super::scrub::Moment;
+use super::stages::Stage;
+use crate::chain::Recipe;
+use crate::disk::{self, stored_path};
+use crate::measure::difference::Difference;
+use crate::measure::reference::Reference;
+use crate::measure::region::PixelRegion;
+use crate::measure::tone::Tone;
+use crate::pipeline::viewport::Viewport;
+use crate::scene::obj::TrMeaning;
+use crate::scene::{Camera, SceneError, SceneSource, Warning, camera_file};
+use crate::text;
+
+/// File name extension, in lower case and without the dot.
+pub const EXTENSION: &str = "rasterscope";
+
+/// Version of the format, which changes if an older program would misread a file.
+const VERSION: u32 = 1;
+
+/// Maximum size of a project file, in bytes. Typical files have about a thousand.
+const MAX_BYTES: u64 = 1 << 20;
+
+/// Number of bytes at the start of a model that its fingerprint covers, besides its length.
+const FINGERPRINT_BYTES: u64 = 16 << 20;
+
+/// Maximum number of compared pictures.
+const MAX_TILES: usize = 16;
+
+/// Content of a project file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Project {
+    /// Version of the format.
+    rasterscope: u32,
+    /// Scene: the id of a built-in scene, or the path of a model.
+    #[serde(with = "stored_path")]
+    scene: PathBuf,
+    /// Fingerprint of the model when the project was saved; `None` for a built-in scene.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    fingerprint: Option<String>,
+    /// Meaning of `Tr` in the material libraries of the model.
+    #[serde(default)]
+    tr: TrMeaning,
+    /// Whether the scene is mirrored in z. `camera` views the mirrored scene.
+    #[serde(default)]
+    mirrored: bool,
+    /// Camera of the view.
+    #[serde(with = "camera_file")]
+    camera: Camera,
+    /// Recipe for drawing the frame.
+    #[serde(default, with = "recipe_text")]
+    settings: Recipe,
+    /// Width and height of the picture in pixels.
+    size: (u32, u32),
+    /// Displayed buffer, if neither a stage nor an intermediate value is displayed.
+    #[serde(default = "color")]
+    buffer: Buffer,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    stage: Option<Stage>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    intermediate: Option<Intermediate>,
+    /// Range, colour map and channels of the display.
+    #[serde(default)]
+    look: Display,
+    /// Overlays of the picture, from bottom to top.
+    #[serde(default)]
+    overlays: Vec<OverlayLayer>,
+    /// Number of rasterized triangles to draw; `None` for all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    triangles: Option<usize>,
+    /// Number of drawn fragments of the last triangle; `None` for all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    fragments: Option<usize>,
+    /// Picked pixel: column and row.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pick: Option<(u32, u32)>,
+    /// Comparison that is shown.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub comparison: Option<Comparison>,
+    /// Id of the workspace that is shown.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub workspace: Option<String>,
+    /// Settings of the stability probe.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub probe: Option<Probe>,
+}
+
+fn color() -> Buffer {
+    Buffer::Color
+}
+
+/// Way in which compared pictures are shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ComparisonView {
+    /// Side by side.
+    Tiles,
+    /// A to the left of a line, B to its right.
+    Wipe,
+    /// A or B on the whole canvas.
+    Flip,
+    /// Difference of A and B.
+    Difference,
+}
+
+/// Comparison of several pictures.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Comparison {
+    /// Way in which the pictures are shown.
+    pub view: ComparisonView,
+    /// Compared pictures: A, B and so on; 2 to 16.
+    pub tiles: Vec<ComparedTile>,
+    /// Index of the picture that has the settings of the project.
+    #[serde(default)]
+    pub active: usize,
+    /// Reference for errors, unless it is a file.
+    pub reference: Reference,
+    /// Picture file that is the reference.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference_file: Option<PathBuf>,
+    /// Difference that is shown.
+    pub difference: Difference,
+    /// Factor by which differences are amplified; 1 to 65 536.
+    pub gain: u32,
+    /// Position of the wipe, as a fraction of the width from 0 to 1.
+    pub wipe: f32,
+    /// Region with errors of its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub region: Option<PixelRegion>,
+    /// Exposure and tone curve of float pictures.
+    pub tone: Tone,
+}
+
+/// Picture of a comparison.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ComparedTile {
+    /// Recipe with which the picture is drawn.
+    #[serde(default, with = "recipe_text")]
+    pub settings: Recipe,
+    /// Picture file that is shown instead.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file: Option<PathBuf>,
+}
+
+/// Project that was read, with warnings.
+#[derive(Clone, Debug)]
+pub struct LoadedProject {
+    /// The project.
+    pub project: Project,
+    /// Warnings about a changed model and about upscalers that are not registered.
+    pub warnings: Vec<Warning>,
+}
+
+impl Project {
+    /// Creates a project with the state of an inspection, without a comparison. `tr` is the meaning of `Tr` with which the
+    /// model was loaded, and `size` the size of the picture.
+    pub fn new(state: InspectionState, tr: TrMeaning, size: Viewport) -> Self {
+        Self {
+            rasterscope: VERSION,
+            scene: state.scene,
+            fingerprint: None,
+            tr,
+            mirrored: state.mirrored,
+            camera: state.camera,
+            settings: state.recipe,
+            size: (size.width, size.height),
+            buffer: state.buffer,
+            stage: state.stage,
+            intermediate: state.number,
+            look: state.display,
+            overlays: state.overlays,
+            triangles: state.triangles,
+            fragments: state.fragments,
+            pick: state.pixel,
+            comparison: None,
+            workspace: None,
+            probe: None,
+        }
+    }
+
+    /// Returns whether a path has the extension of project files.
+    pub fn is_named(path: &Path) -> bool {
+        path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(EXTENSION))
+    }
+
+    /// Reads a project file of at most 1 MiB. Paths of the result are absolute.
+    ///
+    /// # Errors
+    /// Returns an error that names the file and, if known, the line: for an unreadable file, malformed JSON, a newer
+    /// version, unknown fields, and values out of range.
+    pub fn read(path: &Path) -> Result<LoadedProject, SceneError> {
+        let bytes =
+            disk::read(path, MAX_BYTES).map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?;
+        let at_line = |line, reason: String| SceneError::Line { path: path.to_owned(), line, reason };
+        let json = |error: serde_json::Error| at_line(error.line().max(1), reason_of(&error));
+        let head: Head = serde_json::from_slice(&bytes).map_err(json)?;
+        if head.rasterscope > VERSION {
+            let line = line_of(&bytes, "\"rasterscope\"");
+            let version = head.rasterscope;
+            let reason = format!("the project has version {version}; this program reads up to version {VERSION}");
+            return Err(at_line(line, reason));
+        }
+        let mut project: Self = serde_json::from_slice(&bytes).map_err(json)?;
+        let unusable = |reason| SceneError::Unusable { path: path.to_owned(), reason };
+        project.check().map_err(unusable)?;
+        let folder = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        project.change_paths(|stored| paths::absolute(stored, folder.parent().unwrap_or(&folder)));
+        let mut warnings: Vec<Warning> = recipe_text::unknown_upscalers(&bytes)
+            .into_iter()
+            .map(|id| Warning::file(path, format!("the upscaler `{id}` is not registered; native resolution is used")))
+            .collect();
+        if let SceneSource::File(model, _) = project.source()
+            && let Some(stored) = &project.fingerprint
+            && fingerprint(&model).is_ok_and(|now| now != *stored)
+        {
+            let text = format!("the model {} has changed since the project was saved", text::path(&model));
+            warnings.push(Warning::file(path, text));
+        }
+        Ok(LoadedProject { project, warnings })
+    }
+
+    /// Encodes the project as a file in `folder`. Reads the model to identify it later.
+    ///
+    /// # Errors
+    /// Returns an error if the model cannot be read.
+    pub fn encode(mut self, folder: &Path) -> io::Result<Vec<u8>> {
+        if let SceneSource::File(model, _) = self.source() {
+            self.fingerprint = Some(fingerprint(&model)?);
+        }
+        let folder = std::path::absolute(folder)?;
+        self.change_paths(|path| paths::relative(path, &folder));
+        let mut text = serde_json::to_vec_pretty(&self)?;
+        text.push(b'\n');
+        Ok(text)
+    }
+
+    /// Returns the source of the scene.
+    pub fn source(&self) -> SceneSource {
+        SceneSource::named(self.scene.clone()).with_tr(self.tr)
+    }
+
+    /// Returns the size of the picture.
+    pub fn size(&self) -> Viewport {
+        let (width, height) = self.size;
+        Viewport { width, height }
+    }
+
+    /// Returns the point at which drawing of the frame stops; `None` if it is drawn completely.
+    pub fn moment(&self) -> Option<Moment> {
+        self.triangles.map(|triangles| Moment { triangles, fragments: self.fragments })
+    }
+
+    /// Returns the state of the inspection.
+    pub fn state(&self) -> InspectionState {
+        InspectionState {
+            scene: self.scene.clone(),
+            mirrored: self.mirrored,
+            camera: self.camera,
+            recipe: self.settings,
+            picture: Some(self.size),
+            buffer: self.buffer,
+            stage: self.stage,
+            number: self.intermediate,
+            display: self.look,
+            overlays: self.overlays.clone(),
+            triangles: self.triangles,
+            fragments: self.fragments,
+            pixel: self.pick,
+        }
+    }
+
+    /// Replaces every path of a file. Ids of built-in scenes stay.
+    fn change_paths(&mut self, change: impl Fn(&Path) -> PathBuf) {
+        if matches!(self.source(), SceneSource::File(..)) {
+            self.scene = change(&self.scene);
+        }
+        if let Some(comparison) = &mut self.comparison {
+            let files = comparison.tiles.iter_mut().map(|tile| &mut tile.file);
+            for file in files.chain([&mut comparison.reference_file]).flatten() {
+                *file = change(file);
+            }
+        }
+    }
+
+    /// Checks that the values are in range.
+    fn check(&self) -> Result<(), String> {
+        self.state().check()?;
+        let (width, height) = self.size;
+        if let Some((x, y)) = self.pick.filter(|(x, y)| *x >= width || *y >= height) {
+            return Err(format!("pick: pixel {x}, {y} lies outside the picture of {width} × {height} px"));
+        }
+        if self.probe.is_some_and(|probe| probe.runs == 0) {
+            return Err("probe: the number of runs must be at least 1".to_owned());
+        }
+        self.comparison.as_ref().map_or(Ok(()), |comparison| comparison.check().map_err(|r| format!("comparison: {r}")))
+    }
+}
+
+impl Comparison {
+    fn check(&self) -> Result<(), String> {
+        let count = self.tiles.len();
+        if !(2..=MAX_TILES).contains(&count) {
+            return Err(format!("expected 2 to {MAX_TILES} tiles, but there are {count}"));
+        }
+        if self.active >= count {
+            return Err(format!("the active tile {} does not exist; tiles are counted from 0", self.active));
+        }
+        if !(1..=1 << 16).contains(&self.gain) {
+            return Err("the gain must be from 1 to 65536".to_owned());
+        }
+        if !(0.0..=1.0).contains(&self.wipe) {
+            return Err("the wipe must be from 0 to 1".to_owned());
+        }
+        if self.tone.exposure.is_nan() || self.tone.exposure.abs() > 100.0 {
+            return Err("the exposure must be from -100 to 100 stops".to_owned());
+        }
+        if self.region.is_some_and(|region| region.left >= region.right || region.top >= region.bottom) {
+            return Err("the region is empty".to_owned());
+        }
+        self.tiles.iter().try_for_each(|tile| tile.settings.check())
+    }
+}
+
+/// Field that identifies a project file.
+#[derive(Deserialize)]
+struct Head {
+    rasterscope: u32,
+}
+
+/// Returns the message of a JSON error without its position.
+fn reason_of(error: &serde_json::Error) -> String {
+    let whole = error.to_string();
+    let reason = whole.rsplit_once(" at line ").map_or(whole.as_str(), |(reason, _)| reason);
+    match reason {
+        "missing field `rasterscope`" => "not a project of Rasterscope: it has no field `rasterscope`".to_owned(),
+        reason => text::message(reason),
+    }
+}
+
+/// Returns the line of the first occurrence of a text, counted from 1; 1 if there is none.
+fn line_of(bytes: &[u8], text: &str) -> usize {
+    let place = bytes.windows(text.len()).position(|window| window == text.as_bytes()).unwrap_or(0);
+    1 + bytes[..place].iter().filter(|byte| **byte == b'\n').count()
+}
+
+/// Returns a fingerprint of a file: its length, and the 64-bit FNV-1a hash of its first 16 MiB. It recognises changes by
+/// accident, not by intent.
+fn fingerprint(path: &Path) -> io::Result<String> {
+    const OFFSET: u64 = 0xCBF2_9CE4_8422_2325;
+    const PRIME: u64 = 0x0100_0000_01B3;
+    let length = path.metadata()?.len();
+    let hash = disk::start(path, FINGERPRINT_BYTES)
+        .iter()
+        .fold(OFFSET, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(PRIME));
+    Ok(format!("{length}-{hash:016x}"))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,61 @@
+//! Comparison as part of a project file.
+
+use std::path::{Path, PathBuf};
+
+use super::files::PictureRole;
+use super::{CompareSettings, Mode, Tile, TileSet};
+use crate::chain::Recipe;
+use crate::inspect::project::{ComparedTile, Comparison, ComparisonView};
+
+impl CompareSettings {
+    /// Returns the comparison for a project; `None` if there is none.
+    pub(crate) fn stored(&self, tiles: &TileSet, of_active: Recipe) -> Option<Comparison> {
+        let view = match self.mode {
+            Mode::Off => return None,
+            Mode::Tiles => ComparisonView::Tiles,
+            Mode::Wipe => ComparisonView::Wipe,
+            Mode::Flip => ComparisonView::Flip,
+            Mode::Difference => ComparisonView::Difference,
+        };
+        let file = |role| tiles.file(role).map(Path::to_owned);
+        let tile = |tile| ComparedTile { settings: tiles.recipe(tile, of_active), file: file(PictureRole::Tile(tile)) };
+        Some(Comparison {
+            view,
+            tiles: (0..tiles.count()).map(tile).collect(),
+            active: tiles.active,
+            reference: self.reference,
+            reference_file: file(PictureRole::Reference),
+            difference: self.difference,
+            gain: self.gain,
+            wipe: self.wipe,
+            region: self.region,
+            tone: self.pictures.tone(),
+        })
+    }
+
+    /// Restores a comparison of a project. `of_active` is the recipe of the active tile, which the session stores. Returns
+    /// the picture files to open; until then, their tiles are drawn.
+    pub(crate) fn restore(
+        &mut self,
+        stored: &Comparison,
+        tiles: &mut TileSet,
+        of_active: Recipe,
+    ) -> Vec<(PictureRole, PathBuf)> {
+        self.mode = match stored.view {
+            ComparisonView::Tiles => Mode::Tiles,
+            ComparisonView::Wipe => Mode::Wipe,
+            ComparisonView::Flip => Mode::Flip,
+            ComparisonView::Difference => Mode::Difference,
+        };
+        self.last_mode = self.mode;
+        (self.reference, self.difference, self.gain) = (stored.reference, stored.difference, stored.gain);
+        (self.wipe, self.region) = (stored.wipe, stored.region);
+        self.pictures.set_tone(stored.tone);
+        tiles.tiles = stored.tiles.iter().map(|tile| Tile { recipe: tile.settings, file: None }).collect();
+        (tiles.reference, tiles.active) = (None, stored.active);
+        tiles.store(of_active);
+        let of_tiles = stored.tiles.iter().map(|tile| &tile.file).enumerate();
+        let of_tiles = of_tiles.filter_map(|(tile, file)| Some((PictureRole::Tile(tile), file.clone()?)));
+        of_tiles.chain(stored.reference_file.clone().map(|file| (PictureRole::Reference, file))).collect()
+    }
+}

@@ -1,0 +1,134 @@
+//! Tests of project files: saving the state of a window and restoring it in another one.
+
+use std::path::Path;
+
+use eframe::egui::Key;
+use rasterscope::chain::Recipe;
+use rasterscope::inspect::project::EXTENSION;
+use rasterscope::ui::command::Command;
+use rasterscope::ui::save_as::SaveItem;
+use rasterscope::ui::workspace::Workspace;
+
+use super::bench::Bench;
+use crate::ui::compare::Mode;
+use crate::ui::files::FileCommand;
+use crate::ui::session::Severity;
+
+/// Saves the project of a window.
+fn save(bench: &mut Bench, path: &Path) {
+    bench.window.state_mut().queue(vec![Command::File(FileCommand::SaveTo(SaveItem::Project, path.to_owned()))]);
+    bench.rest();
+    assert_eq!(bench.session().messages.error, None);
+}
+
+/// Creates a window with a changed view of a model in `folder`.
+fn changed(folder: &Path) -> Bench {
+    let model = folder.join("model.obj");
+    std::fs::write(&model, "v -1 -1 0\nv 1 -1 0.3\nv 0 1 0\nv 2 1 1\nf 1 2 3\nf 2 4 3\n").unwrap();
+    let mut bench = Bench::small("triangle");
+    bench.drop_file(&model);
+    bench.rest();
+    let session = bench.session_mut();
+    session.state.camera.orbit(0.3, 0.2);
+    let mut recipe: Recipe = session.state.recipe;
+    recipe.set_all(&["shading=normals".to_owned(), "upscaler.method=bicubic".to_owned()]).unwrap();
+    session.state.recipe = recipe;
+    session.pick = Some((11, 17));
+    session.features.probing.probe.runs = 5;
+    bench.rest();
+    bench
+}
+
+#[test]
+fn another_window_shows_the_same_picture_and_pixel_bit_for_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a view.rasterscope");
+    let mut first = changed(folder.path());
+    first.session_mut().features.overlays.layers = vec!["facing=0.5".parse().unwrap()];
+    first.rest();
+    save(&mut first, &path);
+    let mut second = Bench::small("cubes");
+    second.drop_file(&path);
+    second.rest();
+    assert_eq!(second.session().messages.error, None);
+    assert_eq!(second.image(), first.image());
+    assert_eq!(second.view().report, first.view().report);
+    let (a, b) = (first.session(), second.session());
+    assert_eq!((b.pick, b.state.camera, b.state.recipe), (a.pick, a.state.camera, a.state.recipe));
+    assert_eq!(b.features.overlays.layers, a.features.overlays.layers);
+    assert_eq!(b.features.probing.probe, a.features.probing.probe);
+    assert_eq!(b.project(), a.project());
+    assert_eq!(b.features.files.recent.first(), Some(&path));
+}
+
+#[test]
+fn a_comparison_with_a_picture_file_and_a_workspace_are_restored() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("c.rasterscope");
+    let picture = folder.path().join("theirs.png");
+    let mut first = Bench::small("cubes");
+    rasterscope::image::file::write_png(&picture, &first.image()).unwrap();
+    first.press(Key::W);
+    first.session_mut().comparison.wipe = 0.25;
+    let open = FileCommand::OpenPicture(crate::ui::compare::files::PictureRole::Tile(1), picture);
+    first.window.state_mut().queue(vec![Command::File(open)]);
+    first.rest();
+    save(&mut first, &path);
+    let mut second = Bench::small("triangle");
+    second.drop_file(&path);
+    second.rest();
+    assert_eq!(second.session().messages.error, None);
+    assert_eq!(second.session().comparison.mode, Mode::Wipe);
+    assert_eq!(second.session().project(), first.session().project());
+    let shown = |bench: &Bench| {
+        let tiles = &bench.session().compared.as_ref().unwrap().tiles;
+        tiles.iter().map(|tile| (*tile.picture).clone()).collect::<Vec<_>>()
+    };
+    assert_eq!(shown(&second), shown(&first));
+    second.session_mut().show_workspace(Workspace::Robustness);
+    save(&mut second, &path);
+    let mut third = Bench::small("triangle");
+    third.drop_file(&path);
+    third.rest();
+    assert_eq!(third.session().workspace(), Workspace::Robustness);
+    assert_eq!(third.session().comparison.mode, Mode::Off);
+}
+
+#[test]
+fn a_damaged_project_is_reported_and_the_scene_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(format!("d.{EXTENSION}"));
+    let mut first = changed(folder.path());
+    save(&mut first, &path);
+    let text = std::fs::read_to_string(&path).unwrap();
+    let missing = text.replace("./model.obj", "./missing.obj");
+    assert_ne!(missing, text);
+    for (damaged, words) in [
+        (text[..text.len() / 3].to_owned(), "d.rasterscope:"),
+        (text.replace("\"size\": [", "\"size\": [-"), "d.rasterscope:"),
+        (missing, "missing.obj"),
+    ] {
+        std::fs::write(&path, damaged).unwrap();
+        let mut bench = Bench::small("cubes");
+        let (before, scene) = (bench.image(), bench.session().place().scene);
+        bench.drop_file(&path);
+        bench.rest();
+        let error = bench.session().messages.error.clone().expect("an error");
+        assert!(error.contains(words) && !error.contains('\n'), "{error}");
+        assert_eq!((bench.session().place().scene, bench.image()), (scene, before));
+    }
+}
+
+#[test]
+fn a_changed_model_gives_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("w.rasterscope");
+    save(&mut changed(folder.path()), &path);
+    std::fs::write(folder.path().join("model.obj"), "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let mut bench = Bench::small("cubes");
+    bench.drop_file(&path);
+    bench.rest();
+    assert!(bench.session().place().scene.ends_with("model.obj"), "the model is shown nevertheless");
+    let log = &bench.session().messages.log;
+    assert!(log.iter().any(|entry| entry.level == Severity::Warning && entry.text.contains("has changed")));
+}
