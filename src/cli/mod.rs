@@ -87,7 +87,7 @@ enum CliCommand {
     /// If neither a scene nor options are given, it resumes the scene, settings and view of the previous run.
     #[command(after_help = example("window chess --set shading=gouraud"))]
     Window(WindowArgs),
-    /// Render one frame, or one of its buffers, to a PNG
+    /// Render one frame or one of its buffers to a PNG, or all its buffers to an OpenEXR file
     #[command(after_help = example("render chess --buffer depth -o depth.png"))]
     Render(render::RenderArgs),
     /// Explain a pixel: list every fragment, which one won, and why, down to the texels
@@ -140,7 +140,7 @@ enum CliCommand {
     /// Export a scene as a vector drawing: wireframe, hidden-line drawing, or polygons
     #[command(after_help = example("vector cubes --kind hidden-line -o cubes.svg"))]
     Vector(vector::VectorArgs),
-    /// Run a page of the 2D lab, and write its drawing or print its steps
+    /// Run a page of the 2D lab, and write its drawing or an HTML page, or print its steps
     #[command(after_help = example("lab polygons -o polygons.gif"))]
     Lab(lab::LabArgs),
     /// List the built-in scenes

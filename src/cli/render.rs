@@ -121,9 +121,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         buffers: buffers.as_ref(),
         seams: seams.as_ref(),
         display: args.look.unwrap_or_default(),
-        scene: scene,
-        recipe: recipe,
-        frame: frame,
+        scene,
+        recipe,
+        frame,
         is_whole: args.triangles.is_none(),
     };
     let ends = captured.filter(|_| stage.is_none()).and_then(|_| shown.range());

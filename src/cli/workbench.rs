@@ -163,7 +163,10 @@ fn initial_view(args: SeenArgs, pixel: Option<(u32, u32)>) -> InitialView {
 
 fn start(view: RequestedView, seen: InitialView) -> WindowStart {
     let RequestedView { source, scene, warnings, recipe, camera, mirrored, is_default, project, memory_limit } = view;
-    let seen = project.as_ref().map_or_else(|| seen.clone(), |project| seen.clone().or_of(project));
+    let seen = match &project {
+        Some(project) => seen.or_of(project),
+        None => seen,
+    };
     WindowStart {
         source,
         scene,

@@ -241,10 +241,10 @@ fn the_page_of_a_pixel_is_written_again_by_its_command() {
     succeed(folder.path(), &["pixel", &model, "--at", "36,27", "--size", SIZE, "--html", "p.html"]);
     let page = check_page(folder.path(), "p.html");
     assert!(page.contains("&lt;script&gt;alert"), "the names are shown");
-    let args = ["pixel", "z-fighting", "--at", "36,27", "--size", SIZE, "--html", "z.html", "--fragment", "1"];
+    let args = ["pixel", "interpenetrating", "--at", "36,27", "--size", SIZE, "--html", "z.html", "--fragment", "1"];
     succeed(folder.path(), &args);
     let page = check_page(folder.path(), "z.html");
-    let output = run(folder.path(), &["pixel", "z-fighting", "--at", "36,27", "--size", SIZE, "--json"]);
+    let output = run(folder.path(), &["pixel", "interpenetrating", "--at", "36,27", "--size", SIZE, "--json"]);
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     for text in [report["verdict"].as_str().unwrap(), report["fragments"][0]["reason"].as_str().unwrap()] {
         assert!(page.contains(&text.replace('&', "&amp;").replace('"', "&quot;").replace('<', "&lt;")), "{text}");

@@ -50,7 +50,7 @@ fn append(parent: &mut impl Node, (number, shape): (usize, &Shape)) {
                     .set("stroke", stroke.map_or("none".to_owned(), |stroke| code(stroke.color)))
                     .set("stroke-width", stroke.map_or(0.0, |stroke| stroke.width))
                     .set("stroke-linejoin", "round"),
-            )
+            );
         }
         Shape::Line { from, to, stroke: Stroke { color, width } } => parent.append(
             Line::new()

@@ -63,22 +63,24 @@ pub fn encode_recording(path: &Path, recording: &Recording, steps: usize) -> Res
 /// Returns the drawing of a recording after its first `steps` steps; one unit of length is one grid pixel.
 pub(crate) fn drawing(recording: &Recording, steps: usize) -> Drawing {
     let (width, height) = recording.size;
-    let mut shapes = squares(recording.size, recording.cells(steps));
-    shapes.extend(grid(recording.size));
-    shapes.extend(recording.marks(steps).map(shape_of));
-    Drawing { size: DVec2::new(width.into(), height.into()), background: PAPER, shapes }
+    let size = DVec2::new(width.into(), height.into());
+    let mut drawing = Drawing { size, background: PAPER, shapes: Vec::new() };
+    for (x, y, color) in colored(recording.size, recording.cells(steps)) {
+        drawing.square(x as f64, y as f64, 1.0, color);
+    }
+    drawing.shapes.extend(grid(recording.size));
+    drawing.shapes.extend(recording.marks(steps).map(shape_of));
+    drawing
 }
 
-/// Returns a square for each of the pixels that lies in a grid of `size`.
-pub(super) fn squares<'a>(size: (u32, u32), cells: impl Iterator<Item = &'a InkedPixel>) -> Vec<Shape> {
-    let mut drawing = Drawing { size: DVec2::ZERO, background: PAPER, shapes: Vec::new() };
-    for cell in cells {
-        let is_inside = (0..i64::from(size.0)).contains(&cell.x) && (0..i64::from(size.1)).contains(&cell.y);
-        if is_inside {
-            drawing.square(cell.x as f64, cell.y as f64, 1.0, color_of(cell.ink));
-        }
-    }
-    drawing.shapes
+/// Returns column, row and colour of each pixel that lies in a grid of `size`.
+pub(super) fn colored<'a>(
+    (width, height): (u32, u32),
+    cells: impl Iterator<Item = &'a InkedPixel>,
+) -> impl Iterator<Item = (i64, i64, Rgb)> {
+    let is_inside =
+        move |cell: &&InkedPixel| (0..i64::from(width)).contains(&cell.x) && (0..i64::from(height)).contains(&cell.y);
+    cells.filter(is_inside).map(|cell| (cell.x, cell.y, color_of(cell.ink)))
 }
 
 /// Returns the lines of a grid of `size`.

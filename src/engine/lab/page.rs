@@ -1,8 +1,8 @@
 //! Recorded run as one HTML page: a drawing that can be stepped through, and a table of the steps.
 
 use super::Lesson;
-use super::drawing::{grid, shape_of, squares};
-use super::recording::{RecordedStep, Recording};
+use super::drawing::{colored, grid, shape_of};
+use super::recording::{InkedPixel, RecordedStep, Recording};
 use crate::drawing::svg;
 use crate::pipeline::settings::Choice as _;
 use crate::report::html::{MAX_PAGE_BYTES, command_section, document, escaped};
@@ -78,11 +78,10 @@ impl LabPage<'_> {
         let size @ (width, height) = self.recording.size;
         let figure: Vec<_> = self.recording.figure.iter().map(shape_of).collect();
         let lines: Vec<_> = grid(size).collect();
-        let mut parts = vec![svg::group(&squares(size, self.recording.ground.iter()), &[])];
+        let mut parts = vec![pixels(size, self.recording.ground.iter(), 0)];
         let last = steps.len().div_ceil(stride);
         for (number, together) in (1..).zip(steps.chunks(stride)) {
-            let cells = squares(size, together.iter().flat_map(|step| &step.cells));
-            parts.push(svg::group(&cells, &[("data-cells", format!("{number}"))]));
+            parts.push(pixels(size, together.iter().flat_map(|step| &step.cells), number));
         }
         parts.push(svg::group(&lines, &[]));
         parts.push(svg::group(&figure, &[]));
@@ -99,6 +98,19 @@ impl LabPage<'_> {
             parts.join("\n")
         )
     }
+}
+
+/// Returns the pixels that the shown step `number` sets as a group, with one path for each run of equal colours. The
+/// pixels of the input have the number 0.
+fn pixels<'a>(size: (u32, u32), cells: impl Iterator<Item = &'a InkedPixel>, number: usize) -> String {
+    let cells: Vec<_> = colored(size, cells).collect();
+    let paths = cells.chunk_by(|a, b| a.2 == b.2).filter_map(|run| {
+        let [r, g, b] = run.first()?.2;
+        let data: String = run.iter().map(|(x, y, _)| format!("M{x} {y}h1v1h-1z")).collect();
+        Some(format!("<path fill=\"#{r:02x}{g:02x}{b:02x}\" d=\"{data}\"/>"))
+    });
+    let paths: String = paths.collect();
+    if number == 0 { format!("<g>{paths}</g>") } else { format!("<g data-cells=\"{number}\">{paths}</g>") }
 }
 
 /// Returns a table of the shown steps: number, description and state of the algorithm.
@@ -156,7 +168,7 @@ mod tests {
         let html = LabPage { lesson: &lesson, recording: &recording, steps: usize::MAX, command: None }.html();
         assert!(html.len() <= MAX_PAGE_BYTES && html.contains("th step is shown"), "{}", html.len());
         assert!(html.contains("<td>15001</td>"));
-        let squares = html.matches("<polygon").count();
+        let squares = html.matches("h1v1h-1z").count();
         assert_eq!(squares, 15_001, "every pixel is drawn");
     }
 }

@@ -16,6 +16,7 @@ use rasterscope::ui::save_as::SaveItem;
 
 use super::bench::Bench;
 use crate::ui::files::FileCommand;
+use crate::ui::lab::LabChange;
 
 /// Opens the dialog for saving an item, and replaces the suggested path.
 fn ask(bench: &mut Bench, item: SaveItem, path: &str) {
@@ -151,4 +152,9 @@ fn a_saved_lab_run_has_all_steps_and_a_command_unless_it_was_edited() {
     let steps = Lesson::new(Page::Lines).record().steps.len();
     assert_eq!(page.matches("data-row=").count(), steps);
     assert!(page.contains("<pre>rasterscope lab lines -o lines.html</pre>"));
+    let mut edited = Lesson::new(Page::Lines);
+    edited.move_handle(0, glam::DVec2::new(9.5, 9.5));
+    bench.session_mut().features.lab.apply(LabChange::Set(Box::new(edited)));
+    save(&mut bench, SaveItem::LabRun, &path);
+    assert!(!std::fs::read_to_string(&path).unwrap().contains("<h2>Command</h2>"), "no command restores the input");
 }

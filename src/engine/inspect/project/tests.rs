@@ -111,7 +111,7 @@ fn damaged_files_give_one_sentence_with_the_line() {
             assert_eq!(named, Some(line(from)), "{error}");
         }
     }
-    let error = read(text[..text.len() / 2].as_bytes()).unwrap_err();
+    let error = read(&text.as_bytes()[..text.len() / 2]).unwrap_err();
     assert!(error.contains("EOF"), "{error}");
 }
 

@@ -93,7 +93,7 @@ impl PixelPage<'_> {
             .remedies
             .iter()
             .map(|remedy| {
-                let [label, change, effect] = [&remedy.label(), &remedy.change(), remedy.effect()].map(|t| escaped(t));
+                let [label, change, effect] = [remedy.label().as_str(), &remedy.change(), remedy.effect()].map(escaped);
                 format!("<li><b>{label}</b> (<code>{change}</code>). {effect}.</li>\n")
             })
             .collect();
