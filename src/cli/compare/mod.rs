@@ -9,9 +9,9 @@ mod sequence;
 use std::path::{Path, PathBuf};
 
 use crate::image::file::write_png;
-use crate::image::{Image, Rgba8};
 use crate::image::picture::{Layer, Picture, format_names};
 use crate::image::sequence::FileSequence;
+use crate::image::{Image, Rgba8};
 use crate::measure::difference::{self, Difference};
 use crate::measure::picture_error::{LayerPair, Metric, PictureErrors, PictureLayer, ValueScale};
 use crate::measure::tone::{Tone, ToneCurve};

@@ -93,7 +93,10 @@ impl PictureFigure {
 impl MetricTable {
     fn html(&self) -> String {
         let heads: Vec<&str> = std::iter::once("Metric").chain(self.columns.iter().map(String::as_str)).collect();
-        format!("<section>\n<h2>Errors</h2>\n<div class=\"narrow\">{}</div></section>\n", table(&heads, self.rows.iter().cloned(), false))
+        format!(
+            "<section>\n<h2>Errors</h2>\n<div class=\"narrow\">{}</div></section>\n",
+            table(&heads, self.rows.iter().cloned(), false)
+        )
     }
 }
 
