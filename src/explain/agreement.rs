@@ -3,11 +3,13 @@
 //! The measure is the negative logarithm of a likelihood: each pixel either agrees, up to rounding noise of one or two
 //! codes, or has any colour. So a few wild pixels cannot outweigh many that agree, as they would in a mean square.
 
+use std::ops::Add;
 use std::sync::LazyLock;
 
 use rasterscope_engine::image::{Image, Rgba8};
 
 use crate::setup::Rounding;
+use crate::window::Window;
 
 /// Largest difference, in 8-bit codes of any channel, at which two pixels count as equal.
 pub const TOLERANCE: u8 = 2;
@@ -42,30 +44,40 @@ static COST: LazyLock<[f64; 256]> = LazyLock::new(|| {
     })
 });
 
-/// The other renderer's picture, prepared for comparisons.
+/// Window of the other renderer's picture, prepared for comparisons.
 #[derive(Clone, Debug)]
 pub(crate) struct Target {
-    pub(crate) picture: Image<Rgba8>,
+    /// Place of the window in the whole picture.
+    pub(crate) window: Window,
+    /// Pixels of the window.
+    picture: Image<Rgba8>,
     coarse: Vec<[f64; 3]>,
 }
 
-/// Agreement of one drawing with the target.
-#[derive(Clone, Copy, Debug)]
+/// Agreement of one drawing with the targets.
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Agreement {
     /// Negative log-likelihood of the target, in nats; smaller is better.
     pub(crate) cost: f64,
-    /// Mean absolute difference of squares of pixels, in codes: small if shapes and brightness agree roughly.
+    /// Sum of the absolute differences of squares of pixels, in codes: small if shapes and brightness agree roughly.
     pub(crate) coarse: f64,
     /// Number of pixels that differ by more than [`TOLERANCE`].
     pub(crate) differing: u64,
 }
 
 impl Target {
-    pub(crate) fn new(picture: Image<Rgba8>) -> Self {
-        Self { coarse: coarse(&picture), picture }
+    /// Prepares a window of a picture.
+    pub(crate) fn new(picture: &Image<Rgba8>, window: Window) -> Self {
+        let picture = window.of(picture);
+        Self { window, coarse: coarse(&picture), picture }
     }
 
-    /// Compares a drawing of the same size.
+    /// Returns the number of pixels.
+    pub(crate) fn pixels(&self) -> usize {
+        self.picture.pixels().len()
+    }
+
+    /// Compares a drawing of the same window.
     pub(crate) fn agreement(&self, ours: &Image<Rgba8>, rounding: Rounding) -> Agreement {
         let mut counts = [0_u64; 256];
         for (theirs, ours) in self.picture.pixels().iter().zip(ours.pixels()) {
@@ -76,18 +88,27 @@ impl Target {
         let squares = coarse(ours);
         let apart: f64 =
             self.coarse.iter().zip(&squares).map(|(a, b)| (0..3).map(|i| (a[i] - b[i]).abs()).sum::<f64>()).sum();
-        Agreement {
-            cost: cost + choice,
-            coarse: apart / (3 * squares.len()) as f64,
-            differing: counts[usize::from(TOLERANCE) + 1..].iter().sum(),
+        Agreement { cost: cost + choice, coarse: apart, differing: counts[usize::from(TOLERANCE) + 1..].iter().sum() }
+    }
+}
+
+impl Add for Agreement {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            cost: self.cost + other.cost,
+            coarse: self.coarse + other.coarse,
+            differing: self.differing + other.differing,
         }
     }
+}
 
-    /// Returns the difference of each pixel from a drawing, in codes.
-    pub(crate) fn differences(&self, ours: &Image<Rgba8>, rounding: Rounding) -> Vec<u8> {
-        let pairs = self.picture.pixels().iter().zip(ours.pixels());
-        pairs.map(|(theirs, ours)| difference(*theirs, *ours, rounding)).collect()
-    }
+/// Returns the difference of each pixel of two pictures, in codes.
+pub(crate) fn differences(theirs: &Image<Rgba8>, ours: &Image<Rgba8>, rounding: Rounding) -> Image<u8> {
+    let pairs = theirs.pixels().iter().zip(ours.pixels());
+    let codes = pairs.map(|(theirs, ours)| difference(*theirs, *ours, rounding)).collect();
+    Image::from_pixels(theirs.width(), theirs.height(), codes)
 }
 
 /// Returns the largest difference of the three colour channels, in codes, from what the rounding allows.

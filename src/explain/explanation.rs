@@ -1,17 +1,18 @@
 //! Explanation: the faults that a search found, what each of them explains, and what remains.
 
-use rasterscope_engine::chain::Renderer;
 use rasterscope_engine::image::{Image, Rgba8};
 use rasterscope_engine::inspect::what_if::Changes;
 use serde::Serialize;
 use thiserror::Error;
 
 use crate::agreement::{TOLERANCE, difference};
+use crate::candidate::Candidate;
 use crate::fault::{Fault, Slot};
-use crate::faults::ALL;
 use crate::rest::Rest;
-use crate::search::{FaultSet, Interrupted, Search, extended, reduced};
+use crate::search::{FaultSet, Interrupted, Progress, Search};
 use crate::setup::Setup;
+use crate::verification::Verification;
+use crate::window::Window;
 
 /// Smallest number of pixels that only one fault must explain to be named.
 const LEAST_PIXELS: f64 = 20.0;
@@ -35,6 +36,9 @@ const LEAST_ROUNDED: f64 = 0.05;
 
 /// Greatest share of pixels of the picture that may differ between two correct renderers.
 const NOISE: f64 = 0.005;
+
+/// Greatest number of searches, each on windows of the picture where the causes of the previous one explain nothing.
+const MOST_SEARCHES: usize = 2;
 
 /// Greatest share of differing pixels, of those without faults, that may remain in a complete explanation.
 const COMPLETE: f64 = 0.05;
@@ -91,6 +95,8 @@ pub enum Confidence {
 pub struct Cause {
     /// The fault.
     pub fault: &'static Fault,
+    /// Value that was measured in the picture: the colour of the background as `#rrggbb`.
+    pub detail: Option<String>,
     /// Number of pixels that agree with all causes, but not without this one.
     pub explained: u64,
     /// Number of the explained pixels that agree exactly.
@@ -101,6 +107,14 @@ pub struct Cause {
     pub spoiled: u64,
     /// Other faults that would give exactly the same picture here.
     pub alternatives: Vec<&'static Fault>,
+}
+
+impl Cause {
+    /// Returns the settings, each as `key=value`, that have the effect of the cause; `None` if no settings have it.
+    pub fn settings(&self) -> Option<Vec<String>> {
+        let of_fault = self.fault.settings().map(|settings| settings.iter().map(|text| (*text).to_owned()).collect());
+        of_fault.or_else(|| self.detail.as_ref().map(|color| vec![format!("background={color}")]))
+    }
 }
 
 /// Answer to a [`Query`].
@@ -163,76 +177,41 @@ pub fn explain(query: &Query, go_on: &(dyn Fn(f32) -> bool + Sync)) -> Result<Ex
     if query.theirs.size() != ours {
         return Err(ExplainError::Size { theirs: query.theirs.size(), ours });
     }
-    let mut search = Search::new(query, go_on);
-    let mut faults = search.run()?.faults;
-    let causes = loop {
-        let causes = causes(&mut search, &faults)?;
-        match causes.iter().find(|cause| !is_convincing(cause, &query.theirs)) {
-            None => break causes,
-            Some(weak) => faults.retain(|index| ALL[*index].id != weak.fault.id),
+    let candidates = Candidate::all(query);
+    let progress = Progress::new(go_on, candidates.len());
+    let verification = Verification::new(query, &candidates, &progress);
+    let mut best = verification.draw(FaultSet::new())?;
+    let before = best.agreement.differing;
+    let mut causes = Vec::new();
+    for _ in 0..MOST_SEARCHES {
+        let windows = Window::sample(viewport, &best.differences);
+        let mut search = Search::new(query, &candidates, &windows, &progress);
+        let found = search.run(&best.faults)?.faults;
+        let (drawn, convincing) = verification.convincing(&mut search, found)?;
+        if drawn.total() >= best.total() {
+            break;
         }
-    };
-    search.draw_all(vec![FaultSet::new(), faults.clone()])?;
-    let setup = search.setup(&faults);
-    let drawn = setup.draw(&mut Renderer::default());
-    let differing = |set: &[usize]| search.get(set).map_or(0, |trial| trial.agreement.differing);
-    let (before, after) = (differing(&[]), differing(&faults));
+        (best, causes) = (drawn, convincing);
+        let is_partial = confidence(&causes, before, best.agreement.differing, &query.theirs) == Confidence::Partial;
+        if windows == [Window::whole(viewport)] || !is_partial {
+            break;
+        }
+    }
+    let after = best.agreement.differing;
     Ok(Explanation {
         pixels: u64::from(viewport.width) * u64::from(viewport.height),
         differing_before: before,
         differing_after: after,
         confidence: confidence(&causes, before, after, &query.theirs),
         causes,
-        rest: Rest::of(&setup, &query.theirs, &drawn),
-        setup,
-        drawings: search.drawings(),
+        rest: Rest::of(&best.setup, &query.theirs, &best.differences),
+        setup: best.setup,
+        drawings: progress.drawings(),
     })
 }
 
-/// Returns what each fault of a set explains, the one that explains most first.
-fn causes(search: &mut Search<'_>, faults: &[usize]) -> Result<Vec<Cause>, Interrupted> {
-    let mut causes = Vec::new();
-    let with_all = differences(search, faults);
-    for index in faults {
-        let others = reduced(faults, *index);
-        // Rounding changes codes by one, which is within the tolerance.
-        let most = if ALL[*index].slot == Slot::Rounding { 0 } else { TOLERANCE };
-        let without = differences(search, &others);
-        let pairs = || with_all.iter().copied().zip(without.iter().copied());
-        causes.push(Cause {
-            fault: &ALL[*index],
-            explained: pairs().filter(|(with, without)| *with <= most && *without > most).count() as u64,
-            differing_without: without.iter().filter(|difference| **difference > most).count() as u64,
-            exact: pairs().filter(|(with, without)| *with == 0 && *without > most).count() as u64,
-            spoiled: pairs().filter(|(with, without)| *with > TOLERANCE && *without <= TOLERANCE).count() as u64,
-            alternatives: alternatives(search, faults, *index)?,
-        });
-    }
-    causes.sort_by_key(|cause| std::cmp::Reverse(cause.explained));
-    Ok(causes)
-}
-
-/// Returns the difference of each pixel from the drawing of a set, in codes.
-fn differences(search: &Search<'_>, faults: &[usize]) -> Vec<u8> {
-    let setup = search.setup(faults);
-    search.target().differences(&setup.draw(&mut Renderer::default()), setup.rounding)
-}
-
-/// Returns the faults that give the same picture in place of one fault of a set.
-fn alternatives(search: &mut Search<'_>, faults: &[usize], index: usize) -> Result<Vec<&'static Fault>, Interrupted> {
-    let others = reduced(faults, index);
-    let is_compatible =
-        |other: &usize| *other != index && others.iter().all(|kept| ALL[*kept].slot != ALL[*other].slot);
-    let sets: Vec<_> =
-        search.known().iter().copied().filter(is_compatible).map(|other| (other, extended(&others, other))).collect();
-    search.draw_all(sets.iter().map(|(_, set)| set.clone()).collect())?;
-    let hash = |set: &[usize]| search.get(set).map(|trial| trial.hash);
-    let same = sets.iter().filter(|(_, set)| hash(set) == hash(faults));
-    Ok(same.map(|(other, _)| &ALL[*other]).collect())
-}
-
 /// Returns whether enough pixels agree only with a cause, many of them exactly, and few only without it.
-fn is_convincing(cause: &Cause, picture: &Image<Rgba8>) -> bool {
+pub(crate) fn is_convincing(cause: &Cause, picture: &Image<Rgba8>) -> bool {
     let (explained, exact, spoiled) = (cause.explained as f64, cause.exact as f64, cause.spoiled as f64);
     let share = if cause.fault.slot == Slot::Rounding { LEAST_ROUNDED } else { LEAST_SHARE };
     let least = LEAST_PIXELS.max(share * picture.pixels().len() as f64);

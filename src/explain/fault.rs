@@ -17,9 +17,11 @@ pub struct Fault {
     pub(crate) slot: Slot,
     /// Change of our inputs or of our picture that has the same effect.
     pub(crate) change: Change,
+    /// Other changes that have the effect in renderers that clip polygons in other ways.
+    pub(crate) variants: &'static [Change],
 }
 
-/// Kind of a difference.
+/// Kind of a difference. They differ in what they say about the other renderer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
@@ -27,11 +29,14 @@ pub enum Kind {
     Error,
     /// Other convention or setting: correct in itself, but not what was asked for.
     Convention,
+    /// Other input: the renderer draws correctly, but not from the same data.
+    Input,
 }
 
 /// Decision of a renderer. A renderer decides each of them in one way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Slot {
+    Background,
     RowOrder,
     ColumnOrder,
     Channels,
@@ -76,6 +81,9 @@ pub(crate) enum Change {
     Output(OutputChange),
     /// Rounding of the finished colours.
     Rounding(Rounding),
+    /// Colour of the finished picture where nothing is drawn, as sRGB codes; `None` in the registry, because it is
+    /// measured in a picture.
+    Background(Option<[u8; 3]>),
 }
 
 impl Fault {
@@ -89,7 +97,7 @@ impl Fault {
     pub fn settings(&self) -> Option<&'static [&'static str]> {
         match self.change {
             Change::Settings(settings) => Some(settings),
-            Change::Setup(_) | Change::Output(_) | Change::Rounding(_) => None,
+            Change::Setup(_) | Change::Output(_) | Change::Rounding(_) | Change::Background(_) => None,
         }
     }
 
@@ -100,11 +108,21 @@ impl Fault {
 
     /// Declares an error.
     pub(crate) const fn error(id: &'static str, name: &'static str, slot: Slot, change: Change) -> Self {
-        Self { id, name, kind: Kind::Error, slot, change }
+        Self { id, name, kind: Kind::Error, slot, change, variants: &[] }
     }
 
     /// Declares another convention.
     pub(crate) const fn convention(id: &'static str, name: &'static str, slot: Slot, change: Change) -> Self {
-        Self { id, name, kind: Kind::Convention, slot, change }
+        Self { kind: Kind::Convention, ..Self::error(id, name, slot, change) }
+    }
+
+    /// Declares another input.
+    pub(crate) const fn input(id: &'static str, name: &'static str, slot: Slot, change: Change) -> Self {
+        Self { kind: Kind::Input, ..Self::error(id, name, slot, change) }
+    }
+
+    /// Returns the fault with other changes that have its effect.
+    pub(crate) const fn or(self, variants: &'static [Change]) -> Self {
+        Self { variants, ..self }
     }
 }

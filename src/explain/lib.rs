@@ -8,15 +8,19 @@
 //! and hardly any pixel agrees only without it. What remains is reported as unexplained.
 
 mod agreement;
+mod candidate;
 mod explanation;
 mod fault;
 mod faults;
 mod geometry;
+mod polygons;
 mod rest;
 mod search;
 mod setup;
 mod terminator;
 mod text;
+mod verification;
+mod window;
 
 pub use agreement::TOLERANCE;
 pub use explanation::{Cause, Confidence, ExplainError, Explanation, Query, explain};

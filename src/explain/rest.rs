@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use rasterscope_engine::antialias::settings::Antialiasing;
-use rasterscope_engine::chain::{Recipe, run_unobserved};
+use rasterscope_engine::chain::{Recipe, Renderer, run_unobserved};
 use rasterscope_engine::image::color::{decode, encode};
 use rasterscope_engine::image::{Image, Rgba8};
 use rasterscope_engine::inspect::capture;
@@ -28,9 +28,13 @@ pub struct Rest {
 }
 
 impl Rest {
-    /// Compares the other renderer's picture with `ours`, the drawing of a setup. Returns the object with most differing
-    /// pixels first.
-    pub(crate) fn of(setup: &Setup, theirs: &Image<Rgba8>, ours: &Image<Rgba8>) -> Vec<Self> {
+    /// Compares the other renderer's picture with the drawing of a setup; `differences` are those of all pixels, in
+    /// codes. Returns the object with most differing pixels first.
+    pub(crate) fn of(setup: &Setup, theirs: &Image<Rgba8>, differences: &Image<u8>) -> Vec<Self> {
+        if differences.pixels().iter().all(|code| *code <= TOLERANCE) {
+            return Vec::new();
+        }
+        let ours = setup.draw(&mut Renderer::default());
         let triangles = visible_triangles(setup);
         let first = setup.scene.first_triangles();
         let object = |triangle: TriangleId| {
@@ -39,10 +43,10 @@ impl Rest {
         let mut rest: BTreeMap<Option<usize>, Self> = BTreeMap::new();
         let (width, height) = theirs.size();
         for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
-            let (theirs, ours) = (theirs.at(x, y), ours.at(x, y));
-            if difference(theirs, ours, setup.rounding) <= TOLERANCE {
+            if differences.at(x, y) <= TOLERANCE {
                 continue;
             }
+            let (theirs, ours) = (theirs.at(x, y), ours.at(x, y));
             let object = object(triangles.at(x, y));
             let name = || object.map(|index| setup.scene.instances[index].name.clone());
             let found =

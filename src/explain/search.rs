@@ -13,13 +13,13 @@ use rasterscope_engine::chain::Renderer;
 use rayon::prelude::*;
 
 use crate::agreement::{Agreement, Target};
+use crate::candidate::Candidate;
 use crate::explanation::Query;
-use crate::fault::Fault;
-use crate::faults::ALL;
 use crate::setup::Setup;
+use crate::window::Window;
 
 /// Greatest number of faults in an explanation.
-const MOST_FAULTS: usize = 4;
+const MOST_FAULTS: usize = 5;
 
 /// Number of sets extended per step, by likelihood and by coarse difference, while most of the picture is unexplained.
 const BEAM: [usize; 2] = [5, 4];
@@ -33,7 +33,7 @@ const NEARLY_ALL: f64 = 0.005;
 /// Cost of one more fault, in nats: about that of twelve pixels that disagree.
 pub(crate) const COST_OF_FAULT: f64 = 100.0;
 
-/// Set of faults: indices in the registry, in ascending order.
+/// Set of faults: indices of candidates, in ascending order.
 pub(crate) type FaultSet = Vec<usize>;
 
 /// Result of drawing one set of faults.
@@ -52,52 +52,67 @@ impl Trial {
     }
 }
 
-/// Search state: the correct setup, the picture to explain, and all drawings made so far.
+/// Search state: the correct setup, windows of the picture to explain, and all drawings made so far.
 pub(crate) struct Search<'a> {
     correct: &'a Setup,
-    /// Indices of the faults that are considered.
-    known: Vec<usize>,
-    target: Target,
-    go_on: &'a (dyn Fn(f32) -> bool + Sync),
+    candidates: &'a [Candidate],
+    targets: Vec<Target>,
+    progress: &'a Progress<'a>,
     trials: HashMap<FaultSet, Trial>,
-    /// Number of drawings made, and expected in total.
-    drawn: AtomicUsize,
-    expected: usize,
 }
 
 /// Interruption of a search by the user.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Interrupted;
 
-impl<'a> Search<'a> {
-    /// Prepares a search. `go_on` is called with the progress in [0, 1] and returns whether to continue.
-    pub(crate) fn new(query: &'a Query, go_on: &'a (dyn Fn(f32) -> bool + Sync)) -> Self {
-        let is_known = |index: &usize| query.without.iter().all(|id| id != ALL[*index].id);
-        let known: Vec<_> = (0..ALL.len()).filter(is_known).collect();
-        Self {
-            correct: &query.correct,
-            expected: 1 + known.len() * (1 + BEAM[0] + BEAM[1] + 2 * NARROW_BEAM[0]),
-            known,
-            target: Target::new(query.theirs.clone()),
-            go_on,
-            trials: HashMap::new(),
-            drawn: AtomicUsize::new(0),
+/// Progress of one or several searches, and the way to interrupt them.
+pub(crate) struct Progress<'a> {
+    /// Function that gets the progress in [0, 1], and returns whether to continue.
+    go_on: &'a (dyn Fn(f32) -> bool + Sync),
+    /// Number of drawings made, and expected in total.
+    drawn: AtomicUsize,
+    expected: usize,
+    interrupted: AtomicBool,
+}
+
+impl<'a> Progress<'a> {
+    /// Starts the progress of searches among a number of candidates.
+    pub(crate) fn new(go_on: &'a (dyn Fn(f32) -> bool + Sync), candidates: usize) -> Self {
+        let expected = 1 + candidates * (1 + BEAM[0] + BEAM[1] + 2 * NARROW_BEAM[0]);
+        Self { go_on, expected, drawn: AtomicUsize::new(0), interrupted: AtomicBool::new(false) }
+    }
+
+    /// Counts a drawing. Returns an error if the user interrupts.
+    pub(crate) fn step(&self) -> Result<(), Interrupted> {
+        let done = self.drawn.fetch_add(1, Ordering::Relaxed);
+        if self.interrupted.load(Ordering::Relaxed) || !(self.go_on)((done as f32 / self.expected as f32).min(1.0)) {
+            self.interrupted.store(true, Ordering::Relaxed);
+            return Err(Interrupted);
         }
+        Ok(())
     }
 
-    /// Returns the indices of the faults that are considered.
-    pub(crate) fn known(&self) -> &[usize] {
-        &self.known
+    /// Returns the number of drawings made.
+    pub(crate) fn drawings(&self) -> usize {
+        self.drawn.load(Ordering::Relaxed)
+    }
+}
+
+impl<'a> Search<'a> {
+    /// Prepares a search that compares some windows of the picture.
+    pub(crate) fn new(
+        query: &'a Query,
+        candidates: &'a [Candidate],
+        windows: &[Window],
+        progress: &'a Progress<'a>,
+    ) -> Self {
+        let targets = windows.iter().map(|window| Target::new(&query.theirs, *window)).collect();
+        Self { correct: &query.correct, candidates, targets, progress, trials: HashMap::new() }
     }
 
-    /// Returns the picture to explain.
-    pub(crate) fn target(&self) -> &Target {
-        &self.target
-    }
-
-    /// Returns the setup with a set of faults.
+    /// Returns the setup with a set of candidates.
     pub(crate) fn setup(&self, faults: &[usize]) -> Setup {
-        self.correct.with(faults.iter().map(|index| &ALL[*index]))
+        self.correct.changed(faults.iter().map(|index| self.candidates[*index].change))
     }
 
     /// Draws every set that was not drawn before.
@@ -105,20 +120,12 @@ impl<'a> Search<'a> {
         let mut new: Vec<_> = sets.into_iter().filter(|set| !self.trials.contains_key(set)).collect();
         new.sort_unstable();
         new.dedup();
-        let stopped = AtomicBool::new(false);
         let drawn: Vec<_> = new
             .into_par_iter()
-            .map_init(Renderer::default, |renderer, faults| {
-                let done = self.drawn.fetch_add(1, Ordering::Relaxed);
-                if stopped.load(Ordering::Relaxed) || !(self.go_on)((done as f32 / self.expected as f32).min(1.0)) {
-                    stopped.store(true, Ordering::Relaxed);
-                    return None;
-                }
-                Some(self.trial(renderer, faults))
-            })
+            .map_init(Renderer::default, |renderer, faults| self.progress.step().map(|()| self.trial(renderer, faults)))
             .collect();
         for trial in drawn {
-            let trial = trial.ok_or(Interrupted)?;
+            let trial = trial?;
             self.trials.insert(trial.faults.clone(), trial);
         }
         Ok(())
@@ -126,16 +133,15 @@ impl<'a> Search<'a> {
 
     fn trial(&self, renderer: &mut Renderer, faults: FaultSet) -> Trial {
         let setup = self.setup(&faults);
-        let picture = setup.draw(renderer);
         let mut hasher = DefaultHasher::new();
-        picture.as_bytes().hash(&mut hasher);
         setup.rounding.hash(&mut hasher);
-        Trial { faults, agreement: self.target.agreement(&picture, setup.rounding), hash: hasher.finish() }
-    }
-
-    /// Returns the number of drawings made.
-    pub(crate) fn drawings(&self) -> usize {
-        self.trials.len()
+        let mut agreement = Agreement::default();
+        for target in &self.targets {
+            let picture = setup.draw_window(renderer, target.window);
+            picture.as_bytes().hash(&mut hasher);
+            agreement = agreement + target.agreement(&picture, setup.rounding);
+        }
+        Trial { faults, agreement, hash: hasher.finish() }
     }
 
     /// Returns the trial of a set that was drawn before.
@@ -143,11 +149,14 @@ impl<'a> Search<'a> {
         self.trials.get(faults)
     }
 
-    /// Returns the best set of faults, after extending sets as long as that improves the agreement.
-    pub(crate) fn run(&mut self) -> Result<Trial, Interrupted> {
-        self.draw_all(vec![FaultSet::new()])?;
-        let mut sets = vec![FaultSet::new()];
-        let mut best = self.trials[&FaultSet::new()].clone();
+    /// Returns the best set of faults, after extending the empty set and `start` as long as that improves the
+    /// agreement.
+    pub(crate) fn run(&mut self, start: &[usize]) -> Result<Trial, Interrupted> {
+        let mut sets = vec![FaultSet::new(), start.to_vec()];
+        self.draw_all(sets.clone())?;
+        sets.dedup();
+        let best = sets.iter().map(|set| &self.trials[set]).min_by(|a, b| a.total().total_cmp(&b.total()));
+        let mut best = best.expect("there is at least the empty set").clone();
         for size in 1..=MOST_FAULTS {
             let is_best = |set: &FaultSet| *set == best.faults;
             let extended: Vec<_> = sets.iter().flat_map(|set| self.extensions(set, is_best(set))).collect();
@@ -169,19 +178,20 @@ impl<'a> Search<'a> {
         Ok(best)
     }
 
-    /// Returns the set with each compatible further fault, including the slow ones only if `with_slow`.
+    /// Returns the set with each compatible further candidate, including the slow ones only if `with_slow`.
     fn extensions(&self, set: &[usize], with_slow: bool) -> Vec<FaultSet> {
-        let is_compatible = |further: &Fault| {
-            (with_slow || !further.is_slow()) && set.iter().all(|index| ALL[*index].slot != further.slot)
+        let is_compatible = |further: &Candidate| {
+            (with_slow || !further.fault.is_slow())
+                && set.iter().all(|index| self.candidates[*index].is_compatible(further))
         };
-        let further = self.known.iter().filter(|index| is_compatible(&ALL[**index]));
-        further.map(|index| extended(set, *index)).collect()
+        let further = (0..self.candidates.len()).filter(|index| is_compatible(&self.candidates[*index]));
+        further.map(|index| extended(set, index)).collect()
     }
 
     /// Returns the sets to extend: the best by likelihood, and the best by coarse difference. Of several sets with the
     /// same picture, only one.
     fn beam(&self, by_total: &[&Trial], best: &Trial) -> Vec<FaultSet> {
-        let pixels = self.target.picture.pixels().len() as f64;
+        let pixels = self.targets.iter().map(Target::pixels).sum::<usize>() as f64;
         let is_nearly_done = (best.agreement.differing as f64) < NEARLY_ALL * pixels;
         let [by_likelihood, by_shape] = if is_nearly_done { NARROW_BEAM } else { BEAM };
         let mut by_coarse = by_total.to_vec();

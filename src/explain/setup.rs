@@ -2,12 +2,16 @@
 
 use std::sync::Arc;
 
+use rasterscope_engine::antialias::settings::PostFilterKind;
 use rasterscope_engine::chain::{KeepDepth, Recipe, Renderer};
 use rasterscope_engine::image::{Image, Rgba8};
+use rasterscope_engine::pipeline::background::Background;
 use rasterscope_engine::pipeline::viewport::Viewport;
 use rasterscope_engine::scene::{Camera, Scene, SubView};
+use rasterscope_engine::upscale::Upscaling;
 
 use crate::fault::{Change, Fault};
+use crate::window::Window;
 
 /// Everything that determines a drawing: scene, camera, recipe, size, and changes of the finished picture.
 #[derive(Clone, Debug)]
@@ -24,6 +28,9 @@ pub struct Setup {
     pub(crate) output: Vec<OutputChange>,
     /// Rounding of colours to codes.
     pub(crate) rounding: Rounding,
+    /// Colour that the finished picture shows where nothing is drawn, as sRGB codes; `None` if it follows from the
+    /// recipe.
+    pub(crate) background: Option<[u8; 3]>,
 }
 
 /// Change of the finished picture.
@@ -34,7 +41,16 @@ pub(crate) enum OutputChange {
     /// Columns in reverse order.
     FlipColumns,
     /// Function of the colour of a pixel.
-    Pixel(fn(Rgba8) -> Rgba8),
+    Pixel(PixelChange),
+}
+
+/// Function of the colour of a pixel, with its inverse.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PixelChange {
+    /// Returns the changed colour.
+    pub(crate) apply: fn(Rgba8) -> Rgba8,
+    /// Returns the colour that is changed to this one, or nearly so.
+    pub(crate) undo: fn(Rgba8) -> Rgba8,
 }
 
 /// Rounding of colours to 8-bit codes, as it shows in differences from our codes, which are rounded to nearest.
@@ -51,25 +67,32 @@ pub(crate) enum Rounding {
 impl Setup {
     /// Returns the setup of a correct drawing of `viewport` size.
     pub fn new(scene: Arc<Scene>, camera: Camera, recipe: Recipe, viewport: Viewport) -> Self {
-        Self { scene, camera, recipe, viewport, output: Vec::new(), rounding: Rounding::Nearest }
+        Self { scene, camera, recipe, viewport, output: Vec::new(), rounding: Rounding::Nearest, background: None }
     }
 
-    /// Returns the setup with the faults added, in the given order.
+    /// Returns the setup with the faults added, in the given order. A difference whose value is measured in a picture,
+    /// such as the colour of the background, changes nothing.
     pub fn with<'a>(&self, faults: impl IntoIterator<Item = &'a Fault>) -> Self {
+        self.changed(faults.into_iter().map(|fault| fault.change))
+    }
+
+    /// Returns the setup with changes, in the given order.
+    pub(crate) fn changed(&self, changes: impl IntoIterator<Item = Change>) -> Self {
         let mut changed = self.clone();
-        for fault in faults {
-            changed.add(fault);
+        for change in changes {
+            changed.add(change);
         }
         changed
     }
 
-    fn add(&mut self, fault: &Fault) {
-        match fault.change {
+    fn add(&mut self, change: Change) {
+        match change {
             // The assignments are constants, and a test sets each of them.
             Change::Settings(assignments) => drop(self.recipe.set_all(assignments)),
             Change::Setup(change) => change(self),
             Change::Output(change) => self.output.push(change),
             Change::Rounding(rounding) => self.rounding = rounding,
+            Change::Background(color) => self.background = color.or(self.background),
         }
     }
 
@@ -81,13 +104,51 @@ impl Setup {
 
     /// Draws the picture, including the changes of the finished picture.
     pub fn draw(&self, renderer: &mut Renderer) -> Image<Rgba8> {
-        let frame = renderer.render(&self.scene, &self.camera, &self.recipe, self.viewport, KeepDepth::No);
+        self.draw_window(renderer, Window::whole(self.viewport))
+    }
+
+    /// Draws a window of the picture, including the changes of the finished picture.
+    pub(crate) fn draw_window(&self, renderer: &mut Renderer, window: Window) -> Image<Rgba8> {
+        // Filters and upscalers read pixels beside the window.
+        let reads_around = self.recipe.post.filter != PostFilterKind::None || self.recipe.upscaler != Upscaling::NATIVE;
+        let shown = if reads_around { window.extended(self.viewport) } else { window };
+        let (camera, viewport) =
+            self.view_of(self.output.iter().rev().fold(shown, |window, change| change.source(window, self.viewport)));
+        let frame = renderer.render(&self.scene, &camera, &self.recipe_with_background(), viewport, KeepDepth::No);
         let mut picture = frame.image().clone();
         renderer.recycle(frame);
         for change in &self.output {
             picture = change.apply(picture);
         }
-        picture
+        if shown == window { picture } else { window.within(shown).of(&picture) }
+    }
+
+    /// Returns the camera and the size of a drawing that shows only a window, before changes of the finished picture.
+    fn view_of(&self, window: Window) -> (Camera, Viewport) {
+        let Viewport { width, height } = self.viewport;
+        let mut part = self.clone();
+        if window != Window::whole(self.viewport) {
+            let view = part.sub_view_mut();
+            let [x, y, columns, rows] = [window.x, window.y, window.width, window.height].map(f64::from);
+            let [width, height] = [width, height].map(f64::from);
+            let scale = [width / columns, height / rows];
+            let shift = [(width - 2.0 * x) / columns - 1.0, 1.0 - (height - 2.0 * y) / rows];
+            for axis in [0, 1] {
+                view.shift[axis] = (f64::from(view.shift[axis]) * scale[axis] + shift[axis]) as f32;
+                view.scale[axis] = (f64::from(view.scale[axis]) * scale[axis]) as f32;
+            }
+        }
+        (part.camera, Viewport { width: window.width, height: window.height })
+    }
+
+    /// Returns the recipe with the background that the changes of the finished picture turn into the measured one.
+    fn recipe_with_background(&self) -> Recipe {
+        let mut recipe = self.recipe;
+        if let Some([r, g, b]) = self.background {
+            let [r, g, b, _] = self.output.iter().rev().fold([r, g, b, 255], |color, change| change.undo(color));
+            recipe.pipeline.background = Background::Color([r, g, b]);
+        }
+        recipe
     }
 
     /// Moves the values of a buffer of this view to the pixels at which the finished picture shows them.
@@ -99,12 +160,30 @@ impl Setup {
 impl OutputChange {
     fn apply(self, picture: Image<Rgba8>) -> Image<Rgba8> {
         match self {
-            Self::Pixel(change) => picture.map(change),
+            Self::Pixel(change) => picture.map(change.apply),
             Self::FlipRows | Self::FlipColumns => self.place(picture),
         }
     }
 
-    fn place<T: Copy>(self, buffer: Image<T>) -> Image<T> {
+    /// Returns the colour that becomes the given one.
+    fn undo(self, color: Rgba8) -> Rgba8 {
+        match self {
+            Self::Pixel(change) => (change.undo)(color),
+            Self::FlipRows | Self::FlipColumns => color,
+        }
+    }
+
+    /// Returns the window whose pixels become those of the given window of the picture.
+    fn source(self, window: Window, picture: Viewport) -> Window {
+        match self {
+            Self::FlipRows => Window { y: picture.height - window.y - window.height, ..window },
+            Self::FlipColumns => Window { x: picture.width - window.x - window.width, ..window },
+            Self::Pixel(_) => window,
+        }
+    }
+
+    /// Moves values of pixels to where the change moves the pixels.
+    pub(crate) fn place<T: Copy>(self, buffer: Image<T>) -> Image<T> {
         let (width, height) = buffer.size();
         match self {
             Self::FlipRows => Image::from_fn(width, height, |x, y| buffer.at(x, height - 1 - y)),

@@ -39,6 +39,9 @@ impl Explanation {
     pub fn summary(&self) -> String {
         match self.confidence {
             Confidence::Agrees => "The picture agrees with ours; what differs is rounding.".to_owned(),
+            Confidence::Complete if self.causes.iter().all(|cause| cause.fault.kind == Kind::Input) => {
+                "The picture agrees with ours, except that it was drawn from other inputs:".to_owned()
+            }
             Confidence::Complete => format!("{} the picture:", self.count()),
             Confidence::Partial => {
                 format!("{} a part of the picture; nothing known explains the rest:", self.count())
@@ -64,8 +67,10 @@ impl Display for Cause {
         let kind = match self.fault.kind {
             Kind::Error => "",
             Kind::Convention => " (another convention, not an error)",
+            Kind::Input => " (another input, not an error in drawing)",
         };
-        write!(f, "{}{kind}: {} px agree only with it", self.fault.title(), self.explained)?;
+        let detail = self.detail.as_ref().map(|detail| format!(", {detail}")).unwrap_or_default();
+        write!(f, "{}{detail}{kind}: {} px agree only with it", self.fault.title(), self.explained)?;
         if self.spoiled > 0 {
             write!(f, ", {} px only without it", self.spoiled)?;
         }
@@ -93,6 +98,7 @@ struct CauseRecord<'a> {
     fault: &'a str,
     name: &'a str,
     kind: Kind,
+    detail: Option<&'a str>,
     explained_px: u64,
     exact_px: u64,
     spoiled_px: u64,
@@ -105,6 +111,7 @@ impl Serialize for Cause {
             fault: self.fault.id,
             name: self.fault.name,
             kind: self.fault.kind,
+            detail: self.detail.as_deref(),
             explained_px: self.explained,
             exact_px: self.exact,
             spoiled_px: self.spoiled,

@@ -69,11 +69,12 @@ fn values(text: &str) -> String {
 fn faults() -> String {
     let kind = |kind: Kind| match kind {
         Kind::Error => "",
-        Kind::Convention => "yes",
+        Kind::Convention => "convention",
+        Kind::Input => "input",
     };
     let rows = explain::ALL.iter();
     let rows = rows.map(|fault| vec![code(fault.id), fault.name.to_owned(), kind(fault.kind).to_owned()]);
-    table("fault | what the other renderer does | only another convention", rows)
+    table("fault | what the other renderer does | no error, but another", rows)
 }
 
 fn settings() -> String {

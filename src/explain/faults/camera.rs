@@ -7,6 +7,7 @@ use rasterscope_engine::scene::{Camera, Projection};
 
 use crate::fault::{Change, Fault, Slot};
 use crate::geometry;
+use crate::polygons;
 use crate::setup::Setup;
 
 pub(super) const FAULTS: &[Fault] = &[
@@ -101,8 +102,9 @@ pub(super) const FAULTS: &[Fault] = &[
         "near-plane-unclipped",
         "triangles are not clipped at the near plane: corners behind the eye are projected as if they were before it",
         Slot::NearPlane,
-        Change::Setup(geometry::project_through_eye),
-    ),
+        Change::Setup(polygons::skip_near_clipping_and_test),
+    )
+    .or(&[Change::Setup(polygons::skip_near_clipping), Change::Setup(geometry::project_through_eye)]),
     Fault::error(
         "near-plane-ignored",
         "surfaces between the eye and the near plane are drawn",

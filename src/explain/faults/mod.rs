@@ -4,6 +4,7 @@ mod blending;
 mod camera;
 mod coverage;
 mod depth;
+mod input;
 mod lighting;
 mod output;
 mod sampling;
@@ -16,6 +17,7 @@ use crate::fault::Fault;
 /// All known faults. Among faults that give the same picture, the first is named first.
 pub static ALL: LazyLock<Vec<Fault>> = LazyLock::new(|| {
     [
+        input::FAULTS,
         output::FAULTS,
         camera::FAULTS,
         coverage::FAULTS,

@@ -4,6 +4,16 @@ use glam::Vec2;
 
 use crate::fault::{Change, Fault, Slot};
 use crate::geometry;
+use crate::polygons::{Clipping, interpolate_affinely};
+
+/// Declares affine interpolation with the triangles of a way of clipping.
+macro_rules! affine {
+    ($is_at_all_planes:literal, $first:literal) => {
+        Change::Setup(|setup| {
+            interpolate_affinely(setup, Clipping { is_at_all_planes: $is_at_all_planes, first: $first });
+        })
+    };
+}
 
 pub(super) const FAULTS: &[Fault] = &[
     Fault::error(
@@ -11,13 +21,8 @@ pub(super) const FAULTS: &[Fault] = &[
         "attributes are interpolated linearly in screen space (affine), not perspective-correct",
         Slot::Interpolation,
         Change::Settings(&["interpolation=affine"]),
-    ),
-    Fault::error(
-        "texture-v-flipped",
-        "v = 0 is the other edge of the texture: v is not flipped, or flipped twice",
-        Slot::TextureV,
-        Change::Setup(|setup| geometry::change_uv(setup, Vec2::new(1.0, -1.0), Vec2::Y)),
-    ),
+    )
+    .or(&[affine!(false, 0), affine!(false, 1), affine!(true, 0), affine!(true, 1)]),
     Fault::error(
         "texture-u-flipped",
         "u is mirrored",

@@ -104,20 +104,27 @@ fn answer(ui: &mut Ui, session: &Session, found: &Explained, commands: &mut Vec<
 /// Draws a cause with what it explains.
 fn row(ui: &mut Ui, session: &Session, cause: &Cause, commands: &mut Vec<Command>) {
     ui.separator();
-    ui.add(Label::new(cause.fault.title()).wrap());
+    ui.horizontal_wrapped(|ui| {
+        ui.add(Label::new(cause.fault.title()).wrap());
+        if let Some(detail) = &cause.detail {
+            ui.add(Label::new(RichText::new(detail).strong()));
+        }
+    });
     let mut text = format!("{} px agree only with it", format::count(cause.explained));
     if cause.spoiled > 0 {
         text += &format!(", {} px only without it", format::count(cause.spoiled));
     }
-    if cause.fault.kind == Kind::Convention {
-        text += "; another convention, not an error";
-    }
+    text += match cause.fault.kind {
+        Kind::Error => "",
+        Kind::Convention => "; another convention, not an error",
+        Kind::Input => "; another input, not an error in drawing",
+    };
     for other in &cause.alternatives {
         text += &format!("; here the same as: {}", other.name);
     }
     ui.add(Label::new(RichText::new(text).small().color(tokens(ui).text_weak)).wrap());
     let mut recipe = session.state.recipe;
-    let settings = cause.fault.settings().filter(|settings| recipe.set_all(settings).is_ok());
+    let settings = cause.settings().filter(|settings| recipe.set_all(settings).is_ok());
     if let Some(settings) = settings {
         let help = format!("Draw our picture with this fault: {}", settings.join(", "));
         if ui.small_button("Apply settings").on_hover_text(help).clicked() {
