@@ -6,8 +6,9 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use crate::chain::Renderer;
-use crate::explain::{ALL, Explanation, Query, Setup, by_id, explain};
+use crate::explain::{ALL, Explanation, Query, Setup, TheirBuffers, by_id, depths, explain_with, ids};
 use crate::image::file::{read, write_png};
+use crate::image::picture::Picture;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::viewport::Viewport;
 use clap::Args;
@@ -35,6 +36,15 @@ pub(crate) struct ExplainArgs {
 
     #[command(flatten)]
     pub(super) shard: ShardArgs,
+
+    /// Picture of the depths that the other renderer stored, in any linear, reciprocal or logarithmic mapping: a float
+    /// or grey picture, or an OpenEXR file with a channel `Z`
+    #[arg(long, value_name = "PICTURE")]
+    depth: Option<PathBuf>,
+
+    /// Picture of the ids of the triangles or objects that the other renderer shows, as numbers or as colours
+    #[arg(long, value_name = "PICTURE")]
+    ids: Option<PathBuf>,
 
     /// Fault that is not considered; may be given several times. The known faults are listed in the manual
     #[arg(long, value_name = "FAULT", value_parser = fault)]
@@ -82,6 +92,9 @@ impl Display for ExplanationReport {
 /// Runs `explain`: searches for the faults, writes the requested pictures, and prints the explanation.
 pub(crate) fn run(args: &ExplainArgs) -> Result<(), Failure> {
     if args.picture.is_dir() || args.shard.shard.is_some() {
+        if args.depth.is_some() || args.ids.is_some() {
+            return Err(Failure::Usage("--depth and --ids belong to one picture, not to a folder or shard".to_owned()));
+        }
         return explain_folder::run(args);
     }
     if let Some(folder) = &args.output {
@@ -121,7 +134,7 @@ pub(super) fn explained(
     let (width, height) = theirs.size();
     let correct = Setup::new(Arc::clone(&view.scene), view.camera, view.recipe, Viewport { width, height });
     let query = Query { correct, theirs, without: args.without.clone() };
-    let Ok(found) = explain(&query, go_on) else { return Ok(None) };
+    let Ok(found) = explain_with(&query, &buffers(args, (width, height))?, go_on) else { return Ok(None) };
     let mut renderer = Renderer::default();
     let (ours, faulty) = (query.correct.draw(&mut renderer), found.setup.draw(&mut renderer));
     let pixels_at = args.at.iter().map(|at| colors(*at, [&query.theirs, &ours, &faulty])).collect();
@@ -130,6 +143,27 @@ pub(super) fn explained(
     }
     let scene = query.correct.scene.name.clone();
     Ok(Some(ExplanationReport { scene, size: [width, height], explanation: found, pixels_at }))
+}
+
+/// Reads the further pictures, which must have the size of the picture.
+fn buffers(args: &ExplainArgs, size: (u32, u32)) -> Result<TheirBuffers, Failure> {
+    let picture = |path: &PathBuf| {
+        let picture = Picture::read(path)?;
+        let ((width, height), (expected_width, expected_height)) = (picture.size(), size);
+        if picture.size() != size {
+            let path = path.display();
+            let sizes = format!("{width} × {height} px, but the picture {expected_width} × {expected_height}");
+            return Err(Failure::Usage(format!("{path}: it has {sizes}")));
+        }
+        Ok(picture)
+    };
+    let of_depth = |path: &PathBuf| {
+        let no_depths = || Failure::Usage(format!("{}: it has colours, not depths", path.display()));
+        depths(&picture(path)?).ok_or_else(no_depths)
+    };
+    let depth = args.depth.as_ref().map(of_depth).transpose()?;
+    let ids = args.ids.as_ref().map(|path| picture(path).map(|picture| ids(&picture))).transpose()?;
+    Ok(TheirBuffers { depth, ids })
 }
 
 /// Checks that a fault exists.

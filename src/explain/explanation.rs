@@ -6,6 +6,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 use crate::agreement::{TOLERANCE, difference};
+use crate::buffers::{DepthReport, IdReport, TheirBuffers};
 use crate::candidate::Candidate;
 use crate::fault::{Fault, Slot};
 use crate::rest::Rest;
@@ -54,10 +55,17 @@ pub struct Query {
     pub without: Vec<String>,
 }
 
+/// All pictures of the other renderer.
+#[derive(Clone, Copy)]
+pub(crate) struct Evidence<'a> {
+    pub(crate) query: &'a Query,
+    pub(crate) buffers: &'a TheirBuffers,
+}
+
 /// Reason why there is no explanation.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum ExplainError {
-    /// The picture and the view have different sizes.
+    /// A picture and the view have different sizes.
     #[error("the picture has {theirs:?} px, the view {ours:?} px")]
     Size {
         /// Width and height of the picture.
@@ -105,11 +113,53 @@ pub struct Cause {
     pub differing_without: u64,
     /// Number of pixels that agree without this cause, but not with all of them.
     pub spoiled: u64,
+    /// Pixels whose depths agree only with, or only without it.
+    pub depth: Tally,
+    /// Pixels whose ids agree only with, or only without it.
+    pub ids: Tally,
     /// Other faults that would give exactly the same picture here.
     pub alternatives: Vec<&'static Fault>,
 }
 
+/// Effect of a cause on the agreement of depths or ids.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Tally {
+    /// Number of pixels that agree with all causes, but not without this one.
+    pub explained: u64,
+    /// Number of pixels that differ without this cause.
+    pub differing_without: u64,
+    /// Number of pixels that agree without this cause, but not with all of them.
+    pub spoiled: u64,
+}
+
+impl Tally {
+    /// Counts pixels that differ with and without a cause.
+    pub(crate) fn of(with: &[bool], without: &[bool]) -> Self {
+        let count = |is_counted: &dyn Fn(bool, bool) -> bool| {
+            with.iter().zip(without).filter(|(with, without)| is_counted(**with, **without)).count() as u64
+        };
+        Self {
+            explained: count(&|with, without| !with && without),
+            differing_without: count(&|_, without| without),
+            spoiled: count(&|with, without| with && !without),
+        }
+    }
+
+    /// Returns whether enough pixels agree only with the cause, and few only without it.
+    fn is_convincing(self, least: f64) -> bool {
+        let (explained, spoiled) = (self.explained as f64, self.spoiled as f64);
+        let of_differing = LEAST_OF_DIFFERING * self.differing_without as f64;
+        explained >= least.max(of_differing) && explained >= LEAST_PRECISION * (explained + spoiled)
+    }
+}
+
 impl Cause {
+    /// Returns the effect on colours.
+    fn color(&self) -> Tally {
+        let Self { explained, differing_without, spoiled, .. } = *self;
+        Tally { explained, differing_without, spoiled }
+    }
+
     /// Returns the settings, each as `key=value`, that have the effect of the cause; `None` if no settings have it.
     pub fn settings(&self) -> Option<Vec<String>> {
         let of_fault = self.fault.settings().map(|settings| settings.iter().map(|text| (*text).to_owned()).collect());
@@ -130,6 +180,10 @@ pub struct Explanation {
     pub causes: Vec<Cause>,
     /// How far the causes reach.
     pub confidence: Confidence,
+    /// Agreement of the depths, if they were given.
+    pub depth: Option<DepthReport>,
+    /// Agreement of the ids, if they were given.
+    pub ids: Option<IdReport>,
     /// What they leave unexplained, the object with most pixels first.
     pub rest: Vec<Rest>,
     /// Setup with the causes, which draws our picture with the faults.
@@ -172,20 +226,31 @@ impl Explanation {
 /// assert_eq!(answer.differing_after, 0);
 /// ```
 pub fn explain(query: &Query, go_on: &(dyn Fn(f32) -> bool + Sync)) -> Result<Explanation, ExplainError> {
+    explain_with(query, &TheirBuffers::default(), go_on)
+}
+
+/// Finds the faults that explain a picture and further pictures of the same drawing, which tell causes apart that look
+/// equal in colour. `go_on` is called as by [`explain`].
+pub fn explain_with(
+    query: &Query,
+    buffers: &TheirBuffers,
+    go_on: &(dyn Fn(f32) -> bool + Sync),
+) -> Result<Explanation, ExplainError> {
     let viewport = query.correct.viewport;
     let ours = (viewport.width, viewport.height);
-    if query.theirs.size() != ours {
-        return Err(ExplainError::Size { theirs: query.theirs.size(), ours });
+    if let Some(theirs) = buffers.sizes().chain([query.theirs.size()]).find(|size| *size != ours) {
+        return Err(ExplainError::Size { theirs, ours });
     }
+    let evidence = Evidence { query, buffers };
     let candidates = Candidate::all(query);
     let progress = Progress::new(go_on, candidates.len());
-    let verification = Verification::new(query, &candidates, &progress);
+    let verification = Verification::new(&evidence, &candidates, &progress);
     let mut best = verification.draw(FaultSet::new())?;
-    let before = best.agreement.differing;
+    let (before, buffers_before) = (best.agreement.differing, best.buffers.clone());
     let mut causes = Vec::new();
     for _ in 0..MOST_SEARCHES {
         let windows = Window::sample(viewport, &best.differences);
-        let mut search = Search::new(query, &candidates, &windows, &progress);
+        let mut search = Search::new(&evidence, &candidates, &windows, &progress);
         let found = search.run(&best.faults)?.faults;
         let (drawn, convincing) = verification.convincing(&mut search, found)?;
         if drawn.total() >= best.total() {
@@ -204,21 +269,27 @@ pub fn explain(query: &Query, go_on: &(dyn Fn(f32) -> bool + Sync)) -> Result<Ex
         differing_after: after,
         confidence: confidence(&causes, before, after, &query.theirs),
         causes,
+        depth: buffers.depth_report(&best.setup, [&buffers_before, &best.buffers]),
+        ids: buffers.id_report([&buffers_before, &best.buffers]),
         rest: Rest::of(&best.setup, &query.theirs, &best.differences),
         setup: best.setup,
         drawings: progress.drawings(),
     })
 }
 
-/// Returns whether enough pixels agree only with a cause, many of them exactly, and few only without it.
+/// Returns whether enough pixels agree only with a cause, many of them exactly, and few only without it: in colour,
+/// depth or ids, without making the others worse.
 pub(crate) fn is_convincing(cause: &Cause, picture: &Image<Rgba8>) -> bool {
-    let (explained, exact, spoiled) = (cause.explained as f64, cause.exact as f64, cause.spoiled as f64);
+    let least = |share: f64| LEAST_PIXELS.max(share * picture.pixels().len() as f64);
     let share = if cause.fault.slot == Slot::Rounding { LEAST_ROUNDED } else { LEAST_SHARE };
-    let least = LEAST_PIXELS.max(share * picture.pixels().len() as f64);
-    let of_differing = LEAST_OF_DIFFERING * cause.differing_without as f64;
-    explained >= least.max(of_differing)
-        && exact >= LEAST_EXACT * explained
-        && explained >= LEAST_PRECISION * (explained + spoiled)
+    let color = cause.color();
+    let is_exact = cause.exact as f64 >= LEAST_EXACT * cause.explained as f64;
+    let in_color = is_exact && color.is_convincing(least(share));
+    let in_buffers = [cause.depth, cause.ids].iter().any(|tally| tally.is_convincing(least(LEAST_SHARE)));
+    let all = [color, cause.depth, cause.ids];
+    let explained: u64 = all.iter().map(|tally| tally.explained).sum();
+    let spoiled: u64 = all.iter().map(|tally| tally.spoiled).sum();
+    (in_color || in_buffers) && explained as f64 >= LEAST_PRECISION * (explained + spoiled) as f64
 }
 
 fn confidence(causes: &[Cause], before: u64, after: u64, picture: &Image<Rgba8>) -> Confidence {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{Mat3, Mat4, Vec2, Vec3};
 use rasterscope_engine::image::color::{decode, encode};
-use rasterscope_engine::pipeline::settings::{BlendingOrder, ColorSpace, DepthFormat};
+use rasterscope_engine::pipeline::settings::{BlendingOrder, ColorSpace, DepthFormat, DepthTest};
 use rasterscope_engine::scene::{Instance, Material, Mesh, MeshData};
 
 use crate::setup::Setup;
@@ -36,6 +36,8 @@ pub(crate) fn sort_triangles(setup: &mut Setup, distance: impl Fn([Vec3; 3]) -> 
         return;
     }
     setup.recipe.pipeline.blending.order = BlendingOrder::Objects;
+    // Without a material, as in pictures of ids, surfaces are opaque.
+    setup.recipe.pipeline.depth_test = DepthTest::Off;
     change_materials(setup, |material| material.opacity = material.opacity.min(ALMOST_OPAQUE));
     let scene = Arc::make_mut(&mut setup.scene);
     let mut triangles = Vec::new();

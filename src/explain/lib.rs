@@ -8,7 +8,10 @@
 //! and hardly any pixel agrees only without it. What remains is reported as unexplained.
 
 mod agreement;
+mod buffer_files;
+mod buffers;
 mod candidate;
+mod depth_map;
 mod explanation;
 mod fault;
 mod faults;
@@ -23,7 +26,9 @@ mod verification;
 mod window;
 
 pub use agreement::TOLERANCE;
-pub use explanation::{Cause, Confidence, ExplainError, Explanation, Query, explain};
+pub use buffer_files::{depths, ids};
+pub use buffers::{DepthReport, IdLevel, IdReport, TheirBuffers};
+pub use explanation::{Cause, Confidence, ExplainError, Explanation, Query, Tally, explain, explain_with};
 pub use fault::{Fault, Kind};
 pub use faults::{ALL, by_id};
 pub use rest::Rest;

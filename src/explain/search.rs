@@ -13,8 +13,9 @@ use rasterscope_engine::chain::Renderer;
 use rayon::prelude::*;
 
 use crate::agreement::{Agreement, Target};
+use crate::buffers::{BufferTarget, OurBuffers};
 use crate::candidate::Candidate;
-use crate::explanation::Query;
+use crate::explanation::Evidence;
 use crate::setup::Setup;
 use crate::window::Window;
 
@@ -57,6 +58,7 @@ pub(crate) struct Search<'a> {
     correct: &'a Setup,
     candidates: &'a [Candidate],
     targets: Vec<Target>,
+    buffers: BufferTarget,
     progress: &'a Progress<'a>,
     trials: HashMap<FaultSet, Trial>,
 }
@@ -101,13 +103,15 @@ impl<'a> Progress<'a> {
 impl<'a> Search<'a> {
     /// Prepares a search that compares some windows of the picture.
     pub(crate) fn new(
-        query: &'a Query,
+        evidence: &Evidence<'a>,
         candidates: &'a [Candidate],
         windows: &[Window],
         progress: &'a Progress<'a>,
     ) -> Self {
+        let Evidence { query, buffers } = *evidence;
         let targets = windows.iter().map(|window| Target::new(&query.theirs, *window)).collect();
-        Self { correct: &query.correct, candidates, targets, progress, trials: HashMap::new() }
+        let buffers = buffers.target(windows);
+        Self { correct: &query.correct, candidates, targets, buffers, progress, trials: HashMap::new() }
     }
 
     /// Returns the setup with a set of candidates.
@@ -135,12 +139,14 @@ impl<'a> Search<'a> {
         let setup = self.setup(&faults);
         let mut hasher = DefaultHasher::new();
         setup.rounding.hash(&mut hasher);
-        let mut agreement = Agreement::default();
+        let (mut agreement, mut ours) = (Agreement::default(), OurBuffers::default());
         for target in &self.targets {
             let picture = setup.draw_window(renderer, target.window);
             picture.as_bytes().hash(&mut hasher);
             agreement = agreement + target.agreement(&picture, setup.rounding);
+            ours.append(setup.draw_buffers(renderer, target.window, &self.buffers));
         }
+        agreement.cost += self.buffers.differences(&ours).cost();
         Trial { faults, agreement, hash: hasher.finish() }
     }
 
@@ -178,14 +184,25 @@ impl<'a> Search<'a> {
         Ok(best)
     }
 
-    /// Returns the set with each compatible further candidate, including the slow ones only if `with_slow`.
-    fn extensions(&self, set: &[usize], with_slow: bool) -> Vec<FaultSet> {
-        let is_compatible = |further: &Candidate| {
-            (with_slow || !further.fault.is_slow())
-                && set.iter().all(|index| self.candidates[*index].is_compatible(further))
+    /// Returns the set with each compatible further candidate. Only the best set gets those that are slow, or that look
+    /// on their own like another candidate or like no change at all.
+    fn extensions(&self, set: &[usize], is_best: bool) -> Vec<FaultSet> {
+        let is_worthwhile =
+            |index: usize| is_best || !self.candidates[index].fault.is_slow() && self.looks_like_no_other(index);
+        let is_compatible = |index: usize| {
+            let further = &self.candidates[index];
+            set.iter().all(|index| self.candidates[*index].is_compatible(further))
         };
-        let further = (0..self.candidates.len()).filter(|index| is_compatible(&self.candidates[*index]));
+        let further = (0..self.candidates.len()).filter(|index| is_compatible(*index) && is_worthwhile(*index));
         further.map(|index| extended(set, index)).collect()
+    }
+
+    /// Returns whether the drawing with one candidate differs from those with each previous one, and from that without
+    /// any; `true` if it was not drawn yet.
+    fn looks_like_no_other(&self, index: usize) -> bool {
+        let hash = |set: &[usize]| self.trials.get(set).map(|trial| trial.hash);
+        let drawn = hash(&[index]);
+        drawn.is_none() || drawn != hash(&[]) && (0..index).all(|previous| drawn != hash(&[previous]))
     }
 
     /// Returns the sets to extend: the best by likelihood, and the best by coarse difference. Of several sets with the

@@ -2,14 +2,16 @@
 
 use std::sync::Arc;
 
-use rasterscope_engine::antialias::settings::PostFilterKind;
+use rasterscope_engine::antialias::settings::{Antialiasing, PostFilter, PostFilterKind};
 use rasterscope_engine::chain::{KeepDepth, Recipe, Renderer};
 use rasterscope_engine::image::{Image, Rgba8};
 use rasterscope_engine::pipeline::background::Background;
+use rasterscope_engine::pipeline::settings::Shading;
 use rasterscope_engine::pipeline::viewport::Viewport;
 use rasterscope_engine::scene::{Camera, Scene, SubView};
 use rasterscope_engine::upscale::Upscaling;
 
+use crate::buffers::{BufferTarget, NO_ID, OurBuffers};
 use crate::fault::{Change, Fault};
 use crate::window::Window;
 
@@ -112,8 +114,7 @@ impl Setup {
         // Filters and upscalers read pixels beside the window.
         let reads_around = self.recipe.post.filter != PostFilterKind::None || self.recipe.upscaler != Upscaling::NATIVE;
         let shown = if reads_around { window.extended(self.viewport) } else { window };
-        let (camera, viewport) =
-            self.view_of(self.output.iter().rev().fold(shown, |window, change| change.source(window, self.viewport)));
+        let (camera, viewport) = self.view_of(self.source(shown));
         let frame = renderer.render(&self.scene, &camera, &self.recipe_with_background(), viewport, KeepDepth::No);
         let mut picture = frame.image().clone();
         renderer.recycle(frame);
@@ -121,6 +122,42 @@ impl Setup {
             picture = change.apply(picture);
         }
         if shown == window { picture } else { window.within(shown).of(&picture) }
+    }
+
+    /// Draws the distances and ids that are needed for comparisons with a target, in a window of the picture. Each pixel
+    /// has one sample, and no filter changes it.
+    pub(crate) fn draw_buffers(&self, renderer: &mut Renderer, window: Window, target: &BufferTarget) -> OurBuffers {
+        let (antialias, upscaler, post) = (Antialiasing::default(), Upscaling::NATIVE, PostFilter::default());
+        let mut plain = Recipe { antialias, upscaler, post, ..self.recipe };
+        let (camera, viewport) = self.view_of(self.source(window));
+        let mut drawn = |recipe: &Recipe| renderer.render(&self.scene, &camera, recipe, viewport, KeepDepth::Yes);
+        let mut ours = OurBuffers::default();
+        if target.has_depths() {
+            let frame = drawn(&plain);
+            let distance = |depth: f32| match depth == frame.drawn.clear_depth {
+                true => f32::INFINITY,
+                false => frame.depth_scale().distance_of(depth) as f32,
+            };
+            let depth = frame.drawn.depth.as_ref();
+            let nothing = || Image::filled(viewport.width, viewport.height, f32::INFINITY);
+            let distances = depth.map_or_else(nothing, |depth| depth.map(distance));
+            ours.distances = self.placed(distances).pixels().to_vec();
+        }
+        if target.has_ids() {
+            let [r, g, b, _] = NO_ID;
+            plain.pipeline.background = Background::Color([r, g, b]);
+            let mut ids = |shading| {
+                plain.pipeline.shading = shading;
+                self.placed(drawn(&plain).image().clone()).pixels().to_vec()
+            };
+            (ours.objects, ours.triangles) = (ids(Shading::ObjectId), ids(Shading::TriangleId));
+        }
+        ours
+    }
+
+    /// Returns the window of the drawing whose pixels the finished picture shows in the given window.
+    fn source(&self, window: Window) -> Window {
+        self.output.iter().rev().fold(window, |window, change| change.source(window, self.viewport))
     }
 
     /// Returns the camera and the size of a drawing that shows only a window, before changes of the finished picture.

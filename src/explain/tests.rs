@@ -8,8 +8,12 @@ use rasterscope_engine::image::{Image, Rgba8};
 use rasterscope_engine::pipeline::viewport::Viewport;
 use rasterscope_engine::scene::builtin;
 
+use crate::agreement::{TOLERANCE, differences};
+use crate::buffers::TheirBuffers;
 use crate::fault::Change;
-use crate::{ALL, Confidence, ExplainError, Explanation, Query, Setup, by_id, explain};
+use crate::setup::Rounding;
+use crate::window::Window;
+use crate::{ALL, Confidence, ExplainError, Explanation, Kind, Query, Setup, by_id, explain, explain_with};
 
 const SIZE: Viewport = Viewport { width: 96, height: 54 };
 
@@ -27,7 +31,7 @@ fn explained(correct: &Setup, theirs: Image<Rgba8>, without: &[&str]) -> Explana
     explain(&Query { correct: correct.clone(), theirs, without }, &|_| true).unwrap()
 }
 
-fn ids(found: &Explanation) -> Vec<&'static str> {
+fn ids_of(found: &Explanation) -> Vec<&'static str> {
     found.causes.iter().map(|cause| cause.fault.id).collect()
 }
 
@@ -50,7 +54,7 @@ fn an_equal_picture_needs_no_explanation() {
     for scene in ["chess", "stained-glass"] {
         let correct = correct(scene);
         let found = explained(&correct, drawn(&correct), &[]);
-        assert_eq!((ids(&found), found.confidence), (vec![], Confidence::Agrees), "{scene}");
+        assert_eq!((ids_of(&found), found.confidence), (vec![], Confidence::Agrees), "{scene}");
         assert_eq!((found.differing_before, found.rest.len()), (0, 0));
     }
 }
@@ -70,7 +74,7 @@ fn single_faults_and_pairs_are_found() {
             _ => drawn(&correct.with(faults)),
         };
         let found = explained(&correct, theirs, &[]);
-        let (mut named, mut planted) = (ids(&found), planted);
+        let (mut named, mut planted) = (ids_of(&found), planted);
         named.sort_unstable();
         planted.sort_unstable();
         assert_eq!((named, found.confidence), (planted, Confidence::Complete), "{scene}: {found}");
@@ -95,7 +99,7 @@ fn an_unknown_fault_is_not_blamed_on_a_known_one() {
         theirs.set(x, y, [(x * 3) as u8, (y * 4) as u8, (x ^ y) as u8, 255]);
     }
     let found = explained(&correct, theirs, &[]);
-    assert_eq!((ids(&found), found.confidence), (vec![], Confidence::Unknown), "{found}");
+    assert_eq!((ids_of(&found), found.confidence), (vec![], Confidence::Unknown), "{found}");
     assert_eq!(found.rest.iter().map(|rest| rest.pixels).sum::<u64>(), found.differing_before);
     assert!(found.rest.len() > 1 && found.to_string().contains("unexplained:"));
 }
@@ -115,7 +119,7 @@ fn faults_with_equal_pictures_are_named_together() {
     let correct = correct("cubes");
     let theirs = drawn(&correct.with([by_id("normals-negated").unwrap()]));
     let found = explained(&correct, theirs, &[]);
-    assert_eq!(ids(&found), ["light-negated"]);
+    assert_eq!(ids_of(&found), ["light-negated"]);
     assert_eq!(found.causes[0].alternatives.iter().map(|fault| fault.id).collect::<Vec<_>>(), ["normals-negated"]);
 }
 
@@ -127,4 +131,79 @@ fn another_size_and_an_interruption_are_errors() {
     assert_eq!(explain(&query, &|_| true).unwrap_err(), ExplainError::Size { theirs: (10, 10), ours: (96, 54) });
     let query = Query { theirs: drawn(&correct), ..query };
     assert_eq!(explain(&query, &|_| false).unwrap_err(), ExplainError::Interrupted);
+}
+
+#[test]
+fn another_background_is_measured_and_named() {
+    let correct = correct("cubes");
+    let mut changed = correct.clone();
+    changed.recipe.set_all(&["background=#102030"]).unwrap();
+    for (flips, color) in [(vec![], "#102030"), (vec!["flip-vertical", "red-blue-swapped"], "#302010")] {
+        let theirs = drawn(&changed.with(flips.iter().map(|id| by_id(id).unwrap())));
+        let found = explained(&correct, theirs, &[]);
+        let background = found.causes.iter().find(|cause| cause.fault.kind == Kind::Input).expect("it is named");
+        assert_eq!((background.fault.id, background.detail.as_deref()), ("background-colour", Some(color)), "{found}");
+        assert_eq!(background.settings(), Some(vec![format!("background={color}")]));
+        assert_eq!((found.causes.len(), found.differing_after), (1 + flips.len(), 0), "{found}");
+    }
+}
+
+#[test]
+fn a_window_shows_the_pixels_of_the_whole_picture() {
+    let viewport = Viewport { width: 400, height: 300 };
+    let window = Window { x: 96, y: 160, width: 128, height: 96 };
+    let correct = Setup { viewport, ..correct("chess") };
+    for ids in [
+        &[][..],
+        &["flip-vertical", "flip-horizontal"],
+        &["left-handed-view", "corner-samples"],
+        &["aspect-inverted", "flip-vertical"],
+        &["upscaled-bilinear-2"],
+        &["fxaa", "msaa-4"],
+    ] {
+        let setup = correct.with(ids.iter().map(|id| by_id(id).unwrap()));
+        let part = setup.draw_window(&mut Renderer::default(), window);
+        let differing = differences(&window.of(&drawn(&setup)), &part, Rounding::Nearest);
+        let count = differing.pixels().iter().filter(|difference| **difference > TOLERANCE).count();
+        // Vertices are rounded to 1/256 px after another matrix product.
+        assert!(count <= 24, "{ids:?}: {count} px");
+    }
+}
+
+#[test]
+fn a_large_picture_is_searched_in_windows_where_it_differs() {
+    let viewport = Viewport { width: 1024, height: 640 };
+    let differing = Image::from_fn(1024, 640, |x, y| if x > 700 && y > 400 { 9 } else { u8::from(x == 0) });
+    let windows = Window::sample(viewport, &differing);
+    assert!(windows.len() > 1 && windows.iter().all(|w| w.x + w.width <= 1024 && w.y + w.height <= 640));
+    assert!(windows.iter().any(|window| window.of(&differing).pixels().iter().all(|code| *code == 9)));
+    assert_eq!(Window::sample(SIZE, &Image::filled(96, 54, 9)), [Window::whole(SIZE)]);
+
+    let correct = Setup { viewport, ..correct("cubes") };
+    let theirs = drawn(&correct.with(["texture-v-flipped", "depth-test-reversed"].map(|id| by_id(id).unwrap())));
+    let found = explained(&correct, theirs, &[]);
+    assert_eq!((found.causes.len(), found.differing_after), (2, 0), "{found}");
+}
+
+#[test]
+fn depths_and_ids_tell_what_colours_do_not() {
+    let mut correct = correct("chess");
+    // Without vertex colours, all surfaces have the same colour.
+    correct.recipe.set_all(&["shading=vertex-color"]).unwrap();
+    let reversed = correct.with([by_id("depth-test-reversed").unwrap()]);
+    let query = Query { correct: correct.clone(), theirs: drawn(&reversed), without: Vec::new() };
+    assert_eq!(explain(&query, &|_| true).unwrap().confidence, Confidence::Agrees);
+
+    let whole = Window::whole(SIZE);
+    let all = Image::filled(SIZE.width, SIZE.height, 0.0);
+    let request = TheirBuffers { depth: Some(all.clone()), ids: Some(all.map(|_| 0)) }.target(&[whole]);
+    let ours = reversed.draw_buffers(&mut Renderer::default(), whole, &request);
+    let depth = Image::from_pixels(SIZE.width, SIZE.height, ours.distances);
+    let ids = Image::from_pixels(SIZE.width, SIZE.height, ours.triangles).map(u32::from_le_bytes);
+    for buffers in [TheirBuffers { depth: Some(depth), ids: None }, TheirBuffers { depth: None, ids: Some(ids) }] {
+        let found = explain_with(&query, &buffers, &|_| true).unwrap();
+        assert_eq!(ids_of(&found), ["depth-test-reversed"], "{found}");
+        let after = found.depth.as_ref().map(|depth| depth.differing_after);
+        assert_eq!(after.or(found.ids.as_ref().map(|ids| ids.differing_after)), Some(0), "{found}");
+    }
 }

@@ -5,7 +5,8 @@ use std::fmt::{self, Display, Formatter};
 use serde::{Serialize, Serializer};
 
 use crate::agreement::TOLERANCE;
-use crate::explanation::{Cause, Confidence, Explanation};
+use crate::buffers::{DepthReport, IdLevel, IdReport};
+use crate::explanation::{Cause, Confidence, Explanation, Tally};
 use crate::fault::Kind;
 use crate::rest::Rest;
 
@@ -22,6 +23,12 @@ impl Display for Explanation {
         writeln!(f, "differing by more than {TOLERANCE} codes, before: {}", share(self.differing_before))?;
         if !self.causes.is_empty() {
             writeln!(f, "differing after: {}", share(self.differing_after))?;
+        }
+        if let Some(depth) = &self.depth {
+            writeln!(f, "{depth}")?;
+        }
+        if let Some(ids) = &self.ids {
+            writeln!(f, "{ids}")?;
         }
         for rest in self.rest.iter().take(MOST_OBJECTS) {
             writeln!(f, "unexplained: {rest}")?;
@@ -74,10 +81,36 @@ impl Display for Cause {
         if self.spoiled > 0 {
             write!(f, ", {} px only without it", self.spoiled)?;
         }
+        for (name, tally) in [("depth", self.depth), ("id", self.ids)] {
+            if tally.explained > 0 {
+                write!(f, ", {} px agree in {name} only with it", tally.explained)?;
+            }
+        }
         for other in &self.alternatives {
             write!(f, "; here the same as: {}", other.name)?;
         }
         Ok(())
+    }
+}
+
+impl Display for DepthReport {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let mapping = self.mapping.as_deref().unwrap_or("no known mapping fits");
+        write!(f, "depths: {mapping}")?;
+        if let Some(bits) = self.bits {
+            write!(f, ", in {bits} bits")?;
+        }
+        write!(f, "; {} px differ before, {} px after", self.differing_before, self.differing_after)
+    }
+}
+
+impl Display for IdReport {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let level = match self.level {
+            IdLevel::Objects => "objects",
+            IdLevel::Triangles => "triangles",
+        };
+        write!(f, "ids of {level}: {} px differ before, {} px after", self.differing_before, self.differing_after)
     }
 }
 
@@ -102,6 +135,8 @@ struct CauseRecord<'a> {
     explained_px: u64,
     exact_px: u64,
     spoiled_px: u64,
+    depth: Tally,
+    ids: Tally,
     alternatives: Vec<&'a str>,
 }
 
@@ -115,6 +150,8 @@ impl Serialize for Cause {
             explained_px: self.explained,
             exact_px: self.exact,
             spoiled_px: self.spoiled,
+            depth: self.depth,
+            ids: self.ids,
             alternatives: self.alternatives.iter().map(|fault| fault.id).collect(),
         };
         record.serialize(serializer)

@@ -4,8 +4,9 @@ use rasterscope_engine::chain::Renderer;
 use rasterscope_engine::image::Image;
 
 use crate::agreement::{Agreement, TOLERANCE, Target, differences};
+use crate::buffers::{BufferDifferences, BufferTarget};
 use crate::candidate::Candidate;
-use crate::explanation::{Cause, Query, is_convincing};
+use crate::explanation::{Cause, Evidence, Query, Tally, is_convincing};
 use crate::fault::{Fault, Slot};
 use crate::search::{COST_OF_FAULT, FaultSet, Interrupted, Progress, Search, extended, reduced};
 use crate::setup::Setup;
@@ -14,6 +15,7 @@ use crate::window::Window;
 /// Drawings of the whole picture of a query.
 pub(crate) struct Verification<'a> {
     query: &'a Query,
+    buffers: BufferTarget,
     candidates: &'a [Candidate],
     target: Target,
     progress: &'a Progress<'a>,
@@ -29,6 +31,8 @@ pub(crate) struct Drawn {
     pub(crate) agreement: Agreement,
     /// Difference of each pixel, in codes.
     pub(crate) differences: Image<u8>,
+    /// Differences of the further pictures.
+    pub(crate) buffers: BufferDifferences,
 }
 
 impl Drawn {
@@ -40,18 +44,26 @@ impl Drawn {
 
 impl<'a> Verification<'a> {
     /// Prepares the verification of sets of candidates.
-    pub(crate) fn new(query: &'a Query, candidates: &'a [Candidate], progress: &'a Progress<'a>) -> Self {
-        let target = Target::new(&query.theirs, Window::whole(query.correct.viewport));
-        Self { query, candidates, target, progress }
+    pub(crate) fn new(evidence: &Evidence<'a>, candidates: &'a [Candidate], progress: &'a Progress<'a>) -> Self {
+        let Evidence { query, buffers } = *evidence;
+        let whole = Window::whole(query.correct.viewport);
+        let (target, buffers) = (Target::new(&query.theirs, whole), buffers.target(&[whole]));
+        Self { query, buffers, candidates, target, progress }
     }
 
     /// Draws the whole picture with a set of faults.
     pub(crate) fn draw(&self, faults: FaultSet) -> Result<Drawn, Interrupted> {
         self.progress.step()?;
         let setup = self.query.correct.changed(faults.iter().map(|index| self.candidates[*index].change));
-        let picture = setup.draw(&mut Renderer::default());
+        let mut renderer = Renderer::default();
+        let picture = setup.draw(&mut renderer);
+        let ours = setup.draw_buffers(&mut renderer, self.target.window, &self.buffers);
+        let buffers = self.buffers.differences(&ours);
+        let mut agreement = self.target.agreement(&picture, setup.rounding);
+        agreement.cost += buffers.cost();
         Ok(Drawn {
-            agreement: self.target.agreement(&picture, setup.rounding),
+            agreement,
+            buffers,
             differences: differences(&self.query.theirs, &picture, setup.rounding),
             faults,
             setup,
@@ -86,9 +98,9 @@ impl<'a> Verification<'a> {
         let Candidate { fault, .. } = self.candidates[index];
         // Rounding changes codes by one, which is within the tolerance.
         let most = if fault.slot == Slot::Rounding { 0 } else { TOLERANCE };
-        let without = self.draw(reduced(&with.faults, index))?.differences;
+        let without = self.draw(reduced(&with.faults, index))?;
         let count = |is_counted: &dyn Fn(u8, u8) -> bool| {
-            let pairs = with.differences.pixels().iter().zip(without.pixels());
+            let pairs = with.differences.pixels().iter().zip(without.differences.pixels());
             pairs.filter(|(with, without)| is_counted(**with, **without)).count() as u64
         };
         Ok(Cause {
@@ -98,6 +110,8 @@ impl<'a> Verification<'a> {
             differing_without: count(&|_, without| without > most),
             exact: count(&|with, without| with == 0 && without > most),
             spoiled: count(&|with, without| with > TOLERANCE && without <= TOLERANCE),
+            depth: Tally::of(&with.buffers.depth, &without.buffers.depth),
+            ids: Tally::of(&with.buffers.ids, &without.buffers.ids),
             alternatives: Vec::new(),
         })
     }
@@ -122,7 +136,12 @@ impl<'a> Verification<'a> {
         for (place, set) in sets.into_iter().filter(|(_, set)| hash(set) == hash(&with.faults)) {
             let fault = self.candidates[place].fault;
             // The windows of a search may not show the difference.
-            let is_same = || Ok(self.draw(set)?.differences == with.differences);
+            let is_same = || {
+                let drawn = self.draw(set)?;
+                let (buffers, others) = (&drawn.buffers, &with.buffers);
+                let is_same = buffers.depth == others.depth && buffers.ids == others.ids;
+                Ok(is_same && drawn.differences == with.differences)
+            };
             if same.iter().all(|known| known.id != fault.id) && is_same()? {
                 same.push(fault);
             }

@@ -4,13 +4,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 use rasterscope::chain::Recipe;
-use rasterscope::explain::{Explanation, Query, Setup, explain};
+use rasterscope::explain::{Explanation, Query, Setup, TheirBuffers, explain_with};
 use rasterscope::image::Image;
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::{SceneSource, camera_file};
 
 use crate::textbook::scene::Scene;
-use crate::textbook::{Fault, Faults, Size, export, render};
+use crate::textbook::{Fault, Faults, Picture, Size, export, render};
 
 /// Returns the id of the explanation that names a planted fault; `None` if the program knows no such fault, or if the
 /// scene's file does not contain what it would need to know.
@@ -52,14 +52,22 @@ pub(crate) fn id(fault: Fault) -> Option<&'static str> {
 
 /// Asks for the explanation of the textbook's picture of a scene.
 pub(crate) fn explained(scene: &Scene, size: Size, faults: &[Fault]) -> Explanation {
+    explained_picture(scene, &render(scene, size, Faults::new(faults)), &TheirBuffers::default())
+}
+
+/// Asks for the explanation of a picture, and of depths and ids, that should show a scene.
+pub(crate) fn explained_picture(scene: &Scene, picture: &Picture, buffers: &TheirBuffers) -> Explanation {
     let folder = tempfile::tempdir().unwrap();
     export::write(scene, folder.path()).unwrap();
-    let picture = render(scene, size, Faults::new(faults));
-    let (width, height) = (size.width as u32, size.height as u32);
-    let pixels = picture.pixels.iter().map(|[r, g, b]| [*r, *g, *b, 255]).collect();
-    let theirs = Image::from_pixels(width, height, pixels);
+    let theirs = image(picture.size, picture.pixels.iter().map(|[r, g, b]| [*r, *g, *b, 255]).collect());
+    let (width, height) = theirs.size();
     let correct = correct(folder.path(), Viewport { width, height });
-    explain(&Query { correct, theirs, without: Vec::new() }, &|_| true).unwrap()
+    explain_with(&Query { correct, theirs, without: Vec::new() }, buffers, &|_| true).unwrap()
+}
+
+/// Returns an image of the program from values row by row.
+pub(crate) fn image<T: Copy>(size: Size, values: Vec<T>) -> Image<T> {
+    Image::from_pixels(size.width as u32, size.height as u32, values)
 }
 
 /// Returns our setup of the scene in a folder.

@@ -1,11 +1,14 @@
 //! Explanations of pictures by a renderer that shares no code with the engine: planted faults are named, and nothing
 //! else is. `cargo bench --bench explanations` tries all faults and pairs in all scenes.
 
+mod further_pictures;
 mod judge;
 mod textbook;
 
-use judge::{explained, id, names_exactly};
-use textbook::{Fault, Size, scenes};
+use judge::{explained, explained_picture, id, names_exactly};
+use rasterscope::explain::{Confidence, Kind, TheirBuffers};
+use textbook::scene::Scene;
+use textbook::{Fault, Faults, Size, render, scenes};
 
 /// Size of the pictures.
 const SMALL: Size = Size { width: 160, height: 90 };
@@ -51,5 +54,37 @@ fn unknown_faults_are_not_blamed_on_known_ones() {
         assert!(scene.faults().any(|visible| visible == fault));
         let found = explained(scene, SMALL, &[fault]);
         assert!(found.causes.is_empty(), "{}, {}: {found}", scene.name, fault.name());
+    }
+}
+
+/// Returns the scene with a name.
+fn scene(name: &str) -> Scene {
+    scenes::all().into_iter().find(|scene| scene.name == name).unwrap()
+}
+
+#[test]
+fn another_background_is_a_difference_of_inputs() {
+    let asked = scene("cubes");
+    for faults in [&[][..], &[Fault::FlipVertical, Fault::RedBlue]] {
+        let drawn = Scene { background: [26, 200, 38], ..scene("cubes") };
+        let picture = render(&drawn, SMALL, Faults::new(faults));
+        let found = explained_picture(&asked, &picture, &TheirBuffers::default());
+        let background = found.causes.iter().find(|cause| cause.fault.id == "background-colour");
+        // The measured colour is that of the picture, in which red and blue may be swapped.
+        let color = if faults.is_empty() { "#1ac826" } else { "#26c81a" };
+        assert_eq!(background.and_then(|cause| cause.detail.as_deref()), Some(color), "{found}");
+        assert_eq!(background.unwrap().fault.kind, Kind::Input);
+        assert_eq!((found.causes.len(), found.confidence), (1 + faults.len(), Confidence::Complete), "{found}");
+    }
+}
+
+#[test]
+fn clipped_polygons_may_be_divided_in_other_ways() {
+    for (name, fault) in [("gallery", Fault::Affine), ("cave", Fault::NoNearClip), ("gallery", Fault::NoNearClip)] {
+        let scene = scene(name);
+        if scene.faults().any(|visible| visible == fault) {
+            let found = explained(&scene, SMALL, &[fault]);
+            assert!(names_exactly(&found, &[fault]), "{name}, {}: {found}", fault.name());
+        }
     }
 }

@@ -3,6 +3,7 @@
 mod claims;
 mod cli;
 mod compare;
+mod explain;
 mod exports;
 mod files;
 #[cfg(feature = "ui")]

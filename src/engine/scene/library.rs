@@ -1,5 +1,7 @@
 //! Shared data: the library owns each mesh, material and texture once, and instances refer to them by identifier.
 
+use std::sync::Arc;
+
 use super::{Material, Mesh, Texture};
 use crate::text;
 
@@ -32,17 +34,18 @@ id!(
 );
 
 /// Owner of all meshes, materials and textures of a scene. Only the library creates identifiers, so they never dangle.
+/// Copies share meshes and textures until one of them changes.
 #[derive(Clone, Debug, Default)]
 pub struct Library {
-    meshes: Vec<Mesh>,
+    meshes: Arc<Vec<Mesh>>,
     materials: Vec<Material>,
-    textures: Vec<Texture>,
+    textures: Arc<Vec<Texture>>,
 }
 
 impl Library {
     /// Adds a mesh and returns its identifier.
     pub fn add_mesh(&mut self, mesh: Mesh) -> MeshId {
-        self.meshes.push(mesh);
+        Arc::make_mut(&mut self.meshes).push(mesh);
         MeshId(self.meshes.len() as u32 - 1)
     }
 
@@ -56,7 +59,7 @@ impl Library {
 
     /// Adds a texture and returns its identifier.
     pub fn add_texture(&mut self, texture: Texture) -> TextureId {
-        self.textures.push(texture);
+        Arc::make_mut(&mut self.textures).push(texture);
         TextureId(self.textures.len() as u32 - 1)
     }
 
@@ -83,18 +86,18 @@ impl Library {
     /// Returns a copy of the library with every mesh replaced by the result of `make`; identifiers stay valid.
     pub fn with_meshes(&self, make: impl FnMut(&Mesh) -> Mesh) -> Self {
         Self {
-            meshes: self.meshes.iter().map(make).collect(),
+            meshes: Arc::new(self.meshes.iter().map(make).collect()),
             materials: self.materials.clone(),
-            textures: self.textures.clone(),
+            textures: Arc::clone(&self.textures),
         }
     }
 
     /// Returns a copy of the library with every material replaced by the result of `make`; identifiers stay valid.
     pub fn with_materials(&self, make: impl FnMut(&Material) -> Material) -> Self {
         Self {
-            meshes: self.meshes.clone(),
+            meshes: Arc::clone(&self.meshes),
             materials: self.materials.iter().map(make).collect(),
-            textures: self.textures.clone(),
+            textures: Arc::clone(&self.textures),
         }
     }
 

@@ -14,6 +14,20 @@ pub(crate) struct Fragment {
     pub(crate) color: DVec3,
     /// Opacity, 0…1; fragments below 1 are blended and do not write depth.
     pub(crate) opacity: f64,
+    /// Number of the object that the triangle belongs to.
+    pub(crate) object: u32,
+}
+
+/// Number that stands for no object.
+pub(crate) const NO_OBJECT: u32 = u32::MAX;
+
+/// Finished frame with its buffers, row by row from the top left.
+pub(crate) struct Finished {
+    pub(crate) picture: Picture,
+    /// Depth buffer.
+    pub(crate) depths: Vec<f32>,
+    /// Object drawn last in each pixel, or [`NO_OBJECT`].
+    pub(crate) objects: Vec<u32>,
 }
 
 /// Colour and depth buffer.
@@ -21,6 +35,7 @@ pub(crate) struct Frame {
     size: Size,
     colors: Vec<DVec3>,
     depths: Vec<f32>,
+    objects: Vec<u32>,
     faults: Faults,
 }
 
@@ -29,7 +44,8 @@ impl Frame {
     pub(crate) fn new(size: Size, background: [u8; 3], faults: Faults) -> Self {
         let pixels = size.width * size.height;
         let clear = if faults.has(Fault::DepthReversed) { 0.0 } else { 1.0 };
-        Self { size, colors: vec![from_codes(background, faults); pixels], depths: vec![clear; pixels], faults }
+        let colors = vec![from_codes(background, faults); pixels];
+        Self { size, colors, depths: vec![clear; pixels], objects: vec![NO_OBJECT; pixels], faults }
     }
 
     /// Returns the value that the depth buffer stores for z/w.
@@ -58,7 +74,8 @@ impl Frame {
         if !self.passes(depth, self.depths[index]) {
             return;
         }
-        let Fragment { color, opacity, .. } = fragment;
+        let Fragment { color, opacity, object, .. } = fragment;
+        self.objects[index] = object;
         if opacity >= 1.0 {
             self.depths[index] = depth;
         }
@@ -66,21 +83,27 @@ impl Frame {
         self.colors[index] = color * weight + self.colors[index] * (1.0 - opacity);
     }
 
-    /// Returns the finished picture.
-    pub(crate) fn finish(self) -> Picture {
-        let Size { width, .. } = self.size;
-        let mut rows: Vec<Vec<[u8; 3]>> = self
-            .colors
-            .chunks(width)
-            .map(|row| row.iter().map(|&color| to_codes(color, self.faults)).collect())
-            .collect();
+    /// Returns the finished picture and its buffers.
+    pub(crate) fn finish(self) -> Finished {
+        let codes = self.colors.iter().map(|&color| to_codes(color, self.faults)).collect();
+        let pixels = self.placed(codes);
+        Finished {
+            picture: Picture { size: self.size, pixels },
+            depths: self.placed(self.depths.clone()),
+            objects: self.placed(self.objects.clone()),
+        }
+    }
+
+    /// Returns the values of pixels, in reverse order of rows or columns if the faults say so.
+    fn placed<T: Clone>(&self, values: Vec<T>) -> Vec<T> {
+        let mut rows: Vec<Vec<T>> = values.chunks(self.size.width).map(<[T]>::to_vec).collect();
         if self.faults.has(Fault::FlipVertical) {
             rows.reverse();
         }
         if self.faults.has(Fault::FlipHorizontal) {
             rows.iter_mut().for_each(|row| row.reverse());
         }
-        Picture { size: self.size, pixels: rows.concat() }
+        rows.concat()
     }
 }
 
@@ -92,9 +115,9 @@ mod tests {
     fn drawn(fragments: &[[f64; 3]], faults: &[Fault]) -> u8 {
         let mut frame = Frame::new(Size { width: 1, height: 1 }, [0; 3], Faults::new(faults));
         for &[depth, grey, opacity] in fragments {
-            frame.draw(0, 0, Fragment { depth, color: DVec3::splat(grey), opacity });
+            frame.draw(0, 0, Fragment { depth, color: DVec3::splat(grey), opacity, object: 0 });
         }
-        frame.finish().pixels[0][0]
+        frame.finish().picture.pixels[0][0]
     }
 
     #[test]

@@ -24,4 +24,4 @@ pub(crate) mod view;
 
 pub(crate) use fault::{Fault, Faults};
 pub(crate) use picture::{Picture, Size};
-pub(crate) use render::render;
+pub(crate) use render::{render, render_with_buffers};

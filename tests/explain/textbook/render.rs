@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 use super::clip::{self, Corner};
 use super::color::lambert;
 use super::coverage::{covered, doubled_area};
-use super::frame::{Fragment, Frame};
+use super::frame::{Finished, Fragment, Frame};
 use super::scene::{Light, Material, Scene, Vertex};
 use super::view::View;
 use super::{Fault, Faults, Picture, Size, texture};
@@ -16,6 +16,8 @@ struct Draw<'a> {
     vertices: &'a [Vertex; 3],
     material: &'a Material,
     model: DMat3,
+    /// Number of the object.
+    object: u32,
 }
 
 impl Draw<'_> {
@@ -38,8 +40,9 @@ impl Draw<'_> {
 /// Returns the triangles in the order in which they are drawn: opaque ones as in the scene, then blended ones from far
 /// to near. The painter's algorithm sorts all of them.
 fn draws<'a>(scene: &'a Scene, view: &View, faults: Faults) -> Vec<Draw<'a>> {
-    let all = scene.objects.iter().flat_map(|object| {
-        object.triangles.iter().map(|vertices| Draw { vertices, material: &object.material, model: object.model })
+    let all = (0..).zip(&scene.objects).flat_map(|(number, object)| {
+        let (material, model) = (&object.material, object.model);
+        object.triangles.iter().map(move |vertices| Draw { vertices, material, model, object: number })
     });
     let (mut ordered, mut sorted): (Vec<_>, Vec<_>) =
         all.partition(|draw| draw.material.opacity >= 1.0 && !faults.has(Fault::Painter));
@@ -86,12 +89,13 @@ impl Renderer {
         });
         let parts = if self.faults.has(Fault::NoNearClip) { vec![corners] } else { clip::near(corners) };
         for part in parts {
-            self.draw_part(part, draw.material);
+            self.draw_part(part, draw);
         }
     }
 
     /// Draws a triangle whose corners can be projected.
-    fn draw_part(&mut self, corners: [Corner; 3], material: &Material) {
+    fn draw_part(&mut self, corners: [Corner; 3], draw: &Draw<'_>) {
+        let (material, object) = (draw.material, draw.object);
         let screen = corners.map(|corner| self.view.to_screen(corner.position));
         if !is_drawn(doubled_area(screen), self.faults) {
             return;
@@ -103,7 +107,7 @@ impl Renderer {
             let uv = (0..3).map(|i| corners[i].uv * weights[i]).sum();
             let normal = (0..3).map(|i| corners[i].normal * weights[i]).sum();
             let color = texture::sample(&material.texture, uv, self.faults) * lambert(self.light, normal, self.faults);
-            let fragment = Fragment { depth: pixel.weights.dot(depths), color, opacity: material.opacity };
+            let fragment = Fragment { depth: pixel.weights.dot(depths), color, opacity: material.opacity, object };
             self.frame.draw(pixel.x, pixel.y, fragment);
         }
     }
@@ -111,6 +115,11 @@ impl Renderer {
 
 /// Returns the picture of a scene, drawn with the given faults.
 pub(crate) fn render(scene: &Scene, size: Size, faults: Faults) -> Picture {
+    render_with_buffers(scene, size, faults).picture
+}
+
+/// Returns the picture of a scene, drawn with the given faults, and its buffers.
+pub(crate) fn render_with_buffers(scene: &Scene, size: Size, faults: Faults) -> Finished {
     let view = View::new(scene.camera, size, faults);
     let draws = draws(scene, &view, faults);
     let frame = Frame::new(size, scene.background, faults);
