@@ -8,7 +8,7 @@ use rasterscope::image::file::write_png;
 use serde_json::Value;
 
 /// Size of all pictures.
-const SIZE: [&str; 2] = ["--size", "96x54"];
+const SIZE: [&str; 2] = ["--size", "64x36"];
 
 fn program(folder: &Path, args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_rasterscope")).args(args).current_dir(folder).output().unwrap()
@@ -20,7 +20,7 @@ fn drawn(folder: &Path) {
     for further in [
         &["-o", "theirs.png"][..],
         &["-o", "depth.png", "--buffer", "depth", "--data", "depth.pfm"],
-        &["-o", "ids.png", "--set", "shading=object-id", "--set", "background=#000000"],
+        &["-o", "ids.png", "--set", "shading=object-id"],
     ] {
         let output = program(folder, &[&["render", "chess"], &SIZE[..], &faulty, further].concat());
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -56,7 +56,7 @@ fn unusable_further_pictures_are_named() {
     for (further, message) in [
         (["--depth", "missing.pfm"], "missing.pfm: "),
         (["--depth", "theirs.png"], "theirs.png: it has colours, not depths"),
-        (["--ids", "small.png"], "small.png: it has 9 × 5 px, but the picture 96 × 54"),
+        (["--ids", "small.png"], "small.png: it has 9 × 5 px, but the picture 64 × 36"),
     ] {
         let output = program(folder.path(), &[&["explain", "theirs.png", "chess"], &further[..]].concat());
         let complaint = String::from_utf8_lossy(&output.stderr);
