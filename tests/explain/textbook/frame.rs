@@ -85,17 +85,17 @@ impl Frame {
 
     /// Returns the finished picture and its buffers.
     pub(crate) fn finish(self) -> Finished {
-        let codes = self.colors.iter().map(|&color| to_codes(color, self.faults)).collect();
-        let pixels = self.placed(codes);
+        let codes: Vec<_> = self.colors.iter().map(|&color| to_codes(color, self.faults)).collect();
+        let pixels = self.placed(&codes);
         Finished {
             picture: Picture { size: self.size, pixels },
-            depths: self.placed(self.depths.clone()),
-            objects: self.placed(self.objects.clone()),
+            depths: self.placed(&self.depths),
+            objects: self.placed(&self.objects),
         }
     }
 
     /// Returns the values of pixels, in reverse order of rows or columns if the faults say so.
-    fn placed<T: Clone>(&self, values: Vec<T>) -> Vec<T> {
+    fn placed<T: Clone>(&self, values: &[T]) -> Vec<T> {
         let mut rows: Vec<Vec<T>> = values.chunks(self.size.width).map(<[T]>::to_vec).collect();
         if self.faults.has(Fault::FlipVertical) {
             rows.reverse();
