@@ -25,6 +25,7 @@ use super::compare::compute::{CompareRequest, Compared};
 use super::compare::files::{OpenedPicture, PictureRole};
 use super::compare::{CompareChange, CompareSettings, Mode, TileSet};
 use super::engine::{RenderedView, Request, Shown};
+use super::explaining;
 use super::fates::FatesChange;
 use super::features::Features;
 use super::look::Look;
@@ -197,6 +198,11 @@ impl Session {
     /// Shows an opened picture file in a comparison. The drawn pictures take its size if they can, because only pictures
     /// of one size can be compared.
     pub(in crate::ui) fn show_compared_picture(&mut self, role: PictureRole, picture: Arc<OpenedPicture>) {
+        match role {
+            PictureRole::Depths => return explaining::open_depths(self, picture),
+            PictureRole::Ids => return explaining::open_ids(self, picture),
+            PictureRole::Tile(_) | PictureRole::Reference => {}
+        }
         let (width, height) = picture.picture.size();
         let mut text = format!("Opened {} as {}: {}", picture.name(), role.name(), picture.picture.description());
         let size = Viewport { width, height };

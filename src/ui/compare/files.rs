@@ -13,13 +13,17 @@ use crate::measure::picture_error::{LayerPair, Metric, PictureErrors, PictureLay
 use crate::measure::tone::Tone;
 use crate::pipeline::settings::Choice as _;
 
-/// Part of a picture in a comparison.
+/// Part of a picture in a comparison, or in the explanation of one of its pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PictureRole {
     /// Picture of the tile with this index; tile 0 is A, tile 1 is B.
     Tile(usize),
     /// Reference that errors are measured against.
     Reference,
+    /// Depths of the picture that is explained.
+    Depths,
+    /// Ids of the triangles or objects in the picture that is explained.
+    Ids,
 }
 
 impl PictureRole {
@@ -31,6 +35,8 @@ impl PictureRole {
         match self {
             Self::Tile(tile) => super::letter(tile).to_string(),
             Self::Reference => "reference".to_owned(),
+            Self::Depths => "depths of the explained picture".to_owned(),
+            Self::Ids => "ids of the explained picture".to_owned(),
         }
     }
 }

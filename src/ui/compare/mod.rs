@@ -112,6 +112,7 @@ impl TileSet {
         match role {
             PictureRole::Tile(tile) => self.tiles.get(tile)?.file.as_deref(),
             PictureRole::Reference => self.reference.as_deref(),
+            PictureRole::Depths | PictureRole::Ids => None,
         }
     }
 
@@ -304,6 +305,8 @@ impl CompareSettings {
         }
         match role {
             PictureRole::Reference => tiles.reference = file,
+            // They take part in no comparison.
+            PictureRole::Depths | PictureRole::Ids => {}
             PictureRole::Tile(tile) => {
                 tiles.fill((tile + 1).min(MAX_TILES), *recipe);
                 if let Some(place) = tiles.tiles.get_mut(tile) {
@@ -317,7 +320,7 @@ impl CompareSettings {
     /// another file is, because drawn references show the scene.
     pub(crate) fn opened(&self, tiles: &TileSet, role: PictureRole) -> Option<Arc<OpenedPicture>> {
         let file = match role {
-            PictureRole::Tile(_) => tiles.file(role),
+            PictureRole::Tile(_) | PictureRole::Depths | PictureRole::Ids => tiles.file(role),
             PictureRole::Reference => tiles.file(role).or_else(|| tiles.file(PictureRole::Tile(0))),
         };
         self.pictures.get(file?)

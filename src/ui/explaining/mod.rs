@@ -16,7 +16,7 @@ use super::compare::files::{OpenedPicture, PictureRole};
 use super::session::{Session, Severity};
 use super::task::{BackgroundTask, TaskStatus};
 use crate::chain::Renderer;
-use crate::explain::{ExplainError, Explanation, Query, Setup, explain};
+use crate::explain::{ExplainError, Explanation, Query, Setup, TheirBuffers, depths, explain_with, ids};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::viewport::Viewport;
 use crate::ui::features::Feature;
@@ -32,6 +32,10 @@ pub(crate) struct Explaining {
     pub(crate) found: Option<Arc<Explained>>,
     /// Completed fraction of the running search, from 0 to 1; `None` if none is running.
     pub(crate) progress: Option<f32>,
+    /// Depths of the other renderer, if they were opened.
+    pub(crate) depths: Option<Arc<OpenedPicture>>,
+    /// Ids of the other renderer, if they were opened.
+    pub(crate) ids: Option<Arc<OpenedPicture>>,
     /// Whether a search was requested.
     wanted: bool,
     task: Option<BackgroundTask<f32, Explained>>,
@@ -59,6 +63,10 @@ pub(crate) enum ExplainingChange {
     Run,
     /// Cancels the search.
     Cancel,
+    /// Closes the picture of depths.
+    CloseDepths,
+    /// Closes the picture of ids.
+    CloseIds,
 }
 
 impl Feature for Explaining {
@@ -69,6 +77,8 @@ impl Feature for Explaining {
         match change {
             ExplainingChange::Run => explaining.wanted = true,
             ExplainingChange::Cancel => explaining.task.iter().for_each(BackgroundTask::cancel),
+            ExplainingChange::CloseDepths => explaining.depths = None,
+            ExplainingChange::CloseIds => explaining.ids = None,
         }
         None
     }
@@ -84,6 +94,37 @@ impl Explained {
         let (state, correct) = (&session.state, &self.correct);
         Arc::ptr_eq(&session.scene, &correct.scene) && state.camera == correct.camera && state.recipe == correct.recipe
     }
+}
+
+/// Uses a picture file as the depths of the explained picture, unless it has colours.
+pub(in crate::ui) fn open_depths(session: &mut Session, picture: Arc<OpenedPicture>) {
+    if depths(&picture.picture).is_none() {
+        let text = format!("{}: it has colours, not depths", picture.path.display());
+        return session.report(Severity::Error, text);
+    }
+    session.report(Severity::Info, format!("Opened {} as depths of the explained picture", picture.name()));
+    session.features.explaining.depths = Some(picture);
+}
+
+/// Uses a picture file as the ids of the explained picture.
+pub(in crate::ui) fn open_ids(session: &mut Session, picture: Arc<OpenedPicture>) {
+    session.report(Severity::Info, format!("Opened {} as ids of the explained picture", picture.name()));
+    session.features.explaining.ids = Some(picture);
+}
+
+/// Returns the opened depths and ids, or a message if their size is not that of the explained picture.
+fn their_buffers(explaining: &Explaining, (width, height): (u32, u32)) -> Result<TheirBuffers, String> {
+    for opened in explaining.depths.iter().chain(&explaining.ids) {
+        let (other_width, other_height) = opened.picture.size();
+        if (other_width, other_height) != (width, height) {
+            let name = opened.name();
+            return Err(format!(
+                "{name}: it has {other_width} × {other_height} px, but the picture {width} × {height}"
+            ));
+        }
+    }
+    let depth = explaining.depths.as_ref().and_then(|opened| depths(&opened.picture));
+    Ok(TheirBuffers { depth, ids: explaining.ids.as_ref().map(|opened| ids(&opened.picture)) })
 }
 
 /// Returns the picture file that would be explained: the first one that is opened as A, B or in another tile.
@@ -112,17 +153,21 @@ pub(crate) fn step(session: &mut Session, context: &Context, waits: bool) {
     let (width, height) = opened.shown.size();
     let (camera, recipe) = (session.state.camera, session.state.recipe);
     let correct = Setup::new(session.scene.clone(), camera, recipe, Viewport { width, height });
+    let buffers = match their_buffers(&session.features.explaining, (width, height)) {
+        Ok(buffers) => buffers,
+        Err(text) => return session.report(Severity::Error, text),
+    };
+    let subject = Subject { opened, buffers, correct };
     if waits {
-        if let Some(found) = explained(&opened, correct, &|_| {}, &AtomicBool::new(false)) {
+        if let Some(found) = explained(&subject, &|_| {}, &AtomicBool::new(false)) {
             show(session, found);
         }
         return;
     }
     let explaining = &mut session.features.explaining;
     explaining.progress = Some(0.0);
-    let work = move |report_progress: &(dyn Fn(f32) + Sync), stop: &AtomicBool| {
-        explained(&opened, correct, report_progress, stop)
-    };
+    let work =
+        move |report_progress: &(dyn Fn(f32) + Sync), stop: &AtomicBool| explained(&subject, report_progress, stop);
     explaining.task = Some(BackgroundTask::start(context.clone(), work));
 }
 
@@ -144,10 +189,19 @@ fn listen(session: &mut Session) {
     }
 }
 
+/// Inputs of a search.
+struct Subject {
+    /// The other renderer's picture.
+    opened: Arc<OpenedPicture>,
+    /// Its depths and ids.
+    buffers: TheirBuffers,
+    /// Inputs of our drawing without faults.
+    correct: Setup,
+}
+
 /// Searches for the faults of a picture. Returns `None` if cancelled.
 fn explained(
-    opened: &OpenedPicture,
-    correct: Setup,
+    Subject { opened, buffers, correct }: &Subject,
     report_progress: &(dyn Fn(f32) + Sync),
     stop: &AtomicBool,
 ) -> Option<Explained> {
@@ -156,10 +210,16 @@ fn explained(
         !stop.load(Ordering::Relaxed)
     };
     let query = Query { correct: correct.clone(), theirs: (*opened.shown).clone(), without: Vec::new() };
-    match explain(&query, &go_on) {
+    match explain_with(&query, buffers, &go_on) {
         Ok(explanation) => {
             let faulty = explanation.setup.draw(&mut Renderer::default());
-            Some(Explained { path: opened.path.clone(), correct, theirs: opened.shown.clone(), faulty, explanation })
+            Some(Explained {
+                path: opened.path.clone(),
+                correct: correct.clone(),
+                theirs: opened.shown.clone(),
+                faulty,
+                explanation,
+            })
         }
         // Our drawing takes the size of the picture.
         Err(ExplainError::Interrupted | ExplainError::Size { .. }) => None,

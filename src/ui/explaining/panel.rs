@@ -10,7 +10,7 @@ use crate::ui::compare::files::PictureRole;
 use crate::ui::format;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
-use crate::ui::widgets::{Status, chip};
+use crate::ui::widgets::{Status, chip, icon_button};
 use crate::ui::window_task::DialogCommand;
 use crate::ui::workspace::PanelSpec;
 
@@ -47,7 +47,35 @@ fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     }
 }
 
+/// Draws the opened depths and ids, with buttons that open and close them.
+fn further_pictures(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let explaining = &session.features.explaining;
+    let rows = [
+        ("Depths", &explaining.depths, PictureRole::Depths, ExplainingChange::CloseDepths),
+        ("Ids", &explaining.ids, PictureRole::Ids, ExplainingChange::CloseIds),
+    ];
+    for (name, opened, role, close) in rows {
+        ui.horizontal(|ui| {
+            let Some(opened) = opened else {
+                let help = format!(
+                    "Open the other renderer's {} of the same drawing; they tell similar faults apart",
+                    name.to_lowercase()
+                );
+                if ui.button(format!("{name}…")).on_hover_text(help).clicked() {
+                    commands.push(Command::Dialog(DialogCommand::OpenPicture(role)));
+                }
+                return;
+            };
+            if icon_button(ui, Icon::X, &format!("Close the {}", name.to_lowercase())).clicked() {
+                commands.push(Command::Explaining(close));
+            }
+            ui.add(Label::new(format!("{name}: {}", opened.name())).truncate());
+        });
+    }
+}
+
 fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    further_pictures(ui, session, commands);
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| match &session.features.explaining.found {
         None => introduction(ui, session),
         Some(found) => answer(ui, session, found, commands),
@@ -95,6 +123,11 @@ fn answer(ui: &mut Ui, session: &Session, found: &Explained, commands: &mut Vec<
         text += &format!(" before, {} ({}) after", format::count(after), percent(after));
     }
     ui.add(Label::new(text).wrap());
+    let reports =
+        [explanation.depth.as_ref().map(ToString::to_string), explanation.ids.as_ref().map(ToString::to_string)];
+    for report in reports.into_iter().flatten() {
+        ui.add(Label::new(report).wrap());
+    }
     for rest in &explanation.rest {
         ui.add(Label::new(RichText::new(format!("Unexplained: {rest}")).color(tokens(ui).text_weak)).wrap());
     }

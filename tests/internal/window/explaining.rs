@@ -6,6 +6,7 @@ use std::sync::Arc;
 use rasterscope::chain::Renderer;
 use rasterscope::explain::{Setup, by_id};
 use rasterscope::image::file::write_png;
+use rasterscope::image::pfm::{Floats, write_pfm};
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::ui::command::Command;
 use rasterscope::ui::compare::files::PictureRole;
@@ -22,7 +23,11 @@ fn faulty(bench: &Bench, fault: &str) -> Image<Rgba8> {
 }
 
 fn open_as_b(bench: &mut Bench, path: &Path) {
-    let command = FileCommand::OpenPicture(PictureRole::Tile(1), path.to_owned());
+    open(bench, PictureRole::Tile(1), path);
+}
+
+fn open(bench: &mut Bench, role: PictureRole, path: &Path) {
+    let command = FileCommand::OpenPicture(role, path.to_owned());
     bench.window.state_mut().queue(vec![Command::File(command)]);
     bench.rest();
 }
@@ -68,4 +73,37 @@ fn an_explanation_belongs_to_its_scene() {
     bench.window.state_mut().queue(vec![Command::File(FileCommand::OpenBuiltin("triangle".to_owned()))]);
     bench.rest();
     assert!(bench.session().features.explaining.found.is_none());
+}
+
+#[test]
+fn depths_and_ids_are_opened_checked_and_reported() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name);
+    let mut bench = Bench::small("triangle");
+    let theirs = faulty(&bench, "flip-vertical");
+    write_png(&file("theirs.png"), &theirs).unwrap();
+    let (width, height) = theirs.size();
+    write_pfm(&file("depth.pfm"), &Floats::One(Image::filled(width, height, 0.5))).unwrap();
+    write_pfm(&file("small.pfm"), &Floats::One(Image::filled(3, 2, 0.5))).unwrap();
+    open_as_b(&mut bench, &file("theirs.png"));
+    bench.show_panel(Panel::OtherRenderer);
+
+    open(&mut bench, PictureRole::Depths, &file("theirs.png"));
+    let error = |bench: &Bench| bench.session().messages.error.clone().expect("it is reported");
+    assert!(error(&bench).ends_with("theirs.png: it has colours, not depths"));
+    open(&mut bench, PictureRole::Depths, &file("small.pfm"));
+    bench.click("Explain");
+    assert_eq!(error(&bench), format!("small.pfm: it has 3 × 2 px, but the picture {width} × {height}"));
+    assert!(bench.session().features.explaining.found.is_none());
+    bench.click("Close the depths");
+
+    open(&mut bench, PictureRole::Depths, &file("depth.pfm"));
+    open(&mut bench, PictureRole::Ids, &file("theirs.png"));
+    assert!(bench.says("Depths: depth.pfm") && bench.says("Ids: theirs.png"));
+    bench.click("Explain");
+    let found = bench.session().features.explaining.found.clone().expect("it was explained");
+    assert_eq!(found.explanation.causes[0].fault.id, "flip-vertical");
+    let [depth, ids] =
+        [found.explanation.depth.clone().unwrap().to_string(), found.explanation.ids.clone().unwrap().to_string()];
+    assert!(bench.says(&depth) && bench.says(&ids));
 }
