@@ -128,6 +128,8 @@ pub(crate) mod app;
 
 mod start;
 
+mod screenshot;
+
 pub(crate) mod store;
 
 pub(crate) mod filmstrip;
@@ -136,13 +138,13 @@ pub(crate) mod window_time;
 
 pub(crate) mod answer_time;
 
+pub(crate) use screenshot::ScreenshotRequest;
+pub(crate) use screenshot::Theme;
+pub(crate) use screenshot::screenshot;
 pub(crate) use start::InitialView;
-pub(crate) use start::ScreenshotRequest;
-pub(crate) use start::Theme;
 pub(crate) use start::WindowStart;
 #[cfg(test)]
 pub(crate) use start::resumed;
 pub(crate) use start::run_window;
-pub(crate) use start::screenshot;
 #[cfg(test)]
 pub(crate) use start::workbench;
