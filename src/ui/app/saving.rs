@@ -80,6 +80,15 @@ impl SavedFile {
         }
     }
 
+    /// Returns the name of the file without its folder. An automatic destination may add a number to it.
+    fn name(&self) -> String {
+        let chosen = match &self.destination {
+            Destination::Automatic => None,
+            Destination::File(path) => path.file_name(),
+        };
+        chosen.map_or_else(|| format!("{}.{}", self.stem, self.extension), |name| name.to_string_lossy().into_owned())
+    }
+
     /// Writes `bytes` to the destination, in `folder` if it is automatic. Returns the path of the file.
     ///
     /// # Errors
@@ -153,7 +162,7 @@ impl Workbench {
                 let (lesson, page) = (lab.lesson().clone(), lab.page);
                 // No command restores an edited input.
                 let is_original = lesson == Lesson::new(page);
-                let words = ["rasterscope", "lab", page.id(), "-o", &format!("{}.html", page.id())];
+                let words = ["rasterscope", "lab", page.id(), "-o", &file.name()];
                 let command = is_original.then(|| shell_line(&words));
                 self.save(ui, file, move || {
                     let recording = lesson.record();
@@ -216,7 +225,7 @@ impl Workbench {
     /// Saves all buffers of the frame as an OpenEXR file.
     fn save_buffers(&mut self, ui: &Ui, file: SavedFile) {
         let Some(view) = self.session.view.clone() else { return };
-        let command = self.command_of(&view, "render", &["--buffers", "-o", "buffers.exr"]);
+        let command = self.command_of(&view, "render", &["--buffers", "-o", &file.name()]);
         self.save(ui, file, move || {
             let Request { scene, recipe, .. } = &view.request;
             let source = BufferSource { scene, recipe, frame: &view.frame };
@@ -226,7 +235,7 @@ impl Workbench {
 
     /// Saves the explanation of a pixel as an HTML page.
     fn save_pixel(&mut self, ui: &Ui, file: SavedFile, view: RenderedView, pixel: (u32, u32)) {
-        let command = self.command_of(&view, "pixel", &["--html", "pixel.html"]);
+        let command = self.command_of(&view, "pixel", &["--html", &file.name()]);
         self.save(ui, file, move || {
             let Request { scene, recipe, triangle_limit, .. } = &view.request;
             let report = explain_fully(scene, recipe, &view.frame, pixel, triangle_limit.is_none());

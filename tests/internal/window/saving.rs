@@ -132,7 +132,7 @@ fn the_saved_explanation_has_the_verdict_and_a_command() {
     let report = bench.view().report.clone().expect("a pixel is picked");
     let escaped = report.verdict.replace('&', "&amp;").replace('"', "&quot;").replace('<', "&lt;");
     assert!(page.contains(&escaped), "{}", report.verdict);
-    let command = format!("--at {},{} --html pixel.html</pre>", report.x, report.y);
+    let command = format!("--at {},{} --html why.html</pre>", report.x, report.y);
     assert!(page.contains("<pre>rasterscope pixel z-fighting ") && page.contains(&command), "{command}");
     bench.session_mut().pick = None;
     bench.rest();
@@ -151,7 +151,7 @@ fn a_saved_lab_run_has_all_steps_and_a_command_unless_it_was_edited() {
     let page = std::fs::read_to_string(&path).unwrap();
     let steps = Lesson::new(Page::Lines).record().steps.len();
     assert_eq!(page.matches("data-row=").count(), steps);
-    assert!(page.contains("<pre>rasterscope lab lines -o lines.html</pre>"));
+    assert!(page.contains("<pre>rasterscope lab lines -o run.html</pre>"));
     let mut edited = Lesson::new(Page::Lines);
     edited.move_handle(0, glam::DVec2::new(9.5, 9.5));
     bench.session_mut().features.lab.apply(LabChange::Set(Box::new(edited)));
