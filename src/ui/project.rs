@@ -18,7 +18,8 @@ impl Session {
             SceneSource::Builtin(_) => TrMeaning::Auto,
         };
         let mut project = Project::new(self.place(), tr, self.viewport());
-        project.comparison = self.comparison.stored(&self.state.tiles, self.state.recipe);
+        let sequences = &self.features.sequences;
+        project.comparison = self.comparison.stored(&self.state.tiles, self.state.recipe, sequences);
         project.workspace = Some(self.workspace().id().to_owned());
         project.probe = Some(self.features.probing.probe);
         project
@@ -52,6 +53,7 @@ impl Session {
             self.features.probing.probe = probe;
         }
         let Some(comparison) = &project.comparison else { return Vec::new() };
+        self.features.sequences.restore(comparison);
         let files = self.comparison.restore(comparison, &mut self.state.tiles, self.state.recipe);
         files.into_iter().map(|(role, path)| Command::File(FileCommand::OpenPicture(role, path))).collect()
     }

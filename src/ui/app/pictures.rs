@@ -119,11 +119,12 @@ impl Workbench {
         self.read_picture(ui.ctx(), Purpose::Open(role), path, &file);
     }
 
-    /// Adds a sequence, and returns the file of its frame to show. The first sequence starts at its first frame.
+    /// Adds a sequence, and returns the file of its frame to show. The first sequence starts at its first frame, unless a
+    /// project gives the frame.
     fn begin_sequence(&mut self, path: &Path, files: FileSequence) -> PathBuf {
         let is_first = self.session.sequence_range().is_none();
         let sequences = &mut self.session.features.sequences;
-        if is_first {
+        if is_first && !sequences.is_of_project(path) {
             sequences.frame = i64::try_from(files.range().0).unwrap_or(i64::MAX);
         }
         sequences.insert(path, Arc::new(files));

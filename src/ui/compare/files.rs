@@ -168,9 +168,14 @@ impl OpenedPictures {
     /// Adds a picture, or replaces the picture with the same path and keeps its look.
     pub(super) fn insert(&mut self, picture: Arc<OpenedPicture>) {
         self.opened.retain(|opened| opened.path != picture.path);
-        let look = self.looks.get(&picture.path).cloned().unwrap_or_default();
+        let look = self.look_of(&picture.path);
         let is_current = picture.look == look && (picture.tone == self.tone || !picture.has_tone());
         self.opened.push(if is_current { picture } else { Arc::new(picture.displayed(look, self.tone)) });
+    }
+
+    /// Returns the look of the picture with this path, also before it is opened.
+    pub(super) fn look_of(&self, path: &Path) -> PictureLook {
+        self.looks.get(path).cloned().unwrap_or_default()
     }
 
     /// Returns the exposure and tone curve.

@@ -2,6 +2,7 @@
 
 pub(crate) mod strip;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -12,6 +13,7 @@ use super::scrub::ScrubChange;
 use super::session::Session;
 use super::window_task::WindowTask;
 use crate::image::sequence::FileSequence;
+use crate::inspect::project::{ComparedFile, Comparison, FilePlayback};
 
 /// Selectable playback speeds, in frames per second.
 pub(crate) const SPEEDS: [f32; 7] = [1.0, 6.0, 12.0, 24.0, 25.0, 30.0, 60.0];
@@ -38,6 +40,8 @@ impl OpenedSequence {
 #[derive(Debug)]
 pub(crate) struct Sequences {
     opened: Vec<OpenedSequence>,
+    /// Shifts of the last opened project by path, for its sequences when they are opened.
+    of_project: BTreeMap<PathBuf, i64>,
     /// Common frame number.
     pub(crate) frame: i64,
     /// Whether the sequences are being played.
@@ -50,7 +54,7 @@ pub(crate) struct Sequences {
 
 impl Default for Sequences {
     fn default() -> Self {
-        Self { opened: Vec::new(), frame: 0, is_playing: false, speed: 24.0, due: 0.0 }
+        Self { opened: Vec::new(), of_project: BTreeMap::new(), frame: 0, is_playing: false, speed: 24.0, due: 0.0 }
     }
 }
 
@@ -110,9 +114,33 @@ impl Feature for Sequences {
 impl Sequences {
     /// Adds a sequence, or replaces the sequence with the same path and keeps its shift.
     pub(crate) fn insert(&mut self, path: &Path, files: Arc<FileSequence>) {
-        let shift = self.get(path).map_or(0, |opened| opened.shift);
+        let of_project = || self.of_project.get(path).copied().unwrap_or_default();
+        let shift = self.get(path).map_or_else(of_project, |opened| opened.shift);
         self.opened.retain(|opened| opened.path != path);
         self.opened.push(OpenedSequence { path: path.to_owned(), files, shift });
+    }
+
+    /// Whether a path belongs to the last opened project, which gives the frame to show.
+    pub(in crate::ui) fn is_of_project(&self, path: &Path) -> bool {
+        self.of_project.contains_key(path)
+    }
+
+    /// Returns the playback for a project with these files; `None` if none of them is a sequence.
+    pub(in crate::ui) fn stored(&self, files: &[ComparedFile]) -> Option<FilePlayback> {
+        let has_sequence = files.iter().any(|entry| self.get(&entry.file).is_some());
+        has_sequence.then_some(FilePlayback { frame: self.frame, speed: self.speed })
+    }
+
+    /// Restores shifts, frame and speed of a project, and pauses. Its sequences may be opened later.
+    pub(in crate::ui) fn restore(&mut self, stored: &Comparison) {
+        self.is_playing = false;
+        self.of_project.clear();
+        let Some(FilePlayback { frame, speed }) = stored.playback else { return };
+        (self.frame, self.speed) = (frame, speed);
+        self.of_project = stored.files.iter().map(|entry| (entry.file.clone(), entry.shift)).collect();
+        for opened in &mut self.opened {
+            opened.shift = self.of_project.get(&opened.path).copied().unwrap_or(opened.shift);
+        }
     }
 
     /// Returns the sequence with this path.

@@ -3,14 +3,12 @@
 use eframe::egui::{Label, RichText, Slider, Ui};
 
 use super::{OpenedSequence, SPEEDS, SequenceChange};
+use crate::inspect::project::MAX_SHIFT;
 use crate::ui::command::Command;
 use crate::ui::compare::files::PictureRole;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, space, tokens};
 use crate::ui::widgets::{combo, icon_button, number_field};
-
-/// Largest shift of a sequence, in frames.
-const MAX_SHIFT: i64 = 1_000_000;
 
 /// Draws the strip. It wraps to further rows if there are many sequences.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
@@ -85,7 +83,10 @@ fn file(
     let label = ui.add(Label::new(RichText::new(format!("{} {name}", role.name())).color(color)));
     label.on_hover_text(match (is_loaded, is_exact) {
         (false, _) => format!("The file of frame {number} is not read yet"),
-        (true, false) => format!("The sequence has no frame {}; it shows frame {number}", frame + sequence.shift),
+        (true, false) => {
+            let missing = frame.saturating_add(sequence.shift);
+            format!("The sequence has no frame {missing}; it shows frame {number}")
+        }
         (true, true) => format!("{}: {} frames", sequence.files.name(), sequence.files.frames().count()),
     });
     let mut shift = sequence.shift;

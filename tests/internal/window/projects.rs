@@ -4,14 +4,19 @@ use std::path::Path;
 
 use eframe::egui::Key;
 use rasterscope::chain::Recipe;
+use rasterscope::image::Image;
+use rasterscope::image::pfm::{Floats, write_pfm};
 use rasterscope::inspect::project::EXTENSION;
+use rasterscope::inspect::view::Range;
 use rasterscope::ui::command::Command;
 use rasterscope::ui::save_as::SaveItem;
 use rasterscope::ui::workspace::Workspace;
 
 use super::bench::Bench;
-use crate::ui::compare::Mode;
+use crate::ui::compare::files::{PictureLook, PictureRole};
+use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::files::FileCommand;
+use crate::ui::sequences::SequenceChange;
 use crate::ui::session::Severity;
 
 /// Saves the project of a window.
@@ -70,7 +75,7 @@ fn a_comparison_with_a_picture_file_and_a_workspace_are_restored() {
     rasterscope::image::file::write_png(&picture, &first.image()).unwrap();
     first.press(Key::W);
     first.session_mut().comparison.wipe = 0.25;
-    let open = FileCommand::OpenPicture(crate::ui::compare::files::PictureRole::Tile(1), picture);
+    let open = FileCommand::OpenPicture(PictureRole::Tile(1), picture);
     first.window.state_mut().queue(vec![Command::File(open)]);
     first.rest();
     save(&mut first, &path);
@@ -92,6 +97,53 @@ fn a_comparison_with_a_picture_file_and_a_workspace_are_restored() {
     third.rest();
     assert_eq!(third.session().workspace(), Workspace::Robustness);
     assert_eq!(third.session().comparison.mode, Mode::Off);
+}
+
+#[test]
+fn sequences_and_the_look_of_picture_files_are_restored() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("s.rasterscope");
+    for (name, blue) in [("f.0003.png", 3), ("f.0004.png", 4), ("f.0009.png", 9)] {
+        let picture = Image::from_fn(48, 30, |x, _| [x as u8, 0, blue, 255]);
+        rasterscope::image::file::write_png(&folder.path().join(name), &picture).unwrap();
+    }
+    let values = Image::from_fn(48, 30, |x, y| (y * 48 + x) as f32 / 1440.0);
+    let depth = folder.path().join("depth.pfm");
+    write_pfm(&depth, &Floats::One(values)).unwrap();
+    let pattern = folder.path().join("f.####.png");
+    let mut first = Bench::small("triangle");
+    for (role, file) in [
+        (PictureRole::Tile(0), &pattern),
+        (PictureRole::Tile(1), &depth),
+        (PictureRole::Reference, &folder.path().to_owned()),
+    ] {
+        first.window.state_mut().queue(vec![Command::File(FileCommand::OpenPicture(role, file.clone()))]);
+        first.rest();
+    }
+    let look = PictureLook { layer: None, range: Some(Range { low: 0.25, high: 0.75 }) };
+    first.window.state_mut().queue(vec![
+        Command::Sequence(SequenceChange::Go(4)),
+        Command::Sequence(SequenceChange::Speed(12.0)),
+        Command::Sequence(SequenceChange::Shift(folder.path().to_owned(), 5)),
+        Command::Compare(CompareChange::Look(depth.clone(), look.clone())),
+    ]);
+    first.rest();
+    save(&mut first, &path);
+    let mut second = Bench::small("cubes");
+    second.drop_file(&path);
+    second.rest();
+    assert_eq!(second.session().messages.error, None);
+    let session = second.session();
+    let shown = |path: &Path| session.comparison.pictures.get(path).expect("it is opened");
+    assert_eq!(shown(&pattern).file, folder.path().join("f.0004.png"));
+    assert_eq!(shown(folder.path()).file, folder.path().join("f.0009.png"), "frame 4, ahead by 5");
+    assert_eq!(shown(&depth).look(), &look);
+    assert_eq!(shown(&depth).shown.at(0, 0), [0, 0, 0, 255]);
+    assert_eq!(shown(&depth).shown, first.session().comparison.pictures.get(&depth).unwrap().shown);
+    assert_eq!((session.features.sequences.frame, session.features.sequences.speed), (4, 12.0));
+    assert_eq!(session.project(), first.session().project());
+    second.press(Key::Period);
+    assert_eq!(second.session().features.sequences.frame, 5, "the sequences are stepped on");
 }
 
 #[test]

@@ -4,6 +4,8 @@
 //! syntax of `--set`. Unknown fields and values are errors that name the line, with one exception: an upscaler that is
 //! not registered is replaced by native resolution, with a warning. Reading a project starts no process.
 
+mod comparison;
+
 mod paths;
 
 mod recipe_text;
@@ -23,14 +25,12 @@ use super::scrub::Moment;
 use super::stages::Stage;
 use crate::chain::Recipe;
 use crate::disk::{self, stored_path};
-use crate::measure::difference::Difference;
-use crate::measure::reference::Reference;
-use crate::measure::region::PixelRegion;
-use crate::measure::tone::Tone;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::obj::TrMeaning;
 use crate::scene::{Camera, SceneError, SceneSource, Warning, camera_file};
 use crate::text;
+
+pub use comparison::{ComparedFile, ComparedTile, Comparison, ComparisonView, FilePlayback, MAX_SHIFT};
 
 /// File name extension, in lower case and without the dot.
 pub const EXTENSION: &str = "rasterscope";
@@ -43,9 +43,6 @@ const MAX_BYTES: u64 = 1 << 20;
 
 /// Number of bytes at the start of a model that its fingerprint covers, besides its length.
 const FINGERPRINT_BYTES: u64 = 16 << 20;
-
-/// Maximum number of compared pictures.
-const MAX_TILES: usize = 16;
 
 /// Content of a project file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -108,61 +105,6 @@ pub struct Project {
 
 fn color() -> Buffer {
     Buffer::Color
-}
-
-/// Way in which compared pictures are shown.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ComparisonView {
-    /// Side by side.
-    Tiles,
-    /// A to the left of a line, B to its right.
-    Wipe,
-    /// A or B on the whole canvas.
-    Flip,
-    /// Difference of A and B.
-    Difference,
-}
-
-/// Comparison of several pictures.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Comparison {
-    /// Way in which the pictures are shown.
-    pub view: ComparisonView,
-    /// Compared pictures: A, B and so on; 2 to 16.
-    pub tiles: Vec<ComparedTile>,
-    /// Index of the picture that has the settings of the project.
-    #[serde(default)]
-    pub active: usize,
-    /// Reference for errors, unless it is a file.
-    pub reference: Reference,
-    /// Picture file that is the reference.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub reference_file: Option<PathBuf>,
-    /// Difference that is shown.
-    pub difference: Difference,
-    /// Factor by which differences are amplified; 1 to 65 536.
-    pub gain: u32,
-    /// Position of the wipe, as a fraction of the width from 0 to 1.
-    pub wipe: f32,
-    /// Region with errors of its own.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub region: Option<PixelRegion>,
-    /// Exposure and tone curve of float pictures.
-    pub tone: Tone,
-}
-
-/// Picture of a comparison.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ComparedTile {
-    /// Recipe with which the picture is drawn.
-    #[serde(default, with = "recipe_text")]
-    pub settings: Recipe,
-    /// Picture file that is shown instead.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub file: Option<PathBuf>,
 }
 
 /// Project that was read, with warnings.
@@ -298,10 +240,7 @@ impl Project {
             self.scene = change(&self.scene);
         }
         if let Some(comparison) = &mut self.comparison {
-            let files = comparison.tiles.iter_mut().map(|tile| &mut tile.file);
-            for file in files.chain([&mut comparison.reference_file]).flatten() {
-                *file = change(file);
-            }
+            comparison.paths_mut().for_each(|path| *path = change(path));
         }
     }
 
@@ -316,31 +255,6 @@ impl Project {
             return Err("probe: the number of runs must be at least 1".to_owned());
         }
         self.comparison.as_ref().map_or(Ok(()), |comparison| comparison.check().map_err(|r| format!("comparison: {r}")))
-    }
-}
-
-impl Comparison {
-    fn check(&self) -> Result<(), String> {
-        let count = self.tiles.len();
-        if !(2..=MAX_TILES).contains(&count) {
-            return Err(format!("expected 2 to {MAX_TILES} tiles, but there are {count}"));
-        }
-        if self.active >= count {
-            return Err(format!("the active tile {} does not exist; tiles are counted from 0", self.active));
-        }
-        if !(1..=1 << 16).contains(&self.gain) {
-            return Err("the gain must be from 1 to 65536".to_owned());
-        }
-        if !(0.0..=1.0).contains(&self.wipe) {
-            return Err("the wipe must be from 0 to 1".to_owned());
-        }
-        if self.tone.exposure.is_nan() || self.tone.exposure.abs() > 100.0 {
-            return Err("the exposure must be from -100 to 100 stops".to_owned());
-        }
-        if self.region.is_some_and(|region| region.left >= region.right || region.top >= region.bottom) {
-            return Err("the region is empty".to_owned());
-        }
-        self.tiles.iter().try_for_each(|tile| tile.settings.check())
     }
 }
 

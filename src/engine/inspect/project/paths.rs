@@ -23,8 +23,8 @@ pub(super) fn relative(path: &Path, folder: &Path) -> PathBuf {
     }
     let up = folder.components().skip(count).map(|_| Component::ParentDir);
     let relative: PathBuf = up.chain(path.components().skip(count)).collect();
-    // A bare name could be the id of a built-in scene.
-    if relative.components().count() == 1 { Path::new(".").join(relative) } else { relative }
+    // A bare name could be the id of a built-in scene, and the folder itself has no name here.
+    if relative.components().count() <= 1 { Path::new(".").join(relative) } else { relative }
 }
 
 #[cfg(all(test, unix))]
@@ -39,10 +39,12 @@ mod tests {
             ("/home/a/projects/models/chair.obj", "models/chair.obj"),
             ("/home/a/models/chair.obj", "../models/chair.obj"),
             ("/srv/chair.obj", "/srv/chair.obj"),
+            ("/home/a/projects", "./"),
         ] {
             assert_eq!(relative(Path::new(path), folder), Path::new(stored));
         }
         assert_eq!(absolute(Path::new("./chess"), folder), Path::new("/home/a/projects/chess"));
+        assert_eq!(absolute(Path::new("./"), folder), folder);
         assert_eq!(absolute(Path::new("/srv/chair.obj"), folder), Path::new("/srv/chair.obj"));
         assert_eq!(absolute(Path::new("../m/c.obj"), folder), Path::new("/home/a/projects/../m/c.obj"));
     }

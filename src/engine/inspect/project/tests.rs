@@ -1,6 +1,10 @@
 use std::fs;
 
 use super::*;
+use crate::measure::difference::Difference;
+use crate::measure::reference::Reference;
+use crate::measure::region::PixelRegion;
+use crate::measure::tone::Tone;
 use crate::pipeline::settings::Choice as _;
 use crate::scene::builtin;
 
@@ -36,11 +40,21 @@ fn project() -> Project {
         ],
         active: 0,
         reference: Reference::ALL[0],
-        reference_file: Some("/pictures/r.exr".into()),
+        reference_file: Some("/pictures/frames/f.####.png".into()),
         difference: Difference::Absolute,
         gain: 16,
         wipe: 0.3,
         region: Some(PixelRegion { left: 1, top: 2, right: 30, bottom: 40 }),
+        files: vec![
+            ComparedFile {
+                file: "/pictures/b.exr".into(),
+                layer: Some("diffuse.left".to_owned()),
+                range: Some((-0.1, 0.7)),
+                shift: 0,
+            },
+            ComparedFile { file: "/pictures/frames/f.####.png".into(), layer: None, range: None, shift: -12 },
+        ],
+        playback: Some(FilePlayback { frame: 1001, speed: 23.976 }),
         tone: Tone { exposure: 1.5, ..Tone::default() },
     });
     project
@@ -97,6 +111,11 @@ fn damaged_files_give_one_sentence_with_the_line() {
         ("\"eye\"", "\"ear\"", "unknown field `ear`"),
         ("\"wipe\": 0.3", "\"wipe\": 1.3", "the wipe must be from 0 to 1"),
         ("\"gain\": 16", "\"gain\": -16", "invalid value"),
+        ("\"shift\": -12", "\"shift\": -1000001", "the shift of "),
+        ("\"shift\": -12", "\"shift\": -9223372036854775808", "the shift of "),
+        ("\"speed\": 23.976", "\"speed\": 0", "the speed must be above 0 and at most 1000 frames per second"),
+        ("-0.1", "7.5", "must be two finite numbers, the smaller one first"),
+        ("\"layer\"", "\"layers\"", "unknown field `layers`"),
         ("\"depth\"", "\"depths\"", "unknown variant `depths`"),
         ("\"mirrored\": true", "\"mirrored\": 1", "expected a boolean"),
     ] {
