@@ -245,6 +245,41 @@ fn texture_transforms_scale_then_rotate_then_move() {
     assert_eq!(quarters(&flipped, 3.0, &UNLIT), [FLAG[2], FLAG[3], FLAG[0], FLAG[1]]);
 }
 
+#[test]
+fn the_transform_of_a_normal_map_is_applied_or_reported() {
+    let folder = tempfile::tempdir().unwrap();
+    write_flag(&folder.path().join("flag.png"));
+    let texture = |transform: &Value| json!({"index": 0, "extensions": {"KHR_texture_transform": transform}});
+    let built = |material: Value| {
+        let builder = textured("flag.png").with(|json| json["materials"] = json!([material]));
+        load(&builder.write(folder.path()))
+    };
+    let twice = json!({"scale": [2, 3]});
+    let alone = built(json!({"normalTexture": texture(&twice)}));
+    assert_eq!(alone.scene.library.meshes()[0].uvs[0], Vec2::new(0.0, 3.0));
+    assert_eq!(texts(&alone.warnings), [""; 0]);
+    let surface = json!({"baseColorTexture": texture(&twice)});
+    let equal = built(json!({"pbrMetallicRoughness": surface, "normalTexture": texture(&twice)}));
+    assert_eq!((equal.scene.library.meshes()[0].uvs[0], texts(&equal.warnings)), (Vec2::new(0.0, 3.0), vec![]));
+    for normals in [texture(&json!({"scale": [2, 2]})), json!({"index": 0})] {
+        let differing = built(json!({"name": "bark", "pbrMetallicRoughness": surface, "normalTexture": normals}));
+        assert_eq!(
+            texts(&differing.warnings),
+            [
+                "material bark: the texture coordinates of its normal map differ from those of its base colour, which are \
+              used"
+            ]
+        );
+        assert_eq!(differing.scene.library.meshes()[0].uvs[0], Vec2::new(0.0, 3.0));
+    }
+    let malformed = textured("flag.png").with(|json| {
+        json["materials"] = json!([{"normalTexture": texture(&json!({"scale": [2]}))}]);
+    });
+    let message = error(&malformed);
+    let place = "materials[0].normalTexture.extensions.KHR_texture_transform: ";
+    assert!(message.starts_with(place) && !message.contains('\n'), "{message}");
+}
+
 /// Returns the scene of a square with the alphas 255, 100, 40 and 0 in its quarters, white, in front of green.
 fn with_alpha(mode: &Value) -> Scene {
     let folder = tempfile::tempdir().unwrap();

@@ -8,6 +8,7 @@ use gltf_json::validation::{Checked, Error, Validate as _};
 use gltf_json::{Path as JsonPath, Root};
 use serde::Deserialize;
 
+use super::materials::transform_of_normals;
 use super::{Failure, Remarks};
 use crate::scene::SceneError;
 use crate::scene::load::Load;
@@ -179,6 +180,12 @@ fn validate(root: &Root) -> Result<(), String> {
                     accessor.value()
                 ));
             }
+        }
+    }
+    for (index, material) in root.materials.iter().enumerate() {
+        if let Some(Err(error)) = material.normal_texture.as_ref().and_then(transform_of_normals) {
+            let place = format!("materials[{index}].normalTexture.extensions.KHR_texture_transform");
+            return Err(format!("{place}: {}", text::message(&error.to_string())));
         }
     }
     let mut first: Option<String> = None;

@@ -8,9 +8,10 @@ use std::path::Path;
 
 use glam::{Mat2, Vec2, Vec3};
 use gltf_json::extensions::texture::TextureTransform;
-use gltf_json::material::AlphaMode;
+use gltf_json::material::{AlphaMode, NormalTexture};
 use gltf_json::texture::{Info, MagFilter, WrappingMode};
 use gltf_json::{Index, Root, texture};
+use serde::Deserialize as _;
 
 use super::buffers::Buffers;
 use super::textures::Textures;
@@ -18,6 +19,7 @@ use super::{Remarks, name_or, valid};
 use crate::image::color::encode;
 use crate::scene::load::Load;
 use crate::scene::{Library, Material, MaterialId, Transparency};
+use crate::text;
 
 /// Placement of the textures of a material: the set of texture coordinates, and their transform.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,6 +49,10 @@ impl Placement {
         Self::new(info.tex_coord, transform)
     }
 
+    fn of_normals(info: &NormalTexture) -> Self {
+        Self::new(info.tex_coord, transform_of_normals(info).and_then(Result::ok).as_ref())
+    }
+
     /// Returns the texture coordinates after scaling, rotating and moving them.
     pub(super) fn apply(&self, uv: Vec2) -> Vec2 {
         if self.rotation == 0.0 {
@@ -55,6 +61,13 @@ impl Placement {
         let (sin, cos) = (libm::sinf(self.rotation), libm::cosf(self.rotation));
         Mat2::from_cols(Vec2::new(cos, -sin), Vec2::new(sin, cos)) * (self.scale * uv) + self.offset
     }
+}
+
+/// Returns the transform of a normal map, or the reason why it is malformed. Returns `None` if it has none.
+pub(super) fn transform_of_normals(info: &NormalTexture) -> Option<serde_json::Result<TextureTransform>> {
+    // The JSON crate has a type for this extension, but no field for it in normal maps.
+    let transform = info.extensions.as_ref()?.others.get("KHR_texture_transform")?;
+    Some(TextureTransform::deserialize(transform))
 }
 
 /// Materials of a file, each created at its first use.
@@ -71,7 +84,7 @@ pub(super) fn placement(root: &Root, material: Option<usize>) -> Option<Placemen
     let material = root.materials.get(material?)?;
     let base = material.pbr_metallic_roughness.base_color_texture.as_ref();
     base.map(Placement::of)
-        .or(material.normal_texture.as_ref().map(|normals| Placement::new(normals.tex_coord, None)))
+        .or(material.normal_texture.as_ref().map(Placement::of_normals))
         .or(material.emissive_texture.as_ref().map(Placement::of))
 }
 
@@ -121,16 +134,21 @@ impl<'a> Materials<'a> {
         let normal_texture = normals.and_then(|normals| read(normals.index, false, remarks));
         remark_unrendered(described, remarks);
         let first = placement(self.root, Some(index));
-        let differs = |other: Placement| first.is_some_and(|first| first != other);
-        if emissive.is_some_and(|emissive| differs(Placement::of(emissive)))
-            || normals.is_some_and(|normals| first.is_some_and(|first| first.set != normals.tex_coord))
-        {
-            remarks.warn("textures of one material have different coordinates; those of its base colour are used");
+        let name = name_or(described.name.as_ref(), "material", index);
+        let kept = if base.is_some() { "base colour" } else { "normal map" };
+        let others = [("normal map", normals.map(Placement::of_normals)), ("emission", emissive.map(Placement::of))];
+        for (other, placement) in others {
+            if placement.is_some() && placement != first {
+                let name = text::one_line(&name);
+                remarks.warn(format!(
+                    "material {name}: the texture coordinates of its {other} differ from those of its {kept}, which are used"
+                ));
+            }
         }
         let used = [base.map(|base| base.index), emissive.map(|info| info.index), normals.map(|info| info.index)];
         let clamp = used.into_iter().flatten().map(|texture| self.clamps(texture, remarks)).next().unwrap_or(false);
 
-        let plain = Material::plain(name_or(described.name.as_ref(), "material", index), srgb([red, green, blue]));
+        let plain = Material::plain(name, srgb([red, green, blue]));
         let missing = base.filter(|_| texture.is_none()).map(|base| format!("texture {}", base.index.value()));
         let shown = Material {
             texture,
