@@ -97,20 +97,20 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let viewport = Viewport { width: 640, height: 360 };
     let mut renderer = Renderer::default();
     let reference = renderer.render_converged(&scene, &scene.home, &Recipe::default(), viewport);
-    let mut recipes = Vec::new();
+    let mut upscalers = Vec::new();
     for method in ["nearest", "epx"] {
         let mut recipe = Recipe::default();
         recipe.set_all(&[&format!("upscaler.method={method}"), "upscaler.scale=2", "upscaler.anchor=centre"])?;
         let frame = renderer.render_converged(&scene, &scene.home, &recipe, viewport);
         let error = compare(frame.image(), reference.image()).ok_or("pictures of different sizes")?;
         println!("{:8} PSNR {:.2} dB, SSIM {:.4}", recipe.upscaler.upscaler().name(), error.psnr_db, error.ssim);
-        recipes.push(recipe);
+        upscalers.push(recipe.upscaler);
     }
 
-    // `every_upscaler` would return the recipes of all upscalers, including the registered one.
+    // `Upscaling::every` would return all upscalers at every scale, including the registered one.
     let plan = UpscalingPlan {
-        subjects: vec![NamedView { name: scene.name.clone(), camera: scene.home, scene }],
-        recipes,
+        subjects: vec![NamedView { name: scene.name.clone(), camera: scene.home, recipe: Recipe::default(), scene }],
+        upscalers,
         viewport,
         rounds: 5,
         reference: Reference::Native,

@@ -13,15 +13,14 @@ use crate::pipeline::viewport::Viewport;
 use crate::report::upscaling::csv::csv;
 use crate::report::upscaling::measurements::{Measurements, measure};
 use crate::report::upscaling::page::page;
-use crate::report::upscaling::sweep::{
-    self, NamedView, UpscalingPlan, UpscalingProgress, UpscalingReport, every_upscaler,
-};
+use crate::report::upscaling::sweep::{self, NamedView, UpscalingPlan, UpscalingProgress, UpscalingReport};
+use crate::upscale::Upscaling;
 use clap::Args;
 
 use super::failure::Failure;
 use super::merge::Merged;
 use super::progress::ProgressLine;
-use super::scene_args::MemoryArgs;
+use super::scene_args::{DEFAULT_SIZE, MemoryArgs, NamedScene};
 use super::shard::{ShardArgs, write_part};
 use super::upscaler_args::UpscalerArgs;
 use super::{interrupt, output, parse, scene_args};
@@ -32,7 +31,7 @@ const FILES: [&str; 3] = ["index.html", "report.csv", "report.json"];
 /// Arguments of `report`.
 #[derive(Args, Debug)]
 pub(crate) struct ReportArgs {
-    /// Ids of built-in scenes, or paths of models; the first built-in scene if omitted
+    /// Ids of built-in scenes, or paths of models or projects, whose settings and size other options override; the first built-in scene if omitted
     #[arg(value_name = "SCENE")]
     scenes: Vec<PathBuf>,
 
@@ -47,9 +46,9 @@ pub(crate) struct ReportArgs {
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
 
-    /// Width and height of the pictures in pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse::size)]
-    size: Viewport,
+    /// Width and height of the pictures in pixels [default: that of the projects, or 1280x720]
+    #[arg(long, value_name = "WxH", value_parser = parse::size)]
+    size: Option<Viewport>,
 
     #[command(flatten)]
     memory: MemoryArgs,
@@ -124,19 +123,27 @@ pub(crate) fn merge(parts: Parts) -> Result<Merged, Failure> {
 
 fn plan(args: &ReportArgs) -> Result<UpscalingPlan, Failure> {
     args.upscalers.register()?;
-    let mut recipe = Recipe::default();
-    recipe.set_all(&args.set)?;
+    // Invalid options are reported before a scene is loaded.
+    Recipe::default().set_all(&args.set)?;
     let names = args.scenes.iter().map(Some);
     let names: Vec<Option<&PathBuf>> = if args.scenes.is_empty() { vec![None] } else { names.collect() };
     let mut subjects = Vec::with_capacity(names.len());
+    let mut size_of_projects = None;
     for name in names {
-        let (scene, camera) = scene_args::named_view(name.map(PathBuf::as_path), args.memory)?;
-        subjects.push(NamedView { name: scene.name.clone(), camera, scene: Arc::new(scene) });
+        let NamedScene { scene, camera, mut recipe, size } =
+            scene_args::named_scene(name.map(PathBuf::as_path), args.memory)?;
+        recipe.set_all(&args.set)?;
+        subjects.push(NamedView { name: scene.name.clone(), camera, recipe, scene: Arc::new(scene) });
+        let differs = size_of_projects.is_some() && size.is_some() && size != size_of_projects;
+        if differs && args.size.is_none() {
+            return Err(Failure::Usage("the projects have different sizes; choose one with --size".to_owned()));
+        }
+        size_of_projects = size_of_projects.or(size);
     }
     Ok(UpscalingPlan {
         subjects,
-        recipes: every_upscaler(recipe),
-        viewport: args.size,
+        upscalers: Upscaling::every().collect(),
+        viewport: args.size.or(size_of_projects).unwrap_or(DEFAULT_SIZE),
         rounds: args.rounds.into(),
         reference: args.reference,
         turn: Turn::by(args.turn),

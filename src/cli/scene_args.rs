@@ -259,19 +259,32 @@ pub(crate) fn source(name: Option<&Path>) -> Result<SceneSource, Failure> {
     Ok(source)
 }
 
-/// Loads a scene by its name or by a project, and returns it with its home view or the camera of the project. Warnings go
-/// to standard error.
-pub(crate) fn named_view(name: Option<&Path>, memory: MemoryArgs) -> Result<(Scene, Camera), Failure> {
+/// Scene that an argument names, as a file or as part of a project.
+pub(crate) struct NamedScene {
+    pub(crate) scene: Scene,
+    /// Home view of the scene, or the camera of the project.
+    pub(crate) camera: Camera,
+    /// Default recipe with the light of the scene, or the recipe of the project.
+    pub(crate) recipe: Recipe,
+    /// Size of the project's picture, in pixels; `None` without a project.
+    pub(crate) size: Option<Viewport>,
+}
+
+/// Loads a scene by its name or by a project. Warnings go to standard error.
+pub(crate) fn named_scene(name: Option<&Path>, memory: MemoryArgs) -> Result<NamedScene, Failure> {
     let project = name.filter(|path| Project::is_named(path)).map(Project::read).transpose()?;
     let source = project.as_ref().map_or_else(|| source(name), |loaded| Ok(loaded.project.source()))?;
     let Loaded { scene, warnings, .. } = memory.load(&source)?;
     let warnings = project.iter().flat_map(|loaded| &loaded.warnings).chain(&warnings);
     warnings.for_each(|warning| output::report("warning", warning));
-    let Some(state) = project.map(|loaded| loaded.project.state()) else {
-        let home = scene.home;
-        return Ok((scene, home));
+    let Some(LoadedProject { project, .. }) = project else {
+        let mut recipe = Recipe::default();
+        recipe.take_light(&scene, None);
+        return Ok(NamedScene { camera: scene.home, scene, recipe, size: None });
     };
-    Ok((if state.mirrored { scene.mirrored_z() } else { scene }, state.camera))
+    let state = project.state();
+    let scene = if state.mirrored { scene.mirrored_z() } else { scene };
+    Ok(NamedScene { scene, camera: state.camera, recipe: state.recipe, size: Some(project.size()) })
 }
 
 /// Options for scene, camera, recipe and size of one frame.
@@ -286,7 +299,7 @@ pub(crate) struct FrameArgs {
 }
 
 /// Size of the picture unless an option or a project gives another one.
-const DEFAULT_SIZE: Viewport = Viewport { width: 1280, height: 720 };
+pub(crate) const DEFAULT_SIZE: Viewport = Viewport { width: 1280, height: 720 };
 
 /// Memory budget for framebuffer checkpoints, in bytes. It is zero, because drawing up to a single point in time needs
 /// no checkpoints.

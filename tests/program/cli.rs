@@ -19,7 +19,7 @@ use rasterscope::measure::reference::Reference;
 use rasterscope::pipeline::settings::Choice as _;
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::report::stability::catalogue;
-use rasterscope::report::upscaling::sweep::{self, NamedView, UpscalingPlan, every_upscaler};
+use rasterscope::report::upscaling::sweep::{self, NamedView, UpscalingPlan};
 use rasterscope::scene::{SceneSource, builtin};
 #[cfg(feature = "ui")]
 use rasterscope::ui::compare::compute::{CompareRequest, Comparer};
@@ -200,6 +200,57 @@ fn the_report_is_a_page_a_table_and_json_of_every_upscaler() {
 }
 
 #[test]
+fn reports_take_light_settings_and_size_from_their_scene_unless_options_give_them() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let numbers: [f32; 9] = [0., 0., 0., 1., 0., 0., 0., 1., 0.];
+    fs::write(at("t.bin"), numbers.map(f32::to_le_bytes).concat()).unwrap();
+    // The light shines along -z of its node, which is not turned: it comes from +z.
+    let model = serde_json::json!({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
+        "extensionsUsed": ["KHR_lights_punctual"],
+        "extensions": {"KHR_lights_punctual": {"lights": [{"type": "directional"}]}},
+        "nodes": [{"mesh": 0}, {"extensions": {"KHR_lights_punctual": {"light": 0}}}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0],
+                       "max": [1, 1, 0]}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"uri": "t.bin", "byteLength": 36}],
+    });
+    fs::write(at("lit.gltf"), model.to_string()).unwrap();
+    let camera = serde_json::json!({"eye": [0, 0, 3], "target": [0, 0, 0], "fov_y_degrees": 45, "near": 0.1, "far": 9});
+    let project = |size: [u32; 2]| {
+        let settings = ["light.direction=1,0,0", "shading=normals", "culling=none"];
+        serde_json::json!({"rasterscope": 1, "scene": "lit.gltf", "camera": camera, "settings": settings, "size": size})
+    };
+    fs::write(at("p.rasterscope"), project([30, 20]).to_string()).unwrap();
+    fs::write(at("other.rasterscope"), project([31, 20]).to_string()).unwrap();
+    let report = |arguments: &[&str]| {
+        let fixed = ["report", "-o", "out", "--rounds", "1", "--turn", "0"];
+        assert_success(&run(&folder, &[&fixed[..], arguments].concat()));
+        serde_json::from_slice::<serde_json::Value>(&fs::read(at("out/report.json")).unwrap()).unwrap()
+    };
+    let drawn = |report: &serde_json::Value, scene: usize| {
+        let recipe = &report["scenes"][scene]["rows"][1]["recipe"];
+        let numbers = recipe["light"]["direction"].as_array().unwrap().iter();
+        let light: Vec<f64> = numbers.map(|number| number.as_f64().unwrap()).collect();
+        (light, recipe["shading"].as_str().unwrap().to_owned())
+    };
+    let both = report(&["lit.gltf", "p.rasterscope"]);
+    assert_eq!(both["size"], serde_json::json!([30, 20]));
+    let (light, shading) = drawn(&both, 0);
+    assert!(light[2] > 0.0 && light[..2] == [0.0, 0.0], "{light:?}");
+    assert_ne!(shading, "normals", "a project does not change other scenes");
+    assert_eq!(drawn(&both, 1), (vec![1.0, 0.0, 0.0], "normals".to_owned()));
+    let set = report(&["p.rasterscope", "--set", "light.direction=0,1,0", "--size", "16x12"]);
+    assert_eq!(
+        (drawn(&set, 0), &set["size"]),
+        ((vec![0.0, 1.0, 0.0], "normals".to_owned()), &serde_json::json!([16, 12]))
+    );
+    let differing = run(&folder, &["report", "-o", "out", "p.rasterscope", "other.rasterscope"]);
+    assert_failure(&differing, 2, "the projects have different sizes; choose one with --size");
+}
+
+#[test]
 fn all_built_in_scenes_are_listed_with_their_size() {
     let output = run(&folder(), &["scenes"]);
     assert_success(&output);
@@ -348,10 +399,11 @@ fn reports_and_tiles_have_the_pictures_that_the_same_settings_draw() {
     // At most as large as the crop of a report, so that the crop is the whole picture.
     let viewport = Viewport { width: 61, height: 47 };
     let scene = SceneSource::named("cubes".into()).load().unwrap().scene;
-    let subject = NamedView { name: scene.name.clone(), camera: scene.home, scene: Arc::new(scene) };
+    let subject =
+        NamedView { name: scene.name.clone(), camera: scene.home, recipe: Recipe::default(), scene: Arc::new(scene) };
     let plan = UpscalingPlan {
         subjects: vec![subject.clone()],
-        recipes: every_upscaler(Recipe::default()),
+        upscalers: upscale::Upscaling::every().collect(),
         viewport,
         rounds: 1,
         reference: Reference::Native,

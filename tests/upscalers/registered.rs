@@ -117,8 +117,8 @@ fn a_registered_upscaler_is_drawn_explained_and_measured_like_a_built_in_one() {
     assert_eq!(Responses::of(recipe.upscaler).impulse.len(), 64);
 
     let plan = UpscalingPlan {
-        subjects: vec![NamedView { name: "Cubes".to_owned(), camera: scene.home, scene }],
-        recipes: vec![Recipe::default(), recipe],
+        subjects: vec![NamedView { name: "Cubes".to_owned(), camera: scene.home, recipe: Recipe::default(), scene }],
+        upscalers: vec![Recipe::default().upscaler, recipe.upscaler],
         viewport: SIZE,
         rounds: 1,
         reference: Reference::Native,

@@ -10,7 +10,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use super::skipping::{self, PixelShareTimes};
-use super::sweep::{NamedView, NativeTimes, Parts, PlanRecord, UpscalingPlan, UpscalingProgress};
+use super::sweep::{NamedView, NativeTimes, Parts, PlanRecord, UpscalingPlan, UpscalingProgress, with};
 use crate::chain::{Frame, FrameTimes, Recipe};
 use crate::image::{Image, Rgba8, png_text};
 use crate::measure::against::ErrorMetrics;
@@ -88,9 +88,9 @@ impl Measurements {
         let regions = candidates(plan.size).len();
         for (number, (scene, found)) in plan.scenes.iter().zip(&run.results.scenes).enumerate() {
             let row = |recipe: &usize| found.as_ref().and_then(|found| found.rows.get(recipe));
-            let owned = owned(plan.recipes.len(), number, run.shard);
+            let owned = owned(plan.upscalers.len(), number, run.shard);
             if let Some(recipe) = owned.iter().find(|recipe| row(recipe).is_none()).filter(|_| !run.partial) {
-                return Err(format!("no results of {} on {}", plan.recipes[*recipe].upscaler.label(), scene.name));
+                return Err(format!("no results of {} on {}", plan.upscalers[*recipe].label(), scene.name));
             }
             let is_sound = |row: &RowMeasurements| {
                 row.region_errors.len() == regions && <[u32; 2]>::from(row.picture.size()) == plan.size
@@ -119,7 +119,7 @@ pub fn measure(
     let machine = Machine::at_start().with_host();
     let mut scenes = vec![None; plan.subjects.len()];
     for (number, subject) in plan.subjects.iter().enumerate() {
-        let work = SceneWork { plan, subject, owned: owned(plan.recipes.len(), number, shard) };
+        let work = SceneWork { plan, subject, owned: owned(plan.upscalers.len(), number, shard) };
         if work.owned.is_empty() {
             continue;
         }
@@ -152,6 +152,11 @@ struct SceneWork<'a> {
 }
 
 impl SceneWork<'_> {
+    /// Returns the recipe of the scene with an upscaler of the plan.
+    fn recipe(&self, index: usize) -> Recipe {
+        with(&self.subject.recipe, self.plan.upscalers[index])
+    }
+
     fn measure(
         &self,
         report_progress: &dyn Fn(UpscalingProgress),
@@ -186,7 +191,7 @@ impl SceneWork<'_> {
             Some(self.errors(&shot, cancelled, say, |_, _| ())?)
         };
         // The native recipe is timed in every shard, as the baseline of the others.
-        let native = plan.recipes.iter().position(|recipe| recipe.upscaler.is_native());
+        let native = plan.upscalers.iter().position(|upscaler| upscaler.is_native());
         let baseline = native.filter(|native| !owned.contains(native));
         let timed: Vec<usize> = baseline.into_iter().chain(owned.iter().copied()).collect();
         let timer = self.times(&timed, &shot, &|done, of| say("times", done, of), cancelled)?;
@@ -213,7 +218,7 @@ impl SceneWork<'_> {
                 parts_ms: parts(times)?,
                 error: still.mean,
                 motion,
-                failure: plan.recipes[*index].upscaler.upscaler().failure(),
+                failure: plan.upscalers[*index].upscaler().failure(),
                 region_errors: judged.region_errors,
                 picture: judged.picture,
             };
@@ -226,7 +231,7 @@ impl SceneWork<'_> {
     /// incomplete because of a cancellation.
     fn shares(&self, cancelled: &dyn Fn() -> bool) -> Option<Option<Vec<PixelShareTimes>>> {
         let Self { plan, subject: NamedView { scene, camera, .. }, .. } = self;
-        let first = plan.recipes.first()?;
+        let first = &self.recipe(0);
         if !skipping::applies(scene, first, camera, plan.viewport) {
             return Some(None);
         }
@@ -244,7 +249,7 @@ impl SceneWork<'_> {
         say: &mut dyn FnMut(usize, &ErrorMeasurement),
         mut look: impl FnMut(&Frame, Image<f32>),
     ) -> Option<ErrorMeasurement> {
-        let recipes = self.owned.iter().map(|index| self.plan.recipes[*index]);
+        let recipes = self.owned.iter().map(|index| self.recipe(*index));
         let mut judge = ErrorMeasurement::new(self.plan.reference, recipes);
         say(0, &judge);
         while !judge.is_complete(shot.turn) {
@@ -266,7 +271,7 @@ impl SceneWork<'_> {
         say: &dyn Fn(usize, usize),
         cancelled: &dyn Fn() -> bool,
     ) -> Option<RoundTimer> {
-        let recipes: Vec<Recipe> = timed.iter().map(|index| self.plan.recipes[*index]).collect();
+        let recipes: Vec<Recipe> = timed.iter().map(|index| self.recipe(*index)).collect();
         let mut timer = RoundTimer::new(&recipes, self.plan.rounds);
         let mut reported_rounds = None;
         while !timer.is_complete() {

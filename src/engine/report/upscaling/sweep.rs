@@ -27,7 +27,7 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 use crate::upscale::Upscaling;
 
-/// Scene to measure, with its name and camera.
+/// Scene to measure, with its name, camera and recipe.
 #[derive(Clone, Debug)]
 pub struct NamedView {
     /// Display name of the scene.
@@ -36,15 +36,17 @@ pub struct NamedView {
     pub scene: Arc<Scene>,
     /// Camera of the view.
     pub camera: Camera,
+    /// Recipe with which the scene is drawn. The report replaces its upscaler.
+    pub recipe: Recipe,
 }
 
-/// Scenes, recipes, image size and measurement parameters of a report.
+/// Scenes, upscalers, image size and measurement parameters of a report.
 #[derive(Clone, Debug)]
 pub struct UpscalingPlan {
     /// Scenes to measure, each from one view.
     pub subjects: Vec<NamedView>,
-    /// Recipes to measure on every scene.
-    pub recipes: Vec<Recipe>,
+    /// Upscalers to measure on every scene.
+    pub upscalers: Vec<Upscaling>,
     /// Size of the full image, in pixels.
     pub viewport: Viewport,
     /// Number of measured rounds, at least 1.
@@ -59,7 +61,7 @@ pub struct UpscalingPlan {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct PlanRecord {
     pub(super) scenes: Vec<SceneRecord>,
-    pub(super) recipes: Vec<Recipe>,
+    pub(super) upscalers: Vec<Upscaling>,
     /// Width and height of the full image, in pixels.
     pub(super) size: [u32; 2],
     rounds: usize,
@@ -73,6 +75,7 @@ pub(super) struct SceneRecord {
     pub(super) name: String,
     triangles: usize,
     camera: Value,
+    pub(super) recipe: Recipe,
     /// Small native image. Scenes of one name that differ are told apart by it.
     #[serde(with = "png_text")]
     sample: Image<Rgba8>,
@@ -84,17 +87,17 @@ const SAMPLE: Viewport = Viewport { width: 96, height: 54 };
 impl UpscalingPlan {
     /// Returns the plan without the scenes themselves. Draws a small image of each scene.
     pub fn record(&self) -> PlanRecord {
-        let native = Recipe { upscaler: Upscaling::NATIVE, ..self.recipes.first().copied().unwrap_or_default() };
-        let scene = |NamedView { name, scene, camera }: &NamedView| SceneRecord {
+        let scene = |NamedView { name, scene, camera, recipe }: &NamedView| SceneRecord {
             name: name.clone(),
             triangles: scene.triangle_count(),
             // Plain data can always be written.
             camera: serde_json::to_value(camera).unwrap_or_default(),
-            sample: run_unobserved(scene, camera, &native, SAMPLE).image().clone(),
+            recipe: *recipe,
+            sample: run_unobserved(scene, camera, &with(recipe, Upscaling::NATIVE), SAMPLE).image().clone(),
         };
         PlanRecord {
             scenes: self.subjects.iter().map(scene).collect(),
-            recipes: self.recipes.clone(),
+            upscalers: self.upscalers.clone(),
             size: [self.viewport.width, self.viewport.height],
             rounds: self.rounds,
             reference: self.reference,
@@ -103,9 +106,9 @@ impl UpscalingPlan {
     }
 }
 
-/// Returns one copy of the recipe for each upscaler at each of its scales.
-pub fn every_upscaler(recipe: Recipe) -> Vec<Recipe> {
-    Upscaling::every().map(|upscaler| Recipe { upscaler, ..recipe }).collect()
+/// Returns the recipe with another upscaler.
+pub(super) fn with(recipe: &Recipe, upscaler: Upscaling) -> Recipe {
+    Recipe { upscaler, ..*recipe }
 }
 
 /// Progress of an upscaling report.
@@ -290,13 +293,13 @@ fn scene_report(
 ) -> Option<SceneReport> {
     let mut pairs = Pairs::default();
     shards.iter().filter_map(|shard| shard.results.scene(number)).for_each(|scene| pairs.append(scene.pairs.clone()));
-    let measured = |(index, recipe): (usize, &Recipe)| {
-        let find =
-            |shard| Some(MeasuredRow { recipe: *recipe, shard, row: shard.results.scene(number)?.rows.get(&index)? });
+    let measured = |(index, upscaler): (usize, &Upscaling)| {
+        let recipe = with(&plan.scenes[number].recipe, *upscaler);
+        let find = |shard| Some(MeasuredRow { recipe, shard, row: shard.results.scene(number)?.rows.get(&index)? });
         shards.iter().find_map(find)
     };
-    // In the order of the recipes, so that sums over them do not depend on the shards.
-    let measured: Vec<MeasuredRow<'_>> = plan.recipes.iter().enumerate().filter_map(measured).collect();
+    // In the order of the upscalers, so that sums over them do not depend on the shards.
+    let measured: Vec<MeasuredRow<'_>> = plan.upscalers.iter().enumerate().filter_map(measured).collect();
     let region_errors: Vec<&[f64]> = measured.iter().map(|measured| &measured.row.region_errors[..]).collect();
     let crop = crop_of(plan.size, &region_errors);
     let native = measured.iter().find(|row| row.recipe.upscaler.is_native()).or(measured.first());

@@ -3,10 +3,11 @@ use crate::scene::SceneSource;
 
 fn plan(viewport: Viewport, rounds: usize) -> UpscalingPlan {
     let scene = SceneSource::named("triangle".into()).load().unwrap().scene;
-    let subject = NamedView { name: scene.name.clone(), camera: scene.home, scene: Arc::new(scene) };
+    let subject =
+        NamedView { name: scene.name.clone(), camera: scene.home, recipe: Recipe::default(), scene: Arc::new(scene) };
     UpscalingPlan {
         subjects: vec![subject],
-        recipes: every_upscaler(Recipe::default()),
+        upscalers: Upscaling::every().collect(),
         viewport,
         rounds,
         reference: Reference::Native,
