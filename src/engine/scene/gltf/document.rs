@@ -35,8 +35,8 @@ const MAX_COMPONENTS: usize = 16;
 /// Memory of an object of the JSON after parsing, in bytes; the largest ones are materials.
 const BYTES_PER_OBJECT: u64 = 1 << 10;
 
-/// Memory of an array element or field of the JSON after parsing, in bytes.
-const BYTES_PER_VALUE: u64 = 48;
+/// Memory of an array element or field of the JSON after parsing, in bytes; fields of extensions are the largest.
+const BYTES_PER_VALUE: u64 = 96;
 
 /// JSON of a file, and the bytes of the file with the range of the binary chunk.
 pub(super) struct Document {
