@@ -158,8 +158,7 @@ fn buffers(args: &ExplainArgs, size: (u32, u32)) -> Result<TheirBuffers, Failure
         Ok(picture)
     };
     let of_depth = |path: &PathBuf| {
-        let no_depths = || Failure::Usage(format!("{}: it has colours, not depths", path.display()));
-        depths(&picture(path)?).ok_or_else(no_depths)
+        depths(&picture(path)?).map_err(|reason| Failure::Usage(format!("{}: {reason}", path.display())))
     };
     let depth = args.depth.as_ref().map(of_depth).transpose()?;
     let ids = args.ids.as_ref().map(|path| picture(path).map(|picture| ids(&picture))).transpose()?;

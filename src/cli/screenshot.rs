@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use crate::image::file::write_png;
+use crate::image::picture::Picture;
+use crate::image::sequence::FileSequence;
 use crate::image::{Image, Rgba8};
 use crate::inspect::Intermediate;
 use crate::inspect::fates::TriangleFate;
@@ -199,6 +201,15 @@ fn scale(text: &str) -> Result<f32, String> {
 
 /// Runs `screenshot`: renders the workbench to an image file.
 pub(crate) fn run(args: &ScreenshotArgs) -> Result<(), Failure> {
+    let SeenArgs { picture_a, picture_b, picture_reference, .. } = &args.seen;
+    for path in [picture_a, picture_b, picture_reference].into_iter().flatten() {
+        // In the window, an unusable picture gives a message; here it would only be in the picture.
+        if FileSequence::is_named_by(path) {
+            FileSequence::find(path)?;
+        } else {
+            Picture::read(path)?;
+        }
+    }
     let view = args.scene.view()?;
     let against = view.against(&args.against)?;
     let against = (!args.against.is_empty()).then_some(against);

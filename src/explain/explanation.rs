@@ -12,7 +12,7 @@ use crate::fault::{Fault, Slot};
 use crate::rest::Rest;
 use crate::search::{FaultSet, Interrupted, Progress, Search};
 use crate::setup::Setup;
-use crate::verification::Verification;
+use crate::verification::{Drawn, Verification};
 use crate::window::Window;
 
 /// Smallest number of pixels that only one fault must explain to be named.
@@ -37,6 +37,13 @@ const LEAST_ROUNDED: f64 = 0.05;
 
 /// Greatest share of pixels of the picture that may differ between two correct renderers.
 const NOISE: f64 = 0.005;
+
+/// Greatest share of pixels away from the edges of triangles that may differ between two correct renderers; at least
+/// [`LEAST_AWAY`] pixels may.
+const NOISE_AWAY: f64 = 2e-5;
+
+/// Number of pixels away from the edges of triangles that may differ between two correct renderers of any size.
+const LEAST_AWAY: f64 = 4.0;
 
 /// Greatest number of searches, each on windows of the picture where the causes of the previous one explain nothing.
 const MOST_SEARCHES: usize = 2;
@@ -257,17 +264,22 @@ pub fn explain_with(
             break;
         }
         (best, causes) = (drawn, convincing);
-        let is_partial = confidence(&causes, before, best.agreement.differing, &query.theirs) == Confidence::Partial;
+        let is_partial = confidence(&causes, before, &best, query) == Confidence::Partial;
         if windows == [Window::whole(viewport)] || !is_partial {
             break;
         }
+    }
+    // That nothing is drawn explains every background, so it must explain the whole picture.
+    let draws_nothing = best.setup.scene.instances.is_empty();
+    if draws_nothing && confidence(&causes, before, &best, query) == Confidence::Partial {
+        (best, causes) = (verification.draw(FaultSet::new())?, Vec::new());
     }
     let after = best.agreement.differing;
     Ok(Explanation {
         pixels: u64::from(viewport.width) * u64::from(viewport.height),
         differing_before: before,
         differing_after: after,
-        confidence: confidence(&causes, before, after, &query.theirs),
+        confidence: confidence(&causes, before, &best, query),
         causes,
         depth: buffers.depth_report(&best.setup, [&buffers_before, &best.buffers]),
         ids: buffers.id_report([&buffers_before, &best.buffers]),
@@ -292,11 +304,21 @@ pub(crate) fn is_convincing(cause: &Cause, picture: &Image<Rgba8>) -> bool {
     (in_color || in_buffers) && explained as f64 >= LEAST_PRECISION * (explained + spoiled) as f64
 }
 
-fn confidence(causes: &[Cause], before: u64, after: u64, picture: &Image<Rgba8>) -> Confidence {
-    let noise = LEAST_PIXELS.max(NOISE * picture.pixels().len() as f64);
-    let (before, after) = (before as f64, after as f64);
+/// Returns how far the causes explain the picture. `before` is the number of pixels that differ without them, and `drawn`
+/// the drawing with them.
+fn confidence(causes: &[Cause], before: u64, drawn: &Drawn, query: &Query) -> Confidence {
+    let pixels = query.theirs.pixels().len() as f64;
+    let noise = (NOISE * pixels).max(LEAST_PIXELS.min(0.1 * pixels));
+    let (before, after) = (before as f64, drawn.agreement.differing as f64);
     match causes {
-        [] if before <= noise => Confidence::Agrees,
+        [] if before == 0.0 => Confidence::Agrees,
+        // Correct renderers differ at the edges of triangles, where they round vertices differently.
+        [] if before <= noise => {
+            let rest = Rest::of(&drawn.setup, &query.theirs, &drawn.differences);
+            let away: u64 = rest.iter().map(|rest| rest.pixels - rest.at_edges).sum();
+            let is_rounding = away as f64 <= LEAST_AWAY.max(NOISE_AWAY * pixels);
+            if is_rounding { Confidence::Agrees } else { Confidence::Unknown }
+        }
         [] => Confidence::Unknown,
         _ if after <= noise.max(COMPLETE * before) => Confidence::Complete,
         _ => Confidence::Partial,

@@ -26,7 +26,7 @@ mod verification;
 mod window;
 
 pub use agreement::TOLERANCE;
-pub use buffer_files::{depths, ids};
+pub use buffer_files::{UnusableDepths, depths, ids};
 pub use buffers::{DepthReport, IdLevel, IdReport, TheirBuffers};
 pub use explanation::{Cause, Confidence, ExplainError, Explanation, Query, Tally, explain, explain_with};
 pub use fault::{Fault, Kind};

@@ -16,6 +16,7 @@ use crate::agreement::{Agreement, Target};
 use crate::buffers::{BufferTarget, OurBuffers};
 use crate::candidate::Candidate;
 use crate::explanation::Evidence;
+use crate::fault::Slot;
 use crate::setup::Setup;
 use crate::window::Window;
 
@@ -165,7 +166,10 @@ impl<'a> Search<'a> {
         let mut best = best.expect("there is at least the empty set").clone();
         for size in 1..=MOST_FAULTS {
             let is_best = |set: &FaultSet| *set == best.faults;
-            let extended: Vec<_> = sets.iter().flat_map(|set| self.extensions(set, is_best(set))).collect();
+            let mut extended: Vec<_> = sets.iter().flat_map(|set| self.extensions(set, is_best(set))).collect();
+            if size == 2 {
+                extended.extend(self.hidden_pairs());
+            }
             self.draw_all(extended.clone())?;
             let mut trials: Vec<&Trial> = extended.iter().map(|set| &self.trials[set]).collect();
             trials.sort_by(|a, b| a.faults.cmp(&b.faults));
@@ -195,6 +199,20 @@ impl<'a> Search<'a> {
         };
         let further = (0..self.candidates.len()).filter(|index| is_compatible(*index) && is_worthwhile(*index));
         further.map(|index| extended(set, index)).collect()
+    }
+
+    /// Returns the pairs of faults of culling and of the depth test that change nothing one by one: each may hide the
+    /// other, as in a scene of closed, convex bodies.
+    fn hidden_pairs(&self) -> Vec<FaultSet> {
+        let drawn = |set: &[usize]| self.trials.get(set).map(|trial| trial.hash);
+        let hidden = |slot: Slot| {
+            let of_slot = move |index: &usize| self.candidates[*index].fault.slot == slot;
+            let is_hidden = move |index: &usize| drawn(&[*index]) == drawn(&[]);
+            (0..self.candidates.len()).filter(of_slot).filter(is_hidden)
+        };
+        hidden(Slot::Culling)
+            .flat_map(|culling| hidden(Slot::DepthTest).map(move |test| extended(&[culling], test)))
+            .collect()
     }
 
     /// Returns whether the drawing with one candidate differs from those with each previous one, and from that without

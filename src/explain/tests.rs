@@ -210,3 +210,50 @@ fn depths_and_ids_tell_what_colours_do_not() {
         assert_eq!(after.or(found.ids.as_ref().map(|ids| ids.differing_after)), Some(0), "{found}");
     }
 }
+
+/// Returns the setup of a scene with only its first object.
+fn first_object(scene: &str) -> Setup {
+    let mut scene = builtin::by_id(scene).unwrap().build();
+    scene.instances.truncate(1);
+    let scene = Arc::new(scene);
+    Setup::new(Arc::clone(&scene), scene.home, Recipe::default(), SIZE)
+}
+
+#[test]
+fn two_faults_that_hide_each_other_are_found() {
+    let correct = first_object("cubes");
+    let [culling, test] = ["culling-none", "depth-test-off"].map(|id| by_id(id).unwrap());
+    let ours = drawn(&correct);
+    assert!(
+        drawn(&correct.with([culling])) == ours && drawn(&correct.with([test])) == ours,
+        "each one changes nothing"
+    );
+    let theirs = drawn(&correct.with([culling, test]));
+    assert!(theirs != ours);
+    let found = explained(&correct, theirs, &[]);
+    let mut named = ids_of(&found);
+    named.sort_unstable();
+    assert_eq!((named, found.differing_after), (vec!["culling-none", "depth-test-off"], 0), "{found}");
+}
+
+#[test]
+fn a_spot_of_few_pixels_is_no_rounding() {
+    let correct = correct("chess");
+    let ours = drawn(&correct);
+    let is_spot = |x: u32, y: u32| (70..75).contains(&x) && (3..8).contains(&y);
+    let spotted = Image::from_fn(96, 54, |x, y| if is_spot(x, y) { [255, 0, 255, 255] } else { ours.at(x, y) });
+    let found = explained(&correct, spotted, &[]);
+    assert_eq!(
+        (ids_of(&found), found.confidence, found.differing_before),
+        (vec![], Confidence::Unknown, 25),
+        "{found}"
+    );
+}
+
+#[test]
+fn a_picture_of_another_scene_is_not_accused_of_drawing_nothing() {
+    let theirs = drawn(&correct("cubes"));
+    let found = explained(&correct("chess"), theirs, &[]);
+    assert!(!ids_of(&found).contains(&"depth-not-cleared"), "{found}");
+    assert!(!matches!(found.confidence, Confidence::Complete | Confidence::Agrees), "{found}");
+}

@@ -45,16 +45,32 @@ impl Explanation {
     /// Returns the answer in one sentence.
     pub fn summary(&self) -> String {
         match self.confidence {
-            Confidence::Agrees => "The picture agrees with ours; what differs is rounding.".to_owned(),
+            Confidence::Agrees if self.have_other_buffers() => {
+                "The colours agree with ours, but the depths or ids do not.".to_owned()
+            }
+            Confidence::Agrees if self.differing_before == 0 => "The picture agrees with ours.".to_owned(),
+            Confidence::Agrees => {
+                format!("The picture agrees with ours; {} px differ by rounding.", self.differing_before)
+            }
             Confidence::Complete if self.causes.iter().all(|cause| cause.fault.kind == Kind::Input) => {
                 "The picture agrees with ours, except that it was drawn from other inputs:".to_owned()
             }
             Confidence::Complete => format!("{} the picture:", self.count()),
+            Confidence::Partial if self.causes.iter().all(|cause| cause.fault.kind == Kind::Input) => {
+                "No known fault explains the picture, which was also drawn from other inputs:".to_owned()
+            }
             Confidence::Partial => {
                 format!("{} a part of the picture; nothing known explains the rest:", self.count())
             }
             Confidence::Unknown => "No known fault explains the picture.".to_owned(),
         }
+    }
+
+    /// Whether more than 1 % of the depths or ids differ.
+    fn have_other_buffers(&self) -> bool {
+        let depths = self.depth.as_ref().map_or(0, |depth| depth.differing_after);
+        let ids = self.ids.as_ref().map_or(0, |ids| ids.differing_after);
+        100 * depths.max(ids) > self.pixels
     }
 
     fn count(&self) -> String {
@@ -119,7 +135,8 @@ impl Display for Rest {
         let object = self.object.as_deref().map_or_else(|| "the background".to_owned(), |name| format!("“{name}”"));
         write!(f, "{} px on {object}, {} of them at edges", self.pixels, self.at_edges)?;
         if self.shades > 0 {
-            write!(f, ", {} only lighter or darker than ours (light or normals)", self.shades)?;
+            let why = if self.object.is_some() { " (light or normals)" } else { "" };
+            write!(f, ", {} only lighter or darker than ours{why}", self.shades)?;
         }
         Ok(())
     }

@@ -243,7 +243,8 @@ pub(crate) fn resumed(start: WindowStart, preferences: &Preferences, patience: D
 pub(crate) fn workbench(start: WindowStart, preferences: &Preferences, worker: Worker) -> Workbench {
     let mut session = Session::new(start.scene, start.source, start.recipe, start.camera);
     session.features.restore(preferences);
-    if start.resume {
+    // The start card would hide pictures that the user names.
+    if start.resume && start.initial_view.files.is_empty() {
         session.features.onboarding.begin();
     }
     session.mirrored = start.mirrored;

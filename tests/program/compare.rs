@@ -186,6 +186,10 @@ fn unusable_sequences_are_refused_in_one_sentence() {
             "error: --output d.png: for sequences, name a pattern such as difference.####.png\n",
         ),
         (
+            &["f.#.png", "f.#.png", "--shift-b", "1", "-o", "f.###.png"],
+            "error: --output: f.001.png is one of the compared pictures; choose another name or folder\n",
+        ),
+        (
             &["f.001.png", "f.002.png", "--shift-b", "1"],
             "error: --shift-b and --shift-reference: only sequences have frames\n",
         ),
@@ -193,4 +197,30 @@ fn unusable_sequences_are_refused_in_one_sentence() {
         let output = compare(folder.path(), args);
         assert_eq!((output.status.code(), stderr(&output).as_str()), (Some(2), message));
     }
+}
+
+#[test]
+fn a_damaged_frame_is_named_and_the_others_are_compared() {
+    let folder = frames();
+    std::fs::write(folder.path().join("f.003.png"), "no picture").unwrap();
+    let output = compare(folder.path(), &["f.#.png", "ours", "--shift-b", "1", "--metric", "psnr"]);
+    assert_eq!(output.status.code(), Some(2));
+    let complaint = stderr(&output);
+    assert!(complaint.starts_with("error: frame 3: f.003.png: not a supported picture"), "{complaint}");
+    assert!(complaint.ends_with("error: 1 of 4 frames cannot be compared, first frame 3\n"), "{complaint}");
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("frame 2") && !text.contains("frame 3, ") && text.contains("frame 4"), "{text}");
+}
+
+#[test]
+fn the_mean_psnr_is_that_of_the_mean_squared_error() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, red) in [("a1.png", 0), ("a2.png", 0), ("b1.png", 0), ("b2.png", 30)] {
+        write_png(&folder.path().join(name), &Image::filled(8, 6, [red, 0, 0, 255])).unwrap();
+    }
+    let report = json(&compare(folder.path(), &["a#.png", "b#.png", "--metric", "psnr", "--metric", "mse", "--json"]));
+    let summary = report["summary"].as_array().unwrap();
+    let mean = |id: &str| summary.iter().find(|row| row["metric"] == id).unwrap()["mean"].as_f64().unwrap();
+    let expected = 10.0 * (255.0_f64 * 255.0 / mean("mse")).log10();
+    assert!((mean("psnr") - expected).abs() < 1e-9 && mean("mse") == 150.0, "{} is not {expected}", mean("psnr"));
 }

@@ -100,19 +100,36 @@ pub(super) fn run(args: &CompareArgs) -> Result<(), Failure> {
     }
     let difference = args.output.as_deref().map(DifferenceFiles::new).transpose()?;
     let (wanted, skipped) = frames(&sources);
+    let outputs: BTreeSet<PathBuf> =
+        difference.iter().flat_map(|files| wanted.iter().map(|frame| files.file(*frame))).collect();
+    let inputs = || wanted.iter().flat_map(|frame| sources.iter().filter_map(|source| source.file(*frame)));
+    if let Some(input) = outputs.iter().find(|file| file.exists() && inputs().any(|input| is_same_file(input, file))) {
+        let path = output::display(input);
+        return Err(Failure::Usage(format!(
+            "--output: {path} is one of the compared pictures; choose another name or folder"
+        )));
+    }
     if wanted.is_empty() {
         return Err(Failure::Usage("the sequences have no frame number in common; see --shift-b".to_owned()));
     }
     let (line, interrupted) = (ProgressLine::new(), interrupt::flag());
-    let mut measured_frames = Vec::with_capacity(wanted.len());
+    let (mut measured_frames, mut unreadable) = (Vec::with_capacity(wanted.len()), Vec::new());
     for (done, frame) in wanted.iter().copied().enumerate() {
         if interrupted.load(Ordering::Relaxed) {
             break;
         }
         line.show(&format!("comparing: {done} of {} frames", wanted.len()));
         let files: Vec<&Path> = sources.iter().filter_map(|source| source.file(frame)).collect();
-        let inputs = Inputs::read(files[0], files[1], files.get(2).copied())?;
-        let measured = measure(args, &inputs)?;
+        let compared = Inputs::read(files[0], files[1], files.get(2).copied())
+            .and_then(|inputs| Ok((measure(args, &inputs)?, inputs)));
+        let (measured, inputs) = match compared {
+            Ok(compared) => compared,
+            // The other frames are worth comparing nevertheless.
+            Err(failure) => {
+                unreadable.push((frame, failure));
+                continue;
+            }
+        };
         if let Some(files) = &difference {
             write_difference(args, &inputs, &files.file(frame))?;
         }
@@ -120,9 +137,13 @@ pub(super) fn run(args: &CompareArgs) -> Result<(), Failure> {
         measured_frames.push(FrameErrors { frame, errors, measured });
     }
     drop(line);
+    let partial = measured_frames.len() + unreadable.len() < wanted.len();
+    let mut unreadable = unreadable.into_iter();
     if measured_frames.is_empty() {
-        return Err(interrupt::nothing());
+        return Err(unreadable.next().map_or_else(interrupt::nothing, |(_, failure)| failure));
     }
+    let unreadable: Vec<_> = unreadable.collect();
+    unreadable.iter().for_each(|(frame, failure)| output::report("error", format!("frame {frame}: {failure}")));
     let summary = summarize(&measured_frames);
     let exceeded: Vec<String> = measured_frames
         .iter()
@@ -130,7 +151,6 @@ pub(super) fn run(args: &CompareArgs) -> Result<(), Failure> {
             exceeded(args, measured).into_iter().map(move |words| format!("frame {frame}: {words}"))
         })
         .collect();
-    let partial = measured_frames.len() < wanted.len();
     if args.json {
         let report = SequenceReport {
             frames: &measured_frames,
@@ -145,6 +165,14 @@ pub(super) fn run(args: &CompareArgs) -> Result<(), Failure> {
         output::print(&(sources + &skipped_text(&skipped) + &table(&measured_frames) + &summary_text(&summary)))?;
     }
     interrupt::outcome(partial)?;
+    if let [first, ..] = &unreadable[..] {
+        let count = unreadable.len();
+        return Err(Failure::Usage(format!(
+            "{count} of {} frames cannot be compared, first frame {}",
+            wanted.len(),
+            first.0
+        )));
+    }
     match &exceeded[..] {
         [] => Ok(()),
         [only] => Err(Failure::OutOfBounds(only.clone())),
@@ -156,6 +184,11 @@ pub(super) fn run(args: &CompareArgs) -> Result<(), Failure> {
 fn frames(sources: &[Source<'_>]) -> (Vec<i64>, Vec<i64>) {
     let all: BTreeSet<i64> = sources.iter().filter_map(Source::frames).flatten().collect();
     all.into_iter().partition(|frame| sources.iter().all(|source| source.file(*frame).is_some()))
+}
+
+/// Whether two paths lead to the same existing file.
+fn is_same_file(a: &Path, b: &Path) -> bool {
+    a.file_name() == b.file_name() && a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
 }
 
 /// Files for the differences of all frames.
@@ -201,11 +234,25 @@ fn summarize(frames: &[FrameErrors]) -> Vec<MetricSummary> {
                 if is_worse { next } else { worst }
             });
             let Some((worst, worst_frame)) = worst else { continue };
-            let mean = values.iter().map(|(value, _)| value).sum::<f64>() / values.len() as f64;
+            let mean = mean(*metric, values.iter().map(|(value, _)| *value).collect());
             summary.push(MetricSummary { of, against, metric: *metric, mean, worst, worst_frame });
         }
     }
     summary
+}
+
+/// Returns the mean of a metric over all frames. The mean PSNR is that of the mean of the squared errors, because identical
+/// frames have an infinite one.
+fn mean(metric: Metric, values: Vec<f64>) -> f64 {
+    let mean = |values: &mut dyn Iterator<Item = f64>, count: usize| values.sum::<f64>() / count as f64;
+    let count = values.len();
+    match metric {
+        Metric::Psnr => {
+            let mut relative = values.into_iter().map(|psnr| 10.0_f64.powf(-psnr / 10.0));
+            -10.0 * mean(&mut relative, count).log10()
+        }
+        _ => mean(&mut values.into_iter(), count),
+    }
 }
 
 fn skipped_text(skipped: &[i64]) -> String {

@@ -36,7 +36,7 @@ pub(super) const FAULTS: &[Fault] = &[
     ),
     Fault::error(
         "depth-not-cleared",
-        "nothing passes the depth test: the depth buffer is not cleared, or cleared to the near plane",
+        "nothing is drawn, for example because the depth buffer is not cleared and no fragment passes the depth test",
         Slot::DepthTest,
         Change::Setup(geometry::remove_objects),
     ),

@@ -98,9 +98,8 @@ impl Explained {
 
 /// Uses a picture file as the depths of the explained picture, unless it has colours.
 pub(in crate::ui) fn open_depths(session: &mut Session, picture: Arc<OpenedPicture>) {
-    if depths(&picture.picture).is_none() {
-        let text = format!("{}: it has colours, not depths", picture.path.display());
-        return session.report(Severity::Error, text);
+    if let Err(reason) = depths(&picture.picture) {
+        return session.report(Severity::Error, format!("{}: {reason}", picture.path.display()));
     }
     session.report(Severity::Info, format!("Opened {} as depths of the explained picture", picture.name()));
     session.features.explaining.depths = Some(picture);
@@ -123,7 +122,7 @@ fn their_buffers(explaining: &Explaining, (width, height): (u32, u32)) -> Result
             ));
         }
     }
-    let depth = explaining.depths.as_ref().and_then(|opened| depths(&opened.picture));
+    let depth = explaining.depths.as_ref().and_then(|opened| depths(&opened.picture).ok());
     Ok(TheirBuffers { depth, ids: explaining.ids.as_ref().map(|opened| ids(&opened.picture)) })
 }
 

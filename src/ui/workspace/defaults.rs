@@ -8,8 +8,8 @@ use crate::pipeline::settings::Choice as _;
 /// Default height of the stages above the panels that explain a pixel, in points.
 const STAGES_HEIGHT: f32 = 330.0;
 
-/// Default width of the panels that explain a pixel, in points.
-const PIXEL_WIDTH: f32 = 284.0;
+/// Default width of the panels beside compared pictures, in points: their four tabs fit into it.
+const COMPARED_WIDTH: f32 = 376.0;
 
 /// Default width of the stages and of the panels below them that explain a pixel, in points.
 const STAGES_WIDTH: f32 = 260.0;
@@ -56,7 +56,7 @@ impl Workspace {
                     ]),
                     REST,
                 ),
-                part(tabs(&[Panel::Stages, Panel::Pixel, Panel::PictureFiles, Panel::OtherRenderer]), PIXEL_WIDTH),
+                part(tabs(&[Panel::Stages, Panel::Pixel, Panel::PictureFiles, Panel::OtherRenderer]), COMPARED_WIDTH),
             ]),
             Self::Measure => {
                 tabs(&[Panel::FrameTime, Panel::ErrorTime, Panel::Scaling, Panel::SkippedWork, Panel::Log])

@@ -83,14 +83,17 @@ fn depths_and_ids_are_opened_checked_and_reported() {
     let theirs = faulty(&bench, "flip-vertical");
     write_png(&file("theirs.png"), &theirs).unwrap();
     let (width, height) = theirs.size();
-    write_pfm(&file("depth.pfm"), &Floats::One(Image::filled(width, height, 0.5))).unwrap();
-    write_pfm(&file("small.pfm"), &Floats::One(Image::filled(3, 2, 0.5))).unwrap();
+    write_pfm(&file("depth.pfm"), &Floats::One(Image::from_fn(width, height, |x, _| x as f32))).unwrap();
+    write_pfm(&file("small.pfm"), &Floats::One(Image::from_fn(3, 2, |x, _| x as f32))).unwrap();
+    write_pfm(&file("flat.pfm"), &Floats::One(Image::filled(width, height, 0.5))).unwrap();
     open_as_b(&mut bench, &file("theirs.png"));
     bench.show_panel(Panel::OtherRenderer);
 
     open(&mut bench, PictureRole::Depths, &file("theirs.png"));
     let error = |bench: &Bench| bench.session().messages.error.clone().expect("it is reported");
     assert!(error(&bench).ends_with("theirs.png: it has colours, not depths"));
+    open(&mut bench, PictureRole::Depths, &file("flat.pfm"));
+    assert!(error(&bench).ends_with("flat.pfm: all its depths are equal, so nothing can be learned from them"));
     open(&mut bench, PictureRole::Depths, &file("small.pfm"));
     bench.click("Explain");
     assert_eq!(error(&bench), format!("small.pfm: it has 3 × 2 px, but the picture {width} × {height}"));

@@ -191,7 +191,7 @@ impl PixelPage<'_> {
         }
         match parts.as_str() {
             "" => String::new(),
-            parts => format!("<section>\n<h2>Other inputs</h2>\n{parts}</section>\n"),
+            parts => format!("<section>\n<h2>What else was there</h2>\n{parts}</section>\n"),
         }
     }
 
