@@ -221,7 +221,7 @@ fn first_object(scene: &str) -> Setup {
 
 #[test]
 fn two_faults_that_hide_each_other_are_found() {
-    let correct = first_object("cubes");
+    let correct = first_object("missing-texture");
     let [culling, test] = ["culling-none", "depth-test-off"].map(|id| by_id(id).unwrap());
     let ours = drawn(&correct);
     assert!(

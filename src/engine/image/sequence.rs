@@ -86,10 +86,8 @@ impl FileSequence {
         let name = path.file_name().and_then(OsStr::to_str).ok_or_else(none)?;
         let pattern = NamePattern::parse(name).ok_or_else(none)?;
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let numbered = file_names(path, folder)?.into_iter().filter_map(|(name, file)| {
-            let is_picture = pattern.number(&name)?;
-            Some((is_picture, file))
-        });
+        let names = file_names(path, folder)?.into_iter();
+        let numbered = names.filter_map(|(name, _)| Some((pattern.number(&name)?, path.with_file_name(&name))));
         let frames: BTreeMap<_, _> = numbered.collect();
         if frames.is_empty() { Err(none()) } else { Ok(Self { name: name.to_owned(), frames }) }
     }
