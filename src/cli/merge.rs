@@ -9,7 +9,7 @@ use super::failure::Failure;
 use super::upscaler_args::UpscalerArgs;
 use super::{explain_folder, interrupt, output, probe, report, stability};
 
-/// Arguments of `merge`.
+/// Arguments of `merge`: the parts, and the folder for the result.
 #[derive(Args, Debug)]
 pub(crate) struct MergeArgs {
     /// All parts of one experiment, in any order

@@ -10,12 +10,12 @@ use serde::{Deserialize as _, Deserializer, Serialize as _, Serializer};
 use super::file::{PictureFile, encode_png};
 use super::{Image, Rgba8};
 
-/// Serialises an image.
+/// Serialises an image as the text of a PNG file in Base64.
 pub fn serialize<S: Serializer>(image: &Image<Rgba8>, to: S) -> Result<S::Ok, S::Error> {
     BASE64_STANDARD.encode(encode_png(image).map_err(S::Error::custom)?).serialize(to)
 }
 
-/// Deserialises an image.
+/// Deserialises an image that [`serialize`] has written, within the limits of picture files.
 pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Image<Rgba8>, D::Error> {
     let file = BASE64_STANDARD.decode(String::deserialize(from)?).map_err(D::Error::custom)?;
     PictureFile::of_bytes(Path::new("picture"), file).and_then(PictureFile::decode).map_err(D::Error::custom)

@@ -63,7 +63,7 @@ impl Machine {
         format!("{}, {}{build}{load}", self.label(), self.platform)
     }
 
-    /// Returns host, processor and hardware threads, which tell machines apart.
+    /// Returns the host name, the processor and the number of hardware threads in words.
     fn label(&self) -> String {
         let host = self.host.as_deref().map_or_else(String::new, |host| format!("{host}: "));
         let processor = self.processor.as_deref().unwrap_or("unknown processor");

@@ -42,7 +42,7 @@ pub(crate) struct Sequences {
     opened: Vec<OpenedSequence>,
     /// Shifts of the last opened project by path, for its sequences when they are opened.
     of_project: BTreeMap<PathBuf, i64>,
-    /// Common frame number.
+    /// Frame number that all sequences show, before their shifts.
     pub(crate) frame: i64,
     /// Whether the sequences are being played.
     pub(crate) is_playing: bool,

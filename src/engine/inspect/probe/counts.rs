@@ -25,7 +25,7 @@ pub struct ProbeCounts {
 /// Triangles that own one pixel.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct PixelOwners {
-    /// Owner without jitter.
+    /// Triangle that owns the pixel without jitter.
     pub(super) still: TriangleId,
     /// Number of runs in which each other triangle, or none, owned the pixel.
     pub(super) others: BTreeMap<TriangleId, u16>,

@@ -37,7 +37,7 @@ pub struct ProbeFindings {
     pub(crate) depth_changes: Option<Image<u16>>,
     /// Number of runs in which the colour of each pixel differed from the colour without jitter.
     pub(crate) color_changes: Image<u16>,
-    /// Picture without jitter, as sRGB codes.
+    /// Picture that is drawn without jitter, as sRGB codes.
     pub(crate) picture: Image<Rgba8>,
     /// Triangles that lost or gained pixels, most fragile first.
     pub ranking: Vec<Fragile>,

@@ -97,7 +97,7 @@ pub struct ProbePlan {
     settings: Value,
     /// Parameters of the probe.
     pub probe: Probe,
-    /// Picture without jitter, as sRGB codes. Plans of scenes of one name that differ are told apart by it.
+    /// Picture that is drawn without jitter, as sRGB codes. Plans with different pictures belong to different scenes.
     #[serde(with = "png_text")]
     pub picture: Image<Rgba8>,
 }

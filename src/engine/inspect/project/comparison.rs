@@ -25,7 +25,7 @@ const MAX_SPEED: f32 = 1000.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ComparisonView {
-    /// Side by side.
+    /// Tiles side by side.
     Tiles,
     /// A to the left of a line, B to its right.
     Wipe,
@@ -107,7 +107,7 @@ fn is_zero(shift: &i64) -> bool {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FilePlayback {
-    /// Common frame number.
+    /// Frame number that all sequences show, before their shifts.
     pub frame: i64,
     /// Speed in frames per second, above 0 and at most 1000.
     pub speed: f32,

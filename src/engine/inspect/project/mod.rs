@@ -110,7 +110,7 @@ fn color() -> Buffer {
 /// Project that was read, with warnings.
 #[derive(Clone, Debug)]
 pub struct LoadedProject {
-    /// The project.
+    /// State that the file describes.
     pub project: Project,
     /// Warnings about a changed model and about upscalers that are not registered.
     pub warnings: Vec<Warning>,

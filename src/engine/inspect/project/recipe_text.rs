@@ -14,7 +14,7 @@ const METHOD: &str = "upscaler.method=";
 /// Start of all settings of the upscaler.
 const UPSCALER: &str = "upscaler.";
 
-/// Serialises a recipe.
+/// Serialises a recipe as the list of its settings, each as `key=value`.
 pub(super) fn serialize<S: Serializer>(recipe: &Recipe, to: S) -> Result<S::Ok, S::Error> {
     assignments(recipe).serialize(to)
 }
