@@ -44,6 +44,14 @@ fn changed(folder: &Path) -> Bench {
     bench
 }
 
+/// Returns a window with a scene, on which a project file was dropped.
+fn reopened(scene: &str, project: &Path) -> Bench {
+    let mut bench = Bench::small(scene);
+    bench.drop_file(project);
+    bench.rest();
+    bench
+}
+
 #[test]
 fn another_window_shows_the_same_picture_and_pixel_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
@@ -52,9 +60,7 @@ fn another_window_shows_the_same_picture_and_pixel_bit_for_bit() {
     first.session_mut().features.overlays.layers = vec!["facing=0.5".parse().unwrap()];
     first.rest();
     save(&mut first, &path);
-    let mut second = Bench::small("cubes");
-    second.drop_file(&path);
-    second.rest();
+    let second = reopened("cubes", &path);
     assert_eq!(second.session().messages.error, None);
     assert_eq!(second.image(), first.image());
     assert_eq!(second.view().report, first.view().report);
@@ -79,9 +85,7 @@ fn a_comparison_with_a_picture_file_and_a_workspace_are_restored() {
     first.window.state_mut().queue(vec![Command::File(open)]);
     first.rest();
     save(&mut first, &path);
-    let mut second = Bench::small("triangle");
-    second.drop_file(&path);
-    second.rest();
+    let mut second = reopened("triangle", &path);
     assert_eq!(second.session().messages.error, None);
     assert_eq!(second.session().comparison.mode, Mode::Wipe);
     assert_eq!(second.session().project(), first.session().project());
@@ -92,9 +96,7 @@ fn a_comparison_with_a_picture_file_and_a_workspace_are_restored() {
     assert_eq!(shown(&second), shown(&first));
     second.session_mut().show_workspace(Workspace::Robustness);
     save(&mut second, &path);
-    let mut third = Bench::small("triangle");
-    third.drop_file(&path);
-    third.rest();
+    let third = reopened("triangle", &path);
     assert_eq!(third.session().workspace(), Workspace::Robustness);
     assert_eq!(third.session().comparison.mode, Mode::Off);
 }
@@ -129,9 +131,7 @@ fn sequences_and_the_look_of_picture_files_are_restored() {
     ]);
     first.rest();
     save(&mut first, &path);
-    let mut second = Bench::small("cubes");
-    second.drop_file(&path);
-    second.rest();
+    let mut second = reopened("cubes", &path);
     assert_eq!(second.session().messages.error, None);
     let session = second.session();
     let shown = |path: &Path| session.comparison.pictures.get(path).expect("it is opened");
@@ -177,9 +177,7 @@ fn a_changed_model_gives_a_warning() {
     let path = folder.path().join("w.rasterscope");
     save(&mut changed(folder.path()), &path);
     std::fs::write(folder.path().join("model.obj"), "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n").unwrap();
-    let mut bench = Bench::small("cubes");
-    bench.drop_file(&path);
-    bench.rest();
+    let bench = reopened("cubes", &path);
     assert!(bench.session().place().scene.ends_with("model.obj"), "the model is shown nevertheless");
     let log = &bench.session().messages.log;
     assert!(log.iter().any(|entry| entry.level == Severity::Warning && entry.text.contains("has changed")));
