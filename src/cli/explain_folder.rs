@@ -8,7 +8,7 @@ use std::sync::atomic::Ordering;
 
 use crate::chain::Renderer;
 use crate::explain::Setup;
-use crate::image::file::{ImageFileError, is_named_picture};
+use crate::image::sequence::pictures_in;
 use crate::image::{Image, Rgba8, png_text};
 use crate::measure::machine::Machine;
 use crate::measure::part::{Experiment, Parts};
@@ -28,7 +28,8 @@ use super::{interrupt, output};
 /// Last line of the text of an interrupted run.
 const PARTIAL: &str = "# partial: interrupted before every picture was explained\n";
 
-/// Size of the drawing by which scenes of one name are told apart, in pixels.
+/// Size in pixels of the drawing in a plan. Parts whose drawings differ belong to different scenes, even if these have one
+/// name.
 const SAMPLE: Viewport = Viewport { width: 96, height: 54 };
 
 /// Everything that determines the explanations of a folder, without the scene and the pictures themselves.
@@ -123,18 +124,7 @@ fn check(plan: &FolderPlan, run: &ShardRun<Explanations>) -> Result<(), String> 
 
 /// Returns the pictures of a folder in the order of their names, or the picture itself.
 fn files(path: &Path) -> Result<Vec<PathBuf>, Failure> {
-    if !path.is_dir() {
-        return Ok(vec![path.to_owned()]);
-    }
-    let entries = std::fs::read_dir(path).and_then(Iterator::collect::<Result<Vec<_>, _>>);
-    let entries = entries.map_err(|source| ImageFileError::Unreadable { path: path.to_owned(), source })?;
-    let files = entries.into_iter().map(|entry| entry.path()).filter(|path| path.is_file() && is_named_picture(path));
-    let mut files: Vec<PathBuf> = files.collect();
-    files.sort();
-    match files.is_empty() {
-        true => Err(Failure::Usage(format!("{}: there is no picture in this folder", output::display(path)))),
-        false => Ok(files),
-    }
+    if path.is_dir() { Ok(pictures_in(path)?) } else { Ok(vec![path.to_owned()]) }
 }
 
 fn name(file: &Path) -> String {

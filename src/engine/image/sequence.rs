@@ -86,19 +86,18 @@ impl FileSequence {
         let name = path.file_name().and_then(OsStr::to_str).ok_or_else(none)?;
         let pattern = NamePattern::parse(name).ok_or_else(none)?;
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let names = file_names(path, folder)?.into_iter();
-        let numbered = names.filter_map(|(name, _)| Some((pattern.number(&name)?, path.with_file_name(&name))));
+        let names = files_in(path, folder)?.into_iter().filter_map(|file| Some(file.file_name()?.to_str()?.to_owned()));
+        let numbered = names.filter_map(|name| Some((pattern.number(&name)?, path.with_file_name(&name))));
         let frames: BTreeMap<_, _> = numbered.collect();
         if frames.is_empty() { Err(none()) } else { Ok(Self { name: name.to_owned(), frames }) }
     }
 
     fn in_folder(folder: &Path) -> Result<Self, ImageFileError> {
-        let mut pictures = file_names(folder, folder)?;
-        pictures.retain(|(_, file)| is_named_picture(file));
-        pictures.sort();
+        let pictures = pictures_in(folder)?;
         let mut patterns: BTreeMap<NamePattern, BTreeMap<u64, PathBuf>> = BTreeMap::new();
-        for (name, file) in &pictures {
-            if let Some((pattern, number)) = NamePattern::of_file(name) {
+        for file in &pictures {
+            let name = file.file_name().and_then(OsStr::to_str);
+            if let Some((pattern, number)) = name.and_then(NamePattern::of_file) {
                 patterns.entry(pattern).or_default().insert(number, file.clone());
             }
         }
@@ -112,11 +111,7 @@ impl FileSequence {
         if let Some((pattern, frames)) = patterns.into_iter().next() {
             return Ok(Self { name: format!("{folder_name}/{}", text::one_line(&pattern.name())), frames });
         }
-        let frames: BTreeMap<_, _> = (0..).zip(pictures.into_iter().map(|(_, file)| file)).collect();
-        if frames.is_empty() {
-            return Err(no_sequence(folder, "the folder has no pictures"));
-        }
-        Ok(Self { name: folder_name, frames })
+        Ok(Self { name: folder_name, frames: (0..).zip(pictures).collect() })
     }
 
     /// Returns the display name, such as `beauty.####.exr`.
@@ -152,15 +147,25 @@ fn no_sequence(path: &Path, reason: &str) -> ImageFileError {
     ImageFileError::NoSequence { path: path.to_owned(), reason: reason.to_owned() }
 }
 
-/// Returns the name and the path of every file in a folder whose name is valid Unicode. `named` is the path in messages.
-fn file_names(named: &Path, folder: &Path) -> Result<Vec<(String, PathBuf)>, ImageFileError> {
+/// Returns the picture files in a folder, in the order of their names. There is at least one.
+///
+/// # Errors
+/// Returns an error if the folder cannot be read or has no pictures.
+pub fn pictures_in(folder: &Path) -> Result<Vec<PathBuf>, ImageFileError> {
+    let mut pictures = files_in(folder, folder)?;
+    pictures.retain(|file| is_named_picture(file));
+    pictures.sort();
+    if pictures.is_empty() { Err(no_sequence(folder, "the folder has no pictures")) } else { Ok(pictures) }
+}
+
+/// Returns the files in a folder. `named` is the path in messages.
+fn files_in(named: &Path, folder: &Path) -> Result<Vec<PathBuf>, ImageFileError> {
     let unreadable = |source| ImageFileError::Unreadable { path: named.to_owned(), source };
     let mut files = Vec::new();
     for entry in fs::read_dir(folder).map_err(unreadable)? {
-        let entry = entry.map_err(unreadable)?;
-        let Ok(name) = entry.file_name().into_string() else { continue };
-        if entry.path().is_file() {
-            files.push((name, entry.path()));
+        let path = entry.map_err(unreadable)?.path();
+        if path.is_file() {
+            files.push(path);
         }
         if files.len() > MAX_FRAMES {
             return Err(no_sequence(named, &format!("more than {MAX_FRAMES} files")));
