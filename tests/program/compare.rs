@@ -187,7 +187,12 @@ fn unusable_sequences_are_refused_in_one_sentence() {
         ),
         (
             &["f.#.png", "f.#.png", "--shift-b", "1", "-o", "f.###.png"],
-            "error: --output: f.001.png is one of the compared pictures; choose another name or folder\n",
+            "error: --output: f.001.png is a picture of the sequences; choose another name or folder\n",
+        ),
+        (
+            // Frame 2 of the folder is compared with no other, but is not replaced either.
+            &["f.#.png", "ours", "--shift-b", "3", "-o", "ours/#.png"],
+            "error: --output: ours/2.png is a picture of the sequences; choose another name or folder\n",
         ),
         (
             &["f.001.png", "f.002.png", "--shift-b", "1"],

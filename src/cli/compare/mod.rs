@@ -125,7 +125,7 @@ struct Inputs<'a> {
 }
 
 impl<'a> Inputs<'a> {
-    /// Reads the pictures.
+    /// Reads the picture files A, B and, if there is one, the reference.
     fn read(a: &'a Path, b: &'a Path, reference: Option<&'a Path>) -> Result<Self, Failure> {
         let input = |role, path| Picture::read(path).map(|picture| Input { role, path, picture });
         let reference = reference.map(|path| input("reference", path)).transpose()?;

@@ -44,6 +44,13 @@ impl<'a> Source<'a> {
         Some(numbers.map(|number| number - self.shift).collect())
     }
 
+    /// Returns all pictures.
+    fn files(&self) -> Vec<&Path> {
+        self.sequence
+            .as_ref()
+            .map_or_else(|| vec![self.path], |sequence| sequence.frames().map(|(_, file)| file).collect())
+    }
+
     /// Returns role, path and number of frames in words.
     fn description(&self) -> String {
         let count = self.sequence.as_ref().map_or_else(
@@ -92,6 +99,15 @@ struct SequenceReport<'a> {
     partial: bool,
 }
 
+/// Results of comparing frame by frame.
+struct ComparedFrames {
+    frames: Vec<FrameErrors>,
+    /// Number of each frame that cannot be compared, and the reason.
+    failures: Vec<(i64, Failure)>,
+    /// Whether the command was interrupted.
+    partial: bool,
+}
+
 /// Runs `compare` on sequences: measures frame by frame, prints the errors, and checks the bounds of every frame.
 pub(super) fn run(args: &CompareArgs) -> Result<(), Failure> {
     let mut sources = vec![Source::find("A", &args.a, 0)?, Source::find("B", &args.b, args.shift_b)?];
@@ -100,78 +116,30 @@ pub(super) fn run(args: &CompareArgs) -> Result<(), Failure> {
     }
     let difference = args.output.as_deref().map(DifferenceFiles::new).transpose()?;
     let (wanted, skipped) = frames(&sources);
-    let outputs: BTreeSet<PathBuf> =
-        difference.iter().flat_map(|files| wanted.iter().map(|frame| files.file(*frame))).collect();
-    let inputs = || wanted.iter().flat_map(|frame| sources.iter().filter_map(|source| source.file(*frame)));
-    if let Some(input) = outputs.iter().find(|file| file.exists() && inputs().any(|input| is_same_file(input, file))) {
-        let path = output::display(input);
-        return Err(Failure::Usage(format!(
-            "--output: {path} is one of the compared pictures; choose another name or folder"
-        )));
-    }
     if wanted.is_empty() {
         return Err(Failure::Usage("the sequences have no frame number in common; see --shift-b".to_owned()));
     }
-    let (line, interrupted) = (ProgressLine::new(), interrupt::flag());
-    let (mut measured_frames, mut unreadable) = (Vec::with_capacity(wanted.len()), Vec::new());
-    for (done, frame) in wanted.iter().copied().enumerate() {
-        if interrupted.load(Ordering::Relaxed) {
-            break;
-        }
-        line.show(&format!("comparing: {done} of {} frames", wanted.len()));
-        let files: Vec<&Path> = sources.iter().filter_map(|source| source.file(frame)).collect();
-        let compared = Inputs::read(files[0], files[1], files.get(2).copied())
-            .and_then(|inputs| Ok((measure(args, &inputs)?, inputs)));
-        let (measured, inputs) = match compared {
-            Ok(compared) => compared,
-            // The other frames are worth comparing nevertheless.
-            Err(failure) => {
-                unreadable.push((frame, failure));
-                continue;
-            }
-        };
-        if let Some(files) = &difference {
-            write_difference(args, &inputs, &files.file(frame))?;
-        }
-        let errors = measured.iter().map(print::errors).collect();
-        measured_frames.push(FrameErrors { frame, errors, measured });
+    if let Some(files) = &difference {
+        protect_inputs(&sources, wanted.iter().map(|frame| files.file(*frame)))?;
     }
-    drop(line);
-    let partial = measured_frames.len() + unreadable.len() < wanted.len();
-    let mut unreadable = unreadable.into_iter();
-    if measured_frames.is_empty() {
-        return Err(unreadable.next().map_or_else(interrupt::nothing, |(_, failure)| failure));
+    let ComparedFrames { frames, mut failures, partial } =
+        compare_frames(args, &sources, &wanted, difference.as_ref())?;
+    if frames.is_empty() {
+        return Err(if failures.is_empty() { interrupt::nothing() } else { failures.swap_remove(0).1 });
     }
-    let unreadable: Vec<_> = unreadable.collect();
-    unreadable.iter().for_each(|(frame, failure)| output::report("error", format!("frame {frame}: {failure}")));
-    let summary = summarize(&measured_frames);
-    let exceeded: Vec<String> = measured_frames
-        .iter()
-        .flat_map(|FrameErrors { frame, measured, .. }| {
-            exceeded(args, measured).into_iter().map(move |words| format!("frame {frame}: {words}"))
-        })
-        .collect();
+    failures.iter().for_each(|(frame, failure)| output::report("error", format!("frame {frame}: {failure}")));
+    let (summary, exceeded) = (summarize(&frames), exceeded_of(args, &frames));
     if args.json {
-        let report = SequenceReport {
-            frames: &measured_frames,
-            summary: &summary,
-            skipped: &skipped,
-            exceeded: &exceeded,
-            partial,
-        };
-        output::print_json(&report)?;
+        let (frames, summary, skipped, exceeded) = (&frames, &summary, &skipped, &exceeded);
+        output::print_json(&SequenceReport { frames, summary, skipped, exceeded, partial })?;
     } else {
         let sources: String = sources.iter().map(Source::description).collect();
-        output::print(&(sources + &skipped_text(&skipped) + &table(&measured_frames) + &summary_text(&summary)))?;
+        output::print(&(sources + &skipped_text(&skipped) + &table(&frames) + &summary_text(&summary)))?;
     }
     interrupt::outcome(partial)?;
-    if let [first, ..] = &unreadable[..] {
-        let count = unreadable.len();
-        return Err(Failure::Usage(format!(
-            "{count} of {} frames cannot be compared, first frame {}",
-            wanted.len(),
-            first.0
-        )));
+    if let [(first, _), ..] = &failures[..] {
+        let (count, of) = (failures.len(), wanted.len());
+        return Err(Failure::Usage(format!("{count} of {of} frames cannot be compared, first frame {first}")));
     }
     match &exceeded[..] {
         [] => Ok(()),
@@ -180,15 +148,69 @@ pub(super) fn run(args: &CompareArgs) -> Result<(), Failure> {
     }
 }
 
+/// Checks that no output replaces a picture of a sequence, compared or not.
+fn protect_inputs(sources: &[Source<'_>], mut outputs: impl Iterator<Item = PathBuf>) -> Result<(), Failure> {
+    let inputs: BTreeSet<PathBuf> =
+        sources.iter().flat_map(Source::files).filter_map(|file| file.canonicalize().ok()).collect();
+    match outputs.find(|file| file.canonicalize().is_ok_and(|file| inputs.contains(&file))) {
+        None => Ok(()),
+        Some(file) => {
+            let path = output::display(&file);
+            Err(Failure::Usage(format!(
+                "--output: {path} is a picture of the sequences; choose another name or folder"
+            )))
+        }
+    }
+}
+
+/// Measures the wanted frames, and writes their differences. A frame that cannot be compared does not prevent the others.
+fn compare_frames(
+    args: &CompareArgs,
+    sources: &[Source<'_>],
+    wanted: &[i64],
+    difference: Option<&DifferenceFiles>,
+) -> Result<ComparedFrames, Failure> {
+    let (line, interrupted) = (ProgressLine::new(), interrupt::flag());
+    let mut compared =
+        ComparedFrames { frames: Vec::with_capacity(wanted.len()), failures: Vec::new(), partial: false };
+    for (done, frame) in wanted.iter().copied().enumerate() {
+        if interrupted.load(Ordering::Relaxed) {
+            compared.partial = true;
+            break;
+        }
+        line.show(&format!("comparing: {done} of {} frames", wanted.len()));
+        let files: Vec<&Path> = sources.iter().filter_map(|source| source.file(frame)).collect();
+        let inputs = Inputs::read(files[0], files[1], files.get(2).copied());
+        let (inputs, measured) =
+            match inputs.and_then(|inputs| measure(args, &inputs).map(|measured| (inputs, measured))) {
+                Ok(read) => read,
+                Err(failure) => {
+                    compared.failures.push((frame, failure));
+                    continue;
+                }
+            };
+        if let Some(files) = difference {
+            write_difference(args, &inputs, &files.file(frame))?;
+        }
+        let errors = measured.iter().map(print::errors).collect();
+        compared.frames.push(FrameErrors { frame, errors, measured });
+    }
+    Ok(compared)
+}
+
+/// Returns every violated bound in words, with the number of its frame.
+fn exceeded_of(args: &CompareArgs, frames: &[FrameErrors]) -> Vec<String> {
+    let of_frame = |FrameErrors { frame, measured, .. }: &FrameErrors| {
+        let words = exceeded(args, measured).into_iter();
+        words.map(|words| format!("frame {frame}: {words}")).collect::<Vec<_>>()
+    };
+    frames.iter().flat_map(of_frame).collect()
+}
+
 /// Returns the frames of which every sequence has a picture, and the other frames of any sequence.
 fn frames(sources: &[Source<'_>]) -> (Vec<i64>, Vec<i64>) {
     let all: BTreeSet<i64> = sources.iter().filter_map(Source::frames).flatten().collect();
     all.into_iter().partition(|frame| sources.iter().all(|source| source.file(*frame).is_some()))
-}
-
-/// Whether two paths lead to the same existing file.
-fn is_same_file(a: &Path, b: &Path) -> bool {
-    a.file_name() == b.file_name() && a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
 }
 
 /// Files for the differences of all frames.
