@@ -317,12 +317,12 @@ pub(crate) fn swatch(ui: &mut Ui, color: Color32) -> Response {
 /// Adds a square button with only an icon; `name` is its tooltip and its accessible name.
 pub(crate) fn icon_button(ui: &mut Ui, icon: Icon, name: &str) -> Response {
     let button = Button::new(theme::icon(icon)).frame_when_inactive(false).min_size(Vec2::splat(CONTROL_HEIGHT));
-    let padding = (CONTROL_HEIGHT - theme::ICON_SIZE) / 2.0;
-    ui.scope(|ui| {
-        ui.spacing_mut().button_padding = Vec2::splat(padding);
-        ui.add(button).on_hover_text(name)
-    })
-    .inner
+    let padding = Vec2::splat((CONTROL_HEIGHT - theme::ICON_SIZE) / 2.0);
+    // A scope of its own would not wrap to the next row of a full bar.
+    let usual = std::mem::replace(&mut ui.spacing_mut().button_padding, padding);
+    let response = ui.add(button).on_hover_text(name);
+    ui.spacing_mut().button_padding = usual;
+    response
 }
 
 /// Adds a button “…” with a menu of the controls that have no room in their bar. `name` is the tooltip and the

@@ -1,6 +1,6 @@
 //! Bar above the compared pictures: comparison mode, tile count, region and reference.
 
-use eframe::egui::{self, Align, Button, Layout, Response, RichText, Ui, Vec2};
+use eframe::egui::{self, Align, Button, Layout, RichText, Ui, Vec2};
 
 use super::files::PictureRole;
 use super::{CompareChange, Mode};
@@ -15,7 +15,7 @@ use crate::ui::filmstrip::{self, FilmstripChange};
 use crate::ui::manual::manual_button;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
-use crate::ui::widgets::{combo, number_field};
+use crate::ui::widgets::{combo, icon_button, number_field};
 use crate::ui::window_task::DialogCommand;
 use crate::ui::workspace::PanelWidgets;
 
@@ -84,12 +84,6 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, widgets: &PanelWidgets, command
         }
     });
     commands.extend(changes.into_iter().map(Command::Compare));
-}
-
-/// Draws an icon button that wraps to a new row when the bar is full.
-fn icon_button(ui: &mut Ui, icon: Icon, name: &str) -> Response {
-    let button = Button::new(theme::icon(icon)).frame_when_inactive(false).min_size(Vec2::splat(theme::CONTROL_HEIGHT));
-    ui.add(button).on_hover_text(name)
 }
 
 fn counts(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>) {

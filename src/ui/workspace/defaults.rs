@@ -9,7 +9,7 @@ use crate::pipeline::settings::Choice as _;
 const STAGES_HEIGHT: f32 = 330.0;
 
 /// Default width of the panels beside compared pictures, in points: their four tabs fit into it.
-const COMPARED_WIDTH: f32 = 376.0;
+const COMPARED_WIDTH: f32 = 352.0;
 
 /// Default width of the stages and of the panels below them that explain a pixel, in points.
 const STAGES_WIDTH: f32 = 260.0;
