@@ -38,13 +38,6 @@ const LEAST_ROUNDED: f64 = 0.05;
 /// Greatest share of pixels of the picture that may differ between two correct renderers.
 const NOISE: f64 = 0.005;
 
-/// Greatest share of pixels away from the edges of triangles that may differ between two correct renderers; at least
-/// [`LEAST_AWAY`] pixels may.
-const NOISE_AWAY: f64 = 2e-5;
-
-/// Number of pixels away from the edges of triangles that may differ between two correct renderers of any size.
-const LEAST_AWAY: f64 = 4.0;
-
 /// Greatest number of searches, each on windows of the picture where the causes of the previous one explain nothing.
 const MOST_SEARCHES: usize = 2;
 
@@ -312,15 +305,18 @@ fn confidence(causes: &[Cause], before: u64, drawn: &Drawn, query: &Query) -> Co
     let (before, after) = (before as f64, drawn.agreement.differing as f64);
     match causes {
         [] if before == 0.0 => Confidence::Agrees,
-        // Correct renderers differ at the edges of triangles, where they round vertices differently.
-        [] if before <= noise => {
-            let rest = Rest::of(&drawn.setup, &query.theirs, &drawn.differences);
-            let away: u64 = rest.iter().map(|rest| rest.pixels - rest.at_edges).sum();
-            let is_rounding = away as f64 <= LEAST_AWAY.max(NOISE_AWAY * pixels);
-            if is_rounding { Confidence::Agrees } else { Confidence::Unknown }
-        }
+        [] if before <= noise && !has_spot(&drawn.differences) => Confidence::Agrees,
         [] => Confidence::Unknown,
         _ if after <= noise.max(COMPLETE * before) => Confidence::Complete,
         _ => Confidence::Partial,
     }
+}
+
+/// Returns whether all pixels differ in a square of three pixels. Rounding, as of vertices, makes single pixels and lines
+/// along edges differ.
+fn has_spot(differences: &Image<u8>) -> bool {
+    let (width, height) = differences.size();
+    let differs = |x: u32, y: u32| differences.at(x, y) > TOLERANCE;
+    let is_spot = |(x, y): (u32, u32)| (y..y + 3).all(|row| (x..x + 3).all(|column| differs(column, row)));
+    (0..height.saturating_sub(2)).flat_map(|y| (0..width.saturating_sub(2)).map(move |x| (x, y))).any(is_spot)
 }

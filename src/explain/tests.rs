@@ -251,6 +251,17 @@ fn a_spot_of_few_pixels_is_no_rounding() {
 }
 
 #[test]
+fn scattered_pixels_and_lines_are_rounding() {
+    let correct = correct("chess");
+    let ours = drawn(&correct);
+    let differs = |x: u32, y: u32| (x, y) == (5, 40) || (x, y) == (80, 9) || (y == 3 && (20..40).contains(&x));
+    let other = Image::from_fn(96, 54, |x, y| if differs(x, y) { [255, 0, 255, 255] } else { ours.at(x, y) });
+    let found = explained(&correct, other, &[]);
+    assert_eq!((found.confidence, found.differing_before), (Confidence::Agrees, 22), "{found}");
+    assert_eq!(found.summary(), "The picture agrees with ours, except for 22 scattered px.");
+}
+
+#[test]
 fn a_picture_of_another_scene_is_not_accused_of_drawing_nothing() {
     let theirs = drawn(&correct("cubes"));
     let found = explained(&correct("chess"), theirs, &[]);

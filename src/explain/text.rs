@@ -50,7 +50,7 @@ impl Explanation {
             }
             Confidence::Agrees if self.differing_before == 0 => "The picture agrees with ours.".to_owned(),
             Confidence::Agrees => {
-                format!("The picture agrees with ours; {} px differ by rounding.", self.differing_before)
+                format!("The picture agrees with ours, except for {} scattered px.", self.differing_before)
             }
             Confidence::Complete if self.causes.iter().all(|cause| cause.fault.kind == Kind::Input) => {
                 "The picture agrees with ours, except that it was drawn from other inputs:".to_owned()
