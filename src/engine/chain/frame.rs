@@ -7,19 +7,20 @@ use std::time::Duration;
 
 use super::Recipe;
 use super::finish::{Finished, Spare, Unfiltered, finish};
-use super::view::{frame_inputs, raster_camera, sampling_after};
+use super::view::{Surfaces, raster_camera, sampling_after};
 use crate::antialias::settings::Antialiasing;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::Geometry;
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::framebuffer::Framebuffer;
+use crate::pipeline::motion::MotionVectors;
 use crate::pipeline::plan::DrawPlan;
 use crate::pipeline::settings::Execution;
 use crate::pipeline::tiled::TiledReport;
 use crate::pipeline::triangle_list::TriangleList;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
-use crate::scene::Camera;
-use crate::upscale::{GBuffer, History, Sampling, UpscaleInputs};
+use crate::scene::{Camera, Scene};
+use crate::upscale::{History, Sampling, UpscaleInputs};
 
 /// Wall-clock time of each part of a frame.
 #[derive(Clone, Copy, Debug, Default)]
@@ -59,8 +60,8 @@ pub struct Frame {
     pub antialias: Antialiasing,
     /// Camera of the view, before it is shifted to the sample positions.
     pub(crate) camera: Camera,
-    /// G-buffer at full resolution; `None` unless the upscaler reads it and the depth test is on.
-    pub(crate) gbuffer: Option<Arc<GBuffer>>,
+    /// Visible surfaces at full resolution; `None` unless the upscaler reads them and the depth test is on.
+    pub(super) surfaces: Option<Surfaces>,
     /// Preceding frame as history; `None` unless the upscaler reads history and a preceding frame exists.
     pub history: Option<Arc<History>>,
     /// Geometry of the frame: the list of rasterized triangles, computed on first access.
@@ -103,31 +104,41 @@ impl Frame {
 
     /// Returns the inputs of the upscaler, with `color` as the drawn colours.
     pub(crate) fn as_drawn<'a>(&'a self, color: &'a Image<Rgba8>) -> UpscaleInputs<'a> {
-        UpscaleInputs { color, frame: frame_inputs(self.gbuffer.as_deref(), &self.camera, self.history.as_deref()) }
+        UpscaleInputs { color, frame: self.surfaces.as_ref().map(|shown| shown.inputs(self.history.as_deref())) }
     }
 
     /// Returns whether the next frame of the same view may improve, because the upscaler's history has not converged
     /// yet.
     pub fn is_converging(&self, recipe: &Recipe) -> bool {
-        let before =
-            self.history.as_ref().filter(|past| past.camera == self.camera).map_or(0, |past| past.still_frames);
-        self.gbuffer.is_some() && before + 1 < recipe.upscaler.upscaler().converges_after(recipe.upscaler)
+        self.surfaces.is_some() && self.still_frames_before() + 1 < recipe.upscaler.upscaler().converges_after(recipe.upscaler)
+    }
+
+    /// Returns the number of consecutive preceding frames with the camera and the scene of this frame.
+    fn still_frames_before(&self) -> u32 {
+        let is_still = self.surfaces.as_ref().is_some_and(|shown| shown.motion.is_none());
+        self.history.as_ref().filter(|_| is_still).map_or(0, |past| past.still_frames)
     }
 
     /// Decomposes the frame into buffers for reuse: the drawn samples, the full-resolution picture if it is stored
-    /// separately, and the history unless it is still referenced elsewhere.
-    pub(super) fn into_buffers(self) -> (Framebuffer, Option<Image<Rgba8>>, Option<History>) {
+    /// separately, and the history and the motion vectors unless they are still referenced elsewhere.
+    pub(super) fn into_buffers(self) -> (Framebuffer, Option<Image<Rgba8>>, Option<History>, Option<MotionVectors>) {
         let full = match self.unfiltered {
             Unfiltered::Kept(picture) => Some(picture),
             Unfiltered::Finished | Unfiltered::Drawn => self.finished,
         };
-        (self.drawn, full, self.history.and_then(Arc::into_inner))
+        let motion = self.surfaces.and_then(|shown| shown.motion).and_then(Arc::into_inner);
+        (self.drawn, full, self.history.and_then(Arc::into_inner), motion)
     }
 
     /// Returns the history that the next frame may read, or `None` if the upscaler reads no history or the frame has no
     /// G-buffer. Reuses the spare buffer. Must be called at most once.
-    pub(super) fn take_history(&mut self, recipe: &Recipe, spare: Option<Image<Rgba8>>) -> Option<History> {
-        let surfaces = self.gbuffer.clone().filter(|_| recipe.upscaler.upscaler().reads().history)?;
+    pub(super) fn take_history(
+        &mut self,
+        scene: &Arc<Scene>,
+        recipe: &Recipe,
+        spare: Option<Image<Rgba8>>,
+    ) -> Option<History> {
+        let surfaces = self.surfaces.clone().filter(|_| recipe.upscaler.upscaler().reads().history)?;
         let memory = self.upscaler_history.take();
         let picture = memory.is_none().then(|| {
             let (width, height) = self.unfiltered().size();
@@ -135,14 +146,14 @@ impl Frame {
             copy.pixels_mut().copy_from_slice(self.unfiltered().pixels());
             copy
         });
-        let still = self.history.as_ref().filter(|past| past.camera == self.camera).map_or(0, |past| past.still_frames);
         Some(History {
             picture,
             accumulated: memory,
-            surfaces,
+            surfaces: surfaces.gbuffer,
+            scene: Arc::clone(scene),
             camera: self.camera,
             frames: self.history.as_ref().map_or(0, |past| past.frames.wrapping_add(1)),
-            still_frames: still + 1,
+            still_frames: self.still_frames_before() + 1,
         })
     }
 
@@ -218,7 +229,7 @@ impl Frame {
             drawn,
             antialias: Antialiasing::default(),
             camera: self.camera,
-            gbuffer: self.gbuffer.clone(),
+            surfaces: self.surfaces.clone(),
             history: self.history.clone(),
             geometry: LazyGeometry::made(geometry),
             plans: Arc::clone(&self.plans),

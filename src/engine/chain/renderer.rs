@@ -7,19 +7,21 @@ use super::finish::{Finished, Spare, finish};
 use super::frame::LazyGeometry;
 use super::pixel_samples::with_pixel_samples;
 use super::run::{Passes, mean_of_passes, run_after};
-use super::view::{frame_inputs, gbuffer, gbuffer_recipe, outlines, raster_camera, raster_viewport, sampling_after};
+use super::view::{gbuffer_recipe, outlines, raster_camera, raster_viewport, sampling_after, surfaces};
 use super::{Frame, FrameTimes, Recipe};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::Lanes;
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::framebuffer::Framebuffer;
+use crate::pipeline::gbuffer::GBuffer;
 use crate::pipeline::grid::SampleGrid;
+use crate::pipeline::motion::{FrameView, MotionVectors};
 use crate::pipeline::prepare;
 use crate::pipeline::settings::{Execution, Settings};
 use crate::pipeline::tiled::{self, PixelSamples, TiledReport};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
-use crate::upscale::{GBuffer, History, UpscaleInputs};
+use crate::upscale::{History, UpscaleInputs};
 
 /// Renderer that draws frames according to recipes and reuses buffers from frame to frame. With the tiled execution, it
 /// uses all threads.
@@ -57,6 +59,7 @@ pub struct Renderer {
     /// Buffer for the picture of an upscaler's history, to be reused by the next frame.
     spare_picture: Option<Image<Rgba8>>,
     spare_surfaces: Option<GBuffer>,
+    spare_motion: Option<MotionVectors>,
     /// Preceding frame; `None` unless the upscaler of that frame reads history.
     past: Option<PreviousFrame>,
 }
@@ -65,7 +68,6 @@ pub struct Renderer {
 /// same inputs.
 #[derive(Debug)]
 struct PreviousFrame {
-    scene: Arc<Scene>,
     recipe: Recipe,
     viewport: Viewport,
     history: Arc<History>,
@@ -81,6 +83,7 @@ impl Default for Renderer {
             spare_depth: None,
             spare_picture: None,
             spare_surfaces: None,
+            spare_motion: None,
             past: None,
         }
     }
@@ -111,7 +114,7 @@ impl Renderer {
         keep_depth: KeepDepth,
     ) -> Frame {
         let same = |past: &PreviousFrame| {
-            Arc::ptr_eq(&past.scene, scene) && past.recipe == *recipe && past.viewport == viewport
+            Arc::ptr_eq(&past.history.scene, scene) && past.recipe == *recipe && past.viewport == viewport
         };
         let past = self.past.take().filter(same).map(|past| past.history);
         let mut frame = if execution(scene, recipe).0 == Execution::Classic {
@@ -120,8 +123,7 @@ impl Renderer {
             self.render_tiled(past, scene, camera, recipe, viewport, keep_depth)
         };
         let finished = Instant::now();
-        self.past = frame.take_history(recipe, self.spare_picture.take()).map(|history| PreviousFrame {
-            scene: Arc::clone(scene),
+        self.past = frame.take_history(scene, recipe, self.spare_picture.take()).map(|history| PreviousFrame {
             recipe: *recipe,
             viewport,
             history: Arc::new(history),
@@ -196,7 +198,8 @@ impl Renderer {
         }
         let surfaces_begun = Instant::now();
         let surfaces = gbuffer_recipe(recipe).and_then(|shown| {
-            gbuffer(past.as_deref(), camera, self.lanes, || {
+            let spare = self.spare_motion.take();
+            surfaces(past.as_deref(), FrameView { scene, camera }, self.lanes, spare, || {
                 let area = (SampleGrid::FULL, viewport, PixelSamples::Centre);
                 let memory = self.spare_surfaces.take().map(|GBuffer { object, distance }| (object, distance)).unzip();
                 self.draw_tiled(scene, camera, &shown.pipeline, area, memory, KeepDepth::Yes).0
@@ -205,7 +208,7 @@ impl Renderer {
         let drawn_at = Instant::now();
         let outlines = outlines(scene, camera, recipe, viewport);
         let known =
-            UpscaleInputs { color: &drawn.color, frame: frame_inputs(surfaces.as_deref(), camera, past.as_deref()) };
+            UpscaleInputs { color: &drawn.color, frame: surfaces.as_ref().map(|shown| shown.inputs(past.as_deref())) };
         let spare = std::mem::take(&mut self.spare_full);
         let Finished { picture, unfiltered, history: memory, transfer, post } =
             finish(recipe, &known, viewport, spare, || outlines.as_ref().unwrap_or_else(|| &geometry.triangles));
@@ -226,7 +229,7 @@ impl Renderer {
             drawn,
             antialias: recipe.antialias,
             camera: *camera,
-            gbuffer: surfaces,
+            surfaces,
             history: past,
             geometry,
             plans: Arc::clone(&report.plans),
@@ -259,7 +262,8 @@ impl Renderer {
 
     /// Takes back the buffers of a frame that is no longer needed, for reuse.
     pub fn recycle(&mut self, frame: Frame) {
-        let (drawn, full, past) = frame.into_buffers();
+        let (drawn, full, past, motion) = frame.into_buffers();
+        self.spare_motion = motion.or(self.spare_motion.take());
         self.spare = Some(drawn.color);
         self.spare_depth = drawn.depth.or(self.spare_depth.take());
         self.spare_full.full = full.or(self.spare_full.full.take());
@@ -277,6 +281,7 @@ impl Renderer {
             + self.spare_full.history.as_ref().map_or(0, Image::bytes)
             + self.spare_picture.as_ref().map_or(0, Image::bytes)
             + self.spare_surfaces.as_ref().map_or(0, |shown| shown.object.bytes() + shown.distance.bytes())
+            + self.spare_motion.as_ref().map_or(0, MotionVectors::bytes)
             + self.spare_depth.as_ref().map_or(0, Image::bytes)
     }
 }

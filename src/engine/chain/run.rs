@@ -5,13 +5,14 @@ use std::time::{Duration, Instant};
 
 use super::finish::{Finished, Spare, finish};
 use super::frame::LazyGeometry;
-use super::view::{frame_inputs, gbuffer, gbuffer_recipe, outlines, raster_camera, raster_viewport, sampling_after};
+use super::view::{gbuffer_recipe, outlines, raster_camera, raster_viewport, sampling_after, surfaces};
 use super::{Frame, FrameTimes, Recipe, samples};
 use crate::antialias::resolve::Mean;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::Lanes;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::grid::SampleGrid;
+use crate::pipeline::motion::FrameView;
 use crate::pipeline::observe::Observer;
 use crate::pipeline::settings::Execution;
 use crate::pipeline::viewport::Viewport;
@@ -90,7 +91,7 @@ pub(super) fn run_after<O: Observer>(
     drawn.color = mean.unwrap_or(drawn.color);
     let surfaces_begun = Instant::now();
     let surfaces = gbuffer_recipe(recipe).and_then(|shown| {
-        gbuffer(past.as_deref(), camera, Lanes::best(), || {
+        surfaces(past.as_deref(), FrameView { scene, camera }, Lanes::best(), None, || {
             let geometry = prepare(scene, camera, &shown.pipeline, viewport, &mut ());
             draw_pixels(scene, &shown, &geometry, (SampleGrid::FULL, viewport), LastStage::Shade, &mut ())
         })
@@ -99,7 +100,7 @@ pub(super) fn run_after<O: Observer>(
 
     let outlines = outlines(scene, camera, recipe, viewport);
     let known =
-        UpscaleInputs { color: &drawn.color, frame: frame_inputs(surfaces.as_deref(), camera, past.as_deref()) };
+        UpscaleInputs { color: &drawn.color, frame: surfaces.as_ref().map(|shown| shown.inputs(past.as_deref())) };
     let Finished { picture, unfiltered, history: memory, transfer, post } =
         finish(recipe, &known, viewport, spare, || outlines.as_ref().unwrap_or(&geometry.triangles));
     let times = FrameTimes {
@@ -119,7 +120,7 @@ pub(super) fn run_after<O: Observer>(
         drawn,
         antialias: recipe.antialias,
         camera: *camera,
-        gbuffer: surfaces,
+        surfaces,
         history: past,
         plans: Arc::new(geometry.plans.clone()),
         geometry: LazyGeometry::made(geometry),

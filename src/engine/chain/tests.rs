@@ -183,11 +183,11 @@ fn the_gbuffer_is_redrawn_only_after_the_view_has_moved() {
     cameras[3] = cameras[2];
     for execution in Execution::ALL {
         let drawn = frames("accumulation", 1, &cameras, &scene, *execution);
-        let shown: Vec<_> = drawn.iter().map(|frame| frame.gbuffer.as_ref().unwrap()).collect();
+        let shown: Vec<_> = drawn.iter().map(|frame| &frame.surfaces.as_ref().unwrap().gbuffer).collect();
         assert!(Arc::ptr_eq(shown[0], shown[1]) && Arc::ptr_eq(shown[2], shown[3]), "{execution:?}");
         for (frame, shown) in drawn.iter().zip(shown) {
             let alone = &frames("accumulation", 1, &[frame.camera], &scene, *execution)[0];
-            assert_eq!(alone.gbuffer.as_ref(), Some(shown), "{execution:?}");
+            assert_eq!(alone.surfaces.as_ref().map(|alone| &alone.gbuffer), Some(shown), "{execution:?}");
         }
     }
 }

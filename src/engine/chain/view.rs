@@ -7,12 +7,14 @@ use rayon::prelude::*;
 use super::{Recipe, samples};
 use crate::math::lanes::Lanes;
 use crate::pipeline::framebuffer::Framebuffer;
+use crate::pipeline::gbuffer::GBuffer;
+use crate::pipeline::motion::{FrameBefore, FrameMotion, FrameView, MotionVectors};
 use crate::pipeline::prepare;
 use crate::pipeline::settings::{DepthTest, Settings, Shading};
 use crate::pipeline::triangle_list::TriangleList;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
-use crate::upscale::{FrameInputs, GBuffer, History, Sampling};
+use crate::upscale::{FrameInputs, History, Sampling};
 
 /// Returns the sampling of the frame that follows `past`, and the position of the sample within each pixel, in pixels
 /// from the pixel's top left corner.
@@ -21,40 +23,50 @@ pub(super) fn sampling_after(past: Option<&History>, recipe: &Recipe) -> (Sampli
     recipe.upscaler.upscaler().frame_sampling(recipe.upscaler, frames)
 }
 
-/// Returns the recipe for drawing the G-buffer at full resolution; `None` unless the upscaler reads a G-buffer and the
-/// depth test is on.
+/// Returns the recipe for drawing the ids and depths of the G-buffer at full resolution; `None` unless the upscaler reads
+/// a G-buffer and the depth test is on.
 pub(super) fn gbuffer_recipe(recipe: &Recipe) -> Option<Recipe> {
     let reads = recipe.upscaler.upscaler().reads().gbuffer && recipe.pipeline.depth_test != DepthTest::Off;
-    let pipeline = Settings { shading: Shading::ObjectId, ..recipe.pipeline };
+    let pipeline = Settings { shading: Shading::TriangleId, exact_ids: true, ..recipe.pipeline };
     reads.then_some(Recipe { pipeline, ..Recipe::default() })
 }
 
-/// Returns the G-buffer of a view. Reuses the G-buffer of the preceding frame if the camera has not changed. Otherwise
-/// converts the result of `draw`, a framebuffer with object colours and depths.
-pub(super) fn gbuffer(
-    past: Option<&History>,
-    camera: &Camera,
-    lanes: Lanes,
-    draw: impl FnOnce() -> Framebuffer,
-) -> Option<Arc<GBuffer>> {
-    /// Number of depths converted per parallel task.
-    const TOGETHER: usize = 1 << 14;
-    if let Some(past) = past.filter(|past| past.camera == *camera) {
-        return Some(Arc::clone(&past.surfaces));
-    }
-    let Framebuffer { color: object, depth, depth_scale: scale, .. } = draw();
-    let mut distance = depth?;
-    distance.pixels_mut().par_chunks_mut(TOGETHER).for_each(|depths| scale.replace_by_distances(lanes, depths));
-    Some(Arc::new(GBuffer { object, distance }))
+/// Visible surfaces of a frame, and their motion since the preceding frame.
+#[derive(Clone, Debug)]
+pub(super) struct Surfaces {
+    pub(super) gbuffer: Arc<GBuffer>,
+    /// `None` if there is no preceding frame, or if camera and scene are still.
+    pub(super) motion: Option<Arc<MotionVectors>>,
 }
 
-/// Returns the upscaler's inputs other than colours, or `None` if there is no G-buffer.
-pub(super) fn frame_inputs<'a>(
-    surfaces: Option<&'a GBuffer>,
-    camera: &'a Camera,
-    past: Option<&'a History>,
-) -> Option<FrameInputs<'a>> {
-    surfaces.map(|surfaces| FrameInputs { gbuffer: surfaces, camera, history: past })
+impl Surfaces {
+    /// Returns the inputs of an upscaler other than colours.
+    pub(super) fn inputs<'a>(&'a self, past: Option<&'a History>) -> FrameInputs<'a> {
+        FrameInputs { gbuffer: &self.gbuffer, motion: self.motion.as_deref(), history: past }
+    }
+}
+
+/// Returns the surfaces of a view. Reuses the G-buffer of the preceding frame if camera and scene are still. Otherwise
+/// converts the result of `draw`, a framebuffer with exact triangle ids and depths, and reuses the buffers of `spare`
+/// for the motion vectors.
+pub(super) fn surfaces(
+    past: Option<&History>,
+    now: FrameView<'_>,
+    lanes: Lanes,
+    spare: Option<MotionVectors>,
+    draw: impl FnOnce() -> Framebuffer,
+) -> Option<Surfaces> {
+    /// Number of depths converted per parallel task.
+    const TOGETHER: usize = 1 << 14;
+    if let Some(past) = past.filter(|past| past.shows(now)) {
+        return Some(Surfaces { gbuffer: Arc::clone(&past.surfaces), motion: None });
+    }
+    let Framebuffer { color: mut object, depth, depth_scale: scale, .. } = draw();
+    let mut distance = depth?;
+    distance.pixels_mut().par_chunks_mut(TOGETHER).for_each(|depths| scale.replace_by_distances(lanes, depths));
+    let before = past.map(|past| FrameBefore { view: past.view(), gbuffer: &past.surfaces });
+    let motion = FrameMotion::new(now, before, object.size()).resolve(lanes, &mut object, &distance, spare);
+    Some(Surfaces { gbuffer: Arc::new(GBuffer { object, distance }), motion: motion.map(Arc::new) })
 }
 
 /// Returns the size, in pixels, of the picture that is rasterized before upscaling.

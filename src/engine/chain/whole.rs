@@ -125,7 +125,7 @@ mod tests {
             let frame = Renderer::default().render(&scene, &scene.home, &recipe, SIZE, keep);
             let runs = |part: FramePart| part.step(&scene, &recipe, keep).runs();
             assert_eq!(runs(FramePart::KeptDepths), frame.drawn.depth.is_some(), "{settings:?}");
-            assert_eq!(runs(FramePart::Surfaces), frame.gbuffer.is_some(), "{settings:?}");
+            assert_eq!(runs(FramePart::Surfaces), frame.surfaces.is_some(), "{settings:?}");
             assert_eq!(runs(FramePart::Upscaling), !std::ptr::eq(frame.image(), &frame.drawn.color), "{settings:?}");
         }
     }

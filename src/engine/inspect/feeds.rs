@@ -47,8 +47,7 @@ impl Mixture {
         let sources: Vec<ContributingSample> = sources.collect::<Option<_>>()?;
         let weight = sources.iter().map(|source| f64::from(source.tap.weight)).sum();
         let sum = [0, 1, 2].map(|channel| sum_of(&sources, how.light(), channel));
-        let size = (frame.viewport.width, frame.viewport.height);
-        let before = how.upscaler().history_position(how, &frame.as_drawn(&frame.drawn.color), size, at);
+        let before = how.upscaler().history_position(how, &frame.as_drawn(&frame.drawn.color), at);
         Some(Self { sources, weight, sum, pixel, uses_history: before.is_some() })
     }
 

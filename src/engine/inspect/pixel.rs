@@ -299,8 +299,8 @@ pub(super) fn replayed(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y:
         final_depth: final_depth.map(|depth| DepthRecord::new(depth, frame.depth_scale())),
         sources,
         remembered_at: upscaler
-            .history_position(how, &frame.as_drawn(&frame.drawn.color), (width, height), (x, y))
-            .map(|before| before.place),
+            .history_position(how, &frame.as_drawn(&frame.drawn.color), (x, y))
+            .map(|before| before.place.map(f64::from)),
         unfiltered: filtered.map(|_| upscaled),
         wireframe,
         fault: fault_at(frame, &recipe.pipeline, drawn_at.0, drawn_at.1).filter(|_| frame.is_drawn(x, y)),

@@ -25,9 +25,13 @@ pub mod depth;
 
 pub(crate) mod framebuffer;
 
+pub(crate) mod gbuffer;
+
 pub(crate) mod grid;
 
 pub(crate) mod interpolate;
+
+pub(crate) mod motion;
 
 pub(crate) mod multisample;
 

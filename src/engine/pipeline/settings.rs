@@ -438,6 +438,10 @@ pub struct Settings {
     pub background: Background,
     /// Optimisation to disable: the chosen parts of the pipeline run even in draws that do not need them.
     pub force: DisabledOptimisation,
+    /// Whether [`Shading::TriangleId`] writes the id itself, as four bytes, least significant first, instead of a colour
+    /// that represents it. For internal passes; not serialized.
+    #[serde(skip)]
+    pub exact_ids: bool,
 }
 
 impl Default for Settings {
@@ -461,6 +465,7 @@ impl Default for Settings {
             blending: Blending::default(),
             background: Background::Scene,
             force: DisabledOptimisation::Nothing,
+            exact_ids: false,
         }
     }
 }

@@ -382,16 +382,20 @@ impl<'a> Shader<'a> {
             Shading::Uv => quantized(Vec3::new(fragment.uv.x.rem_euclid(1.0), fragment.uv.y.rem_euclid(1.0), 0.0)),
             Shading::Barycentric => quantized(fragment.source_weights),
             Shading::Depth => quantized(Vec3::splat(depth_at(triangle, &fragment.sample))),
-            Shading::TriangleId => id_color(triangle.id),
+            Shading::TriangleId => self.color_of_id(triangle.id),
             Shading::ObjectId => id_color(TriangleId(triangle.instance)),
         }
+    }
+
+    fn color_of_id(&self, id: TriangleId) -> Rgba8 {
+        if self.settings.exact_ids { id.0.to_le_bytes() } else { id_color(id) }
     }
 
     /// Returns the colour of a triangle in shading modes that give all of its samples the same colour, or `None` in all
     /// other modes.
     pub(crate) fn flat_color(&self, id: TriangleId, instance: u32) -> Option<Rgba8> {
         match self.settings.shading {
-            Shading::TriangleId => Some(id_color(id)),
+            Shading::TriangleId => Some(self.color_of_id(id)),
             Shading::ObjectId => Some(id_color(TriangleId(instance))),
             _ => None,
         }

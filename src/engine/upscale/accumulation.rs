@@ -104,7 +104,7 @@ impl Upscaler for Accumulation {
     fn taps(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
         let now = FrameContext::new(how, drawn, size);
         let mut taps = now.present(at).0.to_vec();
-        if drawn.frame.is_some_and(|seen| seen.reproject(size, at).is_some_and(|before| !before.is_still)) {
+        if drawn.frame.is_some_and(|seen| seen.reproject(at).is_some_and(|before| !before.is_still)) {
             let (columns, rows) = now.neighbourhood(at);
             for (x, y) in rows.flat_map(|y| columns.clone().map(move |x| (x as u32, y))) {
                 if taps.iter().all(|tap| (tap.x, tap.y) != (x, y)) {
@@ -115,15 +115,9 @@ impl Upscaler for Accumulation {
         taps
     }
 
-    fn history_position(
-        &self,
-        _how: Upscaling,
-        drawn: &UpscaleInputs<'_>,
-        size: (u32, u32),
-        at: (u32, u32),
-    ) -> Option<Reprojected> {
+    fn history_position(&self, _how: Upscaling, drawn: &UpscaleInputs<'_>, at: (u32, u32)) -> Option<Reprojected> {
         let seen = drawn.frame?;
-        seen.history?.accumulated.as_ref().and_then(|_| seen.reproject(size, at))
+        seen.history?.accumulated.as_ref().and_then(|_| seen.reproject(at))
     }
 }
 
@@ -162,7 +156,7 @@ impl<'a> FrameContext<'a> {
     fn new(how: Upscaling, drawn: &'a UpscaleInputs<'a>, size: (u32, u32)) -> Self {
         let place = drawn.frame.map_or(super::CENTRE, |seen| place(seen.frames()));
         let history: Option<(Motion<'_>, _)> =
-            drawn.frame.and_then(|seen| Some((seen.motion(size)?, seen.history?.accumulated.as_ref()?)));
+            drawn.frame.and_then(|seen| Some((seen.reprojection()?, seen.history?.accumulated.as_ref()?)));
         let is_settled = history
             .as_ref()
             .is_some_and(|(motion, _)| motion.is_still() && motion.history.still_frames >= JITTER_POSITIONS);

@@ -53,7 +53,6 @@ pub(crate) use cubic::CATMULL_ROM;
 pub(crate) use cubic::MITCHELL;
 pub(crate) use fsr::FSR1;
 pub(crate) use history::FrameInputs;
-pub(crate) use history::GBuffer;
 pub(crate) use history::History;
 pub(crate) use history::Motion;
 pub(crate) use history::Reprojected;
@@ -118,13 +117,7 @@ pub trait Upscaler: Sync {
 
     /// Returns the position in the previous frame from which pixel `at` reads history, or `None` if it reads none.
     /// History is not a tap.
-    fn history_position(
-        &self,
-        _how: Upscaling,
-        _drawn: &UpscaleInputs<'_>,
-        _size: (u32, u32),
-        _at: (u32, u32),
-    ) -> Option<Reprojected> {
+    fn history_position(&self, _how: Upscaling, _drawn: &UpscaleInputs<'_>, _at: (u32, u32)) -> Option<Reprojected> {
         None
     }
 
@@ -178,7 +171,7 @@ pub(crate) const CENTRE: [f64; 2] = [0.5; 2];
 /// Inputs that an upscaler reads besides the drawn colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reads {
-    /// Whether the upscaler reads the [`GBuffer`]: the visible surface of every pixel.
+    /// Whether the upscaler reads the [`GBuffer`](crate::pipeline::gbuffer::GBuffer): the visible surface of every pixel.
     pub(crate) gbuffer: bool,
     /// Whether the upscaler reads the previous frame; requires `gbuffer`.
     pub history: bool,

@@ -8,7 +8,8 @@ use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 use crate::upscale::history::NOT_VISIBLE;
-use crate::upscale::{FilterSpace, Motion, Scale, bands};
+use crate::pipeline::motion::MotionVectors;
+use crate::upscale::{FilterSpace, Scale, bands};
 
 /// RGB in the working colour space, and a fourth component: alpha as an 8-bit value, or the number of accumulated
 /// samples.
@@ -35,12 +36,10 @@ struct AxisPosition {
 pub(super) fn fill(lanes: Lanes, now: &FrameContext<'_>, full: &mut Image<Rgba8>, memory: &mut Image<ColorQuad>) {
     let (width, height) = full.size();
     let samples = now.drawn.color.size();
-    let across = now.history.as_ref().map_or_else(Vec::new, |(motion, _)| motion.across(0..width));
     let frame = RowContext {
         now,
         columns: (0..width).map(|x| now.axis(0, x, samples.0)).collect(),
         rows: (0..height).map(|y| now.axis(1, y, samples.1)).collect(),
-        across,
     };
     bands::fill_both(full, memory, |first, full, memory| {
         let mut scratch = RowScratch::new(width as usize, samples.0 as usize);
@@ -92,8 +91,6 @@ struct RowContext<'a> {
     now: &'a FrameContext<'a>,
     columns: Vec<AxisPosition>,
     rows: Vec<AxisPosition>,
-    /// Horizontal view-space offset of each column; see [`Motion::across`].
-    across: Vec<f64>,
 }
 
 /// Scratch buffers for an output row.
@@ -245,7 +242,11 @@ impl RowContext<'_> {
             store(simd, [red, green, blue, counts_for], memory);
             return self.now.encode(simd, present, alpha, row);
         };
-        let past = if motion.is_still() {
+        let past = if let Some(vectors) = motion.vectors {
+            let mut block = [NO_HISTORY; WIDE];
+            self.gather(simd, vectors, past, (from, y), scratch, &mut block);
+            columns(simd, &block)
+        } else {
             let past = &past.row(y)[from..];
             match past.first_chunk::<WIDE>() {
                 Some(block) => columns(simd, block),
@@ -255,10 +256,6 @@ impl RowContext<'_> {
                     columns(simd, &block)
                 }
             }
-        } else {
-            let mut block = [NO_HISTORY; WIDE];
-            self.gather(simd, motion, past, (from, y), scratch, &mut block);
-            columns(simd, &block)
         };
         let alpha = present[3];
         let count = past[3];
@@ -280,7 +277,7 @@ impl RowContext<'_> {
     fn gather<S: Simd>(
         &self,
         simd: S,
-        motion: &Motion<'_>,
+        vectors: &MotionVectors,
         past: &Image<ColorQuad>,
         (from, y): (usize, u32),
         scratch: &RowScratch,
@@ -291,9 +288,8 @@ impl RowContext<'_> {
         let [least, greatest] = &scratch.bounds;
         let mut from = from;
         for eight in block.as_chunks_mut::<LANES>().0 {
-            let Some(across) = self.across.get(from..).and_then(<[f64]>::first_chunk) else { return };
             let end = width.min(from + LANES);
-            let found = motion.find_part(simd, (from.min(end)..end, y), across);
+            let found = vectors.reproject(simd, &vectors.load(simd, (from.min(end)..end, y)));
             let (upper, lower, step) = (found.upper.to_array(), found.lower.to_array(), found.step.to_array());
             let (right, down) = (found.right.to_array(), found.down.to_array());
             for lane in 0..end.saturating_sub(from) {

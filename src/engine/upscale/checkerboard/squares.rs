@@ -7,9 +7,11 @@
 use super::{BEHIND, PixelPosition, TOUCHING, step};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
+use crate::pipeline::gbuffer::GBuffer;
 use crate::pipeline::grid::SampleGrid;
-use crate::upscale::history::same_surface;
-use crate::upscale::{GBuffer, Scale, bands};
+use crate::pipeline::motion::MotionVectors;
+use crate::upscale::history::{VectorLanes, same_surface};
+use crate::upscale::{Scale, bands};
 
 /// Kernel that computes missing pixels of a checkerboard.
 pub(super) trait Fill: Sync {
@@ -27,8 +29,6 @@ pub(super) struct MissingRun {
     pub(crate) y: u32,
     pub(crate) across: u32,
     pub(crate) far_across: u32,
-    /// Index of the first of the 16 pixels, counting only the missing pixels of the row.
-    pub(crate) first: usize,
     /// Column directly before the first of the 16 pixels.
     pub(crate) before: usize,
 }
@@ -67,13 +67,31 @@ impl MissingRun {
         firsts(simd).select(odd, even)
     }
 
-    /// Loads the object ids and distances of the 16 missing pixels.
+    /// Loads the motion vectors of the 16 missing pixels, eight at a time.
     #[inline(always)]
-    pub(super) fn shown<S: Simd>(&self, simd: S, surfaces: &GBuffer) -> (u32x16<S>, f32x16<S>) {
-        let distances = &surfaces.distance.row(self.y)[self.before..];
-        let [a, b] = each!(at in [0, WIDE] => f32x16::from_slice(simd, &distances[at..at + WIDE]));
-        let (even, odd) = a.deinterleave(b);
-        (self.own(simd, surfaces.object.row(self.y)), firsts(simd).select(odd, even))
+    pub(super) fn vectors<S: Simd>(&self, simd: S, of: &MotionVectors) -> [VectorLanes<S>; 2] {
+        let [(across, next_across), (down, next_down)] = each!(image in [&of.across_px, &of.down_px] => {
+            let row = &image.row(self.y)[self.before..];
+            let [a, b] = each!(at in [0, WIDE] => f32x16::from_slice(simd, &row[at..at + WIDE]));
+            let (even, odd) = a.deinterleave(b);
+            firsts(simd).select(odd, even).split()
+        });
+        let visible = &of.visible.row(self.y)[self.before..];
+        let columns = F32::load_array(simd, [1.0, 2.0, 5.0, 6.0, 9.0, 10.0, 13.0, 14.0]) + self.before as f32;
+        let row = F32::splat(simd, self.y as f32);
+        let [first, last] = each!(part in [0, WIDE] => {
+            u32x8::load_array(simd, [1, 2, 5, 6, 9, 10, 13, 14].map(|column| u32::from(visible[part + column])))
+        });
+        [
+            VectorLanes { column: columns, row, across_px: across, down_px: down, visible: first },
+            VectorLanes {
+                column: columns + WIDE as f32,
+                row,
+                across_px: next_across,
+                down_px: next_down,
+                visible: last,
+            },
+        ]
     }
 }
 
@@ -132,7 +150,7 @@ fn fill_row<S: Simd>(
             far_across: words(simd, &far[4 * first..]),
         };
         let before = 2 * (first + usize::from(drawn_first)) - 1;
-        let run = MissingRun { y, across, far_across, first, before };
+        let run = MissingRun { y, across, far_across, before };
         let missing = by.missing(simd, &run, around).bitcast::<u64x8<S>>();
         let drawn = words(simd, &own[4 * first..]).bitcast::<u64x8<S>>();
         let (left, right) = if drawn_first { drawn.interleave(missing) } else { missing.interleave(drawn) };

@@ -2,7 +2,7 @@
 //!
 //! The pixels missing in this frame were drawn in the previous one. In a still view they are copied, so that the image
 //! is bit-identical to native rendering from the second frame on. In motion, a missing pixel is reprojected into the
-//! previous frame using its distance. If the previous frame shows the same surface there, its colour is used, clamped
+//! previous frame by its motion vector. If the previous frame shows the same surface there, its colour is used, clamped
 //! to the minimum and maximum of the surrounding drawn pixels. Otherwise the pixel is interpolated from neighbours that
 //! show the same surface in this frame.
 
@@ -12,6 +12,7 @@ use super::{OFFERS, PixelPosition, around, surfaces};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 use crate::pipeline::grid::SampleGrid;
+use crate::pipeline::motion::MotionVectors;
 use crate::upscale::history::NOT_VISIBLE;
 use crate::upscale::{CENTRE, Motion, Offers, Reads, Reprojected, Sampling, Tap, UpscaleInputs, Upscaler, Upscaling};
 
@@ -63,7 +64,7 @@ impl Upscaler for CheckerboardTemporal {
     }
 
     fn pixel(&self, _how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
-        filled(drawn, motion(drawn, size).as_ref(), size, at)
+        filled(drawn, motion(drawn).as_ref(), size, at)
     }
 
     /// Returns the samples of this frame only; history contributes no taps.
@@ -78,15 +79,9 @@ impl Upscaler for CheckerboardTemporal {
         taps
     }
 
-    fn history_position(
-        &self,
-        _how: Upscaling,
-        drawn: &UpscaleInputs<'_>,
-        size: (u32, u32),
-        at: (u32, u32),
-    ) -> Option<Reprojected> {
+    fn history_position(&self, _how: Upscaling, drawn: &UpscaleInputs<'_>, at: (u32, u32)) -> Option<Reprojected> {
         let missing = grid_of(drawn).sample_at(at.0, at.1).is_none();
-        drawn.frame.filter(|_| missing).and_then(|seen| seen.reproject(size, at))
+        drawn.frame.filter(|_| missing).and_then(|seen| seen.reproject(at))
     }
 }
 
@@ -99,8 +94,8 @@ pub(super) fn grid_of(drawn: &UpscaleInputs<'_>) -> SampleGrid {
     grid(drawn.frame.map_or(0, |seen| seen.frames()))
 }
 
-fn motion<'a>(drawn: &UpscaleInputs<'a>, size: (u32, u32)) -> Option<Motion<'a>> {
-    drawn.frame.and_then(|seen| seen.motion(size))
+fn motion<'a>(drawn: &UpscaleInputs<'a>) -> Option<Motion<'a>> {
+    drawn.frame.and_then(|seen| seen.reprojection())
 }
 
 fn filled(drawn: &UpscaleInputs<'_>, motion: Option<&Motion<'_>>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
@@ -118,9 +113,6 @@ fn filled(drawn: &UpscaleInputs<'_>, motion: Option<&Motion<'_>>, size: (u32, u3
 pub(super) struct TemporalFill<'a> {
     fallback: SurfaceFill<'a>,
     motion: Option<Motion<'a>>,
-    /// Horizontal view-space offsets of the missing pixels; see [`Motion::across`]. The first list is for rows that
-    /// start with a missing pixel, the second for the other rows.
-    across: [Vec<f64>; 2],
 }
 
 impl Fill for TemporalFill<'_> {
@@ -132,10 +124,8 @@ impl Fill for TemporalFill<'_> {
     fn missing<S: Simd>(&self, simd: S, run: &MissingRun, around: DrawnNeighbours<S>) -> u32x16<S> {
         let past = self.motion.as_ref().and_then(|motion| Some((motion, motion.history.picture.as_ref()?)));
         let Some((motion, picture)) = past else { return self.fallback.missing(simd, run, around) };
-        if motion.is_still() {
-            return run.own(simd, picture.row(run.y));
-        }
-        let (known, remembered) = self.reproject_pixels(simd, (motion, picture), run, around);
+        let Some(vectors) = motion.vectors else { return run.own(simd, picture.row(run.y)) };
+        let (known, remembered) = reproject_pixels(simd, (vectors, picture), run, around);
         if known.all_true() {
             return remembered;
         }
@@ -145,55 +135,41 @@ impl Fill for TemporalFill<'_> {
 
 impl<'a> TemporalFill<'a> {
     pub(super) fn new(drawn: &'a UpscaleInputs<'a>, size: (u32, u32)) -> Self {
-        let motion = motion(drawn, size);
-        let missing = |first: u32| {
-            let columns = (first..size.0).filter(move |x| (x - first) % 4 < 2);
-            motion.map_or_else(Vec::new, |motion| motion.across(columns))
-        };
-        Self { fallback: SurfaceFill { grid: grid_of(drawn), drawn, size }, motion, across: [missing(0), missing(2)] }
+        Self { fallback: SurfaceFill { grid: grid_of(drawn), drawn, size }, motion: motion(drawn) }
     }
+}
 
-    /// Reprojects 16 missing pixels, each like [`reproject_pixel`]. Returns a mask of the pixels with valid history,
-    /// and 16 colours. Only the colours of these pixels are meaningful.
-    #[inline(always)]
-    fn reproject_pixels<S: Simd>(
-        &self,
-        simd: S,
-        (motion, picture): (&Motion<'_>, &Image<Rgba8>),
-        run: &MissingRun,
-        around: DrawnNeighbours<S>,
-    ) -> (mask32x16<S>, u32x16<S>) {
-        let none = (mask32x16::splat(simd, false), u32x16::splat(simd, 0));
-        let Some(seen) = self.fallback.drawn.frame else { return none };
-        // The column before a run is 3 modulo 4 in rows that start with missing pixels, and 1 modulo 4 in the others.
-        let columns = &self.across[usize::from(run.before % 4 == 1)];
-        let Some(columns) = columns.get(run.first..).and_then(<[f64]>::first_chunk::<WIDE>) else { return none };
-        let (objects, distances) = run.shown(simd, seen.gbuffer);
-        let ((object, next_object), (distance, next_distance)) = (objects.split(), distances.split());
-        let [first, last] = columns.as_chunks::<LANES>().0 else { return none };
-        let a = motion.find(simd, run.y, first, (object, distance));
-        let b = motion.find(simd, run.y, last, (next_object, next_distance));
-        let upper = a.upper.combine(b.upper);
-        let known = upper.simd_ne(u32x16::splat(simd, NOT_VISIBLE));
-        let upper = known.select(upper, u32x16::splat(simd, 0));
-        let lower = known.select(a.lower.combine(b.lower), u32x16::splat(simd, 0));
-        let step = known.select(a.step.combine(b.step), u32x16::splat(simd, 0));
-        let (right, down) = (a.right.combine(b.right), a.down.combine(b.down));
-        let [a, b, c, d] = each!(at in [upper, upper + step, lower, lower + step] => {
-            gathered(simd, picture.pixels(), at)
-        });
-        let DrawnNeighbours { beside, across, far_beside, far_across } = around;
-        let [beside, across, far_beside, far_across] =
-            each!(words in [beside, across, far_beside, far_across] => words.bitcast::<u8x64<S>>());
-        let least = beside.min(across).min(far_beside.min(far_across));
-        let greatest = beside.max(across).max(far_beside.max(far_across));
-        let codes = pixels(each!(index in [0, 1, 2, 3] => {
-            let [a, b, c, d] = each!(words in [a, b, c, d] => channel(words, index));
-            let (above, below) = (a + (b - a) * right, c + (d - c) * right);
-            (above + (below - above) * down) + 0.5
-        }));
-        (known, codes.bitcast::<u8x64<S>>().max(least).min(greatest).bitcast())
-    }
+/// Reprojects 16 missing pixels, each like [`reproject_pixel`]. Returns a mask of the pixels with valid history, and 16
+/// colours. Only the colours of these pixels are meaningful.
+#[inline(always)]
+fn reproject_pixels<S: Simd>(
+    simd: S,
+    (vectors, picture): (&MotionVectors, &Image<Rgba8>),
+    run: &MissingRun,
+    around: DrawnNeighbours<S>,
+) -> (mask32x16<S>, u32x16<S>) {
+    let [first, last] = run.vectors(simd, vectors);
+    let [a, b] = each!(part in [first, last] => vectors.reproject(simd, &part));
+    let upper = a.upper.combine(b.upper);
+    let known = upper.simd_ne(u32x16::splat(simd, NOT_VISIBLE));
+    let upper = known.select(upper, u32x16::splat(simd, 0));
+    let lower = known.select(a.lower.combine(b.lower), u32x16::splat(simd, 0));
+    let step = known.select(a.step.combine(b.step), u32x16::splat(simd, 0));
+    let (right, down) = (a.right.combine(b.right), a.down.combine(b.down));
+    let [a, b, c, d] = each!(at in [upper, upper + step, lower, lower + step] => {
+        gathered(simd, picture.pixels(), at)
+    });
+    let DrawnNeighbours { beside, across, far_beside, far_across } = around;
+    let [beside, across, far_beside, far_across] =
+        each!(words in [beside, across, far_beside, far_across] => words.bitcast::<u8x64<S>>());
+    let least = beside.min(across).min(far_beside.min(far_across));
+    let greatest = beside.max(across).max(far_beside.max(far_across));
+    let codes = pixels(each!(index in [0, 1, 2, 3] => {
+        let [a, b, c, d] = each!(words in [a, b, c, d] => channel(words, index));
+        let (above, below) = (a + (b - a) * right, c + (d - c) * right);
+        (above + (below - above) * down) + 0.5
+    }));
+    (known, codes.bitcast::<u8x64<S>>().max(least).min(greatest).bitcast())
 }
 
 /// Gathers 16 pixels of an image by index.

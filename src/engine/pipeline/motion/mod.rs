@@ -1,0 +1,384 @@
+//! Motion vectors: the position of every visible surface point in the preceding frame.
+//!
+//! The motion is exact: it follows from the transforms of camera and objects in both frames, and from the vertices of
+//! deformed meshes, not from depths. It depends only on the pixel and the triangle visible there, so it is bit-identical
+//! for every execution and any number of threads. The background moves as if it were infinitely far away.
+//!
+//! A surface point is *disoccluded* if the preceding frame does not show it: it was hidden, outside the picture or
+//! behind the eye.
+
+mod plane;
+#[cfg(test)]
+mod tests;
+
+use glam::{DMat4, DVec3, DVec4};
+use rayon::prelude::*;
+
+use self::plane::{BLOCK, MovedTriangle, PlaneMotion};
+use super::gbuffer::{GBuffer, SAME_DISTANCE};
+use super::viewport::Viewport;
+use crate::image::{Image, Rgba8};
+use crate::math::lanes::*;
+use crate::scene::{Camera, DepthMapping, Mesh, Projection, Scene, TriangleId};
+
+/// Scene and camera of one frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FrameView<'a> {
+    /// Scene at the time of the frame.
+    pub(crate) scene: &'a Scene,
+    /// Camera of the frame, without jitter.
+    pub(crate) camera: &'a Camera,
+}
+
+/// Motion of every pixel of a frame since the preceding frame.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct MotionVectors {
+    /// Column in the preceding frame minus column in this frame, in pixels; not finite if the point was in the plane of
+    /// the eye.
+    pub(crate) across_px: Image<f32>,
+    /// Row in the preceding frame minus row in this frame, in pixels; not finite if the point was in the plane of the
+    /// eye.
+    pub(crate) down_px: Image<f32>,
+    /// [`MotionVectors::VISIBLE`] if the preceding frame shows the surface point, or 0 if it is disoccluded.
+    pub(crate) visible: Image<u8>,
+}
+
+impl MotionVectors {
+    /// Value of [`MotionVectors::visible`] in pixels that the preceding frame shows.
+    pub(crate) const VISIBLE: u8 = u8::MAX;
+
+    /// Creates vectors for a picture of `width` × `height` px with arbitrary values, in the buffers of `spare`.
+    fn reusing(spare: Option<Self>, (width, height): (u32, u32)) -> Self {
+        let (across, down, visible) = match spare {
+            Some(spare) => (Some(spare.across_px), Some(spare.down_px), Some(spare.visible)),
+            None => (None, None, None),
+        };
+        Self {
+            across_px: Image::reusing(across, width, height, 0.0),
+            down_px: Image::reusing(down, width, height, 0.0),
+            visible: Image::reusing(visible, width, height, 0),
+        }
+    }
+
+    /// Returns the memory use in bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        self.across_px.bytes() + self.down_px.bytes() + self.visible.bytes()
+    }
+}
+
+/// Motion of one surface point since the preceding frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PointMotion {
+    /// Position in the preceding frame minus the position in the current one, in pixels to the right and downwards.
+    pub(crate) vector_px: [f32; 2],
+    /// Distance in the preceding frame along its view axis, in world units. For the background, the distance in the
+    /// current frame.
+    pub(crate) distance: f32,
+    /// Whether the preceding frame shows the point.
+    pub(crate) is_visible: bool,
+}
+
+/// Preceding frame: its view and what it shows.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FrameBefore<'a> {
+    /// Scene and camera of the preceding frame.
+    pub(crate) view: FrameView<'a>,
+    /// Visible surfaces of the preceding frame.
+    pub(crate) gbuffer: &'a GBuffer,
+}
+
+/// Motion between two frames, from which that of any pixel can be computed.
+pub(crate) struct FrameMotion<'a> {
+    size: (u32, u32),
+    instances: Vec<InstanceMotion<'a>>,
+    first_triangles: Vec<TriangleId>,
+    triangles: usize,
+    /// Motion of the background; `None` if it is still.
+    background: Option<PlaneMotion>,
+    before: Option<&'a GBuffer>,
+}
+
+/// Motion of one instance between two frames.
+struct InstanceMotion<'a> {
+    now: Placed<'a>,
+    /// Placement in the preceding frame; `None` if neither the instance nor the camera moved.
+    before: Option<Placed<'a>>,
+}
+
+/// Mesh and its transform to the picture of a frame.
+struct Placed<'a> {
+    mesh: &'a Mesh,
+    /// Transform from model space to homogeneous pixels (x·w, y·w, w), and to the distance along the view axis.
+    px_from_model: DMat4,
+}
+
+/// Motion of one triangle, and the encoded index of its instance.
+#[derive(Clone, Copy)]
+struct TriangleMotion {
+    object: Rgba8,
+    /// `None` if the triangle is still.
+    plane: Option<PlaneMotion>,
+}
+
+/// Returns the transform from world space to homogeneous pixels (x·w, y·w, w), and to the distance along the view axis.
+fn px_from_world(camera: &Camera, (width, height): (u32, u32)) -> DMat4 {
+    let aspect = Viewport { width, height }.aspect();
+    let clip = camera.clip_from_world_f64(aspect, DepthMapping::Standard);
+    let half = [f64::from(width) * 0.5, f64::from(height) * 0.5];
+    let (x, y, w) = (clip.row(0), clip.row(1), clip.row(3));
+    let distance = -camera.view_from_world_f64().row(2);
+    DMat4::from_cols((x + w) * half[0], (w - y) * half[1], w, distance).transpose()
+}
+
+impl<'a> FrameMotion<'a> {
+    /// Prepares the motion from `before` to `now` in pictures of `size` px. Without a preceding frame, only objects
+    /// are found. Both scenes must be poses of the same scene.
+    pub(crate) fn new(now: FrameView<'a>, before: Option<FrameBefore<'a>>, size: (u32, u32)) -> Self {
+        let place = |view: FrameView<'a>| {
+            let px_from_world = px_from_world(view.camera, size);
+            view.scene.instances.iter().map(move |instance| Placed {
+                mesh: view.scene.library.mesh(instance.mesh),
+                px_from_model: px_from_world * instance.world_from_model.as_dmat4(),
+            })
+        };
+        let moved = |(now, before): (Placed<'a>, Placed<'a>)| {
+            let is_still = now.px_from_model == before.px_from_model && std::ptr::eq(now.mesh, before.mesh);
+            InstanceMotion { now, before: (!is_still).then_some(before) }
+        };
+        let instances = match before {
+            Some(before) => place(now).zip(place(before.view)).map(moved).collect(),
+            None => place(now).map(|now| InstanceMotion { now, before: None }).collect(),
+        };
+        Self {
+            size,
+            instances,
+            first_triangles: now.scene.first_triangles(),
+            triangles: now.scene.triangle_count(),
+            background: before.and_then(|before| background([now.camera, before.view.camera], size)),
+            before: before.map(|before| before.gbuffer),
+        }
+    }
+
+    /// Returns the motion of a triangle, given by the bytes of its id; the background for any other value.
+    fn of_triangle(&self, id: Rgba8) -> TriangleMotion {
+        let id = u32::from_le_bytes(id);
+        let background = TriangleMotion { object: GBuffer::NO_OBJECT, plane: self.background };
+        if id as usize >= self.triangles {
+            return background;
+        }
+        let index = self.first_triangles.partition_point(|first| first.0 <= id) - 1;
+        let (InstanceMotion { now, before }, number) =
+            (&self.instances[index], (id - self.first_triangles[index].0) as usize);
+        let plane = before.as_ref().and_then(|before| {
+            let (now, before) = (now.corners(number)?, before.corners(number)?);
+            Some(PlaneMotion::new(&MovedTriangle {
+                now: now.map(DVec4::truncate),
+                before: before.map(DVec4::truncate),
+                distances: before.map(|corner| corner.w),
+            }))
+        });
+        TriangleMotion { object: (index as u32).to_le_bytes(), plane }
+    }
+
+    /// Returns the motion of the point that a pixel shows, given the bytes of the triangle's id, and its distance in
+    /// the current frame. Bit-identical to [`Self::resolve`].
+    pub(crate) fn of_pixel(&self, (x, y): (u32, u32), id: Rgba8, distance: f32) -> PointMotion {
+        let first = x - x % BLOCK as u32;
+        let motion = self.of_triangle(id);
+        let place = (x - first) as usize;
+        let mut block = Block::still(&[distance; BLOCK]);
+        block.set(&motion, place..place + 1, (first, y));
+        PointMotion {
+            vector_px: [block.across_px[place], block.down_px[place]],
+            distance: block.distance[place],
+            is_visible: self.is_visible((x, y), motion.object, block.at(place)),
+        }
+    }
+
+    /// Replaces the triangle ids in `ids` by the objects of a G-buffer, and returns the motion of all pixels, unless
+    /// there is no preceding frame. `distances` holds the distance of every pixel in the current frame. The result
+    /// reuses the buffers of `spare`.
+    pub(crate) fn resolve(
+        &self,
+        lanes: Lanes,
+        ids: &mut Image<Rgba8>,
+        distances: &Image<f32>,
+        spare: Option<MotionVectors>,
+    ) -> Option<MotionVectors> {
+        /// Rows that one task processes with a cache of its own.
+        const ROWS: usize = 16;
+        let width = self.size.0 as usize;
+        if self.before.is_none() {
+            ids.pixels_mut().par_chunks_mut(width * ROWS).for_each(|ids| {
+                let mut cache = Cache::default();
+                for id in ids {
+                    *id = cache.get(self, *id).object;
+                }
+            });
+            return None;
+        }
+        let mut vectors = MotionVectors::reusing(spare, self.size);
+        let bands = ids.pixels_mut().par_chunks_mut(width * ROWS).zip(distances.pixels().par_chunks(width * ROWS));
+        let MotionVectors { across_px, down_px, visible } = &mut vectors;
+        let across_px = across_px.pixels_mut().par_chunks_mut(width * ROWS);
+        let down_px = down_px.pixels_mut().par_chunks_mut(width * ROWS);
+        let visible = visible.pixels_mut().par_chunks_mut(width * ROWS);
+        bands.zip(across_px.zip(down_px).zip(visible)).enumerate().for_each(|(band, (surface, vectors))| {
+            let ((ids, distances), ((across_px, down_px), visible)) = (surface, vectors);
+            let mut cache = Cache::default();
+            let rows = ids.chunks_mut(width).zip(distances.chunks(width));
+            let vectors = across_px.chunks_mut(width).zip(down_px.chunks_mut(width)).zip(visible.chunks_mut(width));
+            for (row, ((ids, distances), ((across_px, down_px), visible))) in rows.zip(vectors).enumerate() {
+                let y = (band * ROWS + row) as u32;
+                let mut row = MotionRow { ids, distances, across_px, down_px, visible };
+                on_lanes!(lanes, _simd => self.resolve_row(y, &mut row, &mut cache));
+            }
+        });
+        Some(vectors)
+    }
+
+    #[inline(always)]
+    fn resolve_row(&self, y: u32, row: &mut MotionRow<'_>, cache: &mut Cache) {
+        for first in (0..row.ids.len()).step_by(BLOCK) {
+            let pixels = first..(first + BLOCK).min(row.ids.len());
+            let ids = &mut row.ids[pixels.clone()];
+            let mut block = Block::still(&row.distances[pixels.clone()]);
+            let mut start = 0;
+            while start < ids.len() {
+                let id = ids[start];
+                let end = start + ids[start..].iter().take_while(|other| **other == id).count();
+                let motion = cache.get(self, id);
+                block.set(motion, start..end, (first as u32, y));
+                ids[start..end].fill(motion.object);
+                start = end;
+            }
+            row.across_px[pixels.clone()].copy_from_slice(&block.across_px[..ids.len()]);
+            row.down_px[pixels.clone()].copy_from_slice(&block.down_px[..ids.len()]);
+            for (place, visible) in row.visible[pixels].iter_mut().enumerate() {
+                let at = ((first + place) as u32, y);
+                let is_visible = self.is_visible(at, ids[place], block.at(place));
+                *visible = if is_visible { MotionVectors::VISIBLE } else { 0 };
+            }
+        }
+    }
+
+    /// Whether the preceding frame shows an object at the position and distance to which `moved` leads from a pixel.
+    #[inline(always)]
+    fn is_visible(&self, at: (u32, u32), object: Rgba8, ([across_px, down_px], distance): ([f32; 2], f32)) -> bool {
+        let Some(before) = self.before else { return false };
+        let [x, y] = [at.0 as f32 + 0.5 + across_px, at.1 as f32 + 0.5 + down_px];
+        // NaN fails every comparison, so it is not inside.
+        let is_inside = x >= 0.0 && y >= 0.0 && x < self.size.0 as f32 && y < self.size.1 as f32 && distance > 0.0;
+        if !is_inside {
+            return false;
+        }
+        let pixel = y as usize * self.size.0 as usize + x as usize;
+        let there = before.distance.pixels()[pixel];
+        let is_near = (there - distance).abs() <= SAME_DISTANCE * distance || there == distance;
+        before.object.pixels()[pixel] == object && is_near
+    }
+}
+
+impl Placed<'_> {
+    /// Returns the corners of triangle `number` of the mesh: homogeneous pixels, and the distance.
+    fn corners(&self, number: usize) -> Option<[DVec4; 3]> {
+        let corners = self.mesh.triangles.get(number)?;
+        let positions = &self.mesh.positions;
+        let [a, b, c] = corners.map(|vertex| positions.get(vertex as usize));
+        Some([a?, b?, c?].map(|position| self.px_from_model * position.as_dvec3().extend(1.0)))
+    }
+}
+
+/// Returns the motion of points at infinity between two cameras. Returns `None` if such points are still, or if a
+/// camera is orthographic and shows none.
+fn background([now, before]: [&Camera; 2], size: (u32, u32)) -> Option<PlaneMotion> {
+    let is_perspective = |camera: &Camera| matches!(camera.projection, Projection::Perspective { .. });
+    if now == before || !is_perspective(now) || !is_perspective(before) {
+        return None;
+    }
+    let corners = |camera: &Camera| {
+        let px_from_world = px_from_world(camera, size);
+        [DVec3::X, DVec3::Y, DVec3::Z].map(|direction| (px_from_world * direction.extend(0.0)).truncate())
+    };
+    // Distances are infinite; the caller keeps those of the current frame.
+    Some(PlaneMotion::new(&MovedTriangle { now: corners(now), before: corners(before), distances: [f64::NAN; 3] }))
+}
+
+/// One row of the G-buffer and of the motion vectors.
+struct MotionRow<'a> {
+    /// Triangle ids, which are replaced by objects.
+    ids: &'a mut [Rgba8],
+    distances: &'a [f32],
+    across_px: &'a mut [f32],
+    down_px: &'a mut [f32],
+    visible: &'a mut [u8],
+}
+
+/// Motion of the pixels of one block.
+struct Block {
+    across_px: [f32; BLOCK],
+    down_px: [f32; BLOCK],
+    /// Distances in the preceding frame.
+    distance: [f32; BLOCK],
+}
+
+impl Block {
+    /// Creates the block of still pixels with these distances. Missing ones are 0.
+    #[inline(always)]
+    fn still(distances: &[f32]) -> Self {
+        let mut distance = [0.0; BLOCK];
+        distance[..distances.len()].copy_from_slice(distances);
+        Self { across_px: [0.0; BLOCK], down_px: [0.0; BLOCK], distance }
+    }
+
+    /// Sets the motion of the pixels in `range`, which show one triangle. The block starts at pixel `at`.
+    #[inline(always)]
+    fn set(&mut self, motion: &TriangleMotion, range: std::ops::Range<usize>, at: (u32, u32)) {
+        let Some(plane) = &motion.plane else { return };
+        let block = plane.block(at.0, at.1);
+        let mut moved = Self { across_px: [0.0; BLOCK], down_px: [0.0; BLOCK], distance: [0.0; BLOCK] };
+        for column in 0..BLOCK {
+            let point = block.at(column as f32);
+            moved.across_px[column] = point.across_px;
+            moved.down_px[column] = point.down_px;
+            moved.distance[column] = point.distance;
+        }
+        self.across_px[range.clone()].copy_from_slice(&moved.across_px[range.clone()]);
+        self.down_px[range.clone()].copy_from_slice(&moved.down_px[range.clone()]);
+        if motion.object != GBuffer::NO_OBJECT {
+            self.distance[range.clone()].copy_from_slice(&moved.distance[range]);
+        }
+    }
+
+    /// Returns the vector of a pixel and its distance in the preceding frame.
+    #[inline(always)]
+    fn at(&self, place: usize) -> ([f32; 2], f32) {
+        ([self.across_px[place], self.down_px[place]], self.distance[place])
+    }
+}
+
+/// Cache of triangle motions: neighbouring pixels and rows mostly show the same triangles.
+struct Cache {
+    /// Entry of triangle `id` at `id % ENTRIES`, with the bytes of the id that it holds.
+    entries: Vec<Option<(Rgba8, TriangleMotion)>>,
+}
+
+impl Cache {
+    /// Number of cached triangles.
+    const ENTRIES: usize = 1024;
+
+    #[inline]
+    fn get(&mut self, motion: &FrameMotion<'_>, id: Rgba8) -> &TriangleMotion {
+        let entry = &mut self.entries[u32::from_le_bytes(id) as usize % Self::ENTRIES];
+        if entry.is_none_or(|(cached, _)| cached != id) {
+            *entry = None;
+        }
+        &entry.get_or_insert_with(|| (id, motion.of_triangle(id))).1
+    }
+}
+
+impl Default for Cache {
+    fn default() -> Self {
+        Self { entries: vec![None; Self::ENTRIES] }
+    }
+}
