@@ -133,7 +133,7 @@ fn areas(mesh: &Mesh) -> f32 {
 }
 
 fn area(loaded: &Loaded) -> f32 {
-    loaded.scene.library.meshes().iter().map(areas).sum()
+    loaded.scene.library.meshes().iter().map(|mesh| areas(mesh)).sum()
 }
 
 /// Returns the peak resident memory of this process so far, in bytes; `None` if the system does not report it.

@@ -108,7 +108,7 @@ fn textured_models_have_their_materials_and_textures_once_each() {
 #[test]
 fn line_ends_make_no_difference() {
     let meshes = |loaded: Loaded| -> Vec<MeshData> {
-        loaded.scene.library.meshes().iter().map(|m| MeshData { name: String::new(), ..(**m).clone() }).collect()
+        loaded.scene.library.meshes().iter().map(|m| MeshData { name: String::new(), ..(***m).clone() }).collect()
     };
     let with_lf = load_both("vase.obj", "utah-teapot/teapot.obj");
     let with_crlf = load_both("vase_crlf.obj", "utah-teapot/teapot_crlf.obj");

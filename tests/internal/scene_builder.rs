@@ -82,6 +82,7 @@ impl SceneBuilder {
             home,
             views: Vec::new(),
             light: None,
+            animation: None,
         })
     }
 

@@ -48,6 +48,7 @@ fn scene_of(mesh: Mesh, world_from_model: Mat4, make: impl FnOnce(&mut Library) 
         home,
         views: Vec::new(),
         light: None,
+        animation: None,
     }
 }
 

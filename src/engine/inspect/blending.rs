@@ -138,7 +138,16 @@ mod tests {
         };
         let instances = vec![place("floor", floor, Vec3::Z), place("pane", pane, Vec3::X)];
         let home = Camera::look_at(Vec3::new(0.0, 5.0, 10.0), Vec3::Y);
-        Scene { name: "glass".into(), library, instances, background: [40; 3], home, views: Vec::new(), light: None }
+        Scene {
+            name: "glass".into(),
+            library,
+            instances,
+            background: [40; 3],
+            home,
+            views: Vec::new(),
+            light: None,
+            animation: None,
+        }
     }
 
     fn recipe(order: BlendingOrder) -> Recipe {

@@ -6,6 +6,7 @@
 //! the mesh, and nothing is culled. The only cost is then one box test per [`CLUSTER`] triangles.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use glam::Vec3;
 
@@ -54,9 +55,9 @@ pub(crate) struct Clusters {
     /// Plane bounds of eight clusters per entry, in the order of `boxes`.
     planes: Vec<ClusterPlanes>,
     /// Ranges of vertex blocks, cluster by cluster, as [first block, one past the last block].
-    blocks: Vec<[u32; 2]>,
+    blocks: Arc<[[u32; 2]]>,
     /// Index of each cluster's first range in `blocks`, followed by the total number of ranges.
-    starts: Vec<u32>,
+    starts: Arc<[u32]>,
 }
 
 impl Clusters {
@@ -65,14 +66,11 @@ impl Clusters {
         if triangles.len() < MIN_CLUSTERS * CLUSTER {
             return Self::default();
         }
-        let numbers = || triangles.chunks(CLUSTER).map(<[[u32; 3]]>::as_flattened);
-        let bounds: Vec<Aabb> =
-            numbers().map(|numbers| visible_bounds(numbers.iter().map(|i| positions[*i as usize]))).collect();
         let (mut blocks, mut starts) = (Vec::new(), vec![0]);
         // Most recent cluster that referred to each block, counted from 1; 0 means none.
         let mut last = vec![0; positions.len().div_ceil(BLOCK)];
         let mut own = Vec::new();
-        for (cluster, numbers) in (1..).zip(numbers()) {
+        for (cluster, numbers) in (1..).zip(cluster_numbers(triangles)) {
             own.clear();
             for block in numbers.iter().map(|vertex| *vertex as usize / BLOCK) {
                 if std::mem::replace(&mut last[block], cluster) != cluster {
@@ -83,16 +81,23 @@ impl Clusters {
             push_ranges(&own, &mut blocks);
             starts.push(blocks.len() as u32);
         }
+        let (blocks, starts) = (blocks.into(), starts.into());
+        Self { blocks, starts, ..Self::default() }.moved(positions, triangles)
+    }
+
+    /// Returns the clusters of the mesh with other positions and the same triangles.
+    pub(super) fn moved(&self, positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
+        let (blocks, starts) = (Arc::clone(&self.blocks), Arc::clone(&self.starts));
+        let count = starts.len().saturating_sub(1);
+        let numbers = || cluster_numbers(triangles).take(count);
+        let bounds: Vec<Aabb> =
+            numbers().map(|numbers| visible_bounds(numbers.iter().map(|i| positions[*i as usize]))).collect();
+        let plane_bounds: Vec<PlaneBounds> = numbers().map(|numbers| plane_bounds(positions, numbers)).collect();
         Self {
-            count: bounds.len(),
-            triangles: triangles.len(),
+            count,
+            triangles: if count == 0 { 0 } else { triangles.len() },
             boxes: bounds.chunks(LANES).map(boxes).collect(),
-            planes: numbers()
-                .map(|numbers| plane_bounds(positions, numbers))
-                .collect::<Vec<_>>()
-                .chunks(LANES)
-                .map(planes)
-                .collect(),
+            planes: plane_bounds.chunks(LANES).map(planes).collect(),
             blocks,
             starts,
         }
@@ -133,9 +138,14 @@ impl Clusters {
     pub(super) fn bytes(&self) -> usize {
         self.boxes.capacity() * size_of::<Boxes>()
             + self.planes.capacity() * size_of::<ClusterPlanes>()
-            + self.blocks.capacity() * size_of::<[u32; 2]>()
-            + self.starts.capacity() * size_of::<u32>()
+            + size_of_val(&*self.blocks)
+            + size_of_val(&*self.starts)
     }
+}
+
+/// Returns the vertex indices of the triangles of each cluster.
+fn cluster_numbers(triangles: &[[u32; 3]]) -> impl Iterator<Item = &[u32]> {
+    triangles.chunks(CLUSTER).map(<[[u32; 3]]>::as_flattened)
 }
 
 /// Returns the bounding box of the points, or [`Aabb::EVERYTHING`] if a point is not finite. Infinite bounds prevent

@@ -34,10 +34,10 @@ id!(
 );
 
 /// Owner of all meshes, materials and textures of a scene. Only the library creates identifiers, so they never dangle.
-/// Copies share meshes and textures until one of them changes.
+/// Copies share every mesh and texture that does not change.
 #[derive(Clone, Debug, Default)]
 pub struct Library {
-    meshes: Arc<Vec<Mesh>>,
+    meshes: Arc<Vec<Arc<Mesh>>>,
     materials: Vec<Material>,
     textures: Arc<Vec<Texture>>,
 }
@@ -45,8 +45,13 @@ pub struct Library {
 impl Library {
     /// Adds a mesh and returns its identifier.
     pub fn add_mesh(&mut self, mesh: Mesh) -> MeshId {
-        Arc::make_mut(&mut self.meshes).push(mesh);
+        Arc::make_mut(&mut self.meshes).push(Arc::new(mesh));
         MeshId(self.meshes.len() as u32 - 1)
+    }
+
+    /// Replaces the mesh with the identifier `id`, which must come from this library.
+    pub(super) fn replace_mesh(&mut self, id: MeshId, mesh: Mesh) {
+        Arc::make_mut(&mut self.meshes)[id.index()] = Arc::new(mesh);
     }
 
     /// Adds a material and returns its identifier. Removes control characters from the material's names.
@@ -84,9 +89,9 @@ impl Library {
     }
 
     /// Returns a copy of the library with every mesh replaced by the result of `make`; identifiers stay valid.
-    pub fn with_meshes(&self, make: impl FnMut(&Mesh) -> Mesh) -> Self {
+    pub fn with_meshes(&self, mut make: impl FnMut(&Mesh) -> Mesh) -> Self {
         Self {
-            meshes: Arc::new(self.meshes.iter().map(make).collect()),
+            meshes: Arc::new(self.meshes.iter().map(|mesh| Arc::new(make(mesh))).collect()),
             materials: self.materials.clone(),
             textures: Arc::clone(&self.textures),
         }
@@ -102,7 +107,7 @@ impl Library {
     }
 
     /// Returns all meshes, in the order of their identifiers.
-    pub fn meshes(&self) -> &[Mesh] {
+    pub fn meshes(&self) -> &[Arc<Mesh>] {
         &self.meshes
     }
 
@@ -119,6 +124,7 @@ impl Library {
 
     /// Returns the memory used by meshes and textures, in bytes.
     pub(crate) fn bytes(&self) -> usize {
-        self.meshes.iter().map(Mesh::bytes).sum::<usize>() + self.textures.iter().map(Texture::bytes).sum::<usize>()
+        self.meshes.iter().map(|mesh| mesh.bytes()).sum::<usize>()
+            + self.textures.iter().map(Texture::bytes).sum::<usize>()
     }
 }

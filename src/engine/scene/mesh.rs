@@ -118,7 +118,7 @@ impl Mesh {
 
     /// Creates a mesh from validated arrays.
     fn of(data: MeshData) -> Self {
-        let bounds = Aabb::around(data.positions.iter().copied().filter(|position| position.is_finite()));
+        let bounds = finite_bounds(&data.positions);
         let visible_bounds = visible_bounds(data.positions.iter().copied());
         let clusters = Clusters::new(&data.positions, &data.triangles);
         Self { data, bounds, visible_bounds, clusters, lost_normals: 0, broken: Vec::new() }
@@ -164,6 +164,22 @@ impl Mesh {
         Self { lost_normals: self.lost_normals, broken: self.broken.clone(), ..Self::of(data) }
     }
 
+    /// Returns the mesh with other positions and normals, as many as before, and with the same triangles. Normals must be
+    /// finite.
+    pub(super) fn moved(&self, positions: Vec<Vec3>, normals: Vec<Vec3>) -> Self {
+        debug_assert!(positions.len() == self.positions.len() && normals.len() == self.normals.len());
+        let MeshData { name, uvs, colors, triangles, .. } = self.data.clone();
+        let data = MeshData { name, positions, normals, uvs, colors, triangles };
+        Self {
+            bounds: finite_bounds(&data.positions),
+            visible_bounds: visible_bounds(data.positions.iter().copied()),
+            clusters: self.clusters.moved(&data.positions, &data.triangles),
+            lost_normals: self.lost_normals,
+            broken: self.broken.clone(),
+            data,
+        }
+    }
+
     /// Returns the heap memory used by the arrays and clusters, in bytes.
     pub(crate) fn bytes(&self) -> usize {
         let MeshData { name: _, positions, normals, uvs, colors, triangles } = &self.data;
@@ -172,6 +188,11 @@ impl Mesh {
             + triangles.capacity() * size_of::<[u32; 3]>()
             + self.clusters.bytes()
     }
+}
+
+/// Returns the bounding box of the finite positions.
+fn finite_bounds(positions: &[Vec3]) -> Aabb {
+    Aabb::around(positions.iter().copied().filter(|position| position.is_finite()))
 }
 
 impl Deref for Mesh {

@@ -1,5 +1,7 @@
 //! Scenes: validated data for rendering. Every [`Scene`] can be rendered.
 
+pub(crate) mod animation;
+
 pub mod builtin;
 
 pub(crate) mod camera;
@@ -40,6 +42,7 @@ pub(crate) mod texture;
 
 mod warnings;
 
+pub use animation::Animation;
 pub use camera::Camera;
 pub use camera::Projection;
 pub use camera::SubView;
@@ -63,6 +66,8 @@ pub(crate) use mips::LevelLocation;
 pub use source::SceneSource;
 pub(crate) use texture::Alpha;
 pub use texture::Texture;
+
+use std::sync::Arc;
 
 use glam::{Mat4, Vec3};
 
@@ -112,6 +117,8 @@ pub struct Scene {
     /// World-space direction towards the light that the file of the scene defines, as a unit vector; `None` if it
     /// defines none. It replaces the light direction of the settings when the scene is opened.
     pub light: Option<Vec3>,
+    /// Motion of the scene; `None` for a still scene. An edit of the triangles must remove or replace it.
+    pub animation: Option<Arc<Animation>>,
 }
 
 /// View of a scene with a name, from a camera in the scene's file.
@@ -139,6 +146,7 @@ impl Scene {
             library: self.library.mirrored_z(),
             home: self.home.mirrored_z(),
             light: self.light.map(|direction| direction * Vec3::new(1.0, 1.0, -1.0)),
+            animation: self.mirrored_animation(),
             ..self.clone()
         };
         for view in &mut scene.views {
@@ -193,8 +201,8 @@ impl Scene {
     /// Returns the memory used by the scene, in bytes.
     pub fn memory(&self) -> SceneMemory {
         SceneMemory {
-            shared_bytes: self.library.bytes(),
-            mesh_bytes: self.library.meshes().iter().map(Mesh::bytes).sum(),
+            shared_bytes: self.library.bytes() + self.animation_bytes(),
+            mesh_bytes: self.library.meshes().iter().map(|mesh| mesh.bytes()).sum(),
             instance_bytes: self.instances.iter().map(|i| size_of::<Instance>() + i.name.capacity()).sum(),
             unshared_bytes: self.instances.iter().map(|i| self.library.mesh(i.mesh).bytes()).sum(),
         }
@@ -204,7 +212,7 @@ impl Scene {
 /// Memory used by a scene, in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SceneMemory {
-    /// Memory used by meshes and textures, in bytes. Each mesh and each texture is counted once.
+    /// Memory used by meshes, textures and motion, in bytes. Each mesh and each texture is counted once.
     pub shared_bytes: usize,
     /// Memory used by the meshes, in bytes. `shared_bytes` includes it.
     pub mesh_bytes: usize,

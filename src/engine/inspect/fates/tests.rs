@@ -98,7 +98,16 @@ fn stage(objects: &[(&str, [Vec3; 3], f32)]) -> Scene {
     });
     let instances = instances.collect();
     let home = Camera::look_at(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO).with_orthographic(true);
-    Scene { name: "stage".into(), library, instances, background: [0; 3], home, views: Vec::new(), light: None }
+    Scene {
+        name: "stage".into(),
+        library,
+        instances,
+        background: [0; 3],
+        home,
+        views: Vec::new(),
+        light: None,
+        animation: None,
+    }
 }
 
 /// Returns the corners of a triangle around (x, y) with half width `half`, at distance `z` in front of the plane z = 0.

@@ -20,7 +20,7 @@ pub(crate) fn exploded(scene: &Scene, apart: f32) -> Scene {
         // The arrays have the lengths and indices of a valid mesh.
         Mesh::new(data).unwrap_or_else(|_| mesh.clone())
     });
-    Scene { library, ..scene.clone() }
+    Scene { library, animation: None, ..scene.clone() }
 }
 
 /// Returns the corners of an exploded triangle in model space; the original corners if a coordinate would overflow.

@@ -40,6 +40,7 @@ pub(super) fn scene(scene: &Scene, probe: Probe, run: u16) -> Scene {
         home: scene.home,
         views: scene.views.clone(),
         light: scene.light,
+        animation: None,
     }
 }
 

@@ -166,6 +166,7 @@ mod tests {
             home,
             views: Vec::new(),
             light: None,
+            animation: None,
         };
         let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
         inspect(&scene, &recipe, &frame, 4, 4).unwrap().verdict

@@ -39,7 +39,7 @@ const TILES_PER_TEXTURE: f32 = 4.0;
 /// Rotation of the rows of tiles relative to the picture, in radians.
 const TILE_TURN: f32 = -0.2;
 
-fn draft() -> SceneDraft {
+pub(super) fn draft() -> SceneDraft {
     let home = Camera { near: 0.5, far: 200.0, ..Camera::look_at(Vec3::new(0.0, 3.3, 9.6), Vec3::new(0.0, 0.95, 0.0)) };
     let mut draft = SceneDraft::new(BACKGROUND, home);
     add_floor(&mut draft);

@@ -3,9 +3,10 @@
 //! Generated data is validated only here. All input comes from this crate, so invalid data is a bug; the tests of the
 //! built-in scenes build every scene.
 
-use glam::{Mat4, Vec3};
+use glam::{DMat4, Mat4, Vec3};
 
 use crate::image::{Image, Rgba8};
+use crate::scene::animation::{Animation, Attachment};
 use crate::scene::{
     Camera, Instance, Library, Material, MaterialId, Mesh, MeshData, MeshId, Scene, Texture, TextureId,
 };
@@ -16,12 +17,14 @@ pub(super) struct SceneDraft {
     instances: Vec<Instance>,
     background: [u8; 3],
     home: Camera,
+    /// Motion of the scene; by default, the scene is still.
+    pub(super) animation: Animation,
 }
 
 impl SceneDraft {
     /// Creates an empty scene with this background (sRGB codes) and the initial view `home`.
     pub(super) fn new(background: [u8; 3], home: Camera) -> Self {
-        Self { library: Library::default(), instances: Vec::new(), background, home }
+        Self { library: Library::default(), instances: Vec::new(), background, home, animation: Animation::default() }
     }
 
     /// Adds a generated mesh. Panics if it is invalid; see [`Mesh::new`].
@@ -86,9 +89,35 @@ impl SceneDraft {
         self.instances.push_mut(instance)
     }
 
+    /// Returns the index of the object with this name. Panics if there is none.
+    pub(super) fn object(&self, name: &str) -> usize {
+        self.instances.iter().position(|instance| instance.name == name).expect("the object has been placed")
+    }
+
+    /// Returns the transform of an object from model space to world space.
+    pub(super) fn transform(&self, instance: usize) -> DMat4 {
+        self.instances[instance].world_from_model.as_dmat4()
+    }
+
+    /// Attaches an object to a node of the motion, by the transform from model space to the space of the node.
+    pub(super) fn attach(&mut self, instance: usize, node: usize, node_from_model: DMat4) {
+        let fallback = self.instances[instance].world_from_model;
+        self.animation.attachments.push(Attachment { instance, node, node_from_model, fallback });
+    }
+
     /// Finishes the scene and gives it a name.
     pub(super) fn finish(self, name: &str) -> Scene {
-        let Self { library, instances, background, home } = self;
-        Scene { name: name.to_owned(), library, instances, background, home, views: Vec::new(), light: None }
+        let Self { library, instances, background, home, animation } = self;
+        let scene = Scene {
+            name: name.to_owned(),
+            library,
+            instances,
+            background,
+            home,
+            views: Vec::new(),
+            light: None,
+            animation: None,
+        };
+        scene.animated(animation)
     }
 }

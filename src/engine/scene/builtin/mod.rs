@@ -2,16 +2,18 @@
 //!
 //! Every build of a scene gives the same [`Scene`]. Each scene has one file with its name, its summary and the function
 //! that drafts it; menus, command line and tests read [`ALL`]. `shapes` and `revolve` create the meshes, `textures` and
-//! `noise` the pictures, and `draft` assembles them. `workload` creates scenes of any size for measurements.
+//! `noise` the pictures, `motion` the key frames, and `draft` assembles them. `workload` creates scenes of any size for measurements.
 //!
 //! Meshes have counter-clockwise front faces. In texture coordinates, v points down. Colours are sRGB values.
 
 mod black;
 mod cel;
 mod chess;
+mod chess_motion;
 mod cubes;
 mod draft;
 mod glass;
+mod motion;
 mod near_plane;
 mod noise;
 mod polished;
@@ -59,6 +61,7 @@ pub const ALL: &[Builtin] = &[
     z_fighting::Z_FIGHTING,
     near_plane::NEAR_PLANE,
     wheels::WHEELS,
+    chess_motion::CHESS_MOTION,
     black::BACK_FACING,
     black::NEAR_CLIPPED,
     black::Z_FOUGHT,

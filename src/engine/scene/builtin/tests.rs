@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use glam::Vec3;
 
 use super::*;
-use crate::scene::{DepthMapping, Material, Mesh};
+use crate::scene::{DepthMapping, Material};
 
 fn scenes() -> impl Iterator<Item = (&'static Builtin, Scene)> {
     ALL.iter().map(|builtin| (builtin, builtin.build()))
@@ -112,7 +112,7 @@ fn no_mesh_material_or_texture_is_unused() {
 fn building_twice_gives_the_same_scene() {
     for (builtin, scene) in scenes() {
         let again = builtin.build();
-        assert_eq!(scene.library.meshes(), again.library.meshes() as &[Mesh], "{}", builtin.id);
+        assert_eq!(scene.library.meshes(), again.library.meshes(), "{}", builtin.id);
         let images = |s: &Scene| s.library.textures().iter().map(|t| t.image().clone()).collect::<Vec<_>>();
         assert_eq!(images(&scene), images(&again), "{}", builtin.id);
         assert_eq!(format!("{:?}", scene.instances), format!("{:?}", again.instances), "{}", builtin.id);

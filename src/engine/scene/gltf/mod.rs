@@ -170,8 +170,16 @@ fn finished(
 ) -> Result<Scene, Failure> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let home = Camera::look_at(Vec3::Z, Vec3::ZERO);
-    let mut scene =
-        Scene { name, library, instances, background: BACKGROUND, home, views: Vec::new(), light: placed.light };
+    let mut scene = Scene {
+        name,
+        library,
+        instances,
+        background: BACKGROUND,
+        home,
+        views: Vec::new(),
+        light: placed.light,
+        animation: None,
+    };
     let bounds = scene.bounds();
     let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
     if !bounds.is_empty() && largest > MAX_COORDINATE {

@@ -182,7 +182,16 @@ fn assemble<'a>(
     }
     materials.textures.advance(1.0)?;
     let home = Camera::look_at(Vec3::Z, Vec3::ZERO);
-    let mut scene = Scene { name, library, instances, background: BACKGROUND, home, views: Vec::new(), light: None };
+    let mut scene = Scene {
+        name,
+        library,
+        instances,
+        background: BACKGROUND,
+        home,
+        views: Vec::new(),
+        light: None,
+        animation: None,
+    };
     scene.home = scene.first_view(UpAxis::guess(scene.bounds()));
     Ok(scene)
 }

@@ -33,6 +33,7 @@ fn scene_of(triangles: &[[Vec3; 3]], world_from_model: Mat4) -> Scene {
         home,
         views: Vec::new(),
         light: None,
+        animation: None,
     }
 }
 
