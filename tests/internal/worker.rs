@@ -167,7 +167,7 @@ fn another_pick_keeps_the_frame() {
 #[test]
 fn a_measurement_times_every_method_once_per_round() {
     let mut worker = Worker::spawn(|| ());
-    worker.send(measure(request("triangle", (32, 24)), Turn { degrees: 0.5, frames: 2 }));
+    worker.send(measure(request("triangle", (32, 24)), Turn { degrees: 0.5, frames: 2, ..Turn::STILL }));
     let answers = answers_until(&mut worker, |answer| matches!(answer, WorkerResponse::Measured(_)));
     let samples: Vec<_> = answers
         .iter()

@@ -114,7 +114,7 @@ impl Renderer {
         keep_depth: KeepDepth,
     ) -> Frame {
         let same = |past: &PreviousFrame| {
-            Arc::ptr_eq(&past.history.scene, scene) && past.recipe == *recipe && past.viewport == viewport
+            scene.is_pose_of(&past.history.scene) && past.recipe == *recipe && past.viewport == viewport
         };
         let past = self.past.take().filter(same).map(|past| past.history);
         let mut frame = if execution(scene, recipe).0 == Execution::Classic {

@@ -1,8 +1,8 @@
 //! Errors of a moving view: each frame of a sequence is compared with the reference of the same frame.
 //!
 //! A temporal method can match its reference in a still view, yet differ from it strongly in a moving view. Methods are
-//! therefore compared over a sequence: the camera orbits its target by a constant angle per frame and ends at the given
-//! view. Methods that read earlier frames get [`Turn::WARM_UP`] more frames before the measured ones. [`Playback`]
+//! therefore compared over a sequence: the camera orbits its target by a constant angle per frame, and an animated scene
+//! moves at a constant frame rate. Both end at the given view and pose. Methods that read earlier frames get [`Turn::WARM_UP`] more frames before the measured ones. [`Playback`]
 //! draws such frames for timing and for error measurement: frames with the same number are bit-identical.
 
 use std::ops::Range;
@@ -19,18 +19,22 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 use crate::upscale::Upscaling;
 
-/// Camera orbit around its target, at a constant angle per frame.
+/// Motion of a sequence: a camera orbit around its target at a constant angle per frame, and the frame rate of animated
+/// scenes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Turn {
-    /// Angle between two frames in degrees; 0 is the still view.
+    /// Angle between two frames in degrees; 0 keeps the camera still.
     pub degrees: f32,
     /// Number of measured frames, at least 1.
     pub frames: u32,
+    /// Number of frames per second of an animated scene; 0 keeps the scene in its pose.
+    #[serde(default)]
+    pub frames_per_second: f32,
 }
 
 impl Turn {
-    /// Still view: a single frame without camera motion.
-    pub const STILL: Self = Self { degrees: 0.0, frames: 1 };
+    /// Still view: a single frame without motion of camera and scene.
+    pub const STILL: Self = Self { degrees: 0.0, frames: 1, frames_per_second: 0.0 };
 
     /// Number of warm-up frames for methods that read earlier frames; longer than the history of every method.
     pub const WARM_UP: u32 = 20;
@@ -40,20 +44,34 @@ impl Turn {
         if degrees == 0.0 { Self::STILL } else { Self { degrees, ..Self::default() } }
     }
 
-    /// Whether the camera does not move.
+    /// Whether neither the camera nor an animated scene moves.
     pub fn is_still(&self) -> bool {
-        self.degrees == 0.0
+        self.degrees == 0.0 && self.frames_per_second == 0.0
     }
 
     /// Returns the camera of frame `number`, counted from 0. The last frame uses the camera `last`; negative numbers
     /// are warm-up frames.
     pub fn camera(&self, last: &Camera, number: i64) -> Camera {
         let mut camera = *last;
-        let frames_before = i64::from(self.frames) - 1 - number;
-        if !self.is_still() && frames_before != 0 {
+        let frames_before = self.frames_before_last(number);
+        if self.degrees != 0.0 && frames_before != 0 {
             camera.orbit((-self.degrees * frames_before as f32).to_radians(), 0.0);
         }
         camera
+    }
+
+    /// Returns the scene of frame `number`, counted from 0. The last frame shows the pose `last`; negative numbers are
+    /// warm-up frames.
+    pub fn scene(&self, last: &Arc<Scene>, number: i64) -> Arc<Scene> {
+        let frames_before = self.frames_before_last(number);
+        if self.frames_per_second == 0.0 || frames_before == 0 {
+            return Arc::clone(last);
+        }
+        last.at(last.time_s() - frames_before as f64 / f64::from(self.frames_per_second))
+    }
+
+    fn frames_before_last(&self, number: i64) -> i64 {
+        i64::from(self.frames) - 1 - number
     }
 
     /// Returns the number of the frame that a timing run draws in round `round`. A run repeats the measured frames in
@@ -65,21 +83,28 @@ impl Turn {
 
 impl Default for Turn {
     fn default() -> Self {
-        Self { degrees: 0.5, frames: 16 }
+        Self { degrees: 0.5, frames: 16, frames_per_second: 30.0 }
     }
 }
 
-/// A frame sequence: scene, final view and camera motion.
+/// A frame sequence: final pose of the scene, final view, and motion.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameSequence<'a> {
-    /// Scene that is drawn in every frame.
+    /// Scene in the pose of the last frame.
     pub scene: &'a Arc<Scene>,
     /// Camera of the last frame.
     pub camera: &'a Camera,
     /// Size of every frame, in pixels.
     pub viewport: Viewport,
-    /// Motion of the camera up to the final view.
+    /// Motion of camera and scene up to the final view and pose.
     pub turn: Turn,
+}
+
+impl FrameSequence<'_> {
+    /// Returns the scene and the camera of frame `number`, counted from 0; negative numbers are warm-up frames.
+    fn view(&self, number: i64) -> (Arc<Scene>, Camera) {
+        (self.turn.scene(self.scene, number), self.turn.camera(self.camera, number))
+    }
 }
 
 /// Error over the frames of a sequence.
@@ -204,8 +229,8 @@ fn drawn<T>(
     (recipe, renderer): (&Recipe, &mut Renderer),
     look: impl FnOnce(&Frame) -> T,
 ) -> T {
-    let camera = shot.turn.camera(shot.camera, number);
-    let frame = renderer.render(shot.scene, &camera, recipe, shot.viewport, KeepDepth::No);
+    let (scene, camera) = shot.view(number);
+    let frame = renderer.render(&scene, &camera, recipe, shot.viewport, KeepDepth::No);
     let seen = look(&frame);
     renderer.recycle(frame);
     seen
@@ -253,8 +278,8 @@ impl ErrorMeasurement {
         let plain = Recipe { upscaler: Upscaling::NATIVE, ..playback.recipe };
         let Some((_, standard)) = self.references.iter().find(|(of, _)| *of == plain) else {
             let begin = || {
-                let camera = shot.turn.camera(shot.camera, frame as i64);
-                Box::new(self.reference.begin(shot.scene, &camera, &plain, shot.viewport))
+                let (scene, camera) = shot.view(frame as i64);
+                Box::new(self.reference.begin(&scene, &camera, &plain, shot.viewport))
             };
             let gathering = self.gathering.get_or_insert_with(begin);
             if !gathering.step() {
@@ -356,21 +381,21 @@ mod tests {
 
     #[test]
     fn native_has_no_error_in_motion() {
-        let error = error_of(Upscaling::NATIVE, Turn { degrees: 0.5, frames: 3 });
+        let error = error_of(Upscaling::NATIVE, Turn { degrees: 0.5, frames: 3, ..Turn::STILL });
         assert_eq!((error.frames, error.mean.codes.mse, error.worst.flip), (3, 0.0, 0.0));
     }
 
     #[test]
     fn a_temporal_method_that_is_exact_at_rest_has_an_error_in_motion() {
         assert_eq!(error_of(temporal(), Turn::STILL).mean.codes.mse, 0.0);
-        let moving = error_of(temporal(), Turn { degrees: 0.5, frames: 3 });
+        let moving = error_of(temporal(), Turn { degrees: 0.5, frames: 3, ..Turn::STILL });
         assert!(moving.mean.codes.mse > 0.0 && moving.worst.flip >= moving.mean.flip, "{moving:?}");
     }
 
     #[test]
     fn each_frame_is_compared_with_the_reference_of_its_own_camera() {
         let scene = Arc::new(builtin::by_id("chess").unwrap().build());
-        let turn = Turn { degrees: 2.0, frames: 3 };
+        let turn = Turn { degrees: 2.0, frames: 3, ..Turn::STILL };
         let bilinear = Recipe { upscaler: Upscaling::new("bilinear", 2).unwrap(), ..Recipe::default() };
         let mean_mse = (0..3).map(|frame| {
             let mut camera = scene.home;
@@ -385,7 +410,7 @@ mod tests {
     #[test]
     fn recipes_of_different_pipelines_have_separate_references() {
         let scene = Arc::new(builtin::by_id("cubes").unwrap().build());
-        let turn = Turn { degrees: 0.5, frames: 2 };
+        let turn = Turn { degrees: 0.5, frames: 2, ..Turn::STILL };
         let shot = FrameSequence { scene: &scene, camera: &scene.home, viewport: SIZE, turn };
         let mut other = Recipe::default();
         other.set("shading=normals").unwrap();
@@ -403,7 +428,7 @@ mod tests {
     #[test]
     fn a_frame_has_the_same_history_wherever_playback_begins() {
         let scene = Arc::new(builtin::by_id("chess").unwrap().build());
-        let turn = Turn { degrees: 0.5, frames: 4 };
+        let turn = Turn { degrees: 0.5, frames: 4, ..Turn::STILL };
         let shot = FrameSequence { scene: &scene, camera: &scene.home, viewport: SIZE, turn };
         for upscaler in [temporal(), Upscaling::new("accumulation", 2).unwrap(), Upscaling::new("bilinear", 2).unwrap()]
         {
@@ -438,7 +463,7 @@ mod tests {
     fn two_recipes_are_compared_frame_by_frame() {
         let scene = Arc::new(builtin::by_id("chess").unwrap().build());
         let recipe = Recipe { upscaler: temporal(), ..Recipe::default() };
-        let turn = Turn { degrees: 0.5, frames: 3 };
+        let turn = Turn { degrees: 0.5, frames: 3, ..Turn::STILL };
         let shot = FrameSequence { scene: &scene, camera: &scene.home, viewport: SIZE, turn };
         let mut shares = Vec::new();
         let error = between(&shot, [&Recipe::default(), &recipe], &mut |share| {

@@ -163,7 +163,7 @@ mod tests {
     #[test]
     fn every_recipe_is_timed_once_per_round_and_twins_are_not_reported() {
         let scene = Arc::new(builtin::by_id("triangle").unwrap().build());
-        let turn = Turn { degrees: 0.5, frames: 2 };
+        let turn = Turn { degrees: 0.5, frames: 2, ..Turn::STILL };
         let shot =
             FrameSequence { scene: &scene, camera: &scene.home, viewport: Viewport { width: 24, height: 16 }, turn };
         let recipes: Vec<_> =

@@ -42,7 +42,7 @@ pub(crate) mod texture;
 
 mod warnings;
 
-pub use animation::Animation;
+pub use animation::SceneMotion;
 pub use camera::Camera;
 pub use camera::Projection;
 pub use camera::SubView;
@@ -67,7 +67,6 @@ pub use source::SceneSource;
 pub(crate) use texture::Alpha;
 pub use texture::Texture;
 
-use std::sync::Arc;
 
 use glam::{Mat4, Vec3};
 
@@ -118,7 +117,7 @@ pub struct Scene {
     /// defines none. It replaces the light direction of the settings when the scene is opened.
     pub light: Option<Vec3>,
     /// Motion of the scene; `None` for a still scene. An edit of the triangles must remove or replace it.
-    pub animation: Option<Arc<Animation>>,
+    pub animation: Option<SceneMotion>,
 }
 
 /// View of a scene with a name, from a camera in the scene's file.
@@ -171,6 +170,11 @@ impl Scene {
     /// clearly more front-facing area.
     pub fn first_view(&self, up: UpAxis) -> Camera {
         first_view::first_view(self, up)
+    }
+
+    /// Returns the time of the pose, in seconds; 0 for a still scene.
+    pub fn time_s(&self) -> f64 {
+        self.animation.as_ref().map_or(0.0, SceneMotion::time_s)
     }
 
     /// Returns the number of triangles over all instances.

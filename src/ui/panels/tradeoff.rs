@@ -107,7 +107,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
 
 /// Draws the switch that selects whether the next measurement moves the camera or keeps it still.
 fn motion_switch(ui: &mut Ui, present: Turn, commands: &mut Vec<Command>) {
-    let Turn { degrees, frames } = Turn::default();
+    let Turn { degrees, frames, .. } = Turn::default();
     let moving = format!("In motion ({degrees}° per frame)");
     let help = format!(
         "The camera orbits by {degrees}° per frame over {frames} frames, after {} warm-up frames for upscalers with \

@@ -52,7 +52,7 @@ fn errors_are_measured_in_motion_unless_the_still_view_is_chosen() {
     assert_eq!(bench.session().features.timings.turn, Turn::STILL);
     bench.session_mut().state.size = PictureSize::Fixed(48, 27);
     bench.session_mut().settle_silently();
-    bench.session_mut().features.timings.turn = Turn { degrees: 4.0, frames: 2 };
+    bench.session_mut().features.timings.turn = Turn { degrees: 4.0, frames: 2, ..Turn::STILL };
     bench.rest();
     bench.click("Measure error and time");
     assert!(bench.mentions("in motion: 2 of 2 frames, 4° per frame"));

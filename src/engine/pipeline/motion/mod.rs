@@ -262,7 +262,10 @@ impl<'a> FrameMotion<'a> {
         }
     }
 
-    /// Whether the preceding frame shows an object at the position and distance to which `moved` leads from a pixel.
+    /// Whether the preceding frame shows an object at the position and distance to which the vector of a pixel leads.
+    ///
+    /// The four pixels around the position decide, by their bilinear weights, so that silhouettes are found to a fraction
+    /// of a pixel. Those that show the object must be as near and as far as the point, or the object hides itself.
     #[inline(always)]
     fn is_visible(&self, at: (u32, u32), object: Rgba8, ([across_px, down_px], distance): ([f32; 2], f32)) -> bool {
         let Some(before) = self.before else { return false };
@@ -272,11 +275,32 @@ impl<'a> FrameMotion<'a> {
         if !is_inside {
             return false;
         }
-        let pixel = y as usize * self.size.0 as usize + x as usize;
-        let there = before.distance.pixels()[pixel];
-        let is_near = (there - distance).abs() <= SAME_DISTANCE * distance || there == distance;
-        before.object.pixels()[pixel] == object && is_near
+        let (columns, right) = around(x, self.size.0);
+        let (rows, down) = around(y, self.size.1);
+        let (mut weight, mut nearest, mut farthest) = (0.0, f32::INFINITY, 0.0_f32);
+        for (row, vertical) in [(rows[0], 1.0 - down), (rows[1], down)] {
+            for (column, horizontal) in [(columns[0], 1.0 - right), (columns[1], right)] {
+                let pixel = row * self.size.0 as usize + column;
+                if before.object.pixels()[pixel] == object {
+                    let there = before.distance.pixels()[pixel];
+                    weight += vertical * horizontal;
+                    nearest = nearest.min(there);
+                    farthest = farthest.max(there);
+                }
+            }
+        }
+        weight >= 0.5 && distance >= nearest * (1.0 - SAME_DISTANCE) && distance <= farthest * (1.0 + SAME_DISTANCE)
     }
+}
+
+/// Returns the pixels whose centres lie before and after a position along an axis of `length` px, and the interpolation
+/// weight of the second. The position must be inside the axis.
+#[inline(always)]
+fn around(place: f32, length: u32) -> ([usize; 2], f32) {
+    let floor = (place - 0.5).floor();
+    let first = floor.max(0.0) as usize;
+    let last = length as usize - 1;
+    ([first, if floor < 0.0 { 0 } else { (first + 1).min(last) }], place - 0.5 - floor)
 }
 
 impl Placed<'_> {

@@ -9,7 +9,7 @@ use crate::pipeline::settings::{Settings, Shading};
 use crate::pipeline::{Extent, LastStage, draw, prepare};
 use crate::scene::builtin;
 
-const SIZE: Viewport = Viewport { width: 64, height: 36 };
+const SIZE: Viewport = Viewport { width: 128, height: 72 };
 
 /// Scene and camera of the current frame, and those of the preceding one.
 struct Pair {
@@ -30,14 +30,14 @@ fn pairs() -> Vec<Pair> {
     let chess = builtin::by_id("chess").unwrap().build();
     let home = cubes.home;
     let mut orbited = home;
-    orbited.orbit(0.03, 0.01);
+    orbited.orbit(0.12, 0.04);
     let mut near = chess.home;
     near.dolly(0.3);
     let mut nearer = near;
     nearer.fly(Vec3::new(0.01, 0.0, 0.02));
     let tilted = Camera { up: Vec3::new(0.05, 1.0, 0.0), ..chess.home };
     let mut moved = cubes.clone();
-    let turn = Mat4::from_rotation_y(0.1) * Mat4::from_translation(Vec3::new(0.05, 0.02, -0.1));
+    let turn = Mat4::from_rotation_y(0.3) * Mat4::from_translation(Vec3::new(0.3, 0.1, -0.2));
     moved.instances[0].world_from_model = turn * moved.instances[0].world_from_model;
     let mut bent = cubes.clone();
     bent.library = bent.library.with_meshes(|mesh| {
@@ -164,10 +164,12 @@ fn vectors_agree_with_an_independent_projection() {
             let error = (vector[0] + center[0] - place_x).hypot(vector[1] + center[1] - place_y);
             largest_px = largest_px.max(error);
             let found = motion.of_pixel((x, y), drawn.at(x, y), distances.at(x, y)).distance;
-            assert!((f64::from(found) - distance).abs() < 1e-4 * distance, "{} ({x}, {y})", pair.name);
+            // The distance of a still point is that of its rounded depth.
+            let expected = if vector == [0.0; 2] { f64::from(distances.at(x, y)) } else { distance };
+            assert!((f64::from(found) - expected).abs() < 1e-5 * distance, "{} ({x}, {y})", pair.name);
             measured += 1;
         }
-        assert!(measured > 400, "{}: {measured}", pair.name);
+        assert!(measured > 1600, "{}: {measured}", pair.name);
         assert!(largest_px < 1.0 / 256.0, "{}: {largest_px} px", pair.name);
     }
 }
@@ -216,7 +218,7 @@ fn disocclusion_agrees_with_rays_to_all_triangles() {
         }
     }
     let share = |of: u32| f64::from(counts.both) / f64::from(of);
-    assert!(counts.exact > 200, "{counts:?}");
+    assert!(counts.exact > 1000, "{counts:?}");
     assert!(share(counts.found) > 0.95 && share(counts.exact) > 0.95, "{counts:?}");
 }
 

@@ -194,7 +194,7 @@ fn transfers(row: &UpscalingRow) -> bool {
 
 /// Returns a sentence that describes the camera motion during the error measurement.
 fn motion(report: &UpscalingReport) -> String {
-    let Turn { degrees, frames } = report.turn;
+    let Turn { degrees, frames, .. } = report.turn;
     if report.turn.is_still() {
         return "The view is still: errors in motion equal those of the still view.".to_owned();
     }

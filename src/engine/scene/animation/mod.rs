@@ -43,9 +43,28 @@ pub(crate) struct MaterialTrack {
     pub(crate) materials: Vec<MaterialId>,
 }
 
+/// Motion of a scene, and the time of its pose.
+#[derive(Clone, Debug)]
+pub struct SceneMotion {
+    animation: Arc<Animation>,
+    time_s: f64,
+}
+
+impl SceneMotion {
+    /// Returns the length of one loop, in seconds; greater than 0.
+    pub fn duration_s(&self) -> f64 {
+        self.animation.duration_s()
+    }
+
+    /// Returns the time of the pose, in seconds, as it was given to [`Scene::at`].
+    pub fn time_s(&self) -> f64 {
+        self.time_s
+    }
+}
+
 /// Motion of a scene, which repeats endlessly.
 #[derive(Clone, Debug, Default)]
-pub struct Animation {
+pub(crate) struct Animation {
     pub(crate) rig: Rig,
     pub(crate) attachments: Vec<Attachment>,
     pub(crate) deformations: Vec<Deformation>,
@@ -56,7 +75,7 @@ pub struct Animation {
 
 impl Animation {
     /// Returns the length of one loop, in seconds: the time of the last key frame.
-    pub fn duration_s(&self) -> f64 {
+    pub(crate) fn duration_s(&self) -> f64 {
         let exchanges = self.materials.iter().map(|track| track.times.end_s());
         exchanges.fold(self.rig.end_s().max(self.least_duration_s), f64::max)
     }
@@ -118,8 +137,8 @@ impl Scene {
     /// pose.
     pub(crate) fn animated(self, animation: Animation) -> Self {
         let posed = animation.posed(&self, 0.0);
-        let animation = (animation.duration_s() > 0.0).then(|| Arc::new(animation));
-        Self { animation, ..posed }
+        let moves = animation.duration_s() > 0.0;
+        Self { animation: moves.then(|| SceneMotion { animation: Arc::new(animation), time_s: 0.0 }), ..posed }
     }
 
     /// Returns the scene in the pose at a time in seconds. The motion repeats endlessly, also before time 0.
@@ -129,7 +148,10 @@ impl Scene {
     /// textures.
     pub fn at(self: &Arc<Self>, time_s: f64) -> Arc<Self> {
         match &self.animation {
-            Some(animation) => Arc::new(animation.posed(self, time_s)),
+            Some(motion) => {
+                let animation = Some(SceneMotion { time_s, ..motion.clone() });
+                Arc::new(Self { animation, ..motion.animation.posed(self, time_s) })
+            }
             None => Arc::clone(self),
         }
     }
@@ -139,19 +161,23 @@ impl Scene {
     /// or replaces the motion, as every edit of the triangles must.
     pub fn is_pose_of(&self, other: &Self) -> bool {
         match (&self.animation, &other.animation) {
-            (Some(own), Some(others)) => Arc::ptr_eq(own, others),
+            (Some(own), Some(others)) => Arc::ptr_eq(&own.animation, &others.animation),
             _ => std::ptr::eq(self, other),
         }
     }
 
     /// Returns the motion of the scene mirrored in z.
-    pub(super) fn mirrored_animation(&self) -> Option<Arc<Animation>> {
-        self.animation.as_ref().map(|animation| Arc::new(animation.mirrored_z()))
+    pub(super) fn mirrored_animation(&self) -> Option<SceneMotion> {
+        let mirrored = |motion: &SceneMotion| SceneMotion {
+            animation: Arc::new(motion.animation.mirrored_z()),
+            time_s: motion.time_s,
+        };
+        self.animation.as_ref().map(mirrored)
     }
 
     /// Returns the memory used by the motion, in bytes.
     pub(super) fn animation_bytes(&self) -> usize {
-        self.animation.as_ref().map_or(0, |animation| animation.bytes())
+        self.animation.as_ref().map_or(0, |motion| motion.animation.bytes())
     }
 }
 

@@ -11,7 +11,7 @@ fn plan(viewport: Viewport, rounds: usize) -> UpscalingPlan {
         viewport,
         rounds,
         reference: Reference::Native,
-        turn: Turn { degrees: 0.5, frames: 2 },
+        turn: Turn { degrees: 0.5, frames: 2, ..Turn::STILL },
     }
 }
 
