@@ -61,6 +61,7 @@ impl Upscaler for Epx {
             lights: &[FilterSpace::Bytes],
             deringing: false,
             sharpening: false,
+            history: false,
         }
     }
 

@@ -44,6 +44,7 @@ impl Upscaler for Flat {
             lights: &[FilterSpace::Bytes],
             deringing: false,
             sharpening: false,
+            history: false,
         }
     }
 

@@ -110,7 +110,8 @@ impl Frame {
     /// Returns whether the next frame of the same view may improve, because the upscaler's history has not converged
     /// yet.
     pub fn is_converging(&self, recipe: &Recipe) -> bool {
-        self.surfaces.is_some() && self.still_frames_before() + 1 < recipe.upscaler.upscaler().converges_after(recipe.upscaler)
+        self.surfaces.is_some()
+            && self.still_frames_before() + 1 < recipe.upscaler.upscaler().converges_after(recipe.upscaler)
     }
 
     /// Returns the number of consecutive preceding frames with the camera and the scene of this frame.

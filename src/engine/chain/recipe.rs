@@ -5,9 +5,9 @@ use serde_json::Value;
 use thiserror::Error;
 
 use crate::antialias::settings::{Antialiasing, PostFilter, PostFilterKind, centred_in_5x5};
-use crate::pipeline::settings::{Choice as _, Execution, Light, Settings};
+use crate::pipeline::settings::{Choice, Execution, Light, Settings};
 use crate::scene::Scene;
-use crate::upscale::{self, Offers, Scale, Upscaler, Upscaling};
+use crate::upscale::{self, HistoryFilter, Offers, Rectification, Scale, Upscaler, Upscaling};
 
 /// All settings that determine how a scene is drawn, as plain data. Panels edit them, the command line parses them, and
 /// reports vary them. Equal recipes and equal scenes give bit-identical frames.
@@ -303,6 +303,10 @@ fn describe_values(key: &str, value: &Value) -> String {
     }
 }
 
+fn ids<T: Choice>() -> Vec<String> {
+    T::ALL.iter().map(|choice| choice.id().to_owned()).collect()
+}
+
 /// Returns the values that upscaling methods offer for a setting, separated by commas. If there are several methods,
 /// those that offer only a single value are ignored.
 fn offered(key: &str, methods: &[&dyn Upscaler]) -> String {
@@ -314,6 +318,11 @@ fn offered(key: &str, methods: &[&dyn Upscaler]) -> String {
             "deringing" if offers.deringing => vec!["false".to_owned(), "true".to_owned()],
             "sharpening" if offers.sharpening => vec!["0…100 %".to_owned()],
             "sharpening" => vec!["0".to_owned()],
+            "history.rectification" if offers.history => ids::<Rectification>(),
+            "history.rectification" => vec![Rectification::Variance.id().to_owned()],
+            "history.filter" if offers.history => ids::<HistoryFilter>(),
+            "history.filter" => vec![HistoryFilter::CatmullRom.id().to_owned()],
+            "history.luminance_weighting" if offers.history => vec!["false".to_owned(), "true".to_owned()],
             _ => vec!["false".to_owned()],
         }
     };

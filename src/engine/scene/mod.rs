@@ -67,7 +67,6 @@ pub use source::SceneSource;
 pub(crate) use texture::Alpha;
 pub use texture::Texture;
 
-
 use glam::{Mat4, Vec3};
 
 use crate::math::Aabb;

@@ -60,6 +60,7 @@ impl Upscaler for Accumulation {
             lights: &[FilterSpace::Linear, FilterSpace::Bytes],
             deringing: false,
             sharpening: false,
+            history: false,
         }
     }
 
@@ -125,15 +126,6 @@ impl Upscaler for Accumulation {
 fn place(frames: u32) -> [f64; 2] {
     let places = Pattern::LowDiscrepancy { count: JITTER_POSITIONS }.offsets(0, 0);
     places[(frames % JITTER_POSITIONS) as usize]
-}
-
-/// Returns the position of an output pixel among this frame's samples along one axis. The integer is the index of the
-/// last sample at or before the pixel; this index may lie outside the image. The fraction, in [0, 1), is the distance
-/// from that sample to the pixel, relative to the distance between samples.
-fn sample_coordinate(lattice: Lattice, place: f64, at: u32) -> (i64, f32) {
-    let (scale, origin) = (lattice.scale.value(), lattice.position_px(0));
-    let index = (f64::from(at) + 0.5 - origin) / scale - (place - 0.5);
-    (index.floor() as i64, (index - index.floor()) as f32)
 }
 
 /// Frame to upscale, with its history.
@@ -246,8 +238,7 @@ impl<'a> FrameContext<'a> {
         if lattice.scale == Scale::ONE {
             return alone(x, y);
         }
-        let [(column, right), (row, down)] =
-            [sample_coordinate(lattice, place[0], x), sample_coordinate(lattice, place[1], y)];
+        let [(column, right), (row, down)] = [lattice.coordinate(place[0], x), lattice.coordinate(place[1], y)];
         if let (Some(x), Some(y)) = (self.own(column, right, width), self.own(row, down, height)) {
             return alone(x, y);
         }
@@ -265,7 +256,7 @@ impl<'a> FrameContext<'a> {
     }
 
     /// Returns the index of the sample that lies inside an output pixel along one axis, or `None` if there is no such
-    /// sample. `cell` and `on` are the pixel's [`sample_coordinate`].
+    /// sample. `cell` and `on` are the pixel's [`Lattice::coordinate`].
     fn own(&self, cell: i64, on: f32, samples: u32) -> Option<u32> {
         let half = (0.5 / self.lattice.scale.value()) as f32;
         let index = if on <= half { cell } else { cell + 1 };
@@ -276,7 +267,7 @@ impl<'a> FrameContext<'a> {
     fn neighbourhood(&self, (x, y): (u32, u32)) -> (Range<usize>, Range<u32>) {
         let (width, height) = self.drawn.color.size();
         let three = |place: f64, at: u32, length: u32| {
-            let (cell, on) = sample_coordinate(self.lattice, place, at);
+            let (cell, on) = self.lattice.coordinate(place, at);
             let nearest = cell + i64::from(on > 0.5);
             let inside = |at: i64| at.clamp(0, i64::from(length)) as u32;
             inside(nearest - 1)..inside(nearest + 2)

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Anchor, Lattice, Sampling, Scale, UpscaleInputs, Upscaler, all, registry};
+use super::{Anchor, HistoryOptions, Lattice, Sampling, Scale, UpscaleInputs, Upscaler, all, registry};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::settings::{Choice, choice};
@@ -33,6 +33,7 @@ pub struct Upscaling {
     light: FilterSpace,
     deringing: bool,
     sharpening: u32,
+    history: HistoryOptions,
 }
 
 /// Serialised form of [`Upscaling`].
@@ -51,6 +52,8 @@ struct Written {
     deringing: bool,
     #[serde(default)]
     sharpening: u32,
+    #[serde(default)]
+    history: HistoryOptions,
 }
 
 impl Upscaling {
@@ -62,6 +65,7 @@ impl Upscaling {
         light: FilterSpace::Bytes,
         deringing: false,
         sharpening: 0,
+        history: HistoryOptions::DEFAULT,
     };
 
     /// Creates the upscaler with this id at the nearest scale that it offers, with its default options. Returns `None`
@@ -94,6 +98,7 @@ impl Upscaling {
         self.light = kept_or_first(offers.lights, self.light);
         self.deringing &= offers.deringing;
         self.sharpening = if offers.sharpening { self.sharpening.min(MAX_SHARPENING) } else { 0 };
+        self.history = if offers.history { self.history } else { HistoryOptions::DEFAULT };
         self
     }
 
@@ -133,6 +138,11 @@ impl Upscaling {
     /// support sharpening.
     pub fn with_sharpening(self, sharpening: u32) -> Self {
         Self { sharpening, ..self }.offered()
+    }
+
+    /// Returns a copy with other history options, or with the default ones if the upscaler does not offer them.
+    pub fn with_history(self, history: HistoryOptions) -> Self {
+        Self { history, ..self }.offered()
     }
 
     /// Whether this is native rendering, with every pixel drawn.
@@ -184,6 +194,11 @@ impl Upscaling {
     /// Returns the sharpening strength, in percent of the maximum. Even at the maximum, every channel stays in range.
     pub fn sharpening(self) -> u32 {
         self.sharpening
+    }
+
+    /// Returns the options of blending with the history.
+    pub fn history(self) -> HistoryOptions {
+        self.history
     }
 
     /// Returns the lattice of sample positions, for upscalers with evenly spaced samples.
@@ -248,6 +263,16 @@ impl Upscaling {
         if self.deringing {
             label += ", de-ringed";
         }
+        let HistoryOptions { rectification, filter, luminance_weighting } = self.history;
+        if rectification != HistoryOptions::DEFAULT.rectification {
+            label += &format!(", rectification {}", rectification.id());
+        }
+        if filter != HistoryOptions::DEFAULT.filter {
+            label += &format!(", {} history", filter.id());
+        }
+        if luminance_weighting {
+            label += ", luminance-weighted";
+        }
         if self.sharpening > 0 {
             label += &format!(", sharpened {} %", self.sharpening);
         }
@@ -263,20 +288,20 @@ impl TryFrom<Written> for Upscaling {
     type Error = String;
 
     fn try_from(written: Written) -> Result<Self, String> {
-        let Written { method, scale, anchor, light, deringing, sharpening } = written;
+        let Written { method, scale, anchor, light, deringing, sharpening, history } = written;
         let default = Self::new(&method, scale).ok_or_else(|| {
             let known: Vec<_> = all().iter().map(|u| format!("`{}`", u.id())).collect();
             format!("unknown upscaler `{method}`, expected one of {}", known.join(", "))
         })?;
         let (anchor, light) = (anchor.unwrap_or(default.anchor), light.unwrap_or(default.light));
-        Ok(Self { anchor, light, deringing, sharpening, ..default }.offered())
+        Ok(Self { anchor, light, deringing, sharpening, history, ..default }.offered())
     }
 }
 
 impl From<Upscaling> for Written {
     fn from(upscaling: Upscaling) -> Self {
-        let Upscaling { scale, anchor, light, deringing, sharpening, .. } = upscaling;
+        let Upscaling { scale, anchor, light, deringing, sharpening, history, .. } = upscaling;
         let (anchor, light) = (Some(anchor), Some(light));
-        Self { method: upscaling.method().to_owned(), scale, anchor, light, deringing, sharpening }
+        Self { method: upscaling.method().to_owned(), scale, anchor, light, deringing, sharpening, history }
     }
 }

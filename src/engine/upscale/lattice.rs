@@ -102,6 +102,14 @@ impl Lattice {
         }
     }
 
+    /// Returns the position of output pixel `at` among samples that lie at `place` within their areas, in [0, 1]. The
+    /// integer is the index of the last sample at or before the pixel; it may lie outside the image. The fraction, in
+    /// [0, 1), is the distance from that sample to the pixel, relative to the distance between samples.
+    pub(super) fn coordinate(self, place: f64, at: u32) -> (i64, f32) {
+        let index = (f64::from(at) + 0.5 - self.position_px(0)) / self.scale.value() - (place - 0.5);
+        (index.floor() as i64, (index - index.floor()) as f32)
+    }
+
     /// Returns the origin of the sample grid in the full image, in pixels: sample i lies at (i + ½) · s from this
     /// origin.
     pub(crate) fn origin_px(self) -> f64 {

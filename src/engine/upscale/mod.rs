@@ -39,6 +39,7 @@ pub mod process;
 mod registry;
 mod scale;
 mod separable;
+mod taa;
 
 pub(crate) use accumulation::ACCUMULATION;
 pub(crate) use bicubic::BICUBIC;
@@ -67,6 +68,10 @@ pub use registry::all;
 pub use registry::register;
 pub use registry::register_boxed;
 pub use scale::Scale;
+pub use taa::HistoryFilter;
+pub use taa::HistoryOptions;
+pub use taa::Rectification;
+pub(crate) use taa::TAA;
 
 /// An upscaler, which fills in the pixels that were not drawn.
 pub trait Upscaler: Sync {
@@ -190,6 +195,8 @@ pub struct Offers {
     pub deringing: bool,
     /// Whether the upscaler offers sharpening.
     pub sharpening: bool,
+    /// Whether the upscaler offers [`HistoryOptions`].
+    pub history: bool,
 }
 
 /// Samples that are drawn for an upscaler.
@@ -288,6 +295,7 @@ pub static BUILT_IN: &[&dyn Upscaler] = &[
     &LANCZOS3,
     &FSR1,
     &ACCUMULATION,
+    &TAA,
 ];
 
 #[cfg(test)]

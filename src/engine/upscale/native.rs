@@ -30,6 +30,7 @@ impl Upscaler for Native {
             lights: &[FilterSpace::Bytes],
             deringing: false,
             sharpening: false,
+            history: false,
         }
     }
 

@@ -41,6 +41,7 @@ impl Upscaler for Nearest {
             lights: &[FilterSpace::Bytes],
             deringing: false,
             sharpening: false,
+            history: false,
         }
     }
 

@@ -88,6 +88,19 @@ fn choices(ui: &mut Ui, chosen: Upscaling) -> Upscaling {
         });
         result = result.with_sharpening(sharpening.round() as u32);
     }
+    if offers.history {
+        let mut history = chosen.history();
+        row(ui, "Rectification", "Change of the history so that it agrees with the samples around the pixel", |ui| {
+            pick(ui, &mut history.rectification)
+        });
+        row(ui, "History filter", "Filter that reads the history between its pixels", |ui| {
+            pick(ui, &mut history.filter)
+        });
+        row(ui, "Luminance weighting", "Blends colours with weights 1 / (1 + luminance)", |ui| {
+            ui.checkbox(&mut history.luminance_weighting, "")
+        });
+        result = result.with_history(history);
+    }
     result
 }
 

@@ -265,7 +265,8 @@ impl<'a> FrameMotion<'a> {
     /// Whether the preceding frame shows an object at the position and distance to which the vector of a pixel leads.
     ///
     /// The four pixels around the position decide, by their bilinear weights, so that silhouettes are found to a fraction
-    /// of a pixel. Those that show the object must be as near and as far as the point, or the object hides itself.
+    /// of a pixel. The distances of those that show the object must agree with that of the point, or the object hides
+    /// itself; the range is extended by its own size, because the point may lie outside the pixels that show the object.
     #[inline(always)]
     fn is_visible(&self, at: (u32, u32), object: Rgba8, ([across_px, down_px], distance): ([f32; 2], f32)) -> bool {
         let Some(before) = self.before else { return false };
@@ -289,9 +290,15 @@ impl<'a> FrameMotion<'a> {
                 }
             }
         }
-        weight >= 0.5 && distance >= nearest * (1.0 - SAME_DISTANCE) && distance <= farthest * (1.0 + SAME_DISTANCE)
+        let slack = farthest - nearest + SAME_DISTANCE * distance;
+        weight >= LEAST_WEIGHT && (distance == nearest || (distance >= nearest - slack && distance <= farthest + slack))
     }
 }
+
+/// Least bilinear weight of the pixels of the preceding frame that show an object for a point of it to count as visible.
+/// A silhouette passes through a pixel at a weight of about one half; less counts more hidden points as visible and
+/// fewer visible ones as hidden.
+const LEAST_WEIGHT: f32 = 0.4;
 
 /// Returns the pixels whose centres lie before and after a position along an axis of `length` px, and the interpolation
 /// weight of the second. The position must be inside the axis.

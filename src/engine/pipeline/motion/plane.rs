@@ -60,11 +60,7 @@ impl PlaneMotion {
         let at = DVec3::new(f64::from(first) + 0.5, f64::from(y) + 0.5, 1.0);
         let w = self.w.dot(at);
         let inv_w = self.inv_w.dot(at);
-        let across = [
-            (self.column.dot(at) - at.x * w) / w,
-            (self.column.x - w - at.x * self.w.x) / w,
-            -self.w.x / w,
-        ];
+        let across = [(self.column.dot(at) - at.x * w) / w, (self.column.x - w - at.x * self.w.x) / w, -self.w.x / w];
         let down = [(self.row.dot(at) - at.y * w) / w, (self.row.x - at.y * self.w.x) / w];
         MotionBlock {
             across: across.map(|number| number as f32),

@@ -3,12 +3,12 @@
 //! A row is processed in blocks of 16 pixels. Each sample of this frame is decoded once. In a still view, history is
 //! read at the same pixel; otherwise it is gathered at the reprojected positions.
 
-use super::{FrameContext, INTERPOLATED, JITTER_POSITIONS, sample_coordinate};
+use super::{FrameContext, INTERPOLATED, JITTER_POSITIONS};
 use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
-use crate::upscale::history::NOT_VISIBLE;
 use crate::pipeline::motion::MotionVectors;
+use crate::upscale::history::NOT_VISIBLE;
 use crate::upscale::{FilterSpace, Scale, bands};
 
 /// RGB in the working colour space, and a fourth component: alpha as an 8-bit value, or the number of accumulated
@@ -53,7 +53,7 @@ pub(super) fn fill(lanes: Lanes, now: &FrameContext<'_>, full: &mut Image<Rgba8>
 impl FrameContext<'_> {
     /// Returns the position of output column or row `at` among the `samples` samples of this frame.
     fn axis(&self, axis: usize, at: u32, samples: u32) -> AxisPosition {
-        let (cell, on) = sample_coordinate(self.lattice, self.place[axis], at);
+        let (cell, on) = self.lattice.coordinate(self.place[axis], at);
         let inside = |index: i64| index.clamp(0, i64::from(samples) - 1) as u32;
         let nearest = cell + i64::from(on > 0.5);
         AxisPosition {

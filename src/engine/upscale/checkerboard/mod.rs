@@ -30,6 +30,7 @@ const OFFERS: Offers = Offers {
     lights: &[FilterSpace::Bytes],
     deringing: false,
     sharpening: false,
+    history: false,
 };
 
 /// Column and row of a pixel in the full image.

@@ -52,6 +52,7 @@ impl Upscaler for Fsr1 {
             lights: &[FilterSpace::Bytes],
             deringing: false,
             sharpening: true,
+            history: false,
         }
     }
 

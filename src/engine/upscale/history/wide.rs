@@ -73,10 +73,8 @@ impl MotionVectors {
     #[inline(always)]
     pub(in crate::upscale) fn reproject<S: Simd>(&self, simd: S, of: &VectorLanes<S>) -> ReprojectedLanes<S> {
         let (width, height) = self.visible.size();
-        let ((left, next, right), (top, bottom, down)) = (
-            between(simd, of.column + 0.5 + of.across_px, width),
-            between(simd, of.row + 0.5 + of.down_px, height),
-        );
+        let ((left, next, right), (top, bottom, down)) =
+            (between(simd, of.column + 0.5 + of.across_px, width), between(simd, of.row + 0.5 + of.down_px, height));
         let is_visible = !of.visible.simd_eq(u32x8::splat(simd, 0));
         ReprojectedLanes {
             upper: is_visible.select(top * width + left, u32x8::splat(simd, NOT_VISIBLE)),

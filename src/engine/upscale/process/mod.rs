@@ -140,6 +140,7 @@ impl Upscaler for ProcessUpscaler {
             lights: &[FilterSpace::Bytes],
             deringing: false,
             sharpening: false,
+            history: false,
         }
     }
 

@@ -203,6 +203,7 @@ impl Upscaler for Separable {
             lights: FilterSpace::ALL,
             deringing: self.deringing,
             sharpening: false,
+            history: false,
         }
     }
 

@@ -1,0 +1,372 @@
+//! Blending of the samples of a frame with its history, pixel by pixel. A pixel's four numbers are one SIMD vector.
+
+use super::super::{FilterSpace, Lattice, Motion, Reprojected, Scale, Tap, UpscaleInputs, Upscaling};
+use super::{HistoryFilter, HistoryOptions, MOVING_WEIGHT, Rectification, jitter, jitter_positions};
+use crate::image::color::Tables;
+use crate::image::{Image, Rgba8};
+use crate::math::lanes::*;
+use crate::pipeline::motion::MotionVectors;
+
+/// Y, Co, Cg and a fourth number: alpha of a sample as an 8-bit value, or the accumulated weight of a pixel.
+type Quad = [f32; 4];
+
+/// Sharpness of the Gaussian that weights samples by their squared distance from the pixel, in output pixels. It
+/// approximates a Blackman-Harris window of width 3.3 (Karis, 2014).
+const SHARPNESS: f64 = 2.29;
+
+/// Samples along one axis that contribute to an output column or row: three adjacent ones, clamped to the image.
+#[derive(Clone, Copy, Debug)]
+struct AxisSamples {
+    index: [u32; 3],
+    /// Weight of each sample; 1 for a sample at the centre of the pixel.
+    weight: [f32; 3],
+}
+
+/// Decoded sample rows, with the index of the row that each holds.
+pub(super) struct DecodedRows {
+    rows: [(Option<u32>, Vec<Quad>); 3],
+}
+
+/// Frame to upscale, with its history.
+pub(super) struct TaaFrame<'a> {
+    options: HistoryOptions,
+    light: FilterSpace,
+    drawn: &'a UpscaleInputs<'a>,
+    size: (u32, u32),
+    columns: Vec<AxisSamples>,
+    rows: Vec<AxisSamples>,
+    history: Option<(Motion<'a>, &'a Image<Quad>)>,
+    /// Limit of the accumulated weight of the history.
+    most_weight: f32,
+    /// Whether every jitter position has been drawn since the view became still; the image then no longer changes.
+    is_settled: bool,
+    tables: &'static Tables,
+}
+
+/// Statistics of the 3 × 3 samples around a pixel, and their weighted mean.
+struct Samples<S: Simd> {
+    present: f32x4<S>,
+    /// Weight of the mean, relative to 1 for a sample at the centre of the pixel; at most 1.
+    confidence: f32,
+    least: f32x4<S>,
+    greatest: f32x4<S>,
+    mean: f32x4<S>,
+    mean_square: f32x4<S>,
+}
+
+impl<'a> TaaFrame<'a> {
+    pub(super) fn new(how: Upscaling, drawn: &'a UpscaleInputs<'a>, size: (u32, u32)) -> Self {
+        let scale = how.scale();
+        let place = drawn.frame.map_or(super::super::CENTRE, |seen| jitter(scale, seen.frames()));
+        let history: Option<(Motion<'_>, _)> =
+            drawn.frame.and_then(|seen| Some((seen.reprojection()?, seen.history?.accumulated.as_ref()?)));
+        let still = history.as_ref().filter(|(motion, _)| motion.is_still());
+        let positions = jitter_positions(scale);
+        let samples = drawn.color.size();
+        let axis = |place: f64, length: u32, samples: u32| {
+            (0..length).map(|at| AxisSamples::new(how.lattice(), place, at, samples)).collect()
+        };
+        Self {
+            options: how.history(),
+            light: how.light(),
+            drawn,
+            size,
+            columns: axis(place[0], size.0, samples.0),
+            rows: axis(place[1], size.1, samples.1),
+            history,
+            most_weight: if still.is_some() { (positions - 1) as f32 } else { MOVING_WEIGHT },
+            is_settled: still.is_some_and(|(motion, _)| motion.history.still_frames >= positions),
+            tables: Tables::get(),
+        }
+    }
+
+    pub(super) fn decoded_rows(&self) -> DecodedRows {
+        let width = self.drawn.color.width() as usize;
+        DecodedRows { rows: [0, 1, 2].map(|_| (None, vec![[0.0; 4]; width])) }
+    }
+
+    /// Computes a row of the picture and of the history for the next frame.
+    #[inline(always)]
+    pub(super) fn row<S: Simd>(
+        &self,
+        simd: S,
+        y: u32,
+        decoded: &mut DecodedRows,
+        (row, memory): (&mut [Rgba8], &mut [Quad]),
+    ) {
+        let rows = self.rows[y as usize];
+        for index in rows.index {
+            decoded.fill(index, |codes| self.decoded(codes), self.drawn.color);
+        }
+        let [above, at, below] = rows.index.map(|index| decoded.row(index));
+        for (x, (pixel, memory)) in (0..).zip(row.iter_mut().zip(memory)) {
+            let columns = self.columns[x as usize];
+            let samples = each!(row in [above, at, below] => {
+                each!(place in [0, 1, 2] => f32x4::load_array_ref(simd, &row[columns.index[place] as usize]))
+            });
+            (*pixel, *memory) = self.blended(simd, (x, y), samples);
+        }
+    }
+
+    /// Computes one pixel of the picture and of the history for the next frame.
+    #[inline(always)]
+    pub(super) fn pixel<S: Simd>(&self, simd: S, (x, y): (u32, u32)) -> (Rgba8, Quad) {
+        let (columns, rows) = (self.columns[x as usize], self.rows[y as usize]);
+        let samples = each!(row in [0, 1, 2] => each!(column in [0, 1, 2] => {
+            let codes = self.drawn.color.at(columns.index[column], rows.index[row]);
+            f32x4::load_array(simd, self.decoded(codes))
+        }));
+        self.blended(simd, (x, y), samples)
+    }
+
+    /// Returns a sample in YCoCg.
+    #[inline(always)]
+    fn decoded(&self, [r, g, b, a]: Rgba8) -> Quad {
+        let table = match self.light {
+            FilterSpace::Linear => &self.tables.linear_of_code,
+            FilterSpace::Bytes => &self.tables.code,
+        };
+        let [r, g, b] = [r, g, b].map(|code| table[usize::from(code)]);
+        [0.25 * r + 0.5 * g + 0.25 * b, 0.5 * r - 0.5 * b, 0.5 * g - 0.25 * r - 0.25 * b, f32::from(a)]
+    }
+
+    /// Returns the sRGB codes of a colour in YCoCg.
+    #[inline(always)]
+    fn encoded(&self, [y, co, cg, _]: Quad, alpha: f32) -> Rgba8 {
+        let encode = |value: f32| match self.light {
+            FilterSpace::Linear => self.tables.encode(value),
+            FilterSpace::Bytes => (value + 0.5) as u8,
+        };
+        let rest = y - cg;
+        [encode(rest + co), encode(y + cg), encode(rest - co), (alpha + 0.5) as u8]
+    }
+
+    /// Blends the samples around a pixel with its history.
+    #[inline(always)]
+    fn blended<S: Simd>(&self, simd: S, at: (u32, u32), samples: [[f32x4<S>; 3]; 3]) -> (Rgba8, Quad) {
+        let around = Samples::new(simd, samples, &self.columns[at.0 as usize], &self.rows[at.1 as usize]);
+        let [.., alpha] = around.present.to_array();
+        let past = self.history.as_ref().and_then(|(_, memory)| {
+            let before = self.reproject(at)?;
+            Some((before.is_still, self.read(simd, memory, &before)))
+        });
+        let Some((is_still, past)) = past else {
+            let [y, co, cg, _] = around.present.to_array();
+            return (self.encoded([y, co, cg, 0.0], alpha), [y, co, cg, around.confidence]);
+        };
+        let [.., weight] = past.to_array();
+        let weight = weight.max(0.0).min(self.most_weight);
+        let past = if is_still { past } else { around.rectified(simd, past, self.options.rectification) };
+        let mut share = if self.is_settled { 0.0 } else { around.confidence / (weight + around.confidence) };
+        if self.options.luminance_weighting {
+            let [now, before] = [around.present, past].map(|color| self.luminance_weight(color.to_array()[0]));
+            share = share * now / (share * now + (1.0 - share) * before);
+        }
+        let [y, co, cg, _] = (past + (around.present - past) * share).to_array();
+        (self.encoded([y, co, cg, 0.0], alpha), [y, co, cg, weight + around.confidence])
+    }
+
+    /// Returns the weight of a colour of luminance `y`: 1 / (1 + y), with y in [0, 1].
+    fn luminance_weight(&self, y: f32) -> f32 {
+        let white = if self.light == FilterSpace::Bytes { 255.0 } else { 1.0 };
+        white / (white + y.max(0.0))
+    }
+
+    /// Returns the position in the previous frame from which a pixel reads its history.
+    #[inline(always)]
+    pub(super) fn reproject(&self, at: (u32, u32)) -> Option<Reprojected> {
+        let (motion, _) = self.history.as_ref()?;
+        let Some(vectors) = motion.vectors else { return motion.reproject(at) };
+        let (x, y) = self.nearest_of(vectors, at);
+        let place = [at.0 as f32 + 0.5 + vectors.across_px.at(x, y), at.1 as f32 + 0.5 + vectors.down_px.at(x, y)];
+        let is_inside = place[0] >= 0.0
+            && place[1] >= 0.0
+            && place[0] < self.size.0 as f32
+            && place[1] < self.size.1 as f32
+            && vectors.visible.at(x, y) == MotionVectors::VISIBLE;
+        is_inside.then_some(Reprojected { place, is_still: false })
+    }
+
+    /// Returns the pixel with the nearest surface among the 3 × 3 around a pixel. The pixel itself wins ties.
+    #[inline(always)]
+    fn nearest_of(&self, vectors: &MotionVectors, (x, y): (u32, u32)) -> (u32, u32) {
+        let (width, height) = vectors.visible.size();
+        let Some(frame) = self.drawn.frame else { return (x, y) };
+        let distance = &frame.gbuffer.distance;
+        let (mut nearest, mut least) = ((x, y), distance.at(x, y));
+        for row in y.saturating_sub(1)..(y + 2).min(height) {
+            let row_distances = distance.row(row);
+            for column in x.saturating_sub(1)..(x + 2).min(width) {
+                let there = row_distances[column as usize];
+                if there < least {
+                    (nearest, least) = ((column, row), there);
+                }
+            }
+        }
+        nearest
+    }
+
+    /// Reads the history at a position.
+    #[inline(always)]
+    fn read<S: Simd>(&self, simd: S, memory: &Image<Quad>, before: &Reprojected) -> f32x4<S> {
+        if before.is_still {
+            return f32x4::load_array(simd, memory.at(before.place[0] as u32, before.place[1] as u32));
+        }
+        let [x, y] = before.place;
+        let (column, right) = whole_and_fraction(x);
+        let (row, down) = whole_and_fraction(y);
+        let (last_column, last_row) = (i64::from(self.size.0) - 1, i64::from(self.size.1) - 1);
+        let value = |column: i64, row: i64| {
+            let (column, row) = (column.clamp(0, last_column), row.clamp(0, last_row));
+            f32x4::load_array_ref(simd, &memory.row(row as u32)[column as usize])
+        };
+        if self.options.filter == HistoryFilter::Bilinear {
+            let [above, below] = each!(row in [row, row + 1] => {
+                value(column, row) * (1.0 - right) + value(column + 1, row) * right
+            });
+            return above * (1.0 - down) + below * down;
+        }
+        let ([a, b, c, d], vertical) = (catmull_rom(right), catmull_rom(down));
+        let mut sum = f32x4::splat(simd, 0.0);
+        for (number, weight) in (-1..).zip(vertical) {
+            let row = row + number;
+            let across = value(column - 1, row) * a
+                + value(column, row) * b
+                + value(column + 1, row) * c
+                + value(column + 2, row) * d;
+            sum += across * weight;
+        }
+        sum
+    }
+
+    /// Returns the samples that contribute to a pixel. Those that only rectify the history have weight 0.
+    pub(super) fn taps(&self, (x, y): (u32, u32)) -> Vec<Tap> {
+        let (columns, rows) = (self.columns[x as usize], self.rows[y as usize]);
+        let sum: f32 = columns.weight.iter().sum::<f32>() * rows.weight.iter().sum::<f32>();
+        let mut taps: Vec<Tap> = Vec::new();
+        for (y, vertical) in rows.index.into_iter().zip(rows.weight) {
+            for (x, horizontal) in columns.index.into_iter().zip(columns.weight) {
+                let weight = horizontal * vertical / sum;
+                match taps.iter_mut().find(|tap| (tap.x, tap.y) == (x, y)) {
+                    Some(tap) => tap.weight += weight,
+                    None => taps.push(Tap { x, y, weight }),
+                }
+            }
+        }
+        taps
+    }
+}
+
+/// Returns the index of the pixel whose centre lies before a position, and the distance from it, in [0, 1).
+#[inline(always)]
+fn whole_and_fraction(place: f32) -> (i64, f32) {
+    let from = place - 0.5;
+    let floor = from.floor();
+    (floor as i64, from - floor)
+}
+
+/// Returns the weights of four adjacent values for an interpolation at `t` in [0, 1) between the second and the third
+/// (Catmull and Rom, “A Class of Local Interpolating Splines”, 1974).
+#[inline(always)]
+pub(super) fn catmull_rom(t: f32) -> [f32; 4] {
+    [
+        ((-0.5 * t + 1.0) * t - 0.5) * t,
+        (1.5 * t - 2.5) * t * t + 1.0,
+        ((-1.5 * t + 2.0) * t + 0.5) * t,
+        (0.5 * t - 0.5) * t * t,
+    ]
+}
+
+impl AxisSamples {
+    /// Returns the samples around output column or row `at`, out of `samples` samples of a lattice. They lie at `place`
+    /// within their areas.
+    fn new(lattice: Lattice, place: f64, at: u32, samples: u32) -> Self {
+        let (cell, on) = lattice.coordinate(place, at);
+        let nearest = cell + i64::from(on > 0.5);
+        let from_nearest = (cell - nearest) as f64 + f64::from(on);
+        let step = lattice.scale.value();
+        let weight = |number: i64| {
+            if lattice.scale == Scale::ONE {
+                return if number == 0 { 1.0 } else { 0.0 };
+            }
+            let distance = (number as f64 - from_nearest) * step;
+            (-SHARPNESS * distance * distance).exp() as f32
+        };
+        let inside = |index: i64| index.clamp(0, i64::from(samples) - 1) as u32;
+        Self { index: [-1, 0, 1].map(|number| inside(nearest + number)), weight: [-1, 0, 1].map(weight) }
+    }
+}
+
+impl DecodedRows {
+    /// Makes sure that sample row `index` is decoded.
+    #[inline(always)]
+    fn fill(&mut self, index: u32, decode: impl Fn(Rgba8) -> Quad, samples: &Image<Rgba8>) {
+        let (held, row) = &mut self.rows[index as usize % 3];
+        if *held != Some(index) {
+            for (quad, codes) in row.iter_mut().zip(samples.row(index)) {
+                *quad = decode(*codes);
+            }
+            *held = Some(index);
+        }
+    }
+
+    fn row(&self, index: u32) -> &[Quad] {
+        &self.rows[index as usize % 3].1
+    }
+}
+
+impl<S: Simd> Samples<S> {
+    #[inline(always)]
+    fn new(simd: S, samples: [[f32x4<S>; 3]; 3], columns: &AxisSamples, rows: &AxisSamples) -> Self {
+        let zero = f32x4::splat(simd, 0.0);
+        let (mut present, mut sum, mut squares) = (zero, zero, zero);
+        let (mut least, mut greatest) = (samples[1][1], samples[1][1]);
+        let mut confidence = 0.0;
+        for (row, vertical) in samples.into_iter().zip(rows.weight) {
+            for (sample, horizontal) in row.into_iter().zip(columns.weight) {
+                let weight = horizontal * vertical;
+                present += sample * weight;
+                confidence += weight;
+                sum += sample;
+                squares += sample * sample;
+                least = least.min(sample);
+                greatest = greatest.max(sample);
+            }
+        }
+        Self {
+            present: present / confidence,
+            confidence: confidence.min(1.0),
+            least,
+            greatest,
+            mean: sum * (1.0 / 9.0),
+            mean_square: squares * (1.0 / 9.0),
+        }
+    }
+
+    /// Returns the history changed to agree with the samples. The fourth number is not meaningful.
+    #[inline(always)]
+    fn rectified(&self, simd: S, past: f32x4<S>, by: Rectification) -> f32x4<S> {
+        match by {
+            Rectification::None => past,
+            Rectification::Clamp => past.max(self.least).min(self.greatest),
+            Rectification::Clip => {
+                clipped(simd, past, (self.least + self.greatest) * 0.5, (self.greatest - self.least) * 0.5)
+            }
+            Rectification::Variance => {
+                let variance = (self.mean_square - self.mean * self.mean).max(f32x4::splat(simd, 0.0));
+                clipped(simd, past, self.mean, variance.sqrt())
+            }
+        }
+    }
+}
+
+/// Moves a colour straight towards the middle of a box until it is inside. `half` is half of the size of the box.
+#[inline(always)]
+fn clipped<S: Simd>(simd: S, color: f32x4<S>, middle: f32x4<S>, half: f32x4<S>) -> f32x4<S> {
+    // Avoids a division by zero in boxes without extent; far below a step of 8-bit codes.
+    const LEAST_HALF: f32 = 1e-6;
+    let offset = color - middle;
+    let [y, co, cg, _] = (offset.abs() / half.max(f32x4::splat(simd, LEAST_HALF))).to_array();
+    let farthest = y.max(co).max(cg);
+    if farthest > 1.0 { middle + offset * (1.0 / farthest) } else { color }
+}

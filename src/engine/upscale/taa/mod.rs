@@ -1,0 +1,137 @@
+//! Temporal anti-aliasing (TAA) and temporal upsampling: jittered samples are blended with the history, which is
+//! reprojected by motion vectors and rectified by the samples around the pixel.
+//!
+//! ```text
+//! samples ─► 3 × 3 around the pixel ─┬─► present colour, confidence ──────────────┐
+//!                                    └─► range or variance ─┐                     ├─► blend ─► picture, history
+//! motion vector of the nearest of 3 × 3 pixels ─► history ──┴─► rectified history ┘
+//! ```
+//!
+//! The vector of the nearest surface among the 3 × 3 pixels is used, so that the anti-aliased edge of an object moves
+//! with the object (Karis, 2014). All colours are in YCoCg, where chroma and luminance are separate. The history stores
+//! Y, Co, Cg and the accumulated weight of a pixel. A new sample has weight 1 / (n + 1), where n is the accumulated
+//! weight. In motion, n is limited to [`MOVING_WEIGHT`], so that old samples decay exponentially. In a still view, every
+//! jitter position is drawn once, nothing is rectified, and then the picture no longer changes.
+
+mod blend;
+mod options;
+#[cfg(test)]
+mod tests;
+
+pub use options::HistoryFilter;
+pub use options::HistoryOptions;
+pub use options::Rectification;
+
+use self::blend::TaaFrame;
+use super::{
+    Anchor, FilterSpace, Offers, Reads, Reprojected, Sampling, Scale, Tap, UpscaleInputs, Upscaled, Upscaler,
+    Upscaling, bands,
+};
+use crate::antialias::pattern::Pattern;
+use crate::image::{Image, Rgba8};
+use crate::math::lanes::*;
+
+/// Temporal anti-aliasing.
+pub(crate) static TAA: Taa = Taa;
+
+/// [`Upscaler`] implementation of [`TAA`].
+pub(crate) struct Taa;
+
+/// Limit of the accumulated weight of the history in motion. A new sample inside a pixel then has a share of 1/10,
+/// which Karis (2014) recommends.
+const MOVING_WEIGHT: f32 = 9.0;
+
+/// Returns the number of jitter positions, one per frame: 16 without upscaling, otherwise 8 for each pixel of the area
+/// of a sample.
+fn jitter_positions(scale: Scale) -> u32 {
+    if scale == Scale::ONE { 16 } else { (8.0 * scale.value() * scale.value()).round() as u32 }
+}
+
+/// Returns the jitter position within a sample's area, in [0, 1]², after `frames` earlier frames.
+fn jitter(scale: Scale, frames: u32) -> [f64; 2] {
+    let count = jitter_positions(scale);
+    Pattern::LowDiscrepancy { count }.offsets(0, 0)[(frames % count) as usize]
+}
+
+impl Upscaler for Taa {
+    fn id(&self) -> &'static str {
+        "taa"
+    }
+
+    fn name(&self) -> &'static str {
+        "TAA"
+    }
+
+    fn help(&self) -> &'static str {
+        "Jitters the samples and blends them with the history, which motion vectors reproject and the 3×3 samples around \
+         the pixel rectify. Edges and fine detail become smooth in motion, also on moving objects. Thin objects fade \
+         while they move, because the samples around them reject their history; the picture softens slightly. Temporal \
+         anti-aliasing after B. Karis, “High Quality Temporal Supersampling”, 2014; above ×1 as temporal upsampling."
+    }
+
+    fn offers(&self) -> Offers {
+        Offers {
+            scales: &[Scale::ONE, Scale::ONE_AND_A_HALF, Scale::TWO],
+            anchors: &[Anchor::Centre],
+            lights: &[FilterSpace::Linear, FilterSpace::Bytes],
+            deringing: false,
+            sharpening: false,
+            history: true,
+        }
+    }
+
+    fn reads(&self) -> Reads {
+        Reads { gbuffer: true, history: true }
+    }
+
+    fn converges_after(&self, how: Upscaling) -> u32 {
+        jitter_positions(how.scale())
+    }
+
+    fn sampling(&self, how: Upscaling) -> Sampling {
+        Sampling::Lattice(how.lattice())
+    }
+
+    fn frame_sampling(&self, how: Upscaling, frames: u32) -> (Sampling, [f64; 2]) {
+        (self.sampling(how), jitter(how.scale(), frames))
+    }
+
+    fn upscale(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Image<Rgba8>) {
+        self.upscale_with_history(how, drawn, full, None);
+    }
+
+    fn upscale_with_history(
+        &self,
+        how: Upscaling,
+        drawn: &UpscaleInputs<'_>,
+        full: &mut Image<Rgba8>,
+        memory: Option<Image<[f32; 4]>>,
+    ) -> Upscaled {
+        let (width, height) = full.size();
+        let mut memory = Image::reusing(memory, width, height, [0.0; 4]);
+        let frame = TaaFrame::new(how, drawn, (width, height));
+        let lanes = Lanes::best();
+        bands::fill_both(full, &mut memory, |first, full, memory| {
+            let rows = full.chunks_exact_mut(width as usize).zip(memory.chunks_exact_mut(width as usize));
+            let mut samples = frame.decoded_rows();
+            for (y, (row, memory)) in (first..).zip(rows) {
+                on_lanes!(lanes, simd => frame.row(simd, y, &mut samples, (row, memory)));
+            }
+        });
+        Upscaled { history: Some(memory), ..Upscaled::default() }
+    }
+
+    fn pixel(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
+        let frame = TaaFrame::new(how, drawn, size);
+        on_lanes!(Lanes::best(), simd => frame.pixel(simd, at).0)
+    }
+
+    /// Returns the samples of this frame only; history contributes no taps.
+    fn taps(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
+        TaaFrame::new(how, drawn, size).taps(at)
+    }
+
+    fn history_position(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, at: (u32, u32)) -> Option<Reprojected> {
+        TaaFrame::new(how, drawn, drawn.frame?.gbuffer.object.size()).reproject(at)
+    }
+}
