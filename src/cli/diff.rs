@@ -140,8 +140,9 @@ fn compared(
     (a, before): (&Recipe, &Frame),
     (b, after): (&Recipe, &Frame),
 ) -> Result<(Changes, Image<Rgba8>), Failure> {
-    let captured =
-        |recipe: &Recipe, frame: &Frame| capture(&view.scene, recipe, frame).completed_for(buffer, recipe, frame);
+    let captured = |recipe: &Recipe, frame: &Frame| {
+        capture(&view.scene, recipe, frame).completed_for(buffer, &view.scene, recipe, frame)
+    };
     let buffers = (buffer != Buffer::Color).then(|| [captured(a, before), captured(b, after)]);
     let [of_a, of_b] = [0, 1].map(|which| buffers.as_ref().map(|both| &both[which]));
     // Both pictures have the same size.

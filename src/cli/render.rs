@@ -105,7 +105,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let drawn_stage = args.stage.filter(|stage| stage.buffer().is_none());
     let stage = drawn_stage.map(|stage| stages::picture(scene, camera, recipe, frame, stage));
     let buffers = (stage.is_none() && buffer != Buffer::Color)
-        .then(|| capture(scene, recipe, frame).completed_for(buffer, recipe, frame));
+        .then(|| capture(scene, recipe, frame).completed_for(buffer, scene, recipe, frame));
     let reads_seams = args.overlay.iter().any(|layer| layer.overlay.reads_seams());
     let wants_seams = reads_seams || buffers.as_ref().is_some_and(|buffers| buffers.hits.is_some());
     let seams = wants_seams.then(|| Seams::of(scene));

@@ -322,8 +322,8 @@ fn needed_buffers(
         return None;
     }
     let mut buffers = kept.unwrap_or_else(|| Arc::new(capture(scene, recipe, frame)));
-    if buffer == Buffer::Hits && buffers.hits.is_none() {
-        buffers = Arc::new(Arc::unwrap_or_clone(buffers).completed_for(buffer, recipe, frame));
+    if !buffers.is_complete_for(buffer, frame) {
+        buffers = Arc::new(Arc::unwrap_or_clone(buffers).completed_for(buffer, scene, recipe, frame));
     }
     if let Some(seams) = seams.filter(|_| buffers.misses_seams()) {
         buffers = Arc::new(Arc::unwrap_or_clone(buffers).with_seams(scene, recipe, frame, seams));

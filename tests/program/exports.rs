@@ -77,7 +77,7 @@ fn buffers_in_a_file_are_bit_for_bit_those_of_the_inspector() {
         succeed(folder.path(), &args);
         let picture = Picture::read(&folder.path().join("b.exr")).unwrap();
         let (scene, recipe, frame) = drawn(settings);
-        let buffers = capture(&scene, &recipe, &frame).completed_for(Buffer::Hits, &recipe, &frame);
+        let buffers = capture(&scene, &recipe, &frame).completed_for(Buffer::Hits, &scene, &recipe, &frame);
         for pixel @ (x, y) in (0..VIEWPORT.height).flat_map(|y| (0..VIEWPORT.width).map(move |x| (x, y))) {
             let shown = |buffer| value(buffer, &frame, Some(&buffers), x, y);
             let bits = |name: &str| float(&picture, name, pixel).to_bits();

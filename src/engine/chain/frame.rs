@@ -44,6 +44,15 @@ pub struct FrameTimes {
     pub total: Duration,
 }
 
+/// Scene and camera of the frame before another one.
+#[derive(Clone, Debug)]
+pub struct PrecedingView {
+    /// Scene at the time of the preceding frame, a pose of the same scene.
+    pub scene: Arc<Scene>,
+    /// Camera of the preceding frame.
+    pub camera: Camera,
+}
+
 /// Finished frame with its inputs and intermediate results.
 #[derive(Clone, Debug)]
 pub struct Frame {
@@ -62,6 +71,9 @@ pub struct Frame {
     pub(crate) camera: Camera,
     /// Visible surfaces at full resolution; `None` unless the upscaler reads them and the depth test is on.
     pub(super) surfaces: Option<Surfaces>,
+    /// View of the preceding frame, for the motion since then; `None` if no frame precedes. The renderer does not set
+    /// it: whoever knows the sequence of frames does.
+    pub before: Option<PrecedingView>,
     /// Preceding frame as history; `None` unless the upscaler reads history and a preceding frame exists.
     pub history: Option<Arc<History>>,
     /// Geometry of the frame: the list of rasterized triangles, computed on first access.
@@ -231,6 +243,7 @@ impl Frame {
             antialias: Antialiasing::default(),
             camera: self.camera,
             surfaces: self.surfaces.clone(),
+            before: self.before.clone(),
             history: self.history.clone(),
             geometry: LazyGeometry::made(geometry),
             plans: Arc::clone(&self.plans),

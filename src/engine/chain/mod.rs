@@ -3,6 +3,7 @@
 
 mod finish;
 mod frame;
+mod motion;
 mod pixel_samples;
 mod recipe;
 mod renderer;
@@ -13,8 +14,11 @@ mod tests;
 mod view;
 pub mod whole;
 
+pub use crate::pipeline::motion::FrameView;
 pub use frame::Frame;
 pub(crate) use frame::FrameTimes;
+pub use frame::PrecedingView;
+pub use motion::MotionBuffers;
 pub use recipe::Recipe;
 pub use recipe::SetError;
 pub use renderer::KeepDepth;

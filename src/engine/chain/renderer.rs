@@ -230,6 +230,7 @@ impl Renderer {
             antialias: recipe.antialias,
             camera: *camera,
             surfaces,
+            before: None,
             history: past,
             geometry,
             plans: Arc::clone(&report.plans),

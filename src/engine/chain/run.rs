@@ -121,6 +121,7 @@ pub(super) fn run_after<O: Observer>(
         antialias: recipe.antialias,
         camera: *camera,
         surfaces,
+        before: None,
         history: past,
         plans: Arc::new(geometry.plans.clone()),
         geometry: LazyGeometry::made(geometry),

@@ -67,7 +67,8 @@ impl BufferSource<'_> {
     /// Returns all buffers as channels of a picture.
     fn picture(&self) -> Picture {
         let buffers = super::capture(self.scene, self.recipe, self.frame);
-        let buffers = buffers.completed_for(Buffer::Hits, self.recipe, self.frame);
+        let buffers = buffers.completed_for(Buffer::Hits, self.scene, self.recipe, self.frame);
+        let buffers = buffers.completed_for(Buffer::MotionX, self.scene, self.recipe, self.frame);
         let mut surfaces = Surfaces::new(self);
         redraw(self.scene, self.recipe, self.frame, LastStage::Shade, &mut surfaces);
         let surfaces = surfaces.samples;
@@ -77,10 +78,7 @@ impl BufferSource<'_> {
             channels.color(name, |codes| linear[usize::from(codes[channel])]);
         }
         channels.color("A", |[.., alpha]| f32::from(alpha) / 255.0);
-        channels.value("Z", Buffer::Depth, |value| match value {
-            Value::Number(depth) => Some(depth),
-            _ => None,
-        });
+        channels.number("Z", Buffer::Depth);
         for corner in 0..3 {
             channels.weight(&format!("lambda.{corner}"), Buffer::Lambda, corner);
             channels.weight(&format!("weight.{corner}"), Buffer::PerspectiveLambda, corner);
@@ -89,6 +87,11 @@ impl BufferSource<'_> {
         channels.count("overdraw", Buffer::Overdraw);
         channels.count("shaded", Buffer::Shaded);
         channels.count("hits", Buffer::Hits);
+        if self.frame.before.is_some() {
+            channels.number("motion.X", Buffer::MotionX);
+            channels.number("motion.Y", Buffer::MotionY);
+            channels.count("disocclusion", Buffer::Disocclusion);
+        }
         channels.object("id.object");
         channels.surface("distance", |surface| Some(surface.distance));
         for (axis, name) in ["U", "V"].into_iter().enumerate() {
@@ -132,6 +135,13 @@ impl Channels<'_> {
     fn value(&mut self, name: &str, buffer: Buffer, of: impl Fn(Value) -> Option<f32>) {
         let (frame, buffers) = (self.frame, self.buffers);
         self.floats(name, |x, y| of(view::value(buffer, frame, Some(buffers), x, y)));
+    }
+
+    fn number(&mut self, name: &str, buffer: Buffer) {
+        self.value(name, buffer, |value| match value {
+            Value::Number(number) => Some(number),
+            _ => None,
+        });
     }
 
     fn color(&mut self, name: &str, of: impl Fn(Rgba8) -> f32) {

@@ -3,7 +3,7 @@
 //! An observer collects these quantities while the frame is drawn again; normal drawing has no overhead.
 
 use super::hits::Hits;
-use crate::chain::{Frame, Recipe, redraw};
+use crate::chain::{Frame, MotionBuffers, Recipe, redraw};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::LastStage;
 use crate::pipeline::interpolate::{Fragment, affine_weights};
@@ -26,6 +26,14 @@ choice! {
             "Number of triangles that cover each sample, whether or not they pass the depth test.",
             also ["heatmap", "fill rate"];
         Shaded = "shaded", "Times shaded", "Number of times each sample was shaded: work that the depth test did not save.";
+        MotionX = "motion-x", "Motion: x",
+            "Position of the surface in the preceding frame minus its position now, in px to the right. Exact: from the transforms of both frames.",
+            also ["motion vector", "velocity", "optical flow"];
+        MotionY = "motion-y", "Motion: y",
+            "Position of the surface in the preceding frame minus its position now, in px downwards.",
+            also ["motion vector", "velocity", "optical flow"];
+        Disocclusion = "disocclusion", "Disocclusion",
+            "1 where the preceding frame does not show the surface: it was hidden, outside the picture or behind the eye.";
         Hits = "hits", "Hit count", "Number of triangles that cover each sample, without depth test. Cracks along shared edges are blue, double hits orange.";
     }
 }
@@ -46,11 +54,13 @@ pub struct Buffers {
     pub overdraw: Image<u32>,
     /// Number of times that each sample was shaded.
     pub shaded: Image<u32>,
+    /// Motion since the preceding frame; `None` until it is displayed, or if there is none.
+    pub motion: Option<MotionBuffers>,
     /// Hit counts, cracks and double hits; `None` until [`Buffer::Hits`] is displayed.
     pub hits: Option<Hits>,
 }
 
-/// Draws the frame again and records all quantities except the hits.
+/// Draws the frame again and records all quantities except the hits and the motion.
 ///
 /// # Examples
 /// ```
@@ -81,6 +91,7 @@ pub fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Buffers {
         depth_stored: Image::filled(width, height, false),
         overdraw: Image::filled(width, height, 0),
         shaded: Image::filled(width, height, 0),
+        motion: None,
         hits: None,
     };
     redraw(scene, recipe, frame, LastStage::Shade, &mut buffers);
@@ -88,12 +99,22 @@ pub fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Buffers {
 }
 
 impl Buffers {
-    /// Counts the hits if `buffer` is [`Buffer::Hits`] and they are not counted yet; [`capture`] does not count them.
-    pub fn completed_for(self, buffer: Buffer, recipe: &Recipe, frame: &Frame) -> Self {
-        if buffer != Buffer::Hits || self.hits.is_some() {
-            return self;
+    /// Whether [`Self::completed_for`] has nothing to add for a buffer.
+    pub fn is_complete_for(&self, buffer: Buffer, frame: &Frame) -> bool {
+        match buffer {
+            Buffer::Hits => self.hits.is_some(),
+            Buffer::MotionX | Buffer::MotionY | Buffer::Disocclusion => self.motion.is_some() || frame.before.is_none(),
+            _ => true,
         }
-        Self { hits: Some(Hits::of(frame, &recipe.pipeline)), ..self }
+    }
+
+    /// Adds the hits or the motion if `buffer` shows them and they are missing; [`capture`] does not record them.
+    pub fn completed_for(self, buffer: Buffer, scene: &Scene, recipe: &Recipe, frame: &Frame) -> Self {
+        match buffer {
+            _ if self.is_complete_for(buffer, frame) => self,
+            Buffer::Hits => Self { hits: Some(Hits::of(frame, &recipe.pipeline)), ..self },
+            _ => Self { motion: frame.motion(scene, recipe), ..self },
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::buffers::{Buffer, Buffers};
 use super::hits::FaultKind;
 use super::stages::NOT_DRAWN;
-use crate::chain::Frame;
+use crate::chain::{Frame, MotionBuffers};
 use crate::image::color::quantize;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::shade::id_color;
@@ -50,12 +50,18 @@ pub const CRACK: Rgba8 = [48, 132, 255, 255];
 pub const DOUBLE_HIT: Rgba8 = [255, 150, 0, 255];
 
 /// Returns the colour at a position in [0, 1] of a buffer's colour map. The map of [`Buffer::Hits`] is grey, because
-/// colours mark faults there.
+/// colours mark faults there. Motion has a diverging map: no motion is white.
 pub fn map_color(buffer: Buffer, position: f32) -> Rgba8 {
     /// Grey levels at the two ends of the map, in [0, 1]; chosen so that dark and light marks stay visible.
     const GREYS: (f32, f32) = (0.11, 0.84);
-    if buffer != Buffer::Hits {
-        return magnitude_color(position);
+    match buffer {
+        Buffer::Hits => {}
+        Buffer::MotionX | Buffer::MotionY => {
+            let [r, g, b] =
+                colorous::PURPLE_ORANGE.eval_continuous(1.0 - f64::from(position.clamp(0.0, 1.0))).as_array();
+            return [r, g, b, 255];
+        }
+        _ => return magnitude_color(position),
     }
     let grey = quantize(GREYS.0 + (GREYS.1 - GREYS.0) * position.clamp(0.0, 1.0));
     [grey, grey, grey, 255]
@@ -100,6 +106,10 @@ pub fn value(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, x: u32, y
         Buffer::Overdraw => Value::Count(buffers.overdraw.at(column, row)),
         Buffer::Shaded => Value::Count(buffers.shaded.at(column, row)),
         Buffer::Hits => buffers.hits.as_ref().map_or(Value::Nothing, |hits| Value::Count(hits.counts.at(column, row))),
+        Buffer::MotionX | Buffer::MotionY | Buffer::Disocclusion => {
+            let at = frame.drawn.grid.pixel(column, row);
+            buffers.motion.as_ref().map_or(Value::Nothing, |motion| motion_value(buffer, motion, at))
+        }
         _ if id == TriangleId::NONE => Value::Nothing,
         Buffer::Lambda => Value::Weights(buffers.lambda.at(column, row)),
         Buffer::PerspectiveLambda => Value::Weights(buffers.perspective_lambda.at(column, row)),
@@ -107,9 +117,23 @@ pub fn value(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, x: u32, y
     }
 }
 
+fn motion_value(buffer: Buffer, motion: &MotionBuffers, (x, y): (u32, u32)) -> Value {
+    let [across_px, down_px] = motion.vector_px(x, y);
+    match buffer {
+        Buffer::MotionX => Value::Number(across_px),
+        Buffer::MotionY => Value::Number(down_px),
+        _ => Value::Count(u32::from(motion.is_disoccluded(x, y))),
+    }
+}
+
 /// Returns the reason why a buffer has no values in this frame; `None` if it has values.
 pub fn absence(buffer: Buffer, frame: &Frame) -> Option<&'static str> {
-    (buffer == Buffer::Depth && frame.drawn.depth.is_none()).then_some("no depth buffer: the depth test is off")
+    let is_motion = matches!(buffer, Buffer::MotionX | Buffer::MotionY | Buffer::Disocclusion);
+    match buffer {
+        _ if is_motion && frame.before.is_none() => Some("no motion: scene and camera are still"),
+        Buffer::Depth if frame.drawn.depth.is_none() => Some("no depth buffer: the depth test is off"),
+        _ => None,
+    }
 }
 
 /// Returns the stored depth of a sample; `None` if no fragment stored its depth. Without `buffers`, the depth is
@@ -142,6 +166,16 @@ pub fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option
             }
             Range::fit(counts.pixels().iter().copied()).map(|r| Range { low: 0.0, ..r })
         }
+        Buffer::MotionX | Buffer::MotionY => {
+            let motion = buffers?.motion.as_ref()?;
+            let (width, height) = (frame.raster.width, frame.raster.height);
+            let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+            let axis = usize::from(buffer == Buffer::MotionY);
+            let lengths = pixels.map(|(x, y)| motion.vector_px(x, y)[axis].abs()).filter(|length| length.is_finite());
+            let most = lengths.fold(0.0, f32::max);
+            Some(Range { low: -most, high: most })
+        }
+        Buffer::Disocclusion => buffers?.motion.as_ref().map(|_| Range { low: 0.0, high: 1.0 }),
         Buffer::Overdraw | Buffer::Shaded => {
             let buffers = buffers?;
             let counts = if buffer == Buffer::Overdraw { &buffers.overdraw } else { &buffers.shaded };
@@ -230,7 +264,7 @@ mod tests {
         let mut recipe = Recipe::default();
         recipe.pipeline.fill_rule = FillRule::Inclusive;
         let frame = run(&scene, &scene.home, &recipe, Viewport { width: 32, height: 24 }, &mut ());
-        let buffers = capture(&scene, &recipe, &frame).completed_for(Buffer::Hits, &recipe, &frame);
+        let buffers = capture(&scene, &recipe, &frame).completed_for(Buffer::Hits, &scene, &recipe, &frame);
         let hits = buffers.hits.as_ref().unwrap();
         assert!(hits.counts.pixels().iter().any(|count| *count > 1));
         let range = range(Buffer::Hits, &frame, Some(&buffers));

@@ -24,6 +24,8 @@ mod junctions;
 
 mod layer;
 
+mod motion;
+
 mod normals;
 
 pub(crate) mod sheet;
@@ -64,6 +66,7 @@ choice! {
         SnappedWireframe = "wireframe-snapped", "Wireframe, snapped", "Edges of all rasterized triangles between the corners that the rasterizer uses: in fixed point, snapped to 1/256 px.";
         VertexNormals = "vertex-normals", "Vertex normals", "Normals of all vertices of rasterized triangles as lines, not hidden by surfaces.";
         FaceNormals = "face-normals", "Face normals", "Normals of all rasterized triangles as lines from their centroids, not hidden by surfaces.";
+        Motion = "motion-vectors", "Motion vectors", "Lines from pixels on a grid to where their surfaces were in the preceding frame; red where that frame does not show them.";
         Facing = "facing", "Facing", "Whether the visible triangle is front-facing or back-facing.";
         DepthTest = "depth-test", "Depth test", "Whether all, some or none of the fragments of a pixel passed the depth test when they were drawn.";
         Discarded = "discarded", "Discarded fragments", "The most frequent reason for discarding fragments of a pixel: depth test, alpha test, or face culling. Hover over a pixel to see the counts.";
@@ -133,6 +136,7 @@ impl Overlay {
             | Self::SnappedWireframe
             | Self::VertexNormals
             | Self::FaceNormals
+            | Self::Motion
             | Self::Faults
             | Self::Junctions
             | Self::BadNumbers
@@ -172,6 +176,7 @@ impl Overlay {
         match self {
             Self::Wireframe | Self::SnappedWireframe => edges::wireframe(self, context),
             Self::VertexNormals | Self::FaceNormals => normals::normals(self, DEFAULT_LENGTH, context),
+            Self::Motion => motion::vectors(context),
             Self::Facing => surfaces::facing(context),
             Self::DepthTest => fragments::depth_test(context),
             Self::Discarded => discarded::discarded(context),

@@ -23,11 +23,11 @@ use crate::scene::{Camera, DepthMapping, Mesh, Projection, Scene, TriangleId};
 
 /// Scene and camera of one frame.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct FrameView<'a> {
+pub struct FrameView<'a> {
     /// Scene at the time of the frame.
-    pub(crate) scene: &'a Scene,
+    pub scene: &'a Scene,
     /// Camera of the frame, without jitter.
-    pub(crate) camera: &'a Camera,
+    pub camera: &'a Camera,
 }
 
 /// Motion of every pixel of a frame since the preceding frame.

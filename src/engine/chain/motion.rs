@@ -1,0 +1,136 @@
+//! Motion data of a picture: vectors, disocclusion and distances, drawn on demand.
+
+use super::{Frame, Recipe, run::draw_pixels, view::raster_camera, view::sampling_after};
+use crate::image::{Image, Rgba8};
+use crate::math::lanes::Lanes;
+use crate::pipeline::gbuffer::GBuffer;
+use crate::pipeline::grid::SampleGrid;
+use crate::pipeline::motion::{FrameBefore, FrameMotion, FrameView, MotionVectors};
+use crate::pipeline::settings::{DepthTest, Settings, Shading};
+use crate::pipeline::viewport::Viewport;
+use crate::pipeline::{LastStage, prepare};
+use crate::scene::Scene;
+
+/// Motion of every pixel of a picture since the preceding frame.
+#[derive(Clone, Debug)]
+pub struct MotionBuffers {
+    vectors: MotionVectors,
+    surfaces: GBuffer,
+}
+
+impl MotionBuffers {
+    /// Draws the ids and depths of two views, and computes the motion from `before` to `now` in a picture of the
+    /// viewport's size. Both scenes must be poses of the same scene. Returns `None` if the depth test is off.
+    pub fn between(now: FrameView<'_>, before: FrameView<'_>, recipe: &Recipe, viewport: Viewport) -> Option<Self> {
+        let (ids, distance) = ids_and_distances(now, recipe, viewport)?;
+        let (mut object, distance_before) = ids_and_distances(before, recipe, viewport)?;
+        let (size, lanes) = (ids.size(), Lanes::best());
+        FrameMotion::new(before, None, size).resolve(lanes, &mut object, &distance_before, None);
+        let gbuffer = GBuffer { object, distance: distance_before };
+        let motion = FrameMotion::new(now, Some(FrameBefore { view: before, gbuffer: &gbuffer }), size);
+        let mut object = ids;
+        let vectors = motion.resolve(lanes, &mut object, &distance, None)?;
+        Some(Self { vectors, surfaces: GBuffer { object, distance } })
+    }
+
+    /// Returns the position in the preceding frame minus the position in this one, in pixels to the right and downwards.
+    /// The background moves as if it were infinitely far away. Not finite if the point was in the plane of the eye.
+    pub fn vector_px(&self, x: u32, y: u32) -> [f32; 2] {
+        [self.vectors.across_px.at(x, y), self.vectors.down_px.at(x, y)]
+    }
+
+    /// Whether the preceding frame does not show the surface point: it was hidden, outside the picture or behind the eye.
+    pub fn is_disoccluded(&self, x: u32, y: u32) -> bool {
+        self.vectors.visible.at(x, y) != MotionVectors::VISIBLE
+    }
+
+    /// Returns the distance along the view axis, in world units. Without a surface, it is infinite or the distance of the
+    /// far plane.
+    pub fn distance(&self, x: u32, y: u32) -> f32 {
+        self.surfaces.distance.at(x, y)
+    }
+
+    /// Whether the pixel shows a surface.
+    pub fn shows_surface(&self, x: u32, y: u32) -> bool {
+        self.surfaces.object.at(x, y) != GBuffer::NO_OBJECT
+    }
+}
+
+impl Frame {
+    /// Computes the motion of every rasterized pixel since [`Frame::before`], without jitter. `scene` must be the scene of
+    /// the frame and `recipe` its recipe. Returns `None` if no view precedes or the depth test is off.
+    pub fn motion(&self, scene: &Scene, recipe: &Recipe) -> Option<MotionBuffers> {
+        let before = self.before.as_ref()?;
+        let (_, place) = sampling_after(self.history.as_deref(), recipe);
+        // Both views have the jitter of this frame, which therefore does not appear as motion.
+        let [now, then] =
+            [&self.camera, &before.camera].map(|camera| raster_camera(camera, self.sampling, self.viewport, place));
+        let before = FrameView { scene: &before.scene, camera: &then };
+        MotionBuffers::between(FrameView { scene, camera: &now }, before, recipe, self.raster)
+    }
+}
+
+/// Draws the triangle ids and the distances of a view; `None` if the depth test is off.
+fn ids_and_distances(view: FrameView<'_>, recipe: &Recipe, viewport: Viewport) -> Option<(Image<Rgba8>, Image<f32>)> {
+    if recipe.pipeline.depth_test == DepthTest::Off {
+        return None;
+    }
+    let pipeline = Settings { shading: Shading::TriangleId, exact_ids: true, ..recipe.pipeline };
+    let shown = Recipe { pipeline, ..Recipe::default() };
+    let geometry = prepare(view.scene, view.camera, &pipeline, viewport, &mut ());
+    let drawn = draw_pixels(view.scene, &shown, &geometry, (SampleGrid::FULL, viewport), LastStage::Shade, &mut ());
+    let mut distance = drawn.depth?;
+    drawn.depth_scale.replace_by_distances(Lanes::best(), distance.pixels_mut());
+    Some((drawn.color, distance))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::chain::{KeepDepth, PrecedingView, Renderer};
+    use crate::pipeline::settings::{Choice as _, Execution};
+    use crate::scene::builtin;
+    use crate::upscale::Upscaling;
+
+    const SIZE: Viewport = Viewport { width: 80, height: 45 };
+
+    #[test]
+    fn buffers_equal_the_vectors_that_upscalers_read() {
+        let scene = Arc::new(builtin::by_id("chess-motion").unwrap().build());
+        let (first, second) = (scene.at(0.5), scene.at(0.6));
+        let mut camera = scene.home;
+        camera.orbit(0.02, 0.01);
+        for execution in Execution::ALL {
+            let upscaler = Upscaling::new("taa", 1).unwrap();
+            let recipe = Recipe { upscaler, execution: *execution, ..Recipe::default() };
+            let mut renderer = Renderer::default();
+            let _ = renderer.render(&first, &scene.home, &recipe, SIZE, KeepDepth::No);
+            let frame = renderer.render(&second, &camera, &recipe, SIZE, KeepDepth::No);
+            let views = [(&second, &camera), (&first, &scene.home)];
+            let [now, before] = views.map(|(scene, camera)| FrameView { scene, camera });
+            let buffers = MotionBuffers::between(now, before, &recipe, SIZE).unwrap();
+            let shown = frame.surfaces.as_ref().unwrap();
+            assert_eq!(*shown.gbuffer, buffers.surfaces, "{execution:?}");
+            assert_eq!(**shown.motion.as_ref().unwrap(), buffers.vectors, "{execution:?}");
+        }
+    }
+
+    #[test]
+    fn jitter_is_no_motion() {
+        let scene = Arc::new(builtin::by_id("chess").unwrap().build());
+        let recipe = Recipe { upscaler: Upscaling::new("taa", 2).unwrap(), ..Recipe::default() };
+        let mut renderer = Renderer::default();
+        for _ in 0..3 {
+            let mut frame = renderer.render(&scene, &scene.home, &recipe, SIZE, KeepDepth::No);
+            assert!(frame.motion(&scene, &recipe).is_none());
+            frame.before = Some(PrecedingView { scene: Arc::clone(&scene), camera: scene.home });
+            let motion = frame.motion(&scene, &recipe).unwrap();
+            let pixels = (0..frame.raster.height).flat_map(|y| (0..frame.raster.width).map(move |x| (x, y)));
+            assert!(
+                pixels.into_iter().all(|(x, y)| motion.vector_px(x, y) == [0.0; 2] && !motion.is_disoccluded(x, y))
+            );
+        }
+    }
+}
