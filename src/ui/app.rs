@@ -144,7 +144,7 @@ impl Workbench {
         self.session.features.onboarding.observe(Observed {
             zoom: self.widgets.canvas.scale(),
             shows_stage: matches!(self.session.shown, Shown::Stage(_)),
-            compares: self.session.comparison.is_on(),
+            compares: self.session.features.comparison.is_on(),
         });
         if !ui.input(|i| i.pointer.any_down()) {
             self.session.settle(ui.input(|i| i.time));

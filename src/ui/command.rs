@@ -39,12 +39,8 @@ macro_rules! define_command {
         #[derive(Clone, Debug, PartialEq)]
         pub(crate) enum Command {
             $($(#[$doc])* $variant(<$state as Feature>::Change),)+
-            /// Changes the comparison of pictures.
-            Compare(CompareChange),
             /// Opens a dialog or the manual.
             Dialog(DialogCommand),
-            /// Shows a workspace or a panel, or changes the layout.
-            Workspace(WorkspaceChange),
             /// Mirrors the scene along the z axis.
             MirrorZ,
             /// Replaces the recipe.
@@ -81,12 +77,6 @@ macro_rules! define_command {
             Undo,
             /// Redoes the last undone change.
             Redo,
-            /// Dismisses the offer to open a picture in the 2D lab.
-            CloseOffer,
-            /// Dismisses the notice about a saved file or warnings.
-            CloseNotice,
-            /// Dismisses the error bar.
-            CloseError,
             /// Performs the first applicable action: closes the manual, closes the introduction, closes the case, clears
             /// the selection, clears the pick, hides the probe's heat map, ends the comparison, or shows the colour buffer
             /// of the complete frame.
@@ -98,9 +88,7 @@ macro_rules! define_command {
             pub(super) fn apply(self, session: &mut Session) -> Option<WindowTask> {
                 match self {
                     $(Self::$variant(change) => return <$state as Feature>::apply(session, change),)+
-                    Self::Compare(change) => session.compare(change),
                     Self::Dialog(command) => return Some(WindowTask::Dialog(command)),
-                    Self::Workspace(change) => return Some(WindowTask::Workspace(change)),
                     Self::MirrorZ => session.mirror_z(),
                     Self::SetRecipe(recipe) => session.set_recipe(recipe),
                     Self::ApplyRemedy(remedy) => remedy.apply(&mut session.state.recipe, &mut session.state.camera),
@@ -119,9 +107,6 @@ macro_rules! define_command {
                     Self::Select(selection) => session.features.fates.adopt_selection(selection, &mut session.selection),
                     Self::Undo => session.travel(true),
                     Self::Redo => session.travel(false),
-                    Self::CloseOffer => session.messages.offered_picture = None,
-                    Self::CloseNotice => session.messages.notice = None,
-                    Self::CloseError => session.messages.error = None,
                     Self::Escape => return Some(WindowTask::Escape),
                 }
                 None

@@ -71,12 +71,18 @@ macro_rules! with_features {
             watch: $crate::ui::watch::WatchList => Watch,
             /// Explanation of another renderer's picture.
             explaining: $crate::ui::explaining::Explaining => Explaining,
+            /// Comparison of several pictures of one view.
+            comparison: $crate::ui::compare::CompareState => Compare,
             /// Sequences of picture files, and the frame that they show.
             sequences: $crate::ui::sequences::Sequences => Sequence,
             /// Filmstrip of all upscaling methods below a comparison.
             filmstrip: $crate::ui::filmstrip::Filmstrip => Filmstrip,
             /// Start card, coach and lessons for new users.
             onboarding: $crate::ui::onboarding::Onboarding => Onboarding,
+            /// Workspace of the other panels.
+            workspaces: $crate::ui::workspace::Workspaces => Workspace,
+            /// Errors, notices, offers, and the log.
+            messages: $crate::ui::session::Messages => Message,
             /// Theme, scale and motion of the window.
             appearance: $crate::ui::appearance::Appearance => Appearance,
         }

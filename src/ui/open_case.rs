@@ -65,7 +65,7 @@ impl Session {
         let case = case.into();
         self.close_case();
         self.report(Severity::Info, format!("Opened case {}", case.id));
-        self.messages.error = None;
+        self.features.messages.error = None;
         self.features.case = Some(OpenCase::new(case));
     }
 

@@ -45,7 +45,7 @@ fn ui(ui: &mut Ui, cx: &mut PanelContext<'_>) {
     Panel::top("toolbar").frame(frame).exact_size(BAR_HEIGHT).show(ui, |ui| {
         transport::toolbar(ui, session, widgets.canvas.scale(), commands);
     });
-    let compares = session.comparison.is_on() && session.features.case.is_none();
+    let compares = session.features.comparison.is_on() && session.features.case.is_none();
     if compares {
         // Compared pictures are complete: there is nothing to play back.
         Panel::top("compare").frame(frame).show(ui, |ui| {

@@ -19,7 +19,7 @@ impl Session {
         };
         let mut project = Project::new(self.place(), tr, self.viewport());
         let sequences = &self.features.sequences;
-        project.comparison = self.comparison.stored(&self.state.tiles, self.state.recipe, sequences);
+        project.comparison = self.features.comparison.stored(&self.state.tiles, self.state.recipe, sequences);
         project.workspace = Some(self.workspace().id().to_owned());
         project.probe = Some(self.features.probing.probe);
         project
@@ -54,7 +54,7 @@ impl Session {
         }
         let Some(comparison) = &project.comparison else { return Vec::new() };
         self.features.sequences.restore(comparison);
-        let files = self.comparison.restore(comparison, &mut self.state.tiles, self.state.recipe);
+        let files = self.features.comparison.restore(comparison, &mut self.state.tiles, self.state.recipe);
         files.into_iter().map(|(role, path)| Command::File(FileCommand::OpenPicture(role, path))).collect()
     }
 }

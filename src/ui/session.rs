@@ -8,6 +8,7 @@ mod preferences;
 
 mod undo;
 
+pub(crate) use messages::MessageChange;
 pub(crate) use messages::Messages;
 pub(crate) use messages::Notice;
 pub(crate) use messages::Severity;
@@ -21,15 +22,11 @@ pub(crate) use undo::Undoable;
 use std::sync::Arc;
 
 use super::command::Command;
-use super::compare::compute::{CompareRequest, Compared};
-use super::compare::files::{OpenedPicture, PictureRole};
-use super::compare::{CompareChange, CompareSettings, Mode, TileSet};
+use super::compare::{CompareChange, Mode, TileSet};
 use super::engine::{RenderedView, Request, Shown};
-use super::explaining;
 use super::fates::FatesChange;
 use super::features::Features;
 use super::look::Look;
-use super::range;
 use super::window_task::WindowTask;
 use super::workspace::Workspace;
 use crate::chain::Recipe;
@@ -57,16 +54,8 @@ pub(crate) struct Session {
     pub(crate) selection: TriangleSelection,
     /// Newest view from the renderer.
     pub(crate) view: Option<RenderedView>,
-    /// Settings of the comparison.
-    pub(crate) comparison: CompareSettings,
-    /// Results of the comparison so far.
-    pub(crate) compared: Option<Compared>,
     /// State of all features.
     pub(crate) features: Features,
-    /// Errors, notices, offers, and the log.
-    pub(crate) messages: Messages,
-    /// Workspace that is shown unless the 2D lab, a comparison or the mesh view is open.
-    pub(in crate::ui) base_workspace: Workspace,
     history: UndoHistory,
 }
 
@@ -84,11 +73,7 @@ impl Session {
             pick: None,
             selection: TriangleSelection::default(),
             view: None,
-            comparison: CompareSettings::default(),
-            compared: None,
             features: Features::default(),
-            messages: Messages::default(),
-            base_workspace: Workspace::Inspect,
         }
     }
 
@@ -126,23 +111,6 @@ impl Session {
         }
     }
 
-    /// Returns the current comparison request; `None` if comparison is off.
-    pub(crate) fn compare_request(&self) -> Option<CompareRequest> {
-        let CompareSettings { mode, reference, region, difference, gain, .. } = self.comparison;
-        let shows_difference = mode == Mode::Difference;
-        let tiles = 0..self.comparison.shown(&self.state.tiles);
-        self.comparison.is_on().then(|| CompareRequest {
-            scene: self.scene.clone(),
-            camera: self.state.camera,
-            viewport: self.viewport(),
-            recipes: tiles.map(|tile| self.state.tiles.recipe(tile, self.state.recipe)).collect(),
-            files: self.comparison.files(&self.state.tiles),
-            reference,
-            region,
-            difference: shows_difference.then_some((difference, gain)),
-        })
-    }
-
     /// Replaces the scene. Resets the camera, the pick and what the features know of the previous scene; the recipe
     /// stays, except for the light of a scene that has one.
     pub(crate) fn show_scene(&mut self, scene: Scene, source: SceneSource) {
@@ -152,11 +120,10 @@ impl Session {
         self.report(Severity::Info, format!("Opened {}: {} triangles", scene.name, scene.triangle_count()));
         self.state.camera = scene.home;
         self.state.recipe.take_light(&scene, Some(&self.scene));
-        (self.messages.offered_picture, self.messages.notice, self.messages.error) = (None, None, None);
         self.scene = Arc::new(scene);
         self.source = source;
         self.mirrored = false;
-        (self.pick, self.compared, self.selection) = Default::default();
+        (self.pick, self.selection) = Default::default();
         self.features.leave_scene();
         let lesson = self.features.onboarding.arrive(&self.source);
         self.arrive();
@@ -179,40 +146,6 @@ impl Session {
     pub(crate) fn apply(&mut self, command: Command) -> Option<WindowTask> {
         let command = self.features.lab.claim(command)?;
         self.redirect_playback(command).apply(self)
-    }
-
-    /// Changes the comparison. A comparison shows final colours only.
-    pub(in crate::ui) fn compare(&mut self, change: CompareChange) {
-        if change == CompareChange::ToggleRegion && !self.comparison.is_on() {
-            // Without a comparison, the key of this command resets the value range.
-            self.features.range.apply(range::RangeChange::Reset, self.shown, None);
-            return;
-        }
-        let Undoable { tiles, recipe, .. } = &mut self.state;
-        self.comparison.apply(change, tiles, recipe);
-        if self.comparison.is_on() {
-            self.shown = Shown::Buffer(Buffer::Color);
-        }
-    }
-
-    /// Shows an opened picture file in a comparison. The drawn pictures take its size if they can, because only pictures
-    /// of one size can be compared.
-    pub(in crate::ui) fn show_compared_picture(&mut self, role: PictureRole, picture: Arc<OpenedPicture>) {
-        match role {
-            PictureRole::Depths => return explaining::open_depths(self, picture),
-            PictureRole::Ids => return explaining::open_ids(self, picture),
-            PictureRole::Tile(_) | PictureRole::Reference => {}
-        }
-        let (width, height) = picture.picture.size();
-        let mut text = format!("Opened {} as {}: {}", picture.name(), role.name(), picture.picture.description());
-        let size = Viewport { width, height };
-        if size != self.viewport() && size.check().is_ok() {
-            self.state.size = PictureSize::Fixed(width, height);
-            text += "; the picture has its size now";
-        }
-        self.compare(CompareChange::File(role, picture));
-        self.messages.offered_picture = None;
-        self.report(Severity::Info, text);
     }
 
     /// Returns the number of triangles that are rasterized if the frame on screen is drawn completely.
@@ -301,7 +234,7 @@ impl Session {
         } else if !self.selection.is_empty() {
             self.features.fates.apply(FatesChange::Clear, &mut self.selection);
         } else if self.pick.take().is_some() || self.features.probing.hide() {
-        } else if self.comparison.is_on() {
+        } else if self.features.comparison.is_on() {
             self.compare(CompareChange::Mode(Mode::Off));
         } else {
             self.shown = Shown::Buffer(Buffer::Color);
@@ -323,7 +256,7 @@ impl Session {
     pub(super) fn show(&mut self, shown: Shown) {
         self.set_shown(shown);
         if shown != Shown::Buffer(Buffer::Color) {
-            self.comparison.mode = Mode::Off;
+            self.features.comparison.mode = Mode::Off;
         }
     }
 }

@@ -143,7 +143,7 @@ fn start(preferences: &Preferences) -> Result<(), Failure> {
         pass(&mut headless, &mut app);
     }
     check_written(&app.session().preferences(&WindowState { scale, ..WindowState::default() }))?;
-    let broken = app.session().messages.log.iter().find(|line| line.text.contains("internal error"));
+    let broken = app.session().features.messages.log.iter().find(|line| line.text.contains("internal error"));
     broken.map_or(Ok(()), |line| Err(Failure::Wrong(line.text.clone())))
 }
 

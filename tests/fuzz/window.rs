@@ -169,7 +169,7 @@ fn stop_measurements(window: &mut Harness<'_, Workbench>) {
 /// Checks that the program reports no internal error, and that no shape has a NaN position.
 fn check(window: &Harness<'_, Workbench>) -> Result<(), Failure> {
     let session = window.state().session();
-    if let Some(line) = session.messages.log.iter().find(|line| line.text.contains("internal error")) {
+    if let Some(line) = session.features.messages.log.iter().find(|line| line.text.contains("internal error")) {
         let panic = panics::take_elsewhere().unwrap_or_default();
         return Err(Failure::Panic(format!("{panic} ({})", line.text)));
     }

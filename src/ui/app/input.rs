@@ -42,7 +42,7 @@ pub(super) fn dropped_files(ui: &Ui, session: &Session, commands: &mut Vec<Comma
     let path = file.path().to_owned();
     let is_picture = is_named_picture(&path) || FileSequence::is_named_by(&path);
     // The tiles find out on which of them the file was dropped.
-    let is_compared = session.comparison.is_on() && session.features.case.is_none() && is_picture;
+    let is_compared = session.features.comparison.is_on() && session.features.case.is_none() && is_picture;
     if !is_compared {
         commands.push(Command::File(match FileSequence::is_named_by(&path) {
             true => FileCommand::OpenPicture(PictureRole::Tile(1), path),

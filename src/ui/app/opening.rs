@@ -107,7 +107,7 @@ impl Workbench {
             && is_named_picture(path)
         {
             // An image file is not a scene: offer it to the 2D lab, which fills and samples pictures.
-            self.session.messages.offered_picture = Some(path.clone());
+            self.session.features.messages.offered_picture = Some(path.clone());
             return;
         }
         if self.widgets.is_synchronous {
@@ -230,6 +230,6 @@ impl Workbench {
         for warning in warnings {
             self.session.report(Severity::Warning, warning.to_string());
         }
-        self.session.messages.notice = (!warnings.is_empty()).then_some(Notice::Warnings(warnings.len()));
+        self.session.features.messages.notice = (!warnings.is_empty()).then_some(Notice::Warnings(warnings.len()));
     }
 }

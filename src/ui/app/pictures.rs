@@ -134,7 +134,7 @@ impl Workbench {
 
     /// Reads a file that was opened as `path`, in the background unless the window is synchronous.
     fn read_picture(&mut self, context: &Context, purpose: Purpose, path: &Path, file: &Path) {
-        let tone = self.session.comparison.pictures.tone();
+        let tone = self.session.features.comparison.pictures.tone();
         if self.widgets.is_synchronous {
             return self.picture_read(purpose, file, OpenedPicture::read(path, file, tone));
         }
@@ -158,7 +158,7 @@ impl Workbench {
         self.pictures.ready.retain(|picture| wanted.iter().any(|(_, file)| *file == picture.file));
         self.pictures.unreadable.retain(|unreadable| wanted.iter().any(|(_, file)| file == unreadable));
         for (path, file) in &wanted {
-            let Some(shown) = self.session.comparison.pictures.get(path) else { continue };
+            let Some(shown) = self.session.features.comparison.pictures.get(path) else { continue };
             let PictureFiles { opening, ready, unreadable, .. } = &self.pictures;
             let is_known = shown.file == *file
                 || unreadable.contains(file)
@@ -223,7 +223,7 @@ impl Workbench {
             let is_it = |file: &Path| {
                 file.file_name() == path.file_name() && path.parent().is_some_and(|folder| folder == folder_of(file))
             };
-            let changed = self.session.comparison.pictures.all().find(|opened| is_it(&opened.file));
+            let changed = self.session.features.comparison.pictures.all().find(|opened| is_it(&opened.file));
             if let Some(file) = changed.map(|opened| opened.file.clone()) {
                 self.note_change(file, now, now + QUIET);
             }
@@ -234,7 +234,7 @@ impl Workbench {
         };
         let due: Vec<_> = self.pictures.changed.extract_if(.., |changed| is_due(changed)).collect();
         for ChangedFile { path: file, since, .. } in due {
-            let opened = self.session.comparison.pictures.all().find(|opened| opened.file == file);
+            let opened = self.session.features.comparison.pictures.all().find(|opened| opened.file == file);
             if let Some(path) = opened.map(|opened| opened.path.clone()) {
                 self.read_picture(ui.ctx(), Purpose::Reload(since), &path, &file);
             }
@@ -255,7 +255,7 @@ impl Workbench {
 
     /// Whether the file of a picture is the one that is open under its path.
     fn is_shown(&self, picture: &OpenedPicture) -> bool {
-        self.session.comparison.pictures.get(&picture.path).is_some_and(|opened| opened.file == picture.file)
+        self.session.features.comparison.pictures.get(&picture.path).is_some_and(|opened| opened.file == picture.file)
     }
 
     fn picture_read(&mut self, purpose: Purpose, path: &Path, result: Result<OpenedPicture, ImageFileError>) {

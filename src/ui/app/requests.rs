@@ -59,7 +59,7 @@ impl Workbench {
                 self.session.view = Some(*view);
                 self.widgets.requested_at = None;
             }
-            WorkerResponse::Compared(compared) => self.session.compared = Some(*compared),
+            WorkerResponse::Compared(compared) => self.session.features.comparison.compared = Some(*compared),
             WorkerResponse::Filmstrip(drawn) => self.session.features.filmstrip.drawn = Some(*drawn),
             WorkerResponse::Watched(rows) => self.session.features.watch.store_values(rows),
             WorkerResponse::WhatIf(found) => self.session.features.what_if.found = Some(*found),
@@ -117,7 +117,7 @@ impl Workbench {
         let request = self.session.compare_request().filter(|_| self.session.has_size());
         if CompareRequest::replace(&mut self.sent.comparison, request.as_ref()) {
             if request.is_none() {
-                self.session.compared = None;
+                self.session.features.comparison.compared = None;
             }
             self.send(ui, WorkerRequest::Compare(request.map(Box::new)));
         }
@@ -153,7 +153,7 @@ impl Workbench {
         let request = MeasureRequest {
             number: self.measuring.number + 1,
             of: request,
-            reference: self.session.comparison.reference,
+            reference: self.session.features.comparison.reference,
             turn: self.session.features.timings.turn,
         };
         self.session.features.timings.begin_measurement(request.clone());

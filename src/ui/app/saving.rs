@@ -320,7 +320,7 @@ impl Workbench {
         match outcome {
             Ok(path) => {
                 self.session.report(Severity::Info, format!("Saved {}", path.display()));
-                self.session.messages.notice = Some(Notice::Saved(path));
+                self.session.features.messages.notice = Some(Notice::Saved(path));
             }
             Err(error) => self.session.report(Severity::Error, error),
         }

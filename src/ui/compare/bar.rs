@@ -33,7 +33,7 @@ const LABEL_POINTS: f32 = 1080.0;
 
 /// Draws the comparison modes, the tile count, the region, the filmstrip switch and the reference.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, widgets: &PanelWidgets, commands: &mut Vec<Command>) {
-    let comparison = &session.comparison;
+    let comparison = &session.features.comparison;
     let mut changes = Vec::new();
     let has_label = ui.available_width() >= LABEL_POINTS;
     ui.horizontal_wrapped(|ui| {
@@ -107,7 +107,7 @@ fn counts(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>) {
 }
 
 fn difference(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>) {
-    let mut kind = session.comparison.difference;
+    let mut kind = session.features.comparison.difference;
     ui.name_inputs("Difference to show", |ui| {
         combo("difference", kind.name(), 116.0).show_ui(ui, |ui| {
             for option in Difference::ALL {
@@ -115,10 +115,10 @@ fn difference(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>) 
             }
         });
     });
-    if kind != session.comparison.difference {
+    if kind != session.features.comparison.difference {
         changes.push(CompareChange::Difference(kind));
     }
-    let mut gain = session.comparison.gain;
+    let mut gain = session.features.comparison.gain;
     if kind.has_gain() {
         ui.name_inputs("Gain", |ui| {
             combo("gain", &format!("×{gain}"), 60.0).show_ui(ui, |ui| {
@@ -128,14 +128,14 @@ fn difference(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>) 
             });
         });
     }
-    if gain != session.comparison.gain {
+    if gain != session.features.comparison.gain {
         changes.push(CompareChange::Gain(gain));
     }
     ui.separator();
 }
 
 fn region(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>) {
-    let comparison = &session.comparison;
+    let comparison = &session.features.comparison;
     let help = "Drag a rectangle on a picture to measure only that region  (R)";
     let button = ui.selectable_label(comparison.draws_region, "Region");
     if button.on_hover_text(help).clicked() {
@@ -165,10 +165,10 @@ fn files(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>, comma
     })
     .response
     .on_hover_text(help);
-    if !session.comparison.pictures.have_tone() {
+    if !session.features.comparison.pictures.have_tone() {
         return;
     }
-    let mut tone = session.comparison.pictures.tone();
+    let mut tone = session.features.comparison.pictures.tone();
     let help = "Exposure of float pictures in stops: for display, for FLIP and for the other errors";
     ui.name_inputs("Exposure", |ui| {
         let field = number_field(&mut tone.exposure, |stops| format!("{stops:.2} EV"));
@@ -182,7 +182,7 @@ fn files(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>, comma
             }
         });
     });
-    if tone != session.comparison.pictures.tone() {
+    if tone != session.features.comparison.pictures.tone() {
         changes.push(CompareChange::Tone(tone));
     }
 }
@@ -191,8 +191,8 @@ fn reference(ui: &mut Ui, has_label: bool, session: &Session, changes: &mut Vec<
     if has_label {
         ui.label(RichText::new("against").color(tokens(ui).text_weak));
     }
-    let Some(file) = session.comparison.opened(&session.state.tiles, PictureRole::Reference) else {
-        changes.extend(reference_list(ui, "Reference", 124.0, session.comparison.reference));
+    let Some(file) = session.features.comparison.opened(&session.state.tiles, PictureRole::Reference) else {
+        changes.extend(reference_list(ui, "Reference", 124.0, session.features.comparison.reference));
         return;
     };
     let label = ui.add_sized([100.0, theme::CONTROL_HEIGHT], egui::Label::new(file.name()).truncate());

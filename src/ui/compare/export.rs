@@ -16,10 +16,10 @@ use crate::ui::session::Session;
 /// # Errors
 /// Returns the reason why there is no complete comparison.
 pub(crate) fn comparison_page(session: &Session) -> Result<PicturePage, &'static str> {
-    if !session.comparison.is_on() {
+    if !session.features.comparison.is_on() {
         return Err("No comparison to save: press T to compare pictures");
     }
-    let complete = session.compared.as_ref().filter(|compared| compared.complete);
+    let complete = session.features.comparison.compared.as_ref().filter(|compared| compared.complete);
     let compared = complete.ok_or("The errors of the pictures are still being measured: save again in a moment")?;
     let request = &compared.request;
     let size = format!("{} × {} px", request.viewport.width, request.viewport.height);

@@ -47,9 +47,9 @@ fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 
 fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let tiles = &session.state.tiles;
-    let roles = (0..session.comparison.shown(tiles)).map(PictureRole::Tile).chain([PictureRole::Reference]);
+    let roles = (0..session.features.comparison.shown(tiles)).map(PictureRole::Tile).chain([PictureRole::Reference]);
     let files: Vec<_> =
-        roles.filter_map(|role| Some((role, session.comparison.pictures.get(tiles.file(role)?)?))).collect();
+        roles.filter_map(|role| Some((role, session.features.comparison.pictures.get(tiles.file(role)?)?))).collect();
     if files.is_empty() {
         let how = "Open a picture of any program as A, B or reference with “Open picture…” above the pictures.";
         return empty_state(ui, Icon::Image, "No picture file is compared", how);
@@ -155,13 +155,13 @@ fn summary(channel: &str, statistics: &Statistics) -> String {
 /// Lists the errors of the stored values against the reference, if it is a file, too.
 fn errors(ui: &mut Ui, session: &Session, role: PictureRole, opened: &OpenedPicture) {
     let PictureRole::Tile(tile) = role else { return };
-    let against = session.comparison.opened(&session.state.tiles, PictureRole::Reference);
+    let against = session.features.comparison.opened(&session.state.tiles, PictureRole::Reference);
     if against.is_some_and(|against| against.path == opened.path) {
         return;
     }
-    let compared = session.compared.as_ref().and_then(|compared| compared.tiles.get(tile)?.measured.as_ref());
+    let compared = session.features.comparison.compared.as_ref().and_then(|compared| compared.tiles.get(tile)?.measured.as_ref());
     let Some(stored) = compared.and_then(|measured| measured.stored.as_ref()) else { return };
-    let reference = session.comparison.reference_name(&session.state.tiles);
+    let reference = session.features.comparison.reference_name(&session.state.tiles);
     let help = "Errors of the stored values, as the command “compare” measures them; those below the picture are of what is shown";
     ui.label(RichText::new(format!("Stored values against {reference}")).small()).on_hover_text(help);
     for (metric, value) in &stored.metrics {

@@ -17,23 +17,33 @@ pub(crate) mod files_panel;
 
 mod stored;
 
+mod tile_set;
+
 pub(crate) mod tiles;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
+use compute::{CompareRequest, Compared};
 use files::{ComparedFiles, OpenedPicture, OpenedPictures, PictureLook, PictureRole};
+use tile_set::Tile;
+pub(crate) use tile_set::{MAX_TILES, TileSet};
 
+use super::engine::Shown;
+use super::explaining;
+use super::features::Feature;
+use super::range::RangeChange;
+use super::session::{PictureSize, Session, Severity, Undoable};
+use super::window_task::WindowTask;
 use crate::chain::Recipe;
+use crate::inspect::Buffer;
 use crate::measure::difference::Difference;
 use crate::measure::reference::Reference;
 use crate::measure::region::PixelRegion;
 use crate::measure::tone::Tone;
 use crate::pipeline::settings::Choice as _;
+use crate::pipeline::viewport::Viewport;
 use crate::upscale::{self, Scale, Upscaling};
-
-/// Maximum number of tiles.
-pub(crate) const MAX_TILES: usize = 16;
 
 /// Comparison mode.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -69,68 +79,9 @@ impl Mode {
     ];
 }
 
-/// Content of a tile.
-#[derive(Clone, Debug, PartialEq)]
-struct Tile {
-    /// Recipe with which the tile is drawn.
-    recipe: Recipe,
-    /// Picture file that the tile shows instead.
-    file: Option<PathBuf>,
-}
-
-/// Contents of all tiles, and the index of the active one.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct TileSet {
-    /// Content of each tile. The recipe of the active tile may be outdated: the session stores its current recipe.
-    tiles: Vec<Tile>,
-    /// Picture file to measure against; `None` if the reference is drawn.
-    reference: Option<PathBuf>,
-    /// Index of the tile that shows the session's recipe.
-    pub(crate) active: usize,
-}
-
-impl TileSet {
-    /// Returns the number of tiles, visible or not; at least 1.
-    pub(crate) fn count(&self) -> usize {
-        self.tiles.len().max(1)
-    }
-
-    /// Returns the recipe of a tile. `of_active` is the recipe of the active tile, which the session stores.
-    pub(crate) fn recipe(&self, tile: usize, of_active: Recipe) -> Recipe {
-        if tile == self.active { of_active } else { self.tiles.get(tile).map_or(of_active, |tile| tile.recipe) }
-    }
-
-    /// Stores the session's recipe as the recipe of the active tile. No-op if no recipes are stored yet.
-    pub(crate) fn store(&mut self, of_active: Recipe) {
-        if let Some(tile) = self.tiles.get_mut(self.active) {
-            tile.recipe = of_active;
-        }
-    }
-
-    /// Returns the picture file of a role; `None` if its picture is drawn.
-    pub(crate) fn file(&self, role: PictureRole) -> Option<&Path> {
-        match role {
-            PictureRole::Tile(tile) => self.tiles.get(tile)?.file.as_deref(),
-            PictureRole::Reference => self.reference.as_deref(),
-            PictureRole::Depths | PictureRole::Ids => None,
-        }
-    }
-
-    /// Adds tiles until there are `count`. Each added tile gets an upscaler that no other tile uses, if there is one.
-    fn fill(&mut self, count: usize, of_active: Recipe) {
-        while self.tiles.len() < count {
-            let base = self.tiles.first().map_or(of_active, |tile| tile.recipe);
-            let used = |upscaler: &Upscaling| self.tiles.iter().any(|tile| tile.recipe.upscaler == *upscaler);
-            let next = suggestions().find(|upscaler| !used(upscaler)).unwrap_or(base.upscaler);
-            let recipe = if self.tiles.is_empty() { of_active } else { Recipe { upscaler: next, ..base } };
-            self.tiles.push(Tile { recipe, file: None });
-        }
-    }
-}
-
-/// Comparison mode and its settings.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct CompareSettings {
+/// Mode, settings and results of the comparison.
+#[derive(Debug)]
+pub(crate) struct CompareState {
     /// Current comparison mode.
     pub(crate) mode: Mode,
     /// Mode of the last comparison, which the workspace “Compare” continues.
@@ -149,9 +100,11 @@ pub(crate) struct CompareSettings {
     pub(crate) region: Option<PixelRegion>,
     /// Whether dragging on a picture draws the measured region instead of panning.
     pub(crate) draws_region: bool,
+    /// Results so far; `None` if there are none.
+    pub(crate) compared: Option<Compared>,
 }
 
-impl Default for CompareSettings {
+impl Default for CompareState {
     fn default() -> Self {
         Self {
             mode: Mode::Off,
@@ -163,6 +116,7 @@ impl Default for CompareSettings {
             wipe: 0.5,
             region: None,
             draws_region: false,
+            compared: None,
         }
     }
 }
@@ -212,7 +166,20 @@ pub(crate) enum CompareChange {
     Look(PathBuf, PictureLook),
 }
 
-impl CompareSettings {
+impl Feature for CompareState {
+    type Change = CompareChange;
+
+    fn apply(session: &mut Session, change: CompareChange) -> Option<WindowTask> {
+        session.compare(change);
+        None
+    }
+
+    fn leave_scene(&mut self) {
+        self.compared = None;
+    }
+}
+
+impl CompareState {
     /// Whether a comparison is active.
     pub(crate) fn is_on(&self) -> bool {
         self.mode != Mode::Off
@@ -341,11 +308,57 @@ impl CompareSettings {
     }
 }
 
-/// Returns an iterator over all upscalers, the most instructive comparisons first. May repeat entries.
-fn suggestions() -> impl Iterator<Item = Upscaling> {
-    const FIRST: [(&str, u32); 4] = [("native", 1), ("bicubic", 4), ("nearest", 4), ("checkerboard", 1)];
-    let first = FIRST.into_iter().filter_map(|(method, scale)| Upscaling::new(method, scale));
-    first.chain(methods(None)).chain(Upscaling::every())
+impl Session {
+    /// Returns the current comparison request; `None` if comparison is off.
+    pub(crate) fn compare_request(&self) -> Option<CompareRequest> {
+        let CompareState { mode, reference, region, difference, gain, .. } = self.features.comparison;
+        let shows_difference = mode == Mode::Difference;
+        let tiles = 0..self.features.comparison.shown(&self.state.tiles);
+        self.features.comparison.is_on().then(|| CompareRequest {
+            scene: self.scene.clone(),
+            camera: self.state.camera,
+            viewport: self.viewport(),
+            recipes: tiles.map(|tile| self.state.tiles.recipe(tile, self.state.recipe)).collect(),
+            files: self.features.comparison.files(&self.state.tiles),
+            reference,
+            region,
+            difference: shows_difference.then_some((difference, gain)),
+        })
+    }
+
+    /// Changes the comparison. A comparison shows final colours only.
+    pub(in crate::ui) fn compare(&mut self, change: CompareChange) {
+        if change == CompareChange::ToggleRegion && !self.features.comparison.is_on() {
+            // Without a comparison, the key of this command resets the value range.
+            self.features.range.apply(RangeChange::Reset, self.shown, None);
+            return;
+        }
+        let Undoable { tiles, recipe, .. } = &mut self.state;
+        self.features.comparison.apply(change, tiles, recipe);
+        if self.features.comparison.is_on() {
+            self.shown = Shown::Buffer(Buffer::Color);
+        }
+    }
+
+    /// Shows an opened picture file in a comparison. The drawn pictures take its size if they can, because only pictures
+    /// of one size can be compared.
+    pub(in crate::ui) fn show_compared_picture(&mut self, role: PictureRole, picture: Arc<OpenedPicture>) {
+        match role {
+            PictureRole::Depths => return explaining::open_depths(self, picture),
+            PictureRole::Ids => return explaining::open_ids(self, picture),
+            PictureRole::Tile(_) | PictureRole::Reference => {}
+        }
+        let (width, height) = picture.picture.size();
+        let mut text = format!("Opened {} as {}: {}", picture.name(), role.name(), picture.picture.description());
+        let size = Viewport { width, height };
+        if size != self.viewport() && size.check().is_ok() {
+            self.state.size = PictureSize::Fixed(width, height);
+            text += "; the picture has its size now";
+        }
+        self.compare(CompareChange::File(role, picture));
+        self.features.messages.offered_picture = None;
+        self.report(Severity::Info, text);
+    }
 }
 
 /// Returns every upscaling method once, in the order of the menus: at `scale` or the nearest offered scale, or at its

@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use super::files::{OpenedPictures, PictureLook, PictureRole};
-use super::{CompareSettings, Mode, Tile, TileSet};
+use super::{CompareState, Mode, Tile, TileSet};
 use crate::chain::Recipe;
 use crate::inspect::project::{ComparedFile, ComparedTile, Comparison, ComparisonView};
 use crate::inspect::view::Range;
 use crate::ui::sequences::Sequences;
 
-impl CompareSettings {
+impl CompareState {
     /// Returns the comparison for a project; `None` if there is none. `of_active` is the recipe of the active tile.
     pub(crate) fn stored(&self, tiles: &TileSet, of_active: Recipe, sequences: &Sequences) -> Option<Comparison> {
         let view = match self.mode {

@@ -3,7 +3,7 @@ use super::*;
 /// Comparison settings together with the session state that they change.
 #[derive(Default)]
 struct CompareBench {
-    comparison: CompareSettings,
+    comparison: CompareState,
     tiles: TileSet,
     recipe: Recipe,
 }

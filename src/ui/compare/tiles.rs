@@ -71,7 +71,7 @@ impl TilesView {
     ) -> Option<(u32, u32)> {
         let canvas = ui.max_rect();
         ui.painter().rect_filled(canvas, 0.0, tokens(ui).canvas);
-        let compared = session.compared.as_ref().filter(|compared| !compared.tiles.is_empty());
+        let compared = session.features.comparison.compared.as_ref().filter(|compared| !compared.tiles.is_empty());
         let places = places(canvas, session);
         let size = compared.map_or((1, 1), |compared| compared.tiles[0].picture.size());
         let hovered_before = ui.data(|data| data.get_temp::<Option<(u32, u32)>>(hover_id())).flatten();
@@ -119,7 +119,7 @@ impl TilesView {
         session: &Session,
         commands: &mut Vec<Command>,
     ) {
-        let comparison = &session.comparison;
+        let comparison = &session.features.comparison;
         let rect = response.rect;
         let nearest = |at: egui::Pos2| {
             let p = placement.to_picture(at);
@@ -171,7 +171,7 @@ impl TilesView {
         session: &Session,
     ) {
         let (shift, ctrl) = ui.input(|i| (i.modifiers.shift, i.modifiers.ctrl || i.modifiers.command));
-        let mode = session.comparison.mode;
+        let mode = session.features.comparison.mode;
         let name = match mode {
             Mode::Tiles => format!("Picture {}", letter(index)),
             Mode::Off | Mode::Wipe | Mode::Flip | Mode::Difference => "Compared pictures".to_owned(),
@@ -194,7 +194,7 @@ impl TilesView {
                 figures_of_both(ui, place.footer, compared, session);
             }
             Mode::Wipe => {
-                let x = if shift { whole.left() } else { line_x(whole, session.comparison.wipe) };
+                let x = if shift { whole.left() } else { line_x(whole, session.features.comparison.wipe) };
                 self.tile(ui, 0, placement, whole.with_max_x(x), compared);
                 self.tile(ui, 1, placement, whole.with_min_x(x), compared);
                 if !shift {
@@ -297,7 +297,7 @@ fn pick(
         || response.clicked_by(egui::PointerButton::Secondary)
         || response.dragged_by(egui::PointerButton::Secondary);
     let Some(at) = response.interact_pointer_pos().filter(|_| questioned) else { return };
-    let comparison = &session.comparison;
+    let comparison = &session.features.comparison;
     let tile = match comparison.mode {
         Mode::Tiles => index,
         Mode::Wipe => usize::from(at.x >= line_x(response.rect, comparison.wipe)),
@@ -336,7 +336,7 @@ fn marks(
     }
     let drawn = match dragging {
         Some(TileDrag::Region(from, to)) => Some(between(from, to)),
-        _ => session.comparison.region,
+        _ => session.features.comparison.region,
     };
     if let Some(PixelRegion { left, top, right, bottom }) = drawn {
         let (first, last) = (placement.rect_of(left, top), placement.rect_of(right, bottom));
@@ -357,7 +357,7 @@ fn color(ui: &Ui, tile: usize) -> Color32 {
 
 /// Draws a line in the tile's colour along its top edge, and an outline around the picture of the active tile.
 fn frame(ui: &Ui, index: usize, place: TileLayout, session: &Session) {
-    if session.comparison.mode != Mode::Tiles {
+    if session.features.comparison.mode != Mode::Tiles {
         return;
     }
     let top = place.picture.with_max_y(place.picture.top() + 2.0);

@@ -130,7 +130,8 @@ fn their_buffers(explaining: &Explaining, (width, height): (u32, u32)) -> Result
 pub(crate) fn subject(session: &Session) -> Option<Arc<OpenedPicture>> {
     let faulty = session.features.explaining.found.as_ref().map(|found| faulty_name(&found.path));
     let tiles = &session.state.tiles;
-    let opened = (0..tiles.count()).filter_map(|tile| session.comparison.opened(tiles, PictureRole::Tile(tile)));
+    let opened =
+        (0..tiles.count()).filter_map(|tile| session.features.comparison.opened(tiles, PictureRole::Tile(tile)));
     opened.into_iter().find(|opened| Some(&opened.path) != faulty.as_ref())
 }
 

@@ -109,7 +109,7 @@ impl Session {
                 .map(|upscaler| Recipe { upscaler, ..self.state.recipe })
                 .collect(),
             files: ComparedFiles::default(),
-            reference: self.comparison.reference,
+            reference: self.features.comparison.reference,
             region: None,
             difference: None,
         })

@@ -346,10 +346,10 @@ impl Feature for Lab {
         match session.features.lab.apply(change)? {
             LabTask::Toggle => {
                 let is_open = session.features.lab.open;
-                session.show_workspace(if is_open { session.base_workspace } else { Workspace::Lab });
+                session.show_workspace(if is_open { session.features.workspaces.base } else { Workspace::Lab });
             }
             LabTask::OpenPicture(path) => {
-                session.messages.offered_picture = None;
+                session.features.messages.offered_picture = None;
                 if session.open_picture(&path) {
                     session.features.lab.apply(LabChange::Open(true));
                     session.report(Severity::Info, format!("Opened {} in the 2D lab", path.display()));

@@ -10,7 +10,7 @@ use crate::ui::theme::tokens;
 
 /// Draws the legend, one part beside the other.
 pub(super) fn ui(ui: &mut Ui, session: &Session) {
-    let difference = session.compared.as_ref().and_then(|compared| compared.difference.as_ref());
+    let difference = session.features.comparison.compared.as_ref().and_then(|compared| compared.difference.as_ref());
     let Some(difference) = difference else {
         note(ui, "No difference is drawn yet");
         return;

@@ -41,7 +41,7 @@ const MAX_ROWS: f32 = 2.5;
 /// the chips. Returns its height, in points; 0 without content.
 pub(crate) fn show(ui: &mut Ui, frame: Frame, compares: bool, session: &Session, commands: &mut Vec<Command>) -> f32 {
     let chips = if compares { Vec::new() } else { chips::active(session) };
-    let shows_difference = compares && session.comparison.mode == Mode::Difference;
+    let shows_difference = compares && session.features.comparison.mode == Mode::Difference;
     if chips.is_empty() && !shows_difference {
         return 0.0;
     }

@@ -106,7 +106,7 @@ impl Feature for MeshView {
         match change {
             MeshViewChange::Toggle => {
                 let is_shown = session.workspace() == Workspace::Geometry;
-                session.show_workspace(if is_shown { session.base_workspace } else { Workspace::Geometry });
+                session.show_workspace(if is_shown { session.features.workspaces.base } else { Workspace::Geometry });
             }
             MeshViewChange::Style(style) => mesh.style = style,
             MeshViewChange::Explode(apart) => mesh.explode = apart,

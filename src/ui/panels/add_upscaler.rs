@@ -86,7 +86,7 @@ impl AddUpscalerDialog {
 /// Returns the command that shows an upscaler.
 fn shown(session: &Session, upscaler: Upscaling) -> Command {
     let recipe = Recipe { upscaler, ..session.state.recipe };
-    match session.comparison.is_on() {
+    match session.features.comparison.is_on() {
         true => Command::Compare(CompareChange::Recipe(1, Box::new(recipe))),
         false => Command::SetRecipe(recipe),
     }

@@ -23,11 +23,11 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
 
 /// Draws all messages of the log.
 pub(crate) fn ui(ui: &mut Ui, session: &Session) {
-    if session.messages.log.is_empty() {
+    if session.features.messages.log.is_empty() {
         empty_state(ui, Icon::ScrollText, "No messages", "Errors and the warnings of loaded models are listed here.");
         return;
     }
-    for line in &session.messages.log {
+    for line in &session.features.messages.log {
         let (status, word) = match line.level {
             Severity::Info => (Status::Neutral, "info"),
             Severity::Warning => (Status::Warning, "warning"),

@@ -155,7 +155,7 @@ fn compare(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         commands,
     );
     entry(ui, "Compare all upscalers in tiles", Command::Compare(CompareChange::Every(None)), commands);
-    let is_on = session.comparison.is_on();
+    let is_on = session.features.comparison.is_on();
     for role in PictureRole::LISTED {
         let title = format!("Open picture as {}…", role.name());
         entry(ui, &title, Command::Dialog(DialogCommand::OpenPicture(role)), commands);

@@ -76,7 +76,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         if ui.add(measure).on_hover_text(help).clicked() {
             commands.push(Command::Measure(MeasureCommand::MeasureUpscalers));
         }
-        let chosen = reference_list(ui, "Reference to measure against", 150.0, session.comparison.reference);
+        let chosen = reference_list(ui, "Reference to measure against", 150.0, session.features.comparison.reference);
         commands.extend(chosen.map(Command::Compare));
         motion_switch(ui, session.features.timings.turn, commands);
     }
@@ -165,7 +165,7 @@ pub(crate) fn choose(session: &Session, tile: usize, upscaling: Upscaling, comma
     let recipe = session.state.tiles.recipe(tile, session.state.recipe);
     let recipe = Recipe { upscaler: upscaling, ..recipe };
     commands.push(Command::Compare(CompareChange::Recipe(tile, Box::new(recipe))));
-    if !session.comparison.is_on() {
+    if !session.features.comparison.is_on() {
         commands.push(Command::Compare(CompareChange::Mode(Mode::Wipe)));
     }
 }

@@ -132,5 +132,5 @@ fn an_invalid_place_is_reported_and_not_opened() {
     let before = session.place();
     session.apply(Command::Place(PlaceChange::Go(Box::new(place))));
     assert_eq!(session.place(), before);
-    assert!(session.messages.error.as_ref().is_some_and(|error| error.contains("near")));
+    assert!(session.features.messages.error.as_ref().is_some_and(|error| error.contains("near")));
 }

@@ -56,7 +56,7 @@ impl SaveItem {
     /// Whether the item exists now. Items whose absence has a reason to report always count as present.
     pub(crate) fn is_offered(self, session: &Session) -> bool {
         match self {
-            Self::Comparison => session.comparison.is_on(),
+            Self::Comparison => session.features.comparison.is_on(),
             Self::LabRun => session.features.lab.open,
             _ => true,
         }

@@ -153,7 +153,7 @@ impl Session {
     /// Returns every sequence that takes part in the current comparison, with one of its roles.
     pub(crate) fn shown_sequences(&self) -> Vec<(PictureRole, &OpenedSequence)> {
         let tiles = &self.state.tiles;
-        let count = self.comparison.shown(tiles);
+        let count = self.features.comparison.shown(tiles);
         let reference = Some(PictureRole::Reference).filter(|_| count > 0);
         let mut shown: Vec<(PictureRole, &OpenedSequence)> = Vec::new();
         for role in (0..count).map(PictureRole::Tile).chain(reference) {
@@ -179,7 +179,7 @@ impl Session {
     pub(crate) fn shows_wanted_frames(&self) -> bool {
         let frame = self.features.sequences.frame;
         self.shown_sequences().into_iter().all(|(_, sequence)| {
-            let shown = self.comparison.pictures.get(&sequence.path);
+            let shown = self.features.comparison.pictures.get(&sequence.path);
             shown.is_none_or(|shown| shown.file == sequence.at(frame).1)
         })
     }

@@ -75,7 +75,7 @@ fn file(
 ) {
     let frame = session.features.sequences.frame;
     let (number, wanted) = sequence.at(frame);
-    let shown = session.comparison.pictures.get(&sequence.path);
+    let shown = session.features.comparison.pictures.get(&sequence.path);
     let name = shown.as_ref().map_or_else(|| sequence.files.name().to_owned(), |shown| shown.name());
     let is_exact = i64::try_from(number).is_ok_and(|number| number == frame.saturating_add(sequence.shift));
     let is_loaded = shown.is_none_or(|shown| shown.file == wanted);

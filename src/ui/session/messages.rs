@@ -5,6 +5,8 @@ use std::path::PathBuf;
 
 use super::Session;
 use crate::text;
+use crate::ui::features::Feature;
+use crate::ui::window_task::WindowTask;
 
 /// Maximum number of lines in the log.
 const LOG_LINES: usize = 500;
@@ -51,16 +53,45 @@ pub(crate) enum Severity {
     Error,
 }
 
+/// Change to the messages that the user requests.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum MessageChange {
+    /// Dismisses the offer to open a picture in the 2D lab.
+    CloseOffer,
+    /// Dismisses the notice about a saved file or warnings.
+    CloseNotice,
+    /// Dismisses the error.
+    CloseError,
+}
+
+impl Feature for Messages {
+    type Change = MessageChange;
+
+    fn apply(session: &mut Session, change: MessageChange) -> Option<WindowTask> {
+        let messages = &mut session.features.messages;
+        match change {
+            MessageChange::CloseOffer => messages.offered_picture = None,
+            MessageChange::CloseNotice => messages.notice = None,
+            MessageChange::CloseError => messages.error = None,
+        }
+        None
+    }
+
+    fn leave_scene(&mut self) {
+        (self.offered_picture, self.notice, self.error) = (None, None, None);
+    }
+}
+
 impl Session {
     /// Appends a message to the log. Errors also appear in the message line above the canvas.
     pub(crate) fn report(&mut self, level: Severity, text: impl Into<String>) {
         let text = text::one_line(&text.into());
         if level == Severity::Error {
-            self.messages.error = Some(text.clone());
+            self.features.messages.error = Some(text.clone());
         }
-        if self.messages.log.len() == LOG_LINES {
-            self.messages.log.pop_front();
+        if self.features.messages.log.len() == LOG_LINES {
+            self.features.messages.log.pop_front();
         }
-        self.messages.log.push_back(LogLine { level, text });
+        self.features.messages.log.push_back(LogLine { level, text });
     }
 }

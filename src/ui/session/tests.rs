@@ -47,11 +47,11 @@ fn comparison_shows_finished_pictures_and_ends_when_a_buffer_or_stage_is_shown()
     for other in [Command::Show(Shown::Buffer(Buffer::Depth)), Command::Show(Shown::Stage(Stage::Shade))] {
         session.apply(other.clone());
         session.apply(Command::Compare(CompareChange::Toggle(Mode::Wipe)));
-        assert_eq!((session.comparison.is_on(), session.shown), (true, color));
+        assert_eq!((session.features.comparison.is_on(), session.shown), (true, color));
         session.apply(Command::Show(color));
-        assert!(session.comparison.is_on());
+        assert!(session.features.comparison.is_on());
         session.apply(other);
-        assert!(!session.comparison.is_on() && session.shown != color);
+        assert!(!session.features.comparison.is_on() && session.shown != color);
     }
 }
 

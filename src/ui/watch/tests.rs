@@ -30,7 +30,7 @@ fn a_pixel_is_watched_once_and_the_list_is_limited() {
         session.apply(Command::Watch(WatchChange::Add(x, 0)));
     }
     assert_eq!(session.features.watch.pixels.len(), MAX_PIXELS);
-    assert!(session.messages.error.is_some());
+    assert!(session.features.messages.error.is_some());
     session.apply(Command::Watch(WatchChange::Remove(3, 4)));
     assert_eq!(session.features.watch.pixels[0], (0, 0));
     session.apply(Command::Watch(WatchChange::Clear));

@@ -148,7 +148,7 @@ impl WhatIf {
 /// shows A. Returns `None` before the first view.
 pub(crate) fn visible_view<'a>(ui: &Ui, session: &'a Session) -> Option<&'a RenderedView> {
     let view = session.view.as_ref()?;
-    if session.comparison.is_on() {
+    if session.features.comparison.is_on() {
         return Some(view);
     }
     Some(session.features.what_if.visible_view(view, ui.input(|input| input.modifiers.shift)))
@@ -156,7 +156,7 @@ pub(crate) fn visible_view<'a>(ui: &Ui, session: &'a Session) -> Option<&'a Rend
 
 /// Returns the changed pixels that the canvas marks over the picture; `None` if it marks none.
 pub(crate) fn marked_changes<'a>(ui: &Ui, session: &'a Session) -> Option<&'a Arc<Changes>> {
-    let view = session.view.as_ref().filter(|_| !session.comparison.is_on())?;
+    let view = session.view.as_ref().filter(|_| !session.features.comparison.is_on())?;
     session.features.what_if.marked_changes(view, ui.input(|input| input.modifiers.shift))
 }
 
@@ -164,7 +164,7 @@ impl Session {
     /// Returns the what-if request for the renderer; `None` if the bar is closed, if there is no state A, or while a
     /// comparison or a case is open.
     pub(crate) fn what_if_request(&self) -> Option<WhatIfRequest> {
-        let shown = self.features.what_if.open && !self.comparison.is_on() && self.features.case.is_none();
+        let shown = self.features.what_if.open && !self.features.comparison.is_on() && self.features.case.is_none();
         let recipe = self.features.what_if.before.filter(|_| shown)?;
         let after = self.request();
         Some(WhatIfRequest { before: Request { recipe, ..after.clone() }, after })

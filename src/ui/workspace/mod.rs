@@ -16,8 +16,10 @@ pub(crate) use layout::StoredLayouts;
 pub(crate) use panel::{Panel, PanelContext, PanelSpec, PanelWidgets};
 
 use super::compare::{CompareChange, Mode};
+use super::features::Feature;
 use super::lab::LabChange;
 use super::session::Session;
+use super::window_task::WindowTask;
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
@@ -52,20 +54,44 @@ pub(crate) enum WorkspaceChange {
     ResetLayout,
 }
 
+/// Workspace that the user has chosen.
+#[derive(Debug)]
+pub(crate) struct Workspaces {
+    /// Workspace that is shown unless the 2D lab, a comparison or the mesh view is open.
+    pub(in crate::ui) base: Workspace,
+}
+
+impl Default for Workspaces {
+    fn default() -> Self {
+        Self { base: Workspace::Inspect }
+    }
+}
+
+impl Feature for Workspaces {
+    type Change = WorkspaceChange;
+
+    /// Leaves the change to the window, which owns the layouts.
+    fn apply(_session: &mut Session, change: WorkspaceChange) -> Option<WindowTask> {
+        Some(WindowTask::Workspace(change))
+    }
+
+    fn leave_scene(&mut self) {}
+}
+
 impl Session {
     /// Returns the workspace that is shown.
     pub(crate) fn workspace(&self) -> Workspace {
         if self.features.lab.open {
             Workspace::Lab
-        } else if self.comparison.is_on() && self.features.case.is_none() {
+        } else if self.features.comparison.is_on() && self.features.case.is_none() {
             Workspace::Compare
         } else if self.features.mesh_view.open {
             Workspace::Geometry
-        } else if self.features.case.is_some() && self.base_workspace == Workspace::Measure {
+        } else if self.features.case.is_some() && self.features.workspaces.base == Workspace::Measure {
             // A case is shown in place of the picture.
             Workspace::Inspect
         } else {
-            self.base_workspace
+            self.features.workspaces.base
         }
     }
 
@@ -80,12 +106,14 @@ impl Session {
         self.features.lab.apply(LabChange::Open(workspace == Workspace::Lab));
         self.features.mesh_view.open = workspace == Workspace::Geometry;
         let mode = match workspace {
-            Workspace::Compare => self.comparison.last_mode,
+            Workspace::Compare => self.features.comparison.last_mode,
             _ => Mode::Off,
         };
         self.compare(CompareChange::Mode(mode));
         match workspace {
-            Workspace::Inspect | Workspace::Measure | Workspace::Robustness => self.base_workspace = workspace,
+            Workspace::Inspect | Workspace::Measure | Workspace::Robustness => {
+                self.features.workspaces.base = workspace
+            }
             Workspace::Geometry | Workspace::Compare | Workspace::Lab => {}
         }
     }

@@ -74,7 +74,9 @@ fn a_slow_case_is_opened_in_the_background_and_cancelled() {
         bench.window.step();
     }
     assert!(
-        bench.session().features.case.is_none() && bench.session().messages.error.is_none() && shows_the_scene(&bench)
+        bench.session().features.case.is_none()
+            && bench.session().features.messages.error.is_none()
+            && shows_the_scene(&bench)
     );
 }
 
@@ -138,7 +140,7 @@ fn a_dropped_case_is_shown_beside_its_exact_answer_until_it_is_closed() {
     for close in [Key::Escape, Key::X] {
         let mut bench = Bench::small("triangle");
         bench.drop_file(&path);
-        assert_eq!(bench.session().messages.error, None);
+        assert_eq!(bench.session().features.messages.error, None);
         assert!(bench.says("half a square") && bench.says("0 of 28 pixels differ") && !shows_the_scene(&bench));
         if close == Key::Escape {
             bench.press(close);
@@ -198,7 +200,7 @@ fn a_bad_case_is_named_and_the_scene_stays() {
     std::fs::write(&path, r#"{"id": "bad", "kind": "tri_coverage"}"#).unwrap();
     let mut bench = Bench::small("triangle");
     bench.drop_file(&path);
-    assert!(bench.session().messages.error.as_ref().is_some_and(|error| error.contains("bad.json")));
+    assert!(bench.session().features.messages.error.as_ref().is_some_and(|error| error.contains("bad.json")));
     assert!(bench.session().features.case.is_none() && shows_the_scene(&bench));
 }
 
@@ -223,7 +225,7 @@ fn the_triangle_of_the_picked_pixel_is_saved_as_a_case_that_opens_again() {
     bench.rest();
     for number in 1..=2 {
         bench.click("Save triangle as case file");
-        assert_eq!(bench.session().messages.error, None);
+        assert_eq!(bench.session().features.messages.error, None);
         assert_eq!(files(folder.path()).len(), number, "no file is overwritten");
     }
     for path in files(folder.path()) {
@@ -308,6 +310,8 @@ fn a_report_is_started_and_cancelled() {
         std::thread::sleep(Duration::from_millis(20));
         bench.window.step();
     }
-    assert!(bench.session().features.tasks.stability.report.is_none() && bench.session().messages.error.is_none());
+    assert!(
+        bench.session().features.tasks.stability.report.is_none() && bench.session().features.messages.error.is_none()
+    );
     assert!(bench.says("No stability report yet"));
 }

@@ -17,7 +17,7 @@ use rasterscope::upscale::{BUILT_IN, Scale, Upscaling};
 use super::bench::Bench;
 
 fn compared(bench: &Bench) -> &Compared {
-    bench.session().compared.as_ref().expect("something is compared")
+    bench.session().features.comparison.compared.as_ref().expect("something is compared")
 }
 
 fn rect(bench: &Bench, picture: &str) -> Rect {
@@ -53,7 +53,7 @@ fn two_tiles_show_two_recipes_with_figures_against_the_reference() {
     rect(&bench, "Picture A");
     rect(&bench, "Picture B");
     bench.press(Key::T);
-    assert!(!bench.session().comparison.is_on() && bench.session().compared.is_none());
+    assert!(!bench.session().features.comparison.is_on() && bench.session().features.comparison.compared.is_none());
     bench.canvas();
 }
 
@@ -110,11 +110,11 @@ fn the_line_of_the_wipe_is_dragged() {
     bench.press(Key::W);
     let canvas = rect(&bench, "Compared pictures");
     bench.drag(PointerButton::Primary, canvas.center(), Vec2::new(-canvas.width() / 4.0, 0.0));
-    let wipe = bench.session().comparison.wipe;
+    let wipe = bench.session().features.comparison.wipe;
     assert!((wipe - 0.25).abs() < 0.02, "{wipe}");
     // Dragging elsewhere pans the picture and leaves the line.
     bench.drag(PointerButton::Primary, canvas.center(), Vec2::new(40.0, 0.0));
-    assert_eq!(bench.session().comparison.wipe, wipe);
+    assert_eq!(bench.session().features.comparison.wipe, wipe);
     bench.click_at(canvas.center());
     assert_eq!(bench.session().state.tiles.active, 1, "right of the line lies B");
 }
@@ -142,7 +142,7 @@ fn a_dragged_rectangle_has_figures_of_its_own() {
     let to = place_of(&bench, "Picture A", (99, 59));
     bench.drag(PointerButton::Primary, from, to - from);
     let region = PixelRegion { left: 60, top: 30, right: 100, bottom: 60 };
-    assert_eq!(bench.session().comparison.region, Some(region));
+    assert_eq!(bench.session().features.comparison.region, Some(region));
     let [a, b] = &compared(&bench).tiles[..] else { panic!("two tiles") };
     let within = b.region_figures.expect("the region is measured");
     assert_eq!(Some(within.codes), region.compare(&b.picture, &a.picture));
@@ -181,11 +181,11 @@ fn a_saved_comparison_holds_the_pictures_the_errors_and_the_commands() {
 fn escape_stops_comparing_after_the_pick_is_dropped() {
     let mut bench = Bench::small("triangle");
     bench.press(Key::B);
-    assert_eq!(bench.session().comparison.mode, Mode::Flip);
+    assert_eq!(bench.session().features.comparison.mode, Mode::Flip);
     bench.press(Key::Escape);
-    assert_eq!((bench.session().pick, bench.session().comparison.mode), (None, Mode::Flip));
+    assert_eq!((bench.session().pick, bench.session().features.comparison.mode), (None, Mode::Flip));
     bench.press(Key::Escape);
-    assert_eq!(bench.session().comparison.mode, Mode::Off);
+    assert_eq!(bench.session().features.comparison.mode, Mode::Off);
 }
 
 /// Returns the accessible names of the frames of the filmstrip, from left to right.

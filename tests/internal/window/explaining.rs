@@ -46,7 +46,7 @@ fn a_fault_of_an_opened_picture_is_named_and_drawn_as_c() {
     assert!(bench.mentions("“theirs.png” should show this scene"));
     bench.click("Explain");
     assert!(bench.says("The depth test is reversed: the farthest surface wins"));
-    let compared = bench.session().compared.as_ref().unwrap();
+    let compared = bench.session().features.comparison.compared.as_ref().unwrap();
     assert_eq!(*compared.tiles[2].picture, theirs, "C is ours with the fault");
 
     bench.session_mut().pick = Some((30, 20));
@@ -90,7 +90,7 @@ fn depths_and_ids_are_opened_checked_and_reported() {
     bench.show_panel(Panel::OtherRenderer);
 
     open(&mut bench, PictureRole::Depths, &file("theirs.png"));
-    let error = |bench: &Bench| bench.session().messages.error.clone().expect("it is reported");
+    let error = |bench: &Bench| bench.session().features.messages.error.clone().expect("it is reported");
     assert!(error(&bench).ends_with("theirs.png: it has colours, not depths"));
     open(&mut bench, PictureRole::Depths, &file("flat.pfm"));
     assert!(error(&bench).ends_with("flat.pfm: all its depths are equal, so nothing can be learned from them"));

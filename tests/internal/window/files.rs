@@ -19,7 +19,7 @@ fn the_scene_menu_opens_every_built_in_scene() {
         bench.click("Scene");
         bench.click(scene.title);
         assert_eq!(bench.session().source.name().to_str(), Some(scene.id));
-        assert!(bench.session().messages.error.is_none());
+        assert!(bench.session().features.messages.error.is_none());
         assert_eq!(bench.session().state.camera, bench.session().scene.home);
         assert!(Arc::ptr_eq(&bench.view().request.scene, &bench.session().scene), "the new scene is drawn");
         assert_eq!(bench.image(), *bench.expected().image());
@@ -33,7 +33,7 @@ fn a_dropped_model_replaces_the_scene_and_is_listed_as_recent() {
     std::fs::write(&path, QUAD).unwrap();
     let mut bench = Bench::small("chess");
     bench.drop_file(&path);
-    assert_eq!(bench.session().messages.error, None);
+    assert_eq!(bench.session().features.messages.error, None);
     assert_eq!(bench.session().scene.triangle_count(), 2);
     assert_eq!(bench.session().features.files.recent, std::slice::from_ref(&path));
     assert!(bench.image().pixels().iter().any(|p| *p != bench.image().at(0, 0)), "the model is visible");
@@ -52,7 +52,7 @@ fn a_dropped_gltf_file_brings_its_cameras_and_its_light() {
     let mut bench = Bench::small("chess");
     let light = bench.session().state.recipe.pipeline.light;
     bench.drop_file(&path);
-    assert_eq!(bench.session().messages.error, None);
+    assert_eq!(bench.session().features.messages.error, None);
     assert_eq!(bench.session().features.files.recent, std::slice::from_ref(&path));
     assert_eq!(Some(bench.session().state.recipe.pipeline.light.direction), bench.session().scene.light);
     let front = bench.session().scene.views[0].clone();
@@ -78,10 +78,13 @@ fn a_dropped_picture_is_offered_to_the_lab_and_the_scene_stays() {
     bench.drop_file(&path);
     assert!(bench.says("picture.png is a picture, not a scene") && !bench.session().features.lab.open);
     bench.click("Close this message");
-    assert_eq!(bench.session().messages.offered_picture, None);
+    assert_eq!(bench.session().features.messages.offered_picture, None);
     bench.drop_file(&path);
     bench.click("Open in the 2D lab");
-    assert_eq!((&bench.session().messages.error, &bench.session().messages.offered_picture), (&None, &None));
+    assert_eq!(
+        (&bench.session().features.messages.error, &bench.session().features.messages.offered_picture),
+        (&None, &None)
+    );
     assert!(bench.session().features.lab.open && Arc::ptr_eq(&bench.session().scene, &scene));
 }
 
@@ -96,16 +99,16 @@ fn a_bad_file_is_named_and_the_scene_stays() {
         let (scene, picture) = (bench.session().scene.clone(), bench.image());
         bench.drop_file(&path);
         let name = path.file_name().unwrap().to_str().unwrap();
-        let error = bench.session().messages.error.clone().expect("it is reported");
+        let error = bench.session().features.messages.error.clone().expect("it is reported");
         assert!(error.contains(name), "{error}");
         assert!(bench.says(&error), "the bar shows it");
         assert!(Arc::ptr_eq(&bench.session().scene, &scene));
         assert_eq!(bench.image(), picture);
         assert!(bench.session().features.files.recent.is_empty());
-        assert_eq!(bench.session().messages.log.back().map(|line| line.level), Some(Severity::Error));
+        assert_eq!(bench.session().features.messages.log.back().map(|line| line.level), Some(Severity::Error));
 
         bench.click("Close this message");
-        assert_eq!(bench.session().messages.error, None);
+        assert_eq!(bench.session().features.messages.error, None);
         assert!(!bench.says(&error));
     }
 }
@@ -131,8 +134,15 @@ fn warnings_of_a_model_are_in_the_log() {
     std::fs::write(&path, format!("mtllib nowhere.mtl\n{QUAD}")).unwrap();
     let mut bench = Bench::small("triangle");
     bench.drop_file(&path);
-    let warning =
-        bench.session().messages.log.iter().find(|line| line.level == Severity::Warning).expect("a warning").clone();
+    let warning = bench
+        .session()
+        .features
+        .messages
+        .log
+        .iter()
+        .find(|line| line.level == Severity::Warning)
+        .expect("a warning")
+        .clone();
     assert!(warning.text.contains("nowhere.mtl"), "{}", warning.text);
     assert!(bench.says("Opened with 1 warning"));
     bench.click("Show log");
@@ -159,7 +169,7 @@ fn a_scene_is_saved_as_drawing_commands() {
     bench.click("File");
     bench.click("Save as drawing");
     bench.click("Wireframe, SVG");
-    assert_eq!(bench.session().messages.error, None);
+    assert_eq!(bench.session().features.messages.error, None);
     let text = std::fs::read_to_string(folder.path().join("wireframe.svg")).unwrap();
     assert_eq!(text.matches("<line").count(), 3);
 }

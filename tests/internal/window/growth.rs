@@ -45,5 +45,7 @@ fn measuring_how_cost_grows_can_be_cancelled() {
     bench.click("Measure scaling");
     bench.click("Cancel");
     wait_while(&mut bench, |bench| bench.session().features.tasks.scaling.progress.is_some());
-    assert!(bench.session().features.tasks.scaling.found.is_none() && bench.session().messages.error.is_none());
+    assert!(
+        bench.session().features.tasks.scaling.found.is_none() && bench.session().features.messages.error.is_none()
+    );
 }

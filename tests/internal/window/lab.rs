@@ -123,5 +123,5 @@ fn the_drawing_is_saved_in_the_chosen_format() {
     bench.click("SVG: vector drawing, sharp at any size");
     let text = std::fs::read_to_string(folder.path().join("polygons.svg")).unwrap();
     assert!(text.starts_with("<svg") && text.contains("<polygon"));
-    assert_eq!(bench.session().messages.error, None);
+    assert_eq!(bench.session().features.messages.error, None);
 }

@@ -81,8 +81,8 @@ fn a_row_draws_with_its_upscaler_and_with_shift_compares() {
     bench.rest();
     let place = row_rect(&bench, second).expect("it is shown").center();
     bench.click_at_with(Modifiers::SHIFT, place);
-    assert_eq!(bench.session().comparison.mode, Mode::Wipe);
-    let tiles = &bench.session().compared.as_ref().expect("two are compared").tiles;
+    assert_eq!(bench.session().features.comparison.mode, Mode::Wipe);
+    let tiles = &bench.session().features.comparison.compared.as_ref().expect("two are compared").tiles;
     assert_eq!([tiles[0].recipe.upscaler, tiles[1].recipe.upscaler], [first, second]);
 }
 

@@ -37,7 +37,7 @@ fn saved(folder: &Path, name: &str, picture: &Image<Rgba8>) -> PathBuf {
 }
 
 fn compared(bench: &Bench) -> &Compared {
-    bench.session().compared.as_ref().expect("something is compared")
+    bench.session().features.comparison.compared.as_ref().expect("something is compared")
 }
 
 fn open(bench: &mut Bench, role: PictureRole, path: PathBuf) {
@@ -56,7 +56,7 @@ fn a_typed_path_opens_a_picture_as_b_which_is_compared_like_a_drawn_one() {
     bench.window.event(Event::Text(path.display().to_string()));
     bench.rest();
     bench.press(Key::Enter);
-    assert_eq!(bench.session().messages.error, None);
+    assert_eq!(bench.session().features.messages.error, None);
     assert_eq!(bench.session().viewport(), Viewport { width: 48, height: 30 }, "drawn pictures take its size");
     let [a, b] = &compared(&bench).tiles[..] else { panic!("two tiles") };
     assert_eq!(*b.picture, gradient(9));
@@ -67,7 +67,7 @@ fn a_typed_path_opens_a_picture_as_b_which_is_compared_like_a_drawn_one() {
     bench.press(Key::D);
     assert!(compared(&bench).difference.is_some());
     bench.press(Key::W);
-    assert_eq!(bench.session().comparison.mode, Mode::Wipe);
+    assert_eq!(bench.session().features.comparison.mode, Mode::Wipe);
     bench.click("Close the file of B and draw the scene");
     assert_ne!(*compared(&bench).tiles[1].picture, gradient(9));
     bench.window.state_mut().queue(vec![Command::Undo]);
@@ -104,7 +104,8 @@ fn a_dropped_float_picture_has_exact_values_and_an_exposure_for_display_only() {
     bench.press(Key::T);
     bench.drop_file(&path);
     let role = PictureRole::Tile(1);
-    let opened = |bench: &Bench| bench.session().comparison.opened(&bench.session().state.tiles, role).unwrap();
+    let opened =
+        |bench: &Bench| bench.session().features.comparison.opened(&bench.session().state.tiles, role).unwrap();
     assert_eq!(opened(&bench).values_at((3, 4)), "R 0.1  G 4.5  B inf");
     let before = compared(&bench).tiles[1].picture.clone();
     assert!(bench.window.query_by_role_and_label(Role::ComboBox, "Tone curve").is_some());
@@ -122,9 +123,9 @@ fn a_bad_picture_is_named_and_the_comparison_stays() {
     std::fs::write(&path, b"\x76\x2F\x31\x01broken").unwrap();
     let mut bench = Bench::small("triangle");
     open(&mut bench, PictureRole::Tile(1), path);
-    let error = bench.session().messages.error.clone().expect("it is reported");
+    let error = bench.session().features.messages.error.clone().expect("it is reported");
     assert!(error.contains("broken.exr: cannot decode this OpenEXR file"), "{error}");
-    assert!(!bench.session().comparison.is_on());
+    assert!(!bench.session().features.comparison.is_on());
 }
 
 /// Runs frames until `is_done`, and returns the time that this took. Panics after 20 seconds.
@@ -145,7 +146,7 @@ fn a_changed_file_is_shown_again_and_an_unfinished_one_keeps_the_old_picture() {
     let mut bench = Bench::with_worker("triangle", Worker::spawn(|| {}));
     bench.window.state_mut().queue(vec![Command::File(FileCommand::OpenPicture(PictureRole::Tile(1), path.clone()))]);
     let shows = |bench: &Bench, blue: u8| {
-        let tiles = bench.session().compared.as_ref().map(|compared| &compared.tiles);
+        let tiles = bench.session().features.comparison.compared.as_ref().map(|compared| &compared.tiles);
         tiles.and_then(|tiles| tiles.get(1)).is_some_and(|tile| *tile.picture == gradient(blue))
     };
     wait(&mut bench, "the picture is opened", |bench| shows(bench, 1));
@@ -161,7 +162,7 @@ fn a_changed_file_is_shown_again_and_an_unfinished_one_keeps_the_old_picture() {
         assert!(shows(&bench, 2), "the old picture stays");
         std::thread::sleep(Duration::from_millis(20));
     }
-    assert_eq!(bench.session().messages.error, None);
+    assert_eq!(bench.session().features.messages.error, None);
     std::fs::write(&path, &whole).unwrap();
     wait(&mut bench, "the finished picture is shown", |bench| shows(bench, 3));
 }
@@ -234,14 +235,14 @@ fn a_frame_that_cannot_be_read_is_named_and_the_frame_before_it_stays() {
     bench.press(Key::Period);
     bench.press(Key::Period);
     assert_eq!(blues(&bench)[1], 71);
-    let log = &bench.session().messages.log;
+    let log = &bench.session().features.messages.log;
     assert!(log.iter().any(|line| line.text.contains("f0005.png") && line.text.contains("the frame before it stays")));
     bench.press(Key::Period);
     assert_eq!(blues(&bench)[1], 72);
     let none = FileCommand::OpenPicture(PictureRole::Tile(1), folder.path().join("g#.png"));
     bench.window.state_mut().queue(vec![Command::File(none)]);
     bench.rest();
-    let error = bench.session().messages.error.clone().expect("it is reported");
+    let error = bench.session().features.messages.error.clone().expect("it is reported");
     assert!(error.ends_with("g#.png: no file has a name of this pattern"), "{error}");
 }
 
@@ -264,7 +265,7 @@ fn the_layer_and_the_range_of_data_are_chosen_in_the_panel() {
     assert_eq!(codes(&bench), [0, 255], "from the smallest to the largest depth");
     assert!(bench.mentions("719.5"), "the largest depth is in the table");
     let role = PictureRole::Tile(1);
-    let opened = bench.session().comparison.opened(&bench.session().state.tiles, role).unwrap();
+    let opened = bench.session().features.comparison.opened(&bench.session().state.tiles, role).unwrap();
     let look = PictureLook { range: Some(Range { low: 0.0, high: 1439.0 }), ..opened.look().clone() };
     bench.window.state_mut().queue(vec![Command::Compare(CompareChange::Look(opened.path.clone(), look))]);
     bench.rest();

@@ -124,7 +124,10 @@ fn the_copied_command_says_what_is_shown() {
     bench.choose("Culling", "Front");
     let line = bench.session().command_line();
     bench.press_with(Modifiers::COMMAND | Modifiers::SHIFT, Key::C);
-    assert_eq!(bench.session().messages.log.back().map(|line| line.text.clone()), Some(format!("Copied: {line}")));
+    assert_eq!(
+        bench.session().features.messages.log.back().map(|line| line.text.clone()),
+        Some(format!("Copied: {line}"))
+    );
     for part in ["window triangle", "--set culling=front", "--picture 160x90", "--at 40,30"] {
         assert!(line.contains(part), "{part} in {line}");
     }

@@ -23,7 +23,7 @@ use crate::ui::session::Severity;
 fn save(bench: &mut Bench, path: &Path) {
     bench.window.state_mut().queue(vec![Command::File(FileCommand::SaveTo(SaveItem::Project, path.to_owned()))]);
     bench.rest();
-    assert_eq!(bench.session().messages.error, None);
+    assert_eq!(bench.session().features.messages.error, None);
 }
 
 /// Creates a window with a changed view of a model in `folder`.
@@ -61,7 +61,7 @@ fn another_window_shows_the_same_picture_and_pixel_bit_for_bit() {
     first.rest();
     save(&mut first, &path);
     let second = reopened("cubes", &path);
-    assert_eq!(second.session().messages.error, None);
+    assert_eq!(second.session().features.messages.error, None);
     assert_eq!(second.image(), first.image());
     assert_eq!(second.view().report, first.view().report);
     let (a, b) = (first.session(), second.session());
@@ -80,17 +80,17 @@ fn a_comparison_with_a_picture_file_and_a_workspace_are_restored() {
     let mut first = Bench::small("cubes");
     rasterscope::image::file::write_png(&picture, &first.image()).unwrap();
     first.press(Key::W);
-    first.session_mut().comparison.wipe = 0.25;
+    first.session_mut().features.comparison.wipe = 0.25;
     let open = FileCommand::OpenPicture(PictureRole::Tile(1), picture);
     first.window.state_mut().queue(vec![Command::File(open)]);
     first.rest();
     save(&mut first, &path);
     let mut second = reopened("triangle", &path);
-    assert_eq!(second.session().messages.error, None);
-    assert_eq!(second.session().comparison.mode, Mode::Wipe);
+    assert_eq!(second.session().features.messages.error, None);
+    assert_eq!(second.session().features.comparison.mode, Mode::Wipe);
     assert_eq!(second.session().project(), first.session().project());
     let shown = |bench: &Bench| {
-        let tiles = &bench.session().compared.as_ref().unwrap().tiles;
+        let tiles = &bench.session().features.comparison.compared.as_ref().unwrap().tiles;
         tiles.iter().map(|tile| (*tile.picture).clone()).collect::<Vec<_>>()
     };
     assert_eq!(shown(&second), shown(&first));
@@ -98,7 +98,7 @@ fn a_comparison_with_a_picture_file_and_a_workspace_are_restored() {
     save(&mut second, &path);
     let third = reopened("triangle", &path);
     assert_eq!(third.session().workspace(), Workspace::Robustness);
-    assert_eq!(third.session().comparison.mode, Mode::Off);
+    assert_eq!(third.session().features.comparison.mode, Mode::Off);
 }
 
 #[test]
@@ -132,14 +132,14 @@ fn sequences_and_the_look_of_picture_files_are_restored() {
     first.rest();
     save(&mut first, &path);
     let mut second = reopened("cubes", &path);
-    assert_eq!(second.session().messages.error, None);
+    assert_eq!(second.session().features.messages.error, None);
     let session = second.session();
-    let shown = |path: &Path| session.comparison.pictures.get(path).expect("it is opened");
+    let shown = |path: &Path| session.features.comparison.pictures.get(path).expect("it is opened");
     assert_eq!(shown(&pattern).file, folder.path().join("f.0004.png"));
     assert_eq!(shown(folder.path()).file, folder.path().join("f.0009.png"), "frame 4, ahead by 5");
     assert_eq!(shown(&depth).look(), &look);
     assert_eq!(shown(&depth).shown.at(0, 0), [0, 0, 0, 255]);
-    assert_eq!(shown(&depth).shown, first.session().comparison.pictures.get(&depth).unwrap().shown);
+    assert_eq!(shown(&depth).shown, first.session().features.comparison.pictures.get(&depth).unwrap().shown);
     assert_eq!((session.features.sequences.frame, session.features.sequences.speed), (4, 12.0));
     assert_eq!(session.project(), first.session().project());
     second.press(Key::Period);
@@ -165,7 +165,7 @@ fn a_damaged_project_is_reported_and_the_scene_stays() {
         let (before, scene) = (bench.image(), bench.session().place().scene);
         bench.drop_file(&path);
         bench.rest();
-        let error = bench.session().messages.error.clone().expect("an error");
+        let error = bench.session().features.messages.error.clone().expect("an error");
         assert!(error.contains(words) && !error.contains('\n'), "{error}");
         assert_eq!((bench.session().place().scene, bench.image()), (scene, before));
     }
@@ -179,6 +179,6 @@ fn a_changed_model_gives_a_warning() {
     std::fs::write(folder.path().join("model.obj"), "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n").unwrap();
     let bench = reopened("cubes", &path);
     assert!(bench.session().place().scene.ends_with("model.obj"), "the model is shown nevertheless");
-    let log = &bench.session().messages.log;
+    let log = &bench.session().features.messages.log;
     assert!(log.iter().any(|entry| entry.level == Severity::Warning && entry.text.contains("has changed")));
 }

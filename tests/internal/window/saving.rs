@@ -39,7 +39,7 @@ fn the_picture_is_saved_under_a_typed_path() {
     let path = folder.path().join("chosen.png");
     bench.window.event(Event::Text(folder.path().join("chosen").to_str().unwrap().to_owned()));
     bench.press(Key::Enter);
-    assert_eq!(bench.session().messages.error, None);
+    assert_eq!(bench.session().features.messages.error, None);
     assert_eq!(file::read(&path).unwrap(), bench.image());
     assert!(!bench.says("Save picture") && bench.says(&format!("Saved {}", path.display())));
     assert!(bench.window.query_by_label("Open folder").is_some());
@@ -55,7 +55,7 @@ fn every_item_suggests_a_name_and_is_saved() {
         bench.window.state_mut().queue(vec![Command::File(FileCommand::SaveAs(item))]);
         bench.rest();
         bench.click("Save");
-        assert_eq!(bench.session().messages.error, None, "{item:?}");
+        assert_eq!(bench.session().features.messages.error, None, "{item:?}");
         let name = format!("{}.{}", item.stem(bench.session()), item.extension());
         assert!(std::fs::metadata(folder.path().join(&name)).is_ok_and(|file| file.len() > 0), "{name}");
     }
@@ -88,14 +88,14 @@ fn a_missing_folder_or_triangle_is_named() {
     bench.rest();
     bench.window.state_mut().queue(vec![Command::File(FileCommand::SaveAs(SaveItem::Case))]);
     bench.rest();
-    assert!(bench.session().messages.error.as_ref().is_some_and(|error| error.contains("pick a pixel")));
+    assert!(bench.session().features.messages.error.as_ref().is_some_and(|error| error.contains("pick a pixel")));
 }
 
 /// Saves an item at a path, without the dialog.
 fn save(bench: &mut Bench, item: SaveItem, path: &Path) {
     bench.window.state_mut().queue(vec![Command::File(FileCommand::SaveTo(item, path.to_owned()))]);
     bench.rest();
-    assert_eq!(bench.session().messages.error, None, "{item:?}");
+    assert_eq!(bench.session().features.messages.error, None, "{item:?}");
 }
 
 #[test]
@@ -138,7 +138,7 @@ fn the_saved_explanation_has_the_verdict_and_a_command() {
     bench.rest();
     bench.window.state_mut().queue(vec![Command::File(FileCommand::SaveAs(SaveItem::Pixel))]);
     bench.rest();
-    assert!(bench.session().messages.error.as_ref().is_some_and(|error| error.contains("pick a pixel first")));
+    assert!(bench.session().features.messages.error.as_ref().is_some_and(|error| error.contains("pick a pixel first")));
 }
 
 #[test]

@@ -71,10 +71,10 @@ fn a_row_becomes_picture_a_or_b() {
     let (first, second) = (Upscaling::new("lanczos3", 2), Upscaling::new("nearest", 4));
     let (first, second) = (first.expect("there is one"), second.expect("there is one"));
     bench.click(&format!("Show {} as B", first.label()));
-    assert_eq!(bench.session().comparison.mode, Mode::Wipe);
+    assert_eq!(bench.session().features.comparison.mode, Mode::Wipe);
     bench.show_panel(Panel::ErrorTime);
     bench.click(&format!("Show {} as A", second.label()));
-    let tiles = &bench.session().compared.as_ref().expect("two are compared").tiles;
+    let tiles = &bench.session().features.comparison.compared.as_ref().expect("two are compared").tiles;
     assert_eq!([tiles[0].recipe.upscaler, tiles[1].recipe.upscaler], [second, first]);
 }
 
@@ -105,11 +105,11 @@ fn a_point_of_the_plot_becomes_picture_b_and_with_shift_a() {
     bench.click("Measure error and time");
     let (second, place) = lonely_points(&bench)[0];
     bench.click_at(place);
-    assert_eq!(bench.session().comparison.mode, Mode::Wipe);
+    assert_eq!(bench.session().features.comparison.mode, Mode::Wipe);
     bench.show_panel(Panel::ErrorTime);
     let (first, place) = lonely_points(&bench)[1];
     bench.click_at_with(Modifiers::SHIFT, place);
-    let tiles = &bench.session().compared.as_ref().expect("two are compared").tiles;
+    let tiles = &bench.session().features.comparison.compared.as_ref().expect("two are compared").tiles;
     assert_eq!([tiles[0].recipe.upscaler, tiles[1].recipe.upscaler], [first, second]);
 }
 

@@ -47,7 +47,7 @@ fn a_comparison_has_the_same_figures_in_every_mode_layout_and_window() {
     let mut bench = Bench::small("chess");
     bench.press(Key::T);
     let figures = |bench: &Bench| {
-        let compared = bench.session().compared.as_ref().expect("something is compared");
+        let compared = bench.session().features.comparison.compared.as_ref().expect("something is compared");
         let measured = compared.tiles[1].measured.as_ref().expect("B is measured");
         let figures = measured.figures.expect("B has the size of the reference");
         (compared.tiles[1].picture.size(), figures.codes.psnr_db, figures.codes.ssim, figures.flip)

@@ -87,7 +87,7 @@ pub(super) fn figures_of(ui: &Ui, index: usize, footer: Rect, compared: &Compare
                 ui.label(format!("{of}: {}", words_of_all(&figures)));
             }
         }
-        ui.label(format!("{FIGURES_HELP}: {}", session.comparison.reference_name(&session.state.tiles)));
+        ui.label(format!("{FIGURES_HELP}: {}", session.features.comparison.reference_name(&session.state.tiles)));
     });
 }
 

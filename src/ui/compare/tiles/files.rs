@@ -23,7 +23,7 @@ pub(super) fn readout(
     (x, y): (u32, u32),
     (session, compared): (&Session, &Compared),
 ) {
-    let tiles = if session.comparison.mode == Mode::Tiles { index..index + 1 } else { 0..2 };
+    let tiles = if session.features.comparison.mode == Mode::Tiles { index..index + 1 } else { 0..2 };
     let lines: Vec<String> = tiles
         .filter_map(|tile| {
             let file = compared.tiles.get(tile)?.file.as_ref()?;
@@ -52,10 +52,10 @@ pub(super) fn dropped(ui: &Ui, responses: &[Response], session: &Session, comman
     }
     let pointer = ui.input(|i| i.pointer.latest_pos());
     let on = pointer.and_then(|at| responses.iter().position(|response| response.rect.contains(at)));
-    let tile = match (session.comparison.mode, on) {
+    let tile = match (session.features.comparison.mode, on) {
         (Mode::Tiles, Some(tile)) => tile,
         (Mode::Wipe, Some(_)) => {
-            let line = line_x(responses[0].rect, session.comparison.wipe);
+            let line = line_x(responses[0].rect, session.features.comparison.wipe);
             usize::from(pointer.is_none_or(|at| at.x >= line))
         }
         _ => 1,

@@ -21,7 +21,7 @@ pub(super) const HEADER: f32 = CONTROL_HEIGHT + space::XS;
 
 /// Draws the row above a picture: one header, or two headers side by side for A and B.
 pub(super) fn headers(ui: &mut Ui, index: usize, place: TileLayout, session: &Session, commands: &mut Vec<Command>) {
-    if session.comparison.mode == Mode::Tiles {
+    if session.features.comparison.mode == Mode::Tiles {
         header(ui, index, place.header, session, commands);
     } else {
         let (left, right) = place.header.split_left_right_at_fraction(0.5);
@@ -38,7 +38,7 @@ fn header(ui: &mut Ui, tile: usize, rect: Rect, session: &Session, commands: &mu
         .max_rect(rect.shrink2(vec2(space::XS, 1.0)))
         .layout(egui::Layout::left_to_right(egui::Align::Center));
     let mut row = ui.new_child(builder);
-    let removable = session.comparison.mode == Mode::Tiles && session.state.tiles.count() > 2;
+    let removable = session.features.comparison.mode == Mode::Tiles && session.state.tiles.count() > 2;
     let name = letter(tile);
     let text = egui::RichText::new(name).strong().color(color(ui, tile));
     let active = tile == session.state.tiles.active;
@@ -52,7 +52,7 @@ fn header(ui: &mut Ui, tile: usize, rect: Rect, session: &Session, commands: &mu
         return;
     }
     let width = row.available_width() - if removable { CONTROL_HEIGHT + space::S } else { 0.0 };
-    let anchors_differ = session.comparison.anchors_differ(&session.state.tiles, session.state.recipe);
+    let anchors_differ = session.features.comparison.anchors_differ(&session.state.tiles, session.state.recipe);
     let anchor = recipe.upscaler.block_anchor().filter(|_| anchors_differ);
     let chosen = row.name_inputs(format!("Upscaler of {name}"), |ui| upscalers(ui, width.max(40.0), recipe, anchor));
     if let Some(upscaler) = chosen {
@@ -66,7 +66,7 @@ fn header(ui: &mut Ui, tile: usize, rect: Rect, session: &Session, commands: &mu
 /// Draws the name of the picture file in a tile, and a button to draw the scene again.
 fn file_name(row: &mut Ui, tile: usize, file: &Path, session: &Session, commands: &mut Vec<Command>) {
     let role = PictureRole::Tile(tile);
-    let opened = session.comparison.opened(&session.state.tiles, role);
+    let opened = session.features.comparison.opened(&session.state.tiles, role);
     let name = opened.as_ref().map_or_else(|| crate::text::path(file), |opened| opened.name());
     let width = (row.available_width() - CONTROL_HEIGHT - space::S).max(20.0);
     let label = egui::Label::new(name.as_str()).truncate();

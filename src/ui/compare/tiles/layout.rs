@@ -21,7 +21,7 @@ pub(super) struct TileLayout {
 
 /// Computes the rectangles of all tiles on the canvas.
 pub(super) fn places(canvas: Rect, session: &Session) -> Vec<TileLayout> {
-    let comparison = &session.comparison;
+    let comparison = &session.features.comparison;
     let shown = if comparison.mode == Mode::Tiles { comparison.shown(&session.state.tiles) } else { 1 };
     let aspect = match session.state.size {
         PictureSize::Fixed(width, height) => width as f32 / height.max(1) as f32,

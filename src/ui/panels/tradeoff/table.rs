@@ -76,7 +76,7 @@ pub(super) fn ui(
 fn compare_buttons(ui: &mut Ui, upscaling: Upscaling, session: &Session, commands: &mut Vec<Command>) -> Rect {
     let shown = |tile: usize| {
         let recipe = session.state.tiles.recipe(tile, session.state.recipe);
-        session.comparison.is_on().then_some(recipe.upscaler)
+        session.features.comparison.is_on().then_some(recipe.upscaler)
     };
     let buttons = ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
