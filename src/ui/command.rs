@@ -55,6 +55,8 @@ macro_rules! define_command {
             ResetRecipe,
             /// Replaces the camera.
             SetCamera(Camera),
+            /// Orbits the camera so that the scene turns by this many steps right and down.
+            Orbit(i8, i8),
             /// Resets the camera to the scene's home view.
             ResetCamera,
             /// Moves the camera until the whole scene is visible.
@@ -96,6 +98,7 @@ macro_rules! define_command {
                     Self::RestartUpscalers => session.restart_upscalers(),
                     Self::ResetRecipe => session.state.recipe = Recipe::default(),
                     Self::SetCamera(camera) => session.state.camera = camera,
+                    Self::Orbit(right, down) => session.orbit(right, down),
                     Self::ResetCamera => session.state.camera = session.scene.home,
                     Self::FitCamera => session.fit_camera(),
                     Self::SetSize(size) => session.state.size = size,
@@ -323,6 +326,10 @@ pub(crate) const BINDINGS: &[KeyBinding] = &[
     .also(&["crop", "region", "selection", "average"]),
     bind(Modifiers::NONE, Key::Home, || Command::LimitTriangles(Some(0)), "Go to the start, before the first triangle"),
     bind(Modifiers::NONE, Key::End, || Command::LimitTriangles(None), "Go to the end, after the last triangle"),
+    bind(Modifiers::COMMAND, Key::ArrowLeft, || Command::Orbit(-1, 0), "Orbit the camera by 5°: the scene turns left"),
+    bind(Modifiers::COMMAND, Key::ArrowRight, || Command::Orbit(1, 0), "Orbit the camera by 5°: the scene turns right"),
+    bind(Modifiers::COMMAND, Key::ArrowUp, || Command::Orbit(0, -1), "Orbit the camera by 5°: the scene turns up"),
+    bind(Modifiers::COMMAND, Key::ArrowDown, || Command::Orbit(0, 1), "Orbit the camera by 5°: the scene turns down"),
     bind(Modifiers::SHIFT, Key::ArrowLeft, || Command::NudgePick(-10, 0), "Pick the pixel 10 px to the left"),
     bind(Modifiers::SHIFT, Key::ArrowRight, || Command::NudgePick(10, 0), "Pick the pixel 10 px to the right"),
     bind(Modifiers::SHIFT, Key::ArrowUp, || Command::NudgePick(0, -10), "Pick the pixel 10 px above"),

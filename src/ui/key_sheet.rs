@@ -86,6 +86,7 @@ impl Topic {
             Command::Dialog(DialogCommand::Open)
             | Command::Canvas(CanvasChange::TogglePointerMode(_))
             | Command::ResetCamera
+            | Command::Orbit(..)
             | Command::FitCamera
             | Command::MeshView(_) => Self::Scene,
             Command::Undo | Command::Redo | Command::ChooseUpscaler(_) | Command::SetRecipe(_) => Self::Settings,

@@ -35,6 +35,9 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene, SceneSource};
 use crate::upscale;
 
+/// Angle by which a key orbits the camera, in radians: 5°.
+const ORBIT_STEP: f32 = 5.0 * std::f32::consts::PI / 180.0;
+
 /// State of the window, apart from widgets: the document, the selection, and the state of all features.
 #[derive(Debug)]
 pub(crate) struct Session {
@@ -199,6 +202,11 @@ impl Session {
     pub(super) fn fit_camera(&mut self) {
         let Viewport { width, height } = self.viewport();
         self.state.camera = self.state.camera.refit(self.scene.bounds(), width as f32 / height as f32);
+    }
+
+    /// Orbits the camera so that the scene turns by this many steps to the right and downwards.
+    pub(super) fn orbit(&mut self, right: i8, down: i8) {
+        self.state.camera.orbit(f32::from(right) * ORBIT_STEP, f32::from(down) * ORBIT_STEP);
     }
 
     /// Picks the next or the previous fault (a crack or double hit), starting at the picked pixel. Returns the pixel. If

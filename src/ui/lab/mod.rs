@@ -211,6 +211,7 @@ impl Lab {
             | Command::StepFault(_)
             | Command::Canvas(CanvasChange::TogglePointerMode(_))
             | Command::ResetCamera
+            | Command::Orbit(..)
             | Command::Dialog(DialogCommand::GoTo)
             | Command::File(FileCommand::CopyPicture)
             | Command::WhatIf(_)

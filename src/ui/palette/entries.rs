@@ -6,6 +6,7 @@ use super::fuzzy::{self, FuzzyMatch};
 use crate::chain::Recipe;
 use crate::inspect::find::SearchTarget;
 use crate::inspect::outline::OutlineKind;
+use crate::inspect::overlays::Overlay;
 use crate::inspect::{Buffer, Intermediate, Stage, fields, lesson};
 use crate::pipeline::settings::Choice as _;
 use crate::scene::{SceneSource, builtin};
@@ -20,6 +21,7 @@ use crate::ui::key_sheet::key_name;
 use crate::ui::legend_strip;
 use crate::ui::long_tasks::MeasureCommand;
 use crate::ui::onboarding::OnboardingChange;
+use crate::ui::overlays::OverlayChange;
 use crate::ui::panels::switches;
 use crate::ui::place;
 use crate::ui::save_as::SaveItem;
@@ -40,7 +42,7 @@ pub(crate) enum EntryKind {
     Setting,
     /// Built-in scene or recent file.
     Scene,
-    /// Buffer of the frame.
+    /// Buffer of the frame, or an overlay of the picture.
     Buffer,
     /// Picture after a pipeline stage.
     Stage,
@@ -178,6 +180,11 @@ pub(crate) fn all(session: &Session) -> Vec<PaletteEntry> {
         entry(EntryKind::Buffer, title, Command::Show(shown))
             .with(buffer.help(), session.shown == shown)
             .also(buffer.synonyms().iter().copied())
+    }));
+    entries.extend(Overlay::ALL.iter().map(|overlay| {
+        let title = format!("Overlay: {}", overlay.name());
+        entry(EntryKind::Buffer, title, Command::Overlays(OverlayChange::Toggle(*overlay)))
+            .with(overlay.help(), session.features.overlays.layer(*overlay).is_some())
     }));
     entries.extend(Intermediate::ALL.iter().map(|number| {
         let shown = Shown::Intermediate(*number);

@@ -184,7 +184,7 @@ fn draw_cell(ui: &mut Ui, class: &ClassReport, cell: &ReportCell, commands: &mut
     ui.painter().rect_filled(inner, 2.0, fill);
     let words = value.map_or_else(|| "–".to_owned(), |value| headline.format(value));
     ui.painter().text(inner.center(), Align2::CENTER_CENTER, &words, FontId::monospace(font_size::SMALL), text);
-    if response.hovered() {
+    if response.hovered() || response.has_focus() {
         ui.painter().rect_stroke(inner, 2.0, egui::Stroke::new(1.5, tokens(ui).accent), egui::StrokeKind::Inside);
     }
     let name = format!("{}, {}: {words}", class.class.name, cell.column.label());

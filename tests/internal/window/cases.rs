@@ -253,7 +253,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 }
 
 /// Returns a stability report of two rasterizers on two classes; the published rasterizer has errors.
-fn small_report() -> StabilityReport {
+pub(super) fn small_report() -> StabilityReport {
     let plan = StabilityPlan {
         classes: vec![catalogue::by_id("needles").unwrap(), catalogue::by_id("not-finite").unwrap()],
         rasterizers: vec![Rasterizer::Scanline, Rasterizer::ScanlinePublished],

@@ -29,6 +29,7 @@ mod scrubbing;
 mod settings;
 mod stepping;
 mod strip;
+mod tasks;
 mod tradeoff;
 mod watching;
 mod what_if;

@@ -30,6 +30,7 @@ fn everything_with_a_name_has_an_entry() {
         assert!(offers(EntryKind::Scene, scene.title));
     }
     assert!(Buffer::ALL.iter().all(|buffer| offers(EntryKind::Buffer, buffer.name())));
+    assert!(Overlay::ALL.iter().all(|overlay| offers(EntryKind::Buffer, overlay.name())));
     assert!(Stage::ALL.iter().all(|stage| offers(EntryKind::Stage, stage.name())));
     assert!(upscale::all().iter().all(|upscaler| offers(EntryKind::Upscaler, upscaler.name())));
     assert!(Panel::ALL.iter().all(|panel| offers(EntryKind::Panel, panel.name())));
