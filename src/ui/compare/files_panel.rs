@@ -1,6 +1,8 @@
 //! The panel “Picture files”: layer, range, histogram and statistics of each compared picture file, and its values at the
 //! picked and the watched pixels.
 
+use std::sync::Arc;
+
 use eframe::egui::{Label, RichText, Ui, vec2};
 
 use super::CompareChange;
@@ -38,18 +40,25 @@ const PLOT_HEIGHT: f32 = 110.0;
 const MAX_LISTED: usize = 8;
 
 fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let mut log = session.features.range.log_counts;
+    let is_log = |(_, opened): &(PictureRole, Arc<OpenedPicture>)| {
+        session.features.range.uses_log_counts(&opened.statistics().histograms)
+    };
+    let mut log = shown_files(session).iter().any(is_log);
     let checkbox = ui.checkbox(&mut log, "logarithmic counts");
     if checkbox.on_hover_text("Logarithmic bars, so that rare values are visible, too").changed() {
         commands.push(Command::Range(RangeChange::LogCounts(log)));
     }
 }
 
+/// Returns the picture files that are being compared.
+fn shown_files(session: &Session) -> Vec<(PictureRole, Arc<OpenedPicture>)> {
+    let (comparison, tiles) = (&session.features.comparison, &session.state.tiles);
+    let roles = (0..comparison.shown(tiles)).map(PictureRole::Tile).chain([PictureRole::Reference]);
+    roles.filter_map(|role| Some((role, comparison.pictures.get(tiles.file(role)?)?))).collect()
+}
+
 fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let tiles = &session.state.tiles;
-    let roles = (0..session.features.comparison.shown(tiles)).map(PictureRole::Tile).chain([PictureRole::Reference]);
-    let files: Vec<_> =
-        roles.filter_map(|role| Some((role, session.features.comparison.pictures.get(tiles.file(role)?)?))).collect();
+    let files = shown_files(session);
     if files.is_empty() {
         let how = "Open a picture of any program as A, B or reference with “Open picture…” above the pictures.";
         return empty_state(ui, Icon::Image, "No picture file is compared", how);
@@ -89,7 +98,7 @@ fn file(ui: &mut Ui, session: &Session, role: PictureRole, opened: &OpenedPictur
         channels: &channels[..statistics.histograms.len().min(channels.len())],
         range,
         color: &grey,
-        log_counts: session.features.range.log_counts,
+        log_counts: session.features.range.uses_log_counts(&statistics.histograms),
     };
     let size = vec2(ui.available_width(), PLOT_HEIGHT);
     if let Some(range) = plot.ui(ui, size).filter(|_| !layer.is_color) {
@@ -159,7 +168,8 @@ fn errors(ui: &mut Ui, session: &Session, role: PictureRole, opened: &OpenedPict
     if against.is_some_and(|against| against.path == opened.path) {
         return;
     }
-    let compared = session.features.comparison.compared.as_ref().and_then(|compared| compared.tiles.get(tile)?.measured.as_ref());
+    let compared =
+        session.features.comparison.compared.as_ref().and_then(|compared| compared.tiles.get(tile)?.measured.as_ref());
     let Some(stored) = compared.and_then(|measured| measured.stored.as_ref()) else { return };
     let reference = session.features.comparison.reference_name(&session.state.tiles);
     let help = "Errors of the stored values, as the command “compare” measures them; those below the picture are of what is shown";

@@ -8,6 +8,7 @@ use eframe::egui::{
 use super::plot::{HistogramPlot, color_of};
 use super::{RangeChange, figures};
 use crate::inspect::display::{ColorMap, ValueKind};
+use crate::inspect::histogram::Histogram;
 use crate::inspect::range::{RangeFit, Rule};
 use crate::inspect::view::{Range, absence};
 use crate::manual::Chapter;
@@ -56,12 +57,13 @@ pub(crate) fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &RenderedVi
         let setting = control.setting(shown);
         let size = vec2(column.available_width(), PLOT_HEIGHT);
         let color = |range, value| color_of(shown, &setting, range, value);
+        let histograms = histograms(view);
         let plot = HistogramPlot {
-            histograms: view.look_result.measured.as_deref().map_or(&[], |measured| &measured.histograms),
+            histograms,
             channels: kind.channels(),
             range: view.range,
             color: &color,
-            log_counts: control.log_counts,
+            log_counts: control.uses_log_counts(histograms),
         };
         changes.extend(plot.ui(&mut column, size).map(|range| RangeChange::Rule(Rule::Fixed(range))));
         column.add_space(space::XS);
@@ -188,6 +190,11 @@ fn toggle(ui: &mut Ui, icon: Icon, on: bool, name: &str) -> Response {
 }
 
 /// Draws the colour map settings of a scalar quantity or the channel switches of a colour, and the histogram settings.
+/// Returns the histograms of the shown values, one per channel.
+pub(super) fn histograms(view: &RenderedView) -> &[Histogram] {
+    view.look_result.measured.as_deref().map_or(&[], |measured| &measured.histograms)
+}
+
 fn colors(ui: &mut Ui, session: &Session, kind: ValueKind, shown: Shown, changes: &mut Vec<RangeChange>) {
     let control = &session.features.range;
     let display = control.setting(shown).display;
@@ -217,9 +224,10 @@ fn colors(ui: &mut Ui, session: &Session, kind: ValueKind, shown: Shown, changes
         if toggle(ui, Icon::SquareDashed, control.draws_region, box_help).clicked() {
             changes.push(RangeChange::DrawRegion(!control.draws_region));
         }
-        let log = ui.selectable_label(control.log_counts, "log");
+        let is_log = control.uses_log_counts(session.view.as_ref().map_or(&[], histograms));
+        let log = ui.selectable_label(is_log, "log");
         if log.on_hover_text("Logarithmic bars, so that rare values are visible, too").clicked() {
-            changes.push(RangeChange::LogCounts(!control.log_counts));
+            changes.push(RangeChange::LogCounts(!is_log));
         }
     });
 }

@@ -16,6 +16,7 @@ pub(crate) mod save;
 use super::engine::{RenderedView, Shown};
 use super::look::{StatisticsRequest, kind};
 use crate::inspect::display::{ColorMap, Display, ValueKind};
+use crate::inspect::histogram::Histogram;
 use crate::inspect::range::{RangeFit, Rule};
 use crate::inspect::view::Range;
 use crate::measure::region::PixelRegion;
@@ -39,8 +40,8 @@ pub(crate) struct RangeControl {
     pub(crate) open: bool,
     /// Whether the panel “Histogram” is shown. Statistics are computed only then.
     pub(crate) histogram_shown: bool,
-    /// Whether histograms show the logarithm of their counts.
-    pub(crate) log_counts: bool,
+    /// Whether histograms show the logarithm of their counts, if the user has chosen.
+    log_counts: Option<bool>,
     /// Region of the picture whose statistics are shown separately.
     pub(crate) region: Option<PixelRegion>,
     /// Whether dragging on the canvas selects the region for separate statistics.
@@ -93,6 +94,12 @@ impl RangeControl {
         self.settings.iter().find(|(of, _)| *of == shown).map_or(Setting::default(), |(_, setting)| *setting)
     }
 
+    /// Whether these histograms, one per channel, show the logarithm of their counts: as the user has chosen, or by
+    /// default if linear bars would hide most values.
+    pub(crate) fn uses_log_counts(&self, histograms: &[Histogram]) -> bool {
+        self.log_counts.unwrap_or_else(|| histograms.iter().any(|histogram| has_mostly_low_bars(&histogram.bins)))
+    }
+
     /// Returns the statistics to compute for `shown`; `None` if none are needed.
     pub(crate) fn measures(&self, shown: Shown) -> Option<StatisticsRequest> {
         let wanted = (self.open || self.histogram_shown) && kind(shown) != ValueKind::Names;
@@ -109,7 +116,7 @@ impl RangeControl {
         match change {
             RangeChange::Open(open) => self.open = open,
             RangeChange::HistogramShown(open) => self.histogram_shown = open,
-            RangeChange::LogCounts(log) => self.log_counts = log,
+            RangeChange::LogCounts(log) => self.log_counts = Some(log),
             RangeChange::Visible(region) => self.visible = region,
             RangeChange::DrawRegion(draws) => self.draws_region = draws,
             RangeChange::Region(region) => {
@@ -153,6 +160,17 @@ impl RangeControl {
             self.settings.push((shown, setting));
         }
     }
+}
+
+/// Whether at least half of the non-empty bins have less than a hundredth of the highest count, as in pictures of high
+/// dynamic range.
+fn has_mostly_low_bars(bins: &[u64]) -> bool {
+    /// Height of a low bar, as a divisor of the height of the highest one.
+    const LOW: u64 = 100;
+    let most = bins.iter().copied().max().unwrap_or(0);
+    let filled = || bins.iter().filter(|count| **count > 0);
+    let low = filled().filter(|count| **count < most.div_ceil(LOW)).count();
+    low > 0 && 2 * low >= filled().count()
 }
 
 /// Returns the range with its bounds in ascending order; `None` unless both are finite.
@@ -210,6 +228,17 @@ mod tests {
         control.apply(RangeChange::Open(false), DEPTH, None);
         control.apply(RangeChange::HistogramShown(true), DEPTH, None);
         assert!(control.measures(DEPTH).is_some());
+    }
+
+    #[test]
+    fn counts_are_logarithmic_where_linear_bars_would_hide_most_values() {
+        assert!(has_mostly_low_bars(&[50_000, 3, 0, 1, 2, 0, 1]), "a bright sun in a dark picture");
+        for bins in [&[900, 700, 20, 400][..], &[50_000, 0, 0], &[1, 1, 0], &[]] {
+            assert!(!has_mostly_low_bars(bins), "{bins:?}");
+        }
+        let mut control = RangeControl::default();
+        control.apply(RangeChange::LogCounts(true), DEPTH, None);
+        assert!(control.uses_log_counts(&[]), "the choice of the user counts");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use eframe::egui::{Grid, RichText, ScrollArea, Ui, vec2};
 
 use super::RangeChange;
+use super::card::histograms;
 use super::figures::{COLUMNS, texts};
 use super::plot::{HistogramPlot, color_of};
 use crate::inspect::range::Rule;
@@ -54,7 +55,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         channels: kind(shown).channels(),
         range: view.range,
         color: &color,
-        log_counts: session.features.range.log_counts,
+        log_counts: session.features.range.uses_log_counts(&measured.histograms),
     };
     let fixed = |range| Command::Range(RangeChange::Rule(Rule::Fixed(range)));
     let names = kind(shown).channels();
@@ -91,7 +92,8 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 
 /// Draws the controls of the “Histogram” panel.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let mut log = session.features.range.log_counts;
+    let histograms = session.view.as_ref().map_or(&[][..], histograms);
+    let mut log = session.features.range.uses_log_counts(histograms);
     if ui
         .checkbox(&mut log, "logarithmic counts")
         .on_hover_text("Logarithmic bars, so that rare values are visible, too")
