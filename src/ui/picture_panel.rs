@@ -97,8 +97,9 @@ fn canvas(ui: &mut Ui, cx: &mut PanelContext<'_>, compares: bool, strip: f32) {
         what_if::bar::label(ui, rect, session);
     }
     if session.features.case.is_none() {
-        onboarding::card::ui(ui, rect, session, thumbnails, commands);
-        onboarding::coach::ui(ui, rect, session, commands);
+        let pictures = if compares { TilesView::pictures(rect, session) } else { rect };
+        onboarding::card::ui(ui, pictures, session, thumbnails, commands);
+        onboarding::coach::ui(ui, pictures, session, commands);
     }
     drop_hint(ui);
     busy_mark(ui, *requested_at);

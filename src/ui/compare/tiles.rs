@@ -61,6 +61,12 @@ impl TilesView {
         places(canvas, session).first().map_or(canvas.size(), |place| place.picture.size())
     }
 
+    /// Returns the rectangle around all pictures on the canvas, in points, without the headers above and the errors
+    /// below them.
+    pub(crate) fn pictures(canvas: Rect, session: &Session) -> Rect {
+        places(canvas, session).iter().map(|place| place.picture).reduce(Rect::union).unwrap_or(canvas)
+    }
+
     /// Draws all compared pictures and turns input into commands. Returns the pixel under the pointer.
     pub(crate) fn ui(
         &mut self,

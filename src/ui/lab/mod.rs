@@ -22,7 +22,6 @@ use std::time::{Duration, Instant};
 use eframe::egui::{self, CentralPanel, Panel, ScrollArea, Ui, Vec2};
 
 use super::command::Command;
-use super::manual::manual_button;
 use super::save_as::SaveItem;
 use super::scrub;
 use super::theme::{self, ROW_HEIGHT, space};
@@ -403,11 +402,10 @@ pub(crate) fn ui(ui: &mut Ui, lab: &Lab, commands: &mut Vec<Command>) {
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             page_list(ui, lab, &mut changes);
             pages::controls(ui, lab, &mut changes);
-            manual_button(ui, Chapter::Lab, commands);
         });
     });
     Panel::right("lab readout").frame(frame).resizable(true).default_size(right).min_size(220.0).show(ui, |ui| {
-        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| readout::ui(ui, lab, &mut changes));
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| readout::ui(ui, lab, &mut changes, commands));
     });
     CentralPanel::default().frame(theme::canvas_frame(ui)).show(ui, |ui| {
         Panel::top("lab says").frame(frame).exact_size(BAR_HEIGHT).show(ui, |ui| readout::sentence(ui, lab));

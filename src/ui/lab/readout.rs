@@ -5,7 +5,10 @@ use eframe::egui::{Label, RichText, Ui};
 
 use super::{Lab, LabChange};
 use crate::drawing::file::EXTENSIONS;
+use crate::manual::Chapter;
+use crate::ui::command::Command;
 use crate::ui::format;
+use crate::ui::manual::manual_button;
 use crate::ui::theme::{self, Icon, space, tokens};
 use crate::ui::widgets::{icon_button, section_header, value_row};
 
@@ -20,8 +23,13 @@ pub(super) fn sentence(ui: &mut Ui, lab: &Lab) {
 
 /// Draws the panel beside the grid: explanation of the lesson, state of the algorithm, facts about the run, and
 /// buttons.
-pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
-    section_header(ui, "Explanation", |_| {});
+pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>, commands: &mut Vec<Command>) {
+    section_header(ui, "Explanation", |ui| {
+        manual_button(ui, Chapter::Lab, commands);
+        if icon_button(ui, Icon::RotateCcw, "Reset this page").clicked() {
+            changes.push(LabChange::Reset);
+        }
+    });
     theme::card_frame(ui).show(ui, |ui| {
         ui.add(Label::new(RichText::new(lab.lesson().explanation()).color(tokens(ui).text)).wrap());
     });
@@ -61,9 +69,6 @@ pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
             changes.push(LabChange::Compare);
         }
         ui.menu_button((theme::icon(Icon::Download), "Save drawing"), |ui| save_menu(ui, changes));
-        if icon_button(ui, Icon::RotateCcw, "Reset this page").clicked() {
-            changes.push(LabChange::Reset);
-        }
     });
 }
 

@@ -51,7 +51,7 @@ impl CoachStep {
             Self::Move => "Drag in the picture to orbit the camera. Turn the wheel to zoom at the pointer.",
             Self::Pick => "Click a pixel. The panel “Pixel” on the right says why it has its colour.",
             Self::Stage => {
-                "Click the eye beside a stage on the left. The picture then shows the frame after that stage. “Colour” \
+                "Click the eye beside a stage on the right. The picture then shows the frame after that stage. “Colour” \
                  in the list above the picture shows the finished frame again."
             }
             Self::Compare => "Press Ctrl+3 to see the same view drawn with several upscalers, side by side.",
@@ -62,8 +62,7 @@ impl CoachStep {
     fn arrow(self) -> Icon {
         match self {
             Self::Move => Icon::Move,
-            Self::Pick => Icon::ArrowRight,
-            Self::Stage => Icon::ArrowLeft,
+            Self::Pick | Self::Stage => Icon::ArrowRight,
             Self::Compare => Icon::ArrowUp,
         }
     }
@@ -73,7 +72,7 @@ impl CoachStep {
         match self {
             Self::Move => Align2::CENTER_BOTTOM,
             Self::Pick => Align2::RIGHT_CENTER,
-            Self::Stage => Align2::LEFT_CENTER,
+            Self::Stage => Align2::RIGHT_TOP,
             Self::Compare => Align2::CENTER_TOP,
         }
     }

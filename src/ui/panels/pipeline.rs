@@ -169,15 +169,16 @@ impl TimeColumn {
         Rect::from_x_y_ranges((right - self.width)..=right, row.y_range())
     }
 
-    /// Draws the time of a row into the column.
-    fn draw_time(&self, ui: &mut Ui, row: Rect, time: Duration, color: Color32) {
+    /// Draws the time of a row into the column. Returns the left end of the text.
+    fn draw_time(&self, ui: &mut Ui, row: Rect, time: Duration, color: Color32) -> f32 {
         let place = self.place(row);
         let text = milliseconds(time);
         let font = TextStyle::Monospace.resolve(ui.style());
-        ui.painter().text(place.right_center(), Align2::RIGHT_CENTER, &text, font, color);
+        let written = ui.painter().text(place.right_center(), Align2::RIGHT_CENTER, &text, font, color);
         let response = ui.interact(place, ui.next_auto_id(), Sense::hover());
         ui.skip_ahead_auto_ids(1);
         response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &text));
+        written.left()
     }
 
     /// Draws a bar in the background of a row, as long as the share of `time` in the frame time.
@@ -220,6 +221,8 @@ fn stage_row(
         (false, false) => (tokens.text_strong, tokens.text),
     };
     background(ui, rect, &response, selected);
+    let time = column.place(rect);
+    let mut time_left = time.left();
     if let StageTime::Measured(time) = figures.time {
         column.draw_bar(
             ui,
@@ -227,7 +230,7 @@ fn stage_row(
             time,
             if selected { tokens.accent.gamma_multiply(SELECTED_BAR) } else { tokens.control },
         );
-        column.draw_time(ui, rect, time, color);
+        time_left = column.draw_time(ui, rect, time, color);
     }
     let shown = session.shown == Shown::Stage(stage);
     if shown {
@@ -237,14 +240,15 @@ fn stage_row(
     let start = rect.left_center() + vec2(NAME_INSET, 0.0);
     let name = ui.painter().text(start, Align2::LEFT_CENTER, stage.name(), font, name_color);
     let weak = if selected { color } else { tokens.text_weak };
-    let time = column.place(rect);
     if let StageTime::PartOf(other) = figures.time {
         small_text(ui, time, &part_of(other), weak);
     }
-    let middle = Rect::from_x_y_ranges((name.right() + space::XS)..=(time.left() - space::S), rect.y_range());
+    let until = |right: f32| Rect::from_x_y_ranges((name.right() + space::XS)..=(right - space::S), rect.y_range());
+    let middle = until(time.left());
     match &figures.detail {
         Detail::Count(count) => small_text(ui, middle, &count.fitting(ui, middle.width()), weak),
-        Detail::Skipped(reason) => small_text(ui, middle, reason, weak),
+        // A reason is longer than a count: it may reach into the column up to the time.
+        Detail::Skipped(reason) => small_text(ui, until(time_left), reason, weak),
         Detail::Nothing => {}
     }
     let eye = Rect::from_min_max(rect.right_top() - vec2(CONTROL_HEIGHT, 0.0), rect.max);

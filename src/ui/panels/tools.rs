@@ -206,12 +206,20 @@ fn overlays_button(ui: &mut Ui, cx: &mut ToolContext<'_>, words: &str) {
         _ => format!("{words}  {count}"),
     };
     let help = "edges, counts, sizes and faults over the picture, each with a legend  (O)";
-    let button = Button::selectable(open, (theme::icon(Icon::Layers), text));
+    let button = labelled(Icon::Layers, &text).selected(open).frame_when_inactive(open).frame(true);
     let response = ui.add(button).on_hover_text(format!("{name}: {help}"));
     response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, open, &name));
     if response.clicked() {
         cx.commands.push(Command::Overlays(overlays::OverlayChange::ToggleOpen));
         ui.close();
+    }
+}
+
+/// Returns a button with an icon, and with words if there are any.
+fn labelled(icon: Icon, words: &str) -> Button<'_> {
+    match words {
+        "" => Button::new(theme::icon(icon)),
+        _ => Button::new((theme::icon(icon), words)),
     }
 }
 
@@ -222,7 +230,7 @@ fn pointer_mode(
     with_name: bool,
 ) {
     let words = if with_name { name } else { "" };
-    let button = Button::new((theme::icon(icon), words)).selected(cx.session.features.canvas.pointer_mode == mode);
+    let button = labelled(icon, words).selected(cx.session.features.canvas.pointer_mode == mode);
     let response = ui.add(button).on_hover_text(format!("{name}: {help}"));
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, name));
     if response.clicked() {

@@ -6,7 +6,7 @@ use super::panel::Panel;
 use crate::pipeline::settings::Choice as _;
 
 /// Default height of the stages above the panels that explain a pixel, in points.
-const STAGES_HEIGHT: f32 = 330.0;
+const STAGES_HEIGHT: f32 = 360.0;
 
 /// Default width of the panels beside compared pictures, in points: their four tabs fit into it.
 const COMPARED_WIDTH: f32 = 352.0;

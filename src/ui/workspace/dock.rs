@@ -26,6 +26,12 @@ const GAP: f32 = 3.0;
 /// Minimum width and height of a panel, in points.
 const MIN_SIZE: f32 = 60.0;
 
+/// Minimum size of the growing parts of a container, such as the picture, in points; the others shrink first.
+const GROWING_MIN: f32 = 280.0;
+
+/// Largest share of a container that [`GROWING_MIN`] claims, so that a small window keeps room for the other parts.
+const GROWING_SHARE: f32 = 0.55;
+
 /// Height of the row with the titles of panels, in points.
 const TITLE_HEIGHT: f32 = 26.0;
 
@@ -207,8 +213,14 @@ fn sizes(parts: &[(f32, bool)], room: f32) -> Vec<f32> {
     let even = room / parts.len().max(1) as f32;
     let mut sizes: Vec<f32> = parts.iter().map(|(size, _)| if *size <= NEW_SHARE { even } else { *size }).collect();
     let any_grows = parts.iter().any(|(_, grows)| *grows);
-    let missing = room - sizes.iter().sum::<f32>();
     let growing = |index: usize| !any_grows || parts[index].1;
+    let fixed: f32 = sizes.iter().enumerate().filter(|(index, _)| !growing(*index)).map(|(_, size)| size).sum();
+    let left_for_fixed = room - GROWING_MIN.min(GROWING_SHARE * room);
+    if fixed > left_for_fixed {
+        let smaller = sizes.iter_mut().enumerate().filter(|(index, _)| !growing(*index));
+        smaller.for_each(|(_, size)| *size *= left_for_fixed / fixed);
+    }
+    let missing = room - sizes.iter().sum::<f32>();
     let total: f32 = sizes.iter().enumerate().filter(|(index, _)| growing(*index)).map(|(_, size)| size).sum();
     for (index, size) in sizes.iter_mut().enumerate() {
         if growing(index) {
@@ -369,6 +381,7 @@ mod tests {
         assert_eq!(sizes(&[(300.0, true), (100.0, true)], 200.0), [150.0, 60.0].map(|x: f32| x / 1.05));
         assert_eq!(sizes(&[(100.0, false), (300.0, false)], 800.0), [200.0, 600.0]);
         assert_eq!(sizes(&[(300.0, true), (NEW_SHARE, false)], 600.0), [300.0, 300.0]);
+        assert_eq!(sizes(&[(400.0, true), (250.0, false)], 480.0), [264.0, 216.0], "the picture keeps its share");
         let narrow = sizes(&[(232.0, false), (400.0, true), (288.0, false)], 300.0);
         assert!((narrow.iter().sum::<f32>() - 300.0).abs() < 1e-3 && narrow.iter().all(|size| *size > 0.0));
     }
