@@ -27,6 +27,7 @@ pub(crate) fn answer_time(start: &WindowStart, size: Viewport, turn: Turn, count
         let request = Request {
             scene: start.scene.clone(),
             camera: turn.camera(&start.camera, turn.frame_of_round(step as i64)),
+            time_before_s: None,
             recipe: start.recipe,
             viewport: size,
             shown: Shown::Buffer(Buffer::Color),

@@ -16,6 +16,7 @@ use super::overlays;
 use super::place;
 use super::range;
 use super::save_as::SaveItem;
+use super::scene_time::SceneTimeChange;
 use super::scrub::{self, ScrubChange};
 use super::session::{PictureSize, PointerMode, Session};
 use super::stages::StageChange;
@@ -294,6 +295,25 @@ pub(crate) const BINDINGS: &[KeyBinding] = &[
         Key::Y,
         || Command::Scrub(scrub::ScrubChange::Touching(None)),
         "Step only through triangles and fragments at the picked pixel, or through all of them",
+    ),
+    bind(
+        Modifiers::COMMAND,
+        Key::Space,
+        || Command::SceneTime(SceneTimeChange::TogglePlay),
+        "Play the animated scene, or pause",
+    )
+    .also(&["animation", "time", "motion"]),
+    bind(
+        Modifiers::ALT,
+        Key::Comma,
+        || Command::SceneTime(SceneTimeChange::Step(-1)),
+        "Show the previous frame of the animated scene",
+    ),
+    bind(
+        Modifiers::ALT,
+        Key::Period,
+        || Command::SceneTime(SceneTimeChange::Step(1)),
+        "Show the next frame of the animated scene",
     ),
     bind(Modifiers::NONE, Key::Comma, || Command::StepTriangle(-1), "Draw one fewer triangle"),
     bind(Modifiers::NONE, Key::Period, || Command::StepTriangle(1), "Draw one more triangle"),

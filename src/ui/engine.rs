@@ -13,7 +13,7 @@ use std::time::Duration;
 use super::look::{self, Look, LookResult, SlowOverlays, ValueSource};
 use super::scrub::reel::{Reel, timeline_of};
 use super::seam_search::SeamSearch;
-use crate::chain::{Frame, KeepDepth, Recipe, Renderer};
+use crate::chain::{Frame, KeepDepth, PrecedingView, Recipe, Renderer};
 use crate::image::{Image, Rgba8};
 use crate::inspect::bad_fragments::BadFragments;
 use crate::inspect::buffers::{Buffer, Buffers, capture};
@@ -78,6 +78,8 @@ pub(crate) struct Request {
     pub(crate) camera: Camera,
     /// Recipe to draw with.
     pub(crate) recipe: Recipe,
+    /// Time of the preceding frame of an animated scene, in seconds; `None` if the scene is still.
+    pub(crate) time_before_s: Option<f64>,
     /// Size of the picture, in pixels.
     pub(crate) viewport: Viewport,
     /// Quantity to show on the canvas.
@@ -347,7 +349,9 @@ fn render(
 ) -> (Frame, usize) {
     let Request { scene, camera, recipe, viewport, .. } = request;
     let Some(moment) = request.moment() else {
-        let frame = renderer.render(scene, camera, recipe, *viewport, KeepDepth::Yes);
+        let mut frame = renderer.render(scene, camera, recipe, *viewport, KeepDepth::Yes);
+        let before = |time_s: f64| PrecedingView { scene: scene.at(time_s), camera: *camera };
+        frame.before = request.time_before_s.map(before);
         let rasterized = frame.rasterized();
         return (frame, rasterized);
     };

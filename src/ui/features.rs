@@ -75,6 +75,8 @@ macro_rules! with_features {
             comparison: $crate::ui::compare::CompareState => Compare,
             /// Sequences of picture files, and the frame that they show.
             sequences: $crate::ui::sequences::Sequences => Sequence,
+            /// Time of an animated scene, and its playback.
+            scene_time: $crate::ui::scene_time::SceneTime => SceneTime,
             /// Filmstrip of all upscaling methods below a comparison.
             filmstrip: $crate::ui::filmstrip::Filmstrip => Filmstrip,
             /// Start card, coach and lessons for new users.

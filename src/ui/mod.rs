@@ -16,6 +16,7 @@ pub(crate) mod fates;
 
 pub(crate) mod scrub;
 
+pub(crate) mod scene_time;
 pub(crate) mod sequences;
 
 mod layout;

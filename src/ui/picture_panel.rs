@@ -9,6 +9,7 @@ use super::filmstrip;
 use super::legend_strip;
 use super::onboarding;
 use super::panels::transport;
+use super::scene_time;
 use super::scrub;
 use super::sequences;
 use super::theme;
@@ -55,6 +56,9 @@ fn ui(ui: &mut Ui, cx: &mut PanelContext<'_>) {
         Panel::bottom("scrubber").frame(frame).exact_size(scrub::transport::HEIGHT).show(ui, |ui| {
             scrub::transport::ui(ui, session, commands);
         });
+    }
+    if session.scene.animation.is_some() && session.features.case.is_none() {
+        Panel::bottom("scene time").frame(frame).show(ui, |ui| scene_time::strip::ui(ui, session, commands));
     }
     if compares && session.sequence_range().is_some() {
         Panel::bottom("sequences").frame(frame).show(ui, |ui| sequences::strip::ui(ui, session, commands));

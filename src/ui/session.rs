@@ -100,6 +100,7 @@ impl Session {
             scene: self.scene.clone(),
             camera: self.state.camera,
             recipe: self.state.recipe,
+            time_before_s: self.time_before_s(),
             viewport: self.viewport(),
             shown: self.shown,
             triangle_limit: self.features.scrub.triangle_limit,

@@ -384,6 +384,7 @@ mod tests {
         Request {
             camera: scene.home,
             scene: Arc::new(scene),
+            time_before_s: None,
             recipe: Recipe::default(),
             viewport: Viewport { width: 8, height: 6 },
             shown: Shown::Buffer(Buffer::Color),

@@ -2,8 +2,8 @@
 
 use eframe::egui::{Event, Key, Modifiers, Role};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
-use rasterscope::inspect::overlays::Overlay;
 use rasterscope::inspect::Buffer;
+use rasterscope::inspect::overlays::Overlay;
 use rasterscope::pipeline::settings::{Choice as _, FillRule};
 use rasterscope::scene::Camera;
 use rasterscope::ui::engine::Shown;
