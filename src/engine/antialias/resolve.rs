@@ -36,6 +36,12 @@ impl Mean {
         self.samples
     }
 
+    /// Returns the mean of every pixel in linear light. The accumulator must average linear light.
+    pub(crate) fn linear(&self) -> Image<[f32; 3]> {
+        debug_assert_eq!(self.light, ColorSpace::Linear);
+        self.sums.map(|sum| sum.map(|channel| channel / self.samples.max(1) as f32))
+    }
+
     /// Returns the picture of the mean colours, with opaque alpha.
     pub(crate) fn picture(&self) -> Image<Rgba8> {
         let mut picture = Image::filled(self.sums.width(), self.sums.height(), [0; 4]);

@@ -10,6 +10,7 @@ use crate::pipeline::settings::{DepthTest, Settings, Shading};
 use crate::pipeline::viewport::Viewport;
 use crate::pipeline::{LastStage, prepare};
 use crate::scene::Scene;
+use crate::upscale::CENTRE;
 
 /// Motion of every pixel of a picture since the preceding frame.
 #[derive(Clone, Debug)]
@@ -57,6 +58,13 @@ impl MotionBuffers {
 }
 
 impl Frame {
+    /// Returns the position of the drawn samples minus the centre of their pixels, in rasterized pixels. `recipe` must be
+    /// the recipe of the frame.
+    pub fn jitter_px(&self, recipe: &Recipe) -> [f64; 2] {
+        let (_, place) = sampling_after(self.history.as_deref(), recipe);
+        [place[0] - CENTRE[0], place[1] - CENTRE[1]]
+    }
+
     /// Computes the motion of every rasterized pixel since [`Frame::before`], without jitter. `scene` must be the scene of
     /// the frame and `recipe` its recipe. Returns `None` if no view precedes or the depth test is off.
     pub fn motion(&self, scene: &Scene, recipe: &Recipe) -> Option<MotionBuffers> {

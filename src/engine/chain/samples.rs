@@ -207,6 +207,11 @@ impl ProgressiveRender {
         true
     }
 
+    /// Returns the mean of the samples drawn so far, in linear light.
+    pub fn linear(&self) -> Image<[f32; 3]> {
+        self.mean.linear()
+    }
+
     /// Returns the mean of the samples drawn so far.
     pub fn picture(&self) -> Image<Rgba8> {
         self.mean.picture()

@@ -191,3 +191,28 @@ fn the_gbuffer_is_redrawn_only_after_the_view_has_moved() {
         }
     }
 }
+
+#[test]
+fn the_blending_with_history_reproduces_every_pixel() {
+    for (name, orbit) in [("chess-motion", 0.0), ("cubes", 0.02)] {
+        let scene = scene(name);
+        for upscaler in Upscaling::every().filter(|upscaler| upscaler.upscaler().reads().history) {
+            let recipe = Recipe { upscaler, ..Recipe::default() };
+            let mut renderer = Renderer::default();
+            let (mut camera, mut blended, mut rejected) = (scene.home, 0, 0);
+            for number in 0..10 {
+                let posed = scene.at(f64::from(number) / 30.0);
+                let frame = renderer.render(&posed, &camera, &recipe, SIZE, KeepDepth::No);
+                let inputs = frame.as_drawn(&frame.drawn.color);
+                for at in (0..SIZE.height).flat_map(|y| (0..SIZE.width).map(move |x| (x, y))) {
+                    let Some(step) = upscaler.upscaler().history_step(upscaler, &inputs, at) else { continue };
+                    let [r, g, b, _] = frame.image().at(at.0, at.1);
+                    assert_eq!(step.codes(), [r, g, b], "{name} {} frame {number} {at:?}", upscaler.label());
+                    *(if step.past.is_ok() { &mut blended } else { &mut rejected }) += 1;
+                }
+                camera.orbit(orbit, 0.0);
+            }
+            assert!(blended > 1000 && rejected > 10, "{name} {}: {blended} {rejected}", upscaler.label());
+        }
+    }
+}

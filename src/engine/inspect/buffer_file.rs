@@ -43,25 +43,7 @@ impl BufferSource<'_> {
     /// # Errors
     /// Returns an error if the file cannot be encoded.
     pub fn encode(&self, comments: &str) -> io::Result<Vec<u8>> {
-        let camera = &self.frame.camera;
-        let mirror = DMat4::from_scale(DVec3::new(1.0, 1.0, -1.0));
-        let attributes = RenderAttributes {
-            comments: comments.to_owned(),
-            world_to_camera: (mirror * camera.view_from_world_f64()).as_mat4().to_cols_array(),
-            world_to_picture: self.picture_from_world().as_mat4().to_cols_array(),
-            clip_planes: [camera.near, camera.far],
-        };
-        encode_exr(self.picture(), &attributes)
-    }
-
-    /// Returns the matrix from world space to the picture, whose top left corner is (0, 0) and whose bottom right corner
-    /// is (1, 1).
-    fn picture_from_world(&self) -> DMat4 {
-        let mapping = self.recipe.pipeline.depth_format.mapping();
-        let clip_from_world = self.frame.camera.clip_from_world_f64(self.frame.viewport.aspect(), mapping);
-        let picture_from_ndc =
-            DMat4::from_translation(DVec3::new(0.5, 0.5, 0.0)) * DMat4::from_scale(DVec3::new(0.5, -0.5, 1.0));
-        picture_from_ndc * clip_from_world
+        encode_exr(self.picture(), &render_attributes(self.recipe, self.frame, comments))
     }
 
     /// Returns all buffers as channels of a picture.
@@ -102,6 +84,22 @@ impl BufferSource<'_> {
             channels.surface(&format!("position.{name}"), |surface| Some(surface.position?[axis]));
         }
         Picture::new("OpenEXR", self.frame.image().size(), channels.list)
+    }
+}
+
+/// Returns the header of a file with pixels of a frame. `recipe` must be the recipe of the frame.
+pub(crate) fn render_attributes(recipe: &Recipe, frame: &Frame, comments: &str) -> RenderAttributes {
+    let camera = &frame.camera;
+    let mirror = DMat4::from_scale(DVec3::new(1.0, 1.0, -1.0));
+    let mapping = recipe.pipeline.depth_format.mapping();
+    let clip_from_world = camera.clip_from_world_f64(frame.viewport.aspect(), mapping);
+    let picture_from_ndc =
+        DMat4::from_translation(DVec3::new(0.5, 0.5, 0.0)) * DMat4::from_scale(DVec3::new(0.5, -0.5, 1.0));
+    RenderAttributes {
+        comments: comments.to_owned(),
+        world_to_camera: (mirror * camera.view_from_world_f64()).as_mat4().to_cols_array(),
+        world_to_picture: (picture_from_ndc * clip_from_world).as_mat4().to_cols_array(),
+        clip_planes: [camera.near, camera.far],
     }
 }
 

@@ -47,8 +47,8 @@ impl Mixture {
         let sources: Vec<ContributingSample> = sources.collect::<Option<_>>()?;
         let weight = sources.iter().map(|source| f64::from(source.tap.weight)).sum();
         let sum = [0, 1, 2].map(|channel| sum_of(&sources, how.light(), channel));
-        let before = how.upscaler().history_position(how, &frame.as_drawn(&frame.drawn.color), at);
-        Some(Self { sources, weight, sum, pixel, uses_history: before.is_some() })
+        let step = how.upscaler().history_step(how, &frame.as_drawn(&frame.drawn.color), at);
+        Some(Self { sources, weight, sum, pixel, uses_history: step.is_some_and(|step| step.past.is_ok()) })
     }
 
     /// Returns the weighted sums clamped to the range of sRGB codes, [0, 255].

@@ -22,7 +22,7 @@ use crate::pipeline::settings::{Arithmetic, Choice, choice};
 use crate::pipeline::viewport::Viewport;
 use crate::pipeline::{Extent, LastStage, draw, wireframe};
 use crate::scene::{Scene, Transparency, TriangleId};
-use crate::upscale::Tap;
+use crate::upscale::{HistoryStep, Tap};
 
 /// Final outcome of a fragment: visible, covered by later fragments, or rejected by a test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -205,9 +205,9 @@ pub struct PixelReport {
     pub final_depth: Option<DepthRecord>,
     /// Drawn pixels from which this pixel is computed: only itself, with weight 1, if it was drawn.
     pub sources: Vec<SourceRecord>,
-    /// Position in the previous frame from which the upscaler reads history, in px from the top-left corner; `None`
-    /// without history. `sources` does not include the history.
-    pub(crate) remembered_at: Option<[f64; 2]>,
+    /// Blending of the pixel with the history; `None` if the upscaler reads no history for it. `sources` does not
+    /// include the history.
+    pub history: Option<HistoryStep>,
     /// Colour of the pixel before the post filter; `None` without a post filter.
     pub unfiltered: Option<Rgba8>,
     /// Triangle whose edge the wireframe draws over this pixel, if any.
@@ -298,9 +298,7 @@ pub(super) fn replayed(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y:
         absent: Vec::new(),
         final_depth: final_depth.map(|depth| DepthRecord::new(depth, frame.depth_scale())),
         sources,
-        remembered_at: upscaler
-            .history_position(how, &frame.as_drawn(&frame.drawn.color), (x, y))
-            .map(|before| before.place.map(f64::from)),
+        history: upscaler.history_step(how, &frame.as_drawn(&frame.drawn.color), (x, y)),
         unfiltered: filtered.map(|_| upscaled),
         wireframe,
         fault: fault_at(frame, &recipe.pipeline, drawn_at.0, drawn_at.1).filter(|_| frame.is_drawn(x, y)),

@@ -14,8 +14,8 @@ use std::ops::Range;
 use arrayvec::ArrayVec;
 
 use super::{
-    Anchor, FilterSpace, Lattice, Motion, Offers, Reads, Reprojected, Sampling, Scale, Tap, UpscaleInputs, Upscaled,
-    Upscaler, Upscaling,
+    Anchor, BlendSpace, FilterSpace, HistoryStep, Lattice, Motion, Offers, PastColor, Reads, Rejection, Sampling,
+    Scale, Tap, UpscaleInputs, Upscaled, Upscaler, Upscaling,
 };
 use crate::antialias::pattern::Pattern;
 use crate::image::color::Tables;
@@ -105,7 +105,7 @@ impl Upscaler for Accumulation {
     fn taps(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
         let now = FrameContext::new(how, drawn, size);
         let mut taps = now.present(at).0.to_vec();
-        if drawn.frame.is_some_and(|seen| seen.reproject(at).is_some_and(|before| !before.is_still)) {
+        if drawn.frame.is_some_and(|seen| seen.reproject(at).is_ok_and(|before| !before.is_still)) {
             let (columns, rows) = now.neighbourhood(at);
             for (x, y) in rows.flat_map(|y| columns.clone().map(move |x| (x as u32, y))) {
                 if taps.iter().all(|tap| (tap.x, tap.y) != (x, y)) {
@@ -116,9 +116,9 @@ impl Upscaler for Accumulation {
         taps
     }
 
-    fn history_position(&self, _how: Upscaling, drawn: &UpscaleInputs<'_>, at: (u32, u32)) -> Option<Reprojected> {
-        let seen = drawn.frame?;
-        seen.history?.accumulated.as_ref().and_then(|_| seen.reproject(at))
+    fn history_step(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, at: (u32, u32)) -> Option<HistoryStep> {
+        let now = FrameContext::new(how, drawn, drawn.frame?.gbuffer.object.size());
+        Some(now.step(at, &now.present(at)).0)
     }
 }
 
@@ -174,12 +174,9 @@ impl<'a> FrameContext<'a> {
     fn pixel(&self, at: (u32, u32)) -> Rgba8 {
         let present = self.present(at);
         let [r, g, b, _] = self.blend_history(at, &present);
-        let encode = |value: f32| match self.light {
-            FilterSpace::Linear => self.tables.encode(value),
-            FilterSpace::Bytes => (value + 0.5) as u8,
-        };
+        let [r, g, b] = BlendSpace::Rgb(self.light).encoded(self.tables, [r, g, b]);
         let alpha = self.mean(&present.0)[3];
-        [encode(r), encode(g), encode(b), (alpha + 0.5) as u8]
+        [r, g, b, (alpha + 0.5) as u8]
     }
 
     /// Returns the weighted mean of samples: RGB in the filtering colour space, alpha as an 8-bit value.
@@ -195,37 +192,51 @@ impl<'a> FrameContext<'a> {
 
     /// Blends this frame's samples, as returned by [`Self::present`], with the history. Returns the RGB mean and the
     /// sample count.
-    fn blend_history(&self, at: (u32, u32), (taps, counts_for): &(ArrayVec<Tap, 4>, f32)) -> [f32; 4] {
+    fn blend_history(&self, at: (u32, u32), present: &(ArrayVec<Tap, 4>, f32)) -> [f32; 4] {
+        let (step, count) = self.step(at, present);
+        let [r, g, b] = step.blended();
+        [r, g, b, count]
+    }
+
+    /// Returns how this frame's samples, as returned by [`Self::present`], are blended with the history, and the new
+    /// sample count.
+    fn step(&self, at: (u32, u32), (taps, counts_for): &(ArrayVec<Tap, 4>, f32)) -> (HistoryStep, f32) {
         let counts_for = *counts_for;
-        let now = self.mean(taps);
-        let remembered = self.history.and_then(|(motion, memory)| {
-            let before = motion.reproject(at)?;
-            Some((before, before.read(self.size, |x, y| memory.at(x, y))))
-        });
-        let Some((before, [mut r, mut g, mut b, count])) = remembered else {
-            return [now[0], now[1], now[2], counts_for];
+        let [r, g, b, _] = self.mean(taps);
+        let of = |share, past| HistoryStep { space: BlendSpace::Rgb(self.light), present: [r, g, b], share, past };
+        let history = self.history.as_ref().ok_or(Rejection::FirstFrame);
+        let before = history.and_then(|(motion, memory)| Ok((motion.reproject(at)?, memory)));
+        let (before, memory) = match before {
+            Ok(before) => before,
+            Err(rejection) => return (of(1.0, Err(rejection)), counts_for),
         };
+        let [r, g, b, count] = before.read(self.size, |x, y| memory.at(x, y));
+        let mut past = PastColor { position_px: before.place, read: [r, g, b], rectified: [r, g, b] };
         if !before.is_still {
-            // Decoding is monotonic, so it is enough to decode the bounds of the encoded values.
-            let [mut least, mut greatest] = [[u8::MAX; 4], [u8::MIN; 4]];
-            let (columns, rows) = self.neighbourhood(at);
-            for y in rows {
-                for color in &self.drawn.color.row(y)[columns.clone()] {
-                    for channel in 0..4 {
-                        least[channel] = least[channel].min(color[channel]);
-                        greatest[channel] = greatest[channel].max(color[channel]);
-                    }
-                }
-            }
-            let [least, greatest] = [least, greatest].map(|color| color.map(|code| self.number(code)));
-            for (channel, value) in [&mut r, &mut g, &mut b].into_iter().enumerate() {
-                *value = value.min(greatest[channel]).max(least[channel]);
-            }
+            self.clamp(at, &mut past.rectified);
         }
         let count = count.min((JITTER_POSITIONS - 1) as f32);
         let share = if self.is_settled { 0.0 } else { counts_for / (count + counts_for) };
-        let mix = |past: f32, now: f32| past + (now - past) * share;
-        [mix(r, now[0]), mix(g, now[1]), mix(b, now[2]), count + counts_for]
+        (of(share, Ok(past)), count + counts_for)
+    }
+
+    /// Clamps a colour to the range of the 3 × 3 nearest samples of this frame.
+    fn clamp(&self, at: (u32, u32), color: &mut [f32; 3]) {
+        // Decoding is monotonic, so it is enough to decode the bounds of the encoded values.
+        let [mut least, mut greatest] = [[u8::MAX; 4], [u8::MIN; 4]];
+        let (columns, rows) = self.neighbourhood(at);
+        for y in rows {
+            for color in &self.drawn.color.row(y)[columns.clone()] {
+                for channel in 0..4 {
+                    least[channel] = least[channel].min(color[channel]);
+                    greatest[channel] = greatest[channel].max(color[channel]);
+                }
+            }
+        }
+        let [least, greatest] = [least, greatest].map(|color| color.map(|code| self.number(code)));
+        for (channel, value) in color.iter_mut().enumerate() {
+            *value = value.min(greatest[channel]).max(least[channel]);
+        }
     }
 
     /// Returns the samples of this frame that contribute to an output pixel, with normalised weights, and the weight of

@@ -3,9 +3,14 @@
 
 use std::sync::Arc;
 
+use serde::Serialize;
+
+use super::FilterSpace;
+use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::gbuffer::GBuffer;
 use crate::pipeline::motion::{FrameView, MotionVectors};
+use crate::pipeline::settings::{Choice, choice};
 use crate::scene::{Camera, Scene};
 
 mod wide;
@@ -60,10 +65,90 @@ impl FrameInputs<'_> {
         self.history.map_or(0, |past| past.frames + 1)
     }
 
-    /// Reprojects pixel `at` into the previous frame. Returns `None` if that frame does not show the pixel's surface,
+    /// Reprojects pixel `at` into the previous frame. Returns an error if that frame does not show the pixel's surface,
     /// or if there is no previous frame.
-    pub(crate) fn reproject(&self, at: (u32, u32)) -> Option<Reprojected> {
-        self.reprojection()?.reproject(at)
+    pub(crate) fn reproject(&self, at: (u32, u32)) -> Result<Reprojected, Rejection> {
+        self.reprojection().ok_or(Rejection::FirstFrame)?.reproject(at)
+    }
+}
+
+/// Blending of a pixel with its history. Colours are three numbers in the space in which the upscaler blends.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct HistoryStep {
+    /// Space of the colours.
+    pub space: BlendSpace,
+    /// Colour of the pixel from the samples of this frame alone.
+    pub present: [f32; 3],
+    /// Share of this frame in the pixel, in [0, 1]; 1 if the history is rejected.
+    pub share: f32,
+    /// History of the pixel, or the reason why it is rejected.
+    pub past: Result<PastColor, Rejection>,
+}
+
+/// History of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PastColor {
+    /// Position in the previous frame, in pixels from the top left corner.
+    pub position_px: [f32; 2],
+    /// Colour that the history has there.
+    pub read: [f32; 3],
+    /// Colour after rectification by the samples of this frame.
+    pub rectified: [f32; 3],
+}
+
+impl HistoryStep {
+    /// Returns the colour of the pixel before it is encoded, with the arithmetic of the upscaler.
+    pub fn blended(&self) -> [f32; 3] {
+        match &self.past {
+            Ok(past) => std::array::from_fn(|i| past.rectified[i] + (self.present[i] - past.rectified[i]) * self.share),
+            Err(_) => self.present,
+        }
+    }
+
+    /// Returns the sRGB codes of the pixel.
+    pub fn codes(&self) -> [u8; 3] {
+        self.space.encoded(Tables::get(), self.blended())
+    }
+}
+
+/// Space in which an upscaler blends colours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum BlendSpace {
+    /// Red, green and blue.
+    Rgb(FilterSpace),
+    /// Luminance and chroma: Y = (R + 2 G + B) / 4, Co = (R − B) / 2, Cg = (2 G − R − B) / 4.
+    YCoCg(FilterSpace),
+}
+
+impl BlendSpace {
+    /// Returns the names of the three numbers of a colour.
+    pub fn components(self) -> [&'static str; 3] {
+        match self {
+            Self::Rgb(_) => ["R", "G", "B"],
+            Self::YCoCg(_) => ["Y", "Co", "Cg"],
+        }
+    }
+
+    /// Returns the sRGB codes of a colour.
+    #[inline(always)]
+    pub(crate) fn encoded(self, tables: &Tables, [a, b, c]: [f32; 3]) -> [u8; 3] {
+        let (light, rgb) = match self {
+            Self::Rgb(light) => (light, [a, b, c]),
+            Self::YCoCg(light) => (light, [a - c + b, a + c, a - c - b]),
+        };
+        rgb.map(|value| match light {
+            FilterSpace::Linear => tables.encode(value),
+            FilterSpace::Bytes => (value + 0.5) as u8,
+        })
+    }
+}
+
+choice! {
+    /// Reason why a pixel has no history.
+    pub Rejection {
+        FirstFrame = "first-frame", "First frame", "there is no previous frame";
+        Outside = "outside", "Outside", "the surface was outside the picture of the previous frame";
+        Disoccluded = "disoccluded", "Disoccluded", "the previous frame does not show the surface";
     }
 }
 
@@ -89,14 +174,28 @@ impl Motion<'_> {
         self.vectors.is_none()
     }
 
-    /// Reprojects pixel `at` into the previous frame. Returns `None` if that frame does not show the pixel's surface.
-    pub(crate) fn reproject(&self, (x, y): (u32, u32)) -> Option<Reprojected> {
+    /// Reprojects pixel `at` into the previous frame. Returns an error if that frame does not show the pixel's surface.
+    pub(crate) fn reproject(&self, at: (u32, u32)) -> Result<Reprojected, Rejection> {
+        self.reproject_by(at, at)
+    }
+
+    /// Reprojects pixel `at` by the motion vector of pixel `by`. Returns an error if the position is outside the previous
+    /// frame, or if that frame does not show the surface of `by`.
+    #[inline(always)]
+    pub(crate) fn reproject_by(&self, at: (u32, u32), by: (u32, u32)) -> Result<Reprojected, Rejection> {
+        let center = [at.0 as f32 + 0.5, at.1 as f32 + 0.5];
         let Some(vectors) = self.vectors else {
-            return Some(Reprojected { place: [x as f32 + 0.5, y as f32 + 0.5], is_still: true });
+            return Ok(Reprojected { place: center, is_still: true });
         };
-        let moved = |at: u32, by: &Image<f32>| at as f32 + 0.5 + by.at(x, y);
-        let place = [moved(x, &vectors.across_px), moved(y, &vectors.down_px)];
-        (vectors.visible.at(x, y) == MotionVectors::VISIBLE).then_some(Reprojected { place, is_still: false })
+        let place = [center[0] + vectors.across_px.at(by.0, by.1), center[1] + vectors.down_px.at(by.0, by.1)];
+        let (width, height) = vectors.visible.size();
+        // NaN fails every comparison, so it is not inside.
+        let is_inside = place[0] >= 0.0 && place[1] >= 0.0 && place[0] < width as f32 && place[1] < height as f32;
+        if !is_inside {
+            return Err(Rejection::Outside);
+        }
+        let is_visible = vectors.visible.at(by.0, by.1) == MotionVectors::VISIBLE;
+        is_visible.then_some(Reprojected { place, is_still: false }).ok_or(Rejection::Disoccluded)
     }
 }
 

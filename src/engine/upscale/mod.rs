@@ -53,9 +53,13 @@ pub use choice::Upscaling;
 pub(crate) use cubic::CATMULL_ROM;
 pub(crate) use cubic::MITCHELL;
 pub(crate) use fsr::FSR1;
+pub use history::BlendSpace;
 pub(crate) use history::FrameInputs;
 pub(crate) use history::History;
+pub use history::HistoryStep;
 pub(crate) use history::Motion;
+pub use history::PastColor;
+pub use history::Rejection;
 pub(crate) use history::Reprojected;
 pub(crate) use lanczos::LANCZOS2;
 pub(crate) use lanczos::LANCZOS3;
@@ -120,9 +124,9 @@ pub trait Upscaler: Sync {
     /// from rounding and non-linear steps of the upscaler.
     fn taps(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap>;
 
-    /// Returns the position in the previous frame from which pixel `at` reads history, or `None` if it reads none.
-    /// History is not a tap.
-    fn history_position(&self, _how: Upscaling, _drawn: &UpscaleInputs<'_>, _at: (u32, u32)) -> Option<Reprojected> {
+    /// Returns how pixel `at` is blended with its history, or `None` if the upscaler reads no history for it. History is
+    /// not a tap.
+    fn history_step(&self, _how: Upscaling, _drawn: &UpscaleInputs<'_>, _at: (u32, u32)) -> Option<HistoryStep> {
         None
     }
 

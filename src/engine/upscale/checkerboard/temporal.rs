@@ -14,7 +14,10 @@ use crate::math::lanes::*;
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::motion::MotionVectors;
 use crate::upscale::history::NOT_VISIBLE;
-use crate::upscale::{CENTRE, Motion, Offers, Reads, Reprojected, Sampling, Tap, UpscaleInputs, Upscaler, Upscaling};
+use crate::upscale::{
+    BlendSpace, CENTRE, FilterSpace, HistoryStep, Motion, Offers, PastColor, Reads, Rejection, Reprojected, Sampling,
+    Tap, UpscaleInputs, Upscaler, Upscaling,
+};
 
 /// Checkerboard rendering with missing pixels reprojected from the previous frame.
 pub(crate) static CHECKERBOARD_TEMPORAL: CheckerboardTemporal = CheckerboardTemporal;
@@ -79,9 +82,22 @@ impl Upscaler for CheckerboardTemporal {
         taps
     }
 
-    fn history_position(&self, _how: Upscaling, drawn: &UpscaleInputs<'_>, at: (u32, u32)) -> Option<Reprojected> {
-        let missing = grid_of(drawn).sample_at(at.0, at.1).is_none();
-        drawn.frame.filter(|_| missing).and_then(|seen| seen.reproject(at))
+    fn history_step(&self, _how: Upscaling, drawn: &UpscaleInputs<'_>, at: (u32, u32)) -> Option<HistoryStep> {
+        if grid_of(drawn).sample_at(at.0, at.1).is_some() {
+            return None;
+        }
+        let frame = drawn.frame?;
+        let size = frame.gbuffer.object.size();
+        let numbers = |[r, g, b, _]: Rgba8| [r, g, b].map(f32::from);
+        let present = numbers(surfaces::filled(grid_of(drawn), drawn, size, at));
+        let past = frame.reproject(at).and_then(|before| {
+            let (read, clamped) = motion(drawn)
+                .and_then(|motion| reprojected_color(drawn, &motion, size, (at, &before)))
+                .ok_or(Rejection::Outside)?;
+            Ok(PastColor { position_px: before.place, read: numbers(read), rectified: numbers(clamped) })
+        });
+        let share = if past.is_ok() { 0.0 } else { 1.0 };
+        Some(HistoryStep { space: BlendSpace::Rgb(FilterSpace::Bytes), present, share, past })
     }
 }
 
@@ -184,10 +200,21 @@ fn gathered<S: Simd>(simd: S, of: &[Rgba8], at: u32x16<S>) -> u32x16<S> {
 
 /// Returns the reprojected colour of a missing pixel, if the previous frame shows the same surface.
 fn reproject_pixel(drawn: &UpscaleInputs<'_>, motion: &Motion<'_>, size: (u32, u32), at: (u32, u32)) -> Option<Rgba8> {
+    let before = motion.reproject(at).ok()?;
+    Some(reprojected_color(drawn, motion, size, (at, &before))?.1)
+}
+
+/// Returns the colour of the previous frame at the reprojected position of a missing pixel, and the same colour clamped
+/// to the drawn pixels around it.
+fn reprojected_color(
+    drawn: &UpscaleInputs<'_>,
+    motion: &Motion<'_>,
+    size: (u32, u32),
+    (at, before): ((u32, u32), &Reprojected),
+) -> Option<(Rgba8, Rgba8)> {
     let picture = motion.history.picture.as_ref()?;
-    let before = motion.reproject(at)?;
     if before.is_still {
-        return Some(picture.at(at.0, at.1));
+        return Some((picture.at(at.0, at.1), picture.at(at.0, at.1)));
     }
     let [mut least, mut greatest] = [[u8::MAX; 4], [u8::MIN; 4]];
     for (x, y) in around(size, at) {
@@ -198,6 +225,6 @@ fn reproject_pixel(drawn: &UpscaleInputs<'_>, motion: &Motion<'_>, size: (u32, u
         }
     }
     let color = before.read(size, |x, y| picture.at(x, y).map(f32::from));
-    let clamped = |channel: usize| ((color[channel] + 0.5) as u8).max(least[channel]).min(greatest[channel]);
-    Some(std::array::from_fn(clamped))
+    let read = color.map(|code| (code + 0.5) as u8);
+    Some((read, std::array::from_fn(|channel| read[channel].max(least[channel]).min(greatest[channel]))))
 }

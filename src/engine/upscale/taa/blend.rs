@@ -1,6 +1,9 @@
 //! Blending of the samples of a frame with its history, pixel by pixel. A pixel's four numbers are one SIMD vector.
 
-use super::super::{FilterSpace, Lattice, Motion, Reprojected, Scale, Tap, UpscaleInputs, Upscaling};
+use super::super::{
+    BlendSpace, FilterSpace, HistoryStep, Lattice, Motion, PastColor, Rejection, Reprojected, Scale, Tap,
+    UpscaleInputs, Upscaling,
+};
 use super::{HistoryFilter, HistoryOptions, MOVING_WEIGHT, Rectification, jitter, jitter_positions};
 use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
@@ -52,6 +55,23 @@ struct Samples<S: Simd> {
     greatest: f32x4<S>,
     mean: f32x4<S>,
     mean_square: f32x4<S>,
+}
+
+/// Blending of a pixel with its history.
+struct Blend<S: Simd> {
+    present: f32x4<S>,
+    past: Result<Past<S>, Rejection>,
+    /// Share of this frame, in [0, 1].
+    share: f32,
+    /// Accumulated weight of the pixel for the next frame.
+    weight: f32,
+}
+
+/// History of a pixel.
+struct Past<S: Simd> {
+    before: Reprojected,
+    read: f32x4<S>,
+    rectified: f32x4<S>,
 }
 
 impl<'a> TaaFrame<'a> {
@@ -110,13 +130,36 @@ impl<'a> TaaFrame<'a> {
 
     /// Computes one pixel of the picture and of the history for the next frame.
     #[inline(always)]
-    pub(super) fn pixel<S: Simd>(&self, simd: S, (x, y): (u32, u32)) -> (Rgba8, Quad) {
+    pub(super) fn pixel<S: Simd>(&self, simd: S, at: (u32, u32)) -> (Rgba8, Quad) {
+        self.blended(simd, at, self.samples(simd, at))
+    }
+
+    /// Returns how one pixel is blended with its history.
+    #[inline(always)]
+    pub(super) fn step<S: Simd>(&self, simd: S, at: (u32, u32)) -> HistoryStep {
+        let color = |quad: f32x4<S>| quad.to_array().first_chunk().copied().unwrap_or_default();
+        let blend = self.blend(simd, at, self.samples(simd, at));
+        let past = |past: Past<S>| PastColor {
+            position_px: past.before.place,
+            read: color(past.read),
+            rectified: color(past.rectified),
+        };
+        HistoryStep {
+            space: self.space(),
+            present: color(blend.present),
+            share: blend.share,
+            past: blend.past.map(past),
+        }
+    }
+
+    /// Returns the 3 × 3 samples around a pixel.
+    #[inline(always)]
+    fn samples<S: Simd>(&self, simd: S, (x, y): (u32, u32)) -> [[f32x4<S>; 3]; 3] {
         let (columns, rows) = (self.columns[x as usize], self.rows[y as usize]);
-        let samples = each!(row in [0, 1, 2] => each!(column in [0, 1, 2] => {
+        each!(row in [0, 1, 2] => each!(column in [0, 1, 2] => {
             let codes = self.drawn.color.at(columns.index[column], rows.index[row]);
             f32x4::load_array(simd, self.decoded(codes))
-        }));
-        self.blended(simd, (x, y), samples)
+        }))
     }
 
     /// Returns a sample in YCoCg.
@@ -130,40 +173,44 @@ impl<'a> TaaFrame<'a> {
         [0.25 * r + 0.5 * g + 0.25 * b, 0.5 * r - 0.5 * b, 0.5 * g - 0.25 * r - 0.25 * b, f32::from(a)]
     }
 
-    /// Returns the sRGB codes of a colour in YCoCg.
-    #[inline(always)]
-    fn encoded(&self, [y, co, cg, _]: Quad, alpha: f32) -> Rgba8 {
-        let encode = |value: f32| match self.light {
-            FilterSpace::Linear => self.tables.encode(value),
-            FilterSpace::Bytes => (value + 0.5) as u8,
-        };
-        let rest = y - cg;
-        [encode(rest + co), encode(y + cg), encode(rest - co), (alpha + 0.5) as u8]
+    fn space(&self) -> BlendSpace {
+        BlendSpace::YCoCg(self.light)
     }
 
-    /// Blends the samples around a pixel with its history.
+    /// Returns the colour of a pixel and its history for the next frame.
     #[inline(always)]
     fn blended<S: Simd>(&self, simd: S, at: (u32, u32), samples: [[f32x4<S>; 3]; 3]) -> (Rgba8, Quad) {
-        let around = Samples::new(simd, samples, &self.columns[at.0 as usize], &self.rows[at.1 as usize]);
-        let [.., alpha] = around.present.to_array();
-        let past = self.history.as_ref().and_then(|(_, memory)| {
-            let before = self.reproject(at)?;
-            Some((before.is_still, self.read(simd, memory, &before)))
-        });
-        let Some((is_still, past)) = past else {
-            let [y, co, cg, _] = around.present.to_array();
-            return (self.encoded([y, co, cg, 0.0], alpha), [y, co, cg, around.confidence]);
+        let blend = self.blend(simd, at, samples);
+        let color = match blend.past {
+            Ok(Past { rectified, .. }) => rectified + (blend.present - rectified) * blend.share,
+            Err(_) => blend.present,
         };
-        let [.., weight] = past.to_array();
+        let [y, co, cg, _] = color.to_array();
+        let [.., alpha] = blend.present.to_array();
+        let [r, g, b] = self.space().encoded(self.tables, [y, co, cg]);
+        ([r, g, b, (alpha + 0.5) as u8], [y, co, cg, blend.weight])
+    }
+
+    /// Returns how the samples around a pixel are blended with its history.
+    #[inline(always)]
+    fn blend<S: Simd>(&self, simd: S, at: (u32, u32), samples: [[f32x4<S>; 3]; 3]) -> Blend<S> {
+        let around = Samples::new(simd, samples, &self.columns[at.0 as usize], &self.rows[at.1 as usize]);
+        let Samples { present, confidence, .. } = around;
+        let history = self.history.as_ref().ok_or(Rejection::FirstFrame);
+        let (before, memory) = match history.and_then(|(motion, memory)| Ok((self.reproject(motion, at)?, memory))) {
+            Ok(found) => found,
+            Err(rejection) => return Blend { present, past: Err(rejection), share: 1.0, weight: confidence },
+        };
+        let read = self.read(simd, memory, &before);
+        let [.., weight] = read.to_array();
         let weight = weight.max(0.0).min(self.most_weight);
-        let past = if is_still { past } else { around.rectified(simd, past, self.options.rectification) };
-        let mut share = if self.is_settled { 0.0 } else { around.confidence / (weight + around.confidence) };
+        let rectified = if before.is_still { read } else { around.rectified(simd, read, self.options.rectification) };
+        let mut share = if self.is_settled { 0.0 } else { confidence / (weight + confidence) };
         if self.options.luminance_weighting {
-            let [now, before] = [around.present, past].map(|color| self.luminance_weight(color.to_array()[0]));
-            share = share * now / (share * now + (1.0 - share) * before);
+            let [now, then] = [present, rectified].map(|color| self.luminance_weight(color.to_array()[0]));
+            share = share * now / (share * now + (1.0 - share) * then);
         }
-        let [y, co, cg, _] = (past + (around.present - past) * share).to_array();
-        (self.encoded([y, co, cg, 0.0], alpha), [y, co, cg, weight + around.confidence])
+        Blend { present, past: Ok(Past { before, read, rectified }), share, weight: weight + confidence }
     }
 
     /// Returns the weight of a colour of luminance `y`: 1 / (1 + y), with y in [0, 1].
@@ -174,17 +221,9 @@ impl<'a> TaaFrame<'a> {
 
     /// Returns the position in the previous frame from which a pixel reads its history.
     #[inline(always)]
-    pub(super) fn reproject(&self, at: (u32, u32)) -> Option<Reprojected> {
-        let (motion, _) = self.history.as_ref()?;
-        let Some(vectors) = motion.vectors else { return motion.reproject(at) };
-        let (x, y) = self.nearest_of(vectors, at);
-        let place = [at.0 as f32 + 0.5 + vectors.across_px.at(x, y), at.1 as f32 + 0.5 + vectors.down_px.at(x, y)];
-        let is_inside = place[0] >= 0.0
-            && place[1] >= 0.0
-            && place[0] < self.size.0 as f32
-            && place[1] < self.size.1 as f32
-            && vectors.visible.at(x, y) == MotionVectors::VISIBLE;
-        is_inside.then_some(Reprojected { place, is_still: false })
+    fn reproject(&self, motion: &Motion<'_>, at: (u32, u32)) -> Result<Reprojected, Rejection> {
+        let by = motion.vectors.map_or(at, |vectors| self.nearest_of(vectors, at));
+        motion.reproject_by(at, by)
     }
 
     /// Returns the pixel with the nearest surface among the 3 × 3 around a pixel. The pixel itself wins ties.

@@ -24,7 +24,7 @@ pub use options::Rectification;
 
 use self::blend::TaaFrame;
 use super::{
-    Anchor, FilterSpace, Offers, Reads, Reprojected, Sampling, Scale, Tap, UpscaleInputs, Upscaled, Upscaler,
+    Anchor, FilterSpace, HistoryStep, Offers, Reads, Sampling, Scale, Tap, UpscaleInputs, Upscaled, Upscaler,
     Upscaling, bands,
 };
 use crate::antialias::pattern::Pattern;
@@ -131,7 +131,8 @@ impl Upscaler for Taa {
         TaaFrame::new(how, drawn, size).taps(at)
     }
 
-    fn history_position(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, at: (u32, u32)) -> Option<Reprojected> {
-        TaaFrame::new(how, drawn, drawn.frame?.gbuffer.object.size()).reproject(at)
+    fn history_step(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, at: (u32, u32)) -> Option<HistoryStep> {
+        let frame = TaaFrame::new(how, drawn, drawn.frame?.gbuffer.object.size());
+        Some(on_lanes!(Lanes::best(), simd => frame.step(simd, at)))
     }
 }
