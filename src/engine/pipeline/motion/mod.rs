@@ -206,7 +206,7 @@ impl<'a> FrameMotion<'a> {
         spare: Option<MotionVectors>,
     ) -> Option<MotionVectors> {
         /// Rows that one task processes with a cache of its own.
-        const ROWS: usize = 16;
+        const ROWS: usize = 32;
         let width = self.size.0 as usize;
         if self.before.is_none() {
             ids.pixels_mut().par_chunks_mut(width * ROWS).for_each(|ids| {
@@ -276,6 +276,9 @@ impl<'a> FrameMotion<'a> {
         if !is_inside {
             return false;
         }
+        if let Some([nearest, farthest]) = before.range_of_one_object([x, y], object) {
+            return is_near(distance, nearest, farthest);
+        }
         let (columns, right) = around(x, self.size.0);
         let (rows, down) = around(y, self.size.1);
         let (mut weight, mut nearest, mut farthest) = (0.0, f32::INFINITY, 0.0_f32);
@@ -290,8 +293,35 @@ impl<'a> FrameMotion<'a> {
                 }
             }
         }
-        let slack = farthest - nearest + SAME_DISTANCE * distance;
-        weight >= LEAST_WEIGHT && (distance == nearest || (distance >= nearest - slack && distance <= farthest + slack))
+        weight >= LEAST_WEIGHT && is_near(distance, nearest, farthest)
+    }
+}
+
+/// Whether a distance agrees with the nearest and the farthest of the pixels around a position.
+#[inline(always)]
+fn is_near(distance: f32, nearest: f32, farthest: f32) -> bool {
+    let slack = farthest - nearest + SAME_DISTANCE * distance;
+    distance == nearest || (distance >= nearest - slack && distance <= farthest + slack)
+}
+
+impl GBuffer {
+    /// Returns the least and the greatest distance of the four pixels around a position, if all of them show `object`.
+    /// Nearly all positions are like that, and need no weights.
+    #[inline(always)]
+    fn range_of_one_object(&self, [x, y]: [f32; 2], object: Rgba8) -> Option<[f32; 2]> {
+        let (width, height) = self.object.size();
+        let [x, y] = [x - 0.5, y - 0.5];
+        if !(x >= 0.0 && y >= 0.0 && x < (width - 1) as f32 && y < (height - 1) as f32) {
+            return None;
+        }
+        let upper = y as usize * width as usize + x as usize;
+        let lower = upper + width as usize;
+        let (objects, distances) = (self.object.pixels(), self.distance.pixels());
+        if objects[upper..upper + 2] != [object; 2] || objects[lower..lower + 2] != [object; 2] {
+            return None;
+        }
+        let [a, b] = [upper, lower].map(|at| [distances[at], distances[at + 1]]);
+        Some([a[0].min(a[1]).min(b[0].min(b[1])), a[0].max(a[1]).max(b[0].max(b[1]))])
     }
 }
 
@@ -396,7 +426,7 @@ struct Cache {
 
 impl Cache {
     /// Number of cached triangles.
-    const ENTRIES: usize = 1024;
+    const ENTRIES: usize = 512;
 
     #[inline]
     fn get(&mut self, motion: &FrameMotion<'_>, id: Rgba8) -> &TriangleMotion {

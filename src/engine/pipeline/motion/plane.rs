@@ -59,15 +59,15 @@ impl PlaneMotion {
     pub(super) fn block(&self, first: u32, y: u32) -> MotionBlock {
         let at = DVec3::new(f64::from(first) + 0.5, f64::from(y) + 0.5, 1.0);
         let w = self.w.dot(at);
-        let inv_w = self.inv_w.dot(at);
-        let across = [(self.column.dot(at) - at.x * w) / w, (self.column.x - w - at.x * self.w.x) / w, -self.w.x / w];
-        let down = [(self.row.dot(at) - at.y * w) / w, (self.row.x - at.y * self.w.x) / w];
+        let (per_w, per_inv_w) = (1.0 / w, 1.0 / self.inv_w.dot(at));
+        let across = [self.column.dot(at) - at.x * w, self.column.x - w - at.x * self.w.x, -self.w.x];
+        let down = [self.row.dot(at) - at.y * w, self.row.x - at.y * self.w.x];
         MotionBlock {
-            across: across.map(|number| number as f32),
-            down: down.map(|number| number as f32),
-            w: (self.w.x / w) as f32,
-            distance: [self.distance.dot(at), self.distance.x].map(|number| (number / inv_w) as f32),
-            inv_w: (self.inv_w.x / inv_w) as f32,
+            across: across.map(|number| (number * per_w) as f32),
+            down: down.map(|number| (number * per_w) as f32),
+            w: (self.w.x * per_w) as f32,
+            distance: [self.distance.dot(at), self.distance.x].map(|number| (number * per_inv_w) as f32),
+            inv_w: (self.inv_w.x * per_inv_w) as f32,
         }
     }
 }

@@ -8,10 +8,12 @@ use super::{HistoryFilter, HistoryOptions, MOVING_WEIGHT, Rectification, jitter,
 use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
-use crate::pipeline::motion::MotionVectors;
 
 /// Y, Co, Cg and a fourth number: alpha of a sample as an 8-bit value, or the accumulated weight of a pixel.
 type Quad = [f32; 4];
+
+/// Column and row of a pixel.
+type PixelAt = (u32, u32);
 
 /// Sharpness of the Gaussian that weights samples by their squared distance from the pixel, in output pixels. It
 /// approximates a Blackman-Harris window of width 3.3 (Karis, 2014).
@@ -23,6 +25,8 @@ struct AxisSamples {
     index: [u32; 3],
     /// Weight of each sample; 1 for a sample at the centre of the pixel.
     weight: [f32; 3],
+    /// Sum of the weights.
+    total: f32,
 }
 
 /// Decoded sample rows, with the index of the row that each holds.
@@ -46,6 +50,16 @@ pub(super) struct TaaFrame<'a> {
     tables: &'static Tables,
 }
 
+/// Three vertically adjacent samples: their weighted sum and their statistics.
+#[derive(Clone, Copy)]
+struct Column<S: Simd> {
+    weighted: f32x4<S>,
+    least: f32x4<S>,
+    greatest: f32x4<S>,
+    sum: f32x4<S>,
+    squares: f32x4<S>,
+}
+
 /// Statistics of the 3 × 3 samples around a pixel, and their weighted mean.
 struct Samples<S: Simd> {
     present: f32x4<S>,
@@ -53,8 +67,15 @@ struct Samples<S: Simd> {
     confidence: f32,
     least: f32x4<S>,
     greatest: f32x4<S>,
-    mean: f32x4<S>,
-    mean_square: f32x4<S>,
+    sum: f32x4<S>,
+    squares: f32x4<S>,
+}
+
+/// Nearest surface among three vertically adjacent pixels.
+#[derive(Clone, Copy, Debug)]
+struct NearestInColumn {
+    distance: f32,
+    row: u32,
 }
 
 /// Blending of a pixel with its history.
@@ -119,26 +140,41 @@ impl<'a> TaaFrame<'a> {
             decoded.fill(index, |codes| self.decoded(codes), self.drawn.color);
         }
         let [above, at, below] = rows.index.map(|index| decoded.row(index));
+        let column = |place: u32| {
+            let place = place as usize;
+            let samples = each!(row in [above, at, below] => f32x4::load_array_ref(simd, &row[place]));
+            Column::new(samples, rows.weight)
+        };
+        // Neighbouring pixels share columns: only the last of three is new, if any.
+        let mut held = self.columns[0].index;
+        let mut columns = each!(place in [0, 1, 2] => column(held[place]));
+        let mut nearest = self.nearest_columns(y);
         for (x, (pixel, memory)) in (0..).zip(row.iter_mut().zip(memory)) {
-            let columns = self.columns[x as usize];
-            let samples = each!(row in [above, at, below] => {
-                each!(place in [0, 1, 2] => f32x4::load_array_ref(simd, &row[columns.index[place] as usize]))
-            });
-            (*pixel, *memory) = self.blended(simd, (x, y), samples);
+            let wanted = self.columns[x as usize].index;
+            if wanted != held {
+                columns = if wanted[0] == held[1] && wanted[1] == held[2] {
+                    [columns[1], columns[2], column(wanted[2])]
+                } else {
+                    each!(place in [0, 1, 2] => column(wanted[place]))
+                };
+                held = wanted;
+            }
+            let by = nearest.as_mut().map_or((x, y), |nearest| nearest.of(x));
+            (*pixel, *memory) = self.blended(simd, (x, y), by, columns);
         }
     }
 
     /// Computes one pixel of the picture and of the history for the next frame.
     #[inline(always)]
     pub(super) fn pixel<S: Simd>(&self, simd: S, at: (u32, u32)) -> (Rgba8, Quad) {
-        self.blended(simd, at, self.samples(simd, at))
+        self.blended(simd, at, self.nearest(at), self.columns_around(simd, at))
     }
 
     /// Returns how one pixel is blended with its history.
     #[inline(always)]
     pub(super) fn step<S: Simd>(&self, simd: S, at: (u32, u32)) -> HistoryStep {
         let color = |quad: f32x4<S>| quad.to_array().first_chunk().copied().unwrap_or_default();
-        let blend = self.blend(simd, at, self.samples(simd, at));
+        let blend = self.blend(simd, at, self.nearest(at), self.columns_around(simd, at));
         let past = |past: Past<S>| PastColor {
             position_px: past.before.place,
             read: color(past.read),
@@ -152,14 +188,17 @@ impl<'a> TaaFrame<'a> {
         }
     }
 
-    /// Returns the 3 × 3 samples around a pixel.
+    /// Returns the three columns of samples around a pixel.
     #[inline(always)]
-    fn samples<S: Simd>(&self, simd: S, (x, y): (u32, u32)) -> [[f32x4<S>; 3]; 3] {
+    fn columns_around<S: Simd>(&self, simd: S, (x, y): PixelAt) -> [Column<S>; 3] {
         let (columns, rows) = (self.columns[x as usize], self.rows[y as usize]);
-        each!(row in [0, 1, 2] => each!(column in [0, 1, 2] => {
-            let codes = self.drawn.color.at(columns.index[column], rows.index[row]);
-            f32x4::load_array(simd, self.decoded(codes))
-        }))
+        each!(column in [0, 1, 2] => Column::new(
+            each!(row in [0, 1, 2] => {
+                let codes = self.drawn.color.at(columns.index[column], rows.index[row]);
+                f32x4::load_array(simd, self.decoded(codes))
+            }),
+            rows.weight,
+        ))
     }
 
     /// Returns a sample in YCoCg.
@@ -179,8 +218,8 @@ impl<'a> TaaFrame<'a> {
 
     /// Returns the colour of a pixel and its history for the next frame.
     #[inline(always)]
-    fn blended<S: Simd>(&self, simd: S, at: (u32, u32), samples: [[f32x4<S>; 3]; 3]) -> (Rgba8, Quad) {
-        let blend = self.blend(simd, at, samples);
+    fn blended<S: Simd>(&self, simd: S, at: PixelAt, by: PixelAt, columns: [Column<S>; 3]) -> (Rgba8, Quad) {
+        let blend = self.blend(simd, at, by, columns);
         let color = match blend.past {
             Ok(Past { rectified, .. }) => rectified + (blend.present - rectified) * blend.share,
             Err(_) => blend.present,
@@ -191,13 +230,13 @@ impl<'a> TaaFrame<'a> {
         ([r, g, b, (alpha + 0.5) as u8], [y, co, cg, blend.weight])
     }
 
-    /// Returns how the samples around a pixel are blended with its history.
+    /// Returns how the samples around a pixel are blended with its history, which the vector of pixel `by` leads to.
     #[inline(always)]
-    fn blend<S: Simd>(&self, simd: S, at: (u32, u32), samples: [[f32x4<S>; 3]; 3]) -> Blend<S> {
-        let around = Samples::new(simd, samples, &self.columns[at.0 as usize], &self.rows[at.1 as usize]);
+    fn blend<S: Simd>(&self, simd: S, at: PixelAt, by: PixelAt, columns: [Column<S>; 3]) -> Blend<S> {
+        let around = Samples::new(columns, &self.columns[at.0 as usize], &self.rows[at.1 as usize]);
         let Samples { present, confidence, .. } = around;
         let history = self.history.as_ref().ok_or(Rejection::FirstFrame);
-        let (before, memory) = match history.and_then(|(motion, memory)| Ok((self.reproject(motion, at)?, memory))) {
+        let (before, memory) = match history.and_then(|(motion, memory)| Ok((motion.reproject_by(at, by)?, memory))) {
             Ok(found) => found,
             Err(rejection) => return Blend { present, past: Err(rejection), share: 1.0, weight: confidence },
         };
@@ -219,30 +258,19 @@ impl<'a> TaaFrame<'a> {
         white / (white + y.max(0.0))
     }
 
-    /// Returns the position in the previous frame from which a pixel reads its history.
-    #[inline(always)]
-    fn reproject(&self, motion: &Motion<'_>, at: (u32, u32)) -> Result<Reprojected, Rejection> {
-        let by = motion.vectors.map_or(at, |vectors| self.nearest_of(vectors, at));
-        motion.reproject_by(at, by)
+    /// Returns the pixel with the nearest surface among the 3 × 3 around a pixel, or the pixel itself in a still view.
+    fn nearest(&self, (x, y): PixelAt) -> PixelAt {
+        self.nearest_columns(y).map_or((x, y), |mut columns| columns.of(x))
     }
 
-    /// Returns the pixel with the nearest surface among the 3 × 3 around a pixel. The pixel itself wins ties.
+    /// Returns the search for the nearest surfaces around the pixels of a row; `None` in a still view.
     #[inline(always)]
-    fn nearest_of(&self, vectors: &MotionVectors, (x, y): (u32, u32)) -> (u32, u32) {
-        let (width, height) = vectors.visible.size();
-        let Some(frame) = self.drawn.frame else { return (x, y) };
-        let distance = &frame.gbuffer.distance;
-        let (mut nearest, mut least) = ((x, y), distance.at(x, y));
-        for row in y.saturating_sub(1)..(y + 2).min(height) {
-            let row_distances = distance.row(row);
-            for column in x.saturating_sub(1)..(x + 2).min(width) {
-                let there = row_distances[column as usize];
-                if there < least {
-                    (nearest, least) = ((column, row), there);
-                }
-            }
-        }
-        nearest
+    fn nearest_columns(&self, y: u32) -> Option<NearestColumns<'_>> {
+        self.history.as_ref()?.0.vectors?;
+        let distance = &self.drawn.frame?.gbuffer.distance;
+        let last = distance.height() - 1;
+        let rows = [y, y.saturating_sub(1), (y + 1).min(last)];
+        Some(NearestColumns { distance: rows.map(|row| distance.row(row)), rows, held: None })
     }
 
     /// Reads the history at a position.
@@ -255,6 +283,13 @@ impl<'a> TaaFrame<'a> {
         let (column, right) = whole_and_fraction(x);
         let (row, down) = whole_and_fraction(y);
         let (last_column, last_row) = (i64::from(self.size.0) - 1, i64::from(self.size.1) - 1);
+        if self.options.filter == HistoryFilter::CatmullRom
+            && (1..last_column - 1).contains(&column)
+            && (1..last_row - 1).contains(&row)
+        {
+            let first = (row - 1) as usize * self.size.0 as usize + (column - 1) as usize;
+            return self.interior(simd, &memory.pixels()[first..], [right, down]);
+        }
         let value = |column: i64, row: i64| {
             let (column, row) = (column.clamp(0, last_column), row.clamp(0, last_row));
             f32x4::load_array_ref(simd, &memory.row(row as u32)[column as usize])
@@ -278,6 +313,19 @@ impl<'a> TaaFrame<'a> {
         sum
     }
 
+    /// Filters 4 × 4 pixels of the history with Catmull-Rom weights; `from` starts with the first of them.
+    #[inline(always)]
+    fn interior<S: Simd>(&self, simd: S, from: &[Quad], [right, down]: [f32; 2]) -> f32x4<S> {
+        let ([a, b, c, d], vertical) = (catmull_rom(right), catmull_rom(down));
+        let mut sum = f32x4::splat(simd, 0.0);
+        for (row, weight) in from.chunks(self.size.0 as usize).zip(vertical) {
+            let Some([first, second, third, fourth]) = row.first_chunk() else { return sum };
+            let [e, f, g, h] = each!(quad in [first, second, third, fourth] => f32x4::load_array_ref(simd, quad));
+            sum += (e * a + f * b + g * c + h * d) * weight;
+        }
+        sum
+    }
+
     /// Returns the samples that contribute to a pixel. Those that only rectify the history have weight 0.
     pub(super) fn taps(&self, (x, y): (u32, u32)) -> Vec<Tap> {
         let (columns, rows) = (self.columns[x as usize], self.rows[y as usize]);
@@ -293,6 +341,50 @@ impl<'a> TaaFrame<'a> {
             }
         }
         taps
+    }
+}
+
+/// Search for the nearest surface among 3 × 3 pixels, along a row.
+struct NearestColumns<'a> {
+    /// Rows of distances: that of the pixel, the one above and the one below.
+    distance: [&'a [f32]; 3],
+    rows: [u32; 3],
+    /// Nearest surfaces of the columns before, at and after the pixel with this index.
+    held: Option<(u32, [NearestInColumn; 3])>,
+}
+
+impl NearestColumns<'_> {
+    #[inline(always)]
+    fn column(&self, x: u32) -> NearestInColumn {
+        let [at, above, below] = self.distance.map(|row| row[x as usize]);
+        let mut nearest = NearestInColumn { distance: at, row: self.rows[0] };
+        for (distance, row) in [(above, self.rows[1]), (below, self.rows[2])] {
+            if distance < nearest.distance {
+                nearest = NearestInColumn { distance, row };
+            }
+        }
+        nearest
+    }
+
+    /// Returns the pixel with the nearest surface around column `x`. The pixel's own column wins ties, and in a column
+    /// the pixel's own row.
+    #[inline(always)]
+    fn of(&mut self, x: u32) -> PixelAt {
+        let last = self.distance[0].len() as u32 - 1;
+        let (before, after) = (x.saturating_sub(1), (x + 1).min(last));
+        let columns = match self.held {
+            Some((held, [_, at, next])) if held + 1 == x => [at, next, self.column(after)],
+            _ => [self.column(before), self.column(x), self.column(after)],
+        };
+        self.held = Some((x, columns));
+        let [left, at, right] = columns;
+        let (mut nearest, mut place) = (at, x);
+        for (column, x) in [(left, before), (right, after)] {
+            if column.distance < nearest.distance {
+                (nearest, place) = (column, x);
+            }
+        }
+        (place, nearest.row)
     }
 }
 
@@ -332,7 +424,8 @@ impl AxisSamples {
             (-SHARPNESS * distance * distance).exp() as f32
         };
         let inside = |index: i64| index.clamp(0, i64::from(samples) - 1) as u32;
-        Self { index: [-1, 0, 1].map(|number| inside(nearest + number)), weight: [-1, 0, 1].map(weight) }
+        let weight = [-1, 0, 1].map(weight);
+        Self { index: [-1, 0, 1].map(|number| inside(nearest + number)), weight, total: weight.iter().sum() }
     }
 }
 
@@ -354,31 +447,33 @@ impl DecodedRows {
     }
 }
 
-impl<S: Simd> Samples<S> {
+impl<S: Simd> Column<S> {
+    /// Computes the column of three samples with the vertical weights of a row.
     #[inline(always)]
-    fn new(simd: S, samples: [[f32x4<S>; 3]; 3], columns: &AxisSamples, rows: &AxisSamples) -> Self {
-        let zero = f32x4::splat(simd, 0.0);
-        let (mut present, mut sum, mut squares) = (zero, zero, zero);
-        let (mut least, mut greatest) = (samples[1][1], samples[1][1]);
-        let mut confidence = 0.0;
-        for (row, vertical) in samples.into_iter().zip(rows.weight) {
-            for (sample, horizontal) in row.into_iter().zip(columns.weight) {
-                let weight = horizontal * vertical;
-                present += sample * weight;
-                confidence += weight;
-                sum += sample;
-                squares += sample * sample;
-                least = least.min(sample);
-                greatest = greatest.max(sample);
-            }
-        }
+    fn new([above, at, below]: [f32x4<S>; 3], [a, b, c]: [f32; 3]) -> Self {
         Self {
-            present: present / confidence,
+            weighted: above * a + at * b + below * c,
+            least: above.min(at).min(below),
+            greatest: above.max(at).max(below),
+            sum: above + at + below,
+            squares: above * above + at * at + below * below,
+        }
+    }
+}
+
+impl<S: Simd> Samples<S> {
+    /// Combines three columns with the horizontal weights of a column and the vertical weights of a row.
+    #[inline(always)]
+    fn new([left, at, right]: [Column<S>; 3], columns: &AxisSamples, rows: &AxisSamples) -> Self {
+        let [a, b, c] = columns.weight;
+        let confidence = columns.total * rows.total;
+        Self {
+            present: (left.weighted * a + at.weighted * b + right.weighted * c) * (1.0 / confidence),
             confidence: confidence.min(1.0),
-            least,
-            greatest,
-            mean: sum * (1.0 / 9.0),
-            mean_square: squares * (1.0 / 9.0),
+            least: left.least.min(at.least).min(right.least),
+            greatest: left.greatest.max(at.greatest).max(right.greatest),
+            sum: left.sum + at.sum + right.sum,
+            squares: left.squares + at.squares + right.squares,
         }
     }
 
@@ -392,8 +487,9 @@ impl<S: Simd> Samples<S> {
                 clipped(simd, past, (self.least + self.greatest) * 0.5, (self.greatest - self.least) * 0.5)
             }
             Rectification::Variance => {
-                let variance = (self.mean_square - self.mean * self.mean).max(f32x4::splat(simd, 0.0));
-                clipped(simd, past, self.mean, variance.sqrt())
+                let (mean, mean_square) = (self.sum * (1.0 / 9.0), self.squares * (1.0 / 9.0));
+                let variance = (mean_square - mean * mean).max(f32x4::splat(simd, 0.0));
+                clipped(simd, past, mean, variance.sqrt())
             }
         }
     }
