@@ -7,7 +7,7 @@ use rasterscope_engine::image::color::{decode, encode};
 use rasterscope_engine::pipeline::settings::{BlendingOrder, ColorSpace, DepthFormat, DepthTest};
 use rasterscope_engine::scene::{Instance, Material, Mesh, MeshData};
 
-use crate::setup::Setup;
+use crate::setup::{Setup, edit};
 
 /// Opacity at which a surface is drawn like a translucent one, without depth, but hides what is behind it: the remaining
 /// share is far below half a code.
@@ -19,14 +19,14 @@ const MOST_SORTED: usize = 20_000;
 /// Mirrors all objects about the origin: `signs` is −1 for each mirrored axis, otherwise 1.
 pub(crate) fn mirror(setup: &mut Setup, signs: Vec3) {
     let mirror = Mat4::from_scale(signs);
-    for instance in &mut Arc::make_mut(&mut setup.scene).instances {
+    for instance in &mut edit(&mut setup.scene).instances {
         instance.world_from_model = mirror * instance.world_from_model;
     }
 }
 
 /// Removes all objects, so that only the background is drawn.
 pub(crate) fn remove_objects(setup: &mut Setup) {
-    Arc::make_mut(&mut setup.scene).instances.clear();
+    edit(&mut setup.scene).instances.clear();
 }
 
 /// Sorts all triangles by descending `distance`, a function of their corners in world space, and draws them in this
@@ -39,7 +39,7 @@ pub(crate) fn sort_triangles(setup: &mut Setup, distance: impl Fn([Vec3; 3]) -> 
     // Without a material, as in pictures of ids, surfaces are opaque.
     setup.recipe.pipeline.depth_test = DepthTest::Off;
     change_materials(setup, |material| material.opacity = material.opacity.min(ALMOST_OPAQUE));
-    let scene = Arc::make_mut(&mut setup.scene);
+    let scene = edit(&mut setup.scene);
     let mut triangles = Vec::new();
     for (index, instance) in scene.instances.iter().enumerate() {
         let mesh = scene.library.mesh(instance.mesh);
@@ -125,7 +125,7 @@ pub(crate) fn recompute_normals(setup: &mut Setup) {
 /// Gives every object normals that `world_from_normal` takes to world space, instead of the inverse transpose of its
 /// transform.
 pub(crate) fn transform_normals_by(setup: &mut Setup, world_from_normal: impl Fn(Mat3) -> Mat3) {
-    let scene = Arc::make_mut(&mut setup.scene);
+    let scene = edit(&mut setup.scene);
     for instance in &mut scene.instances {
         let transform = Mat3::from_mat4(instance.world_from_model);
         // The pipeline multiplies by the inverse transpose, which this matrix undoes first.
@@ -172,7 +172,7 @@ pub(crate) fn ignore_near_plane(setup: &mut Setup) {
 /// Changes the mesh of each object with knowledge of its positions in world space. `change` gets the transform from
 /// world space to model space, the positions in world space, and the arrays to change.
 fn change_world(setup: &mut Setup, change: impl Fn(Mat4, &[Vec3], &mut MeshData)) {
-    let scene = Arc::make_mut(&mut setup.scene);
+    let scene = edit(&mut setup.scene);
     for instance in &mut scene.instances {
         let mut data = (**scene.library.mesh(instance.mesh)).clone();
         let world: Vec<_> = data.positions.iter().map(|p| instance.world_from_model.transform_point3(*p)).collect();
@@ -185,12 +185,12 @@ fn change_world(setup: &mut Setup, change: impl Fn(Mat4, &[Vec3], &mut MeshData)
 
 /// Replaces every mesh. Meshes whose new arrays are invalid stay as they are.
 fn change_meshes(setup: &mut Setup, change: impl Fn(&Mesh) -> MeshData) {
-    let scene = Arc::make_mut(&mut setup.scene);
+    let scene = edit(&mut setup.scene);
     scene.library = scene.library.with_meshes(|mesh| Mesh::new(change(mesh)).unwrap_or_else(|_| mesh.clone()));
 }
 
 fn change_materials(setup: &mut Setup, change: impl Fn(&mut Material)) {
-    let scene = Arc::make_mut(&mut setup.scene);
+    let scene = edit(&mut setup.scene);
     scene.library = scene.library.with_materials(|material| {
         let mut changed = material.clone();
         change(&mut changed);

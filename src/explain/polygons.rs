@@ -4,14 +4,12 @@
 //! divided. Meshes that are cut beforehand, so that our pipeline has nothing to clip, have the triangles of the other
 //! renderer.
 
-use std::sync::Arc;
-
 use glam::{DVec4, Vec2, Vec3};
 use rasterscope_engine::pipeline::settings::Interpolation;
 use rasterscope_engine::scene::{DepthMapping, Instance, Mesh, MeshData};
 
 use crate::geometry::ignore_near_plane;
-use crate::setup::Setup;
+use crate::setup::{Setup, edit};
 
 /// Share of the distance of the near plane by which cuts lie behind it, so that our pipeline clips nothing.
 const BEHIND_NEAR: f64 = 1e-6;
@@ -166,7 +164,7 @@ fn fan(polygon: &[Corner], first: usize) -> impl Iterator<Item = [Corner; 3]> {
 fn change_triangles(setup: &mut Setup, change: impl Fn(&[Corner]) -> Vec<[Corner; 3]>) {
     let aspect = setup.camera.sub_view.map_or(setup.viewport.aspect(), |view| view.aspect);
     let clip_from_world = setup.camera.clip_from_world_f64(aspect, DepthMapping::Standard);
-    let scene = Arc::make_mut(&mut setup.scene);
+    let scene = edit(&mut setup.scene);
     for instance in &mut scene.instances {
         let clip_from_model = clip_from_world * instance.world_from_model.as_dmat4();
         let mesh = scene.library.mesh(instance.mesh);

@@ -66,6 +66,13 @@ pub(crate) enum Rounding {
     Up,
 }
 
+/// Returns a scene to be edited. It loses its motion, because poses would not have the edits.
+pub(crate) fn edit(scene: &mut Arc<Scene>) -> &mut Scene {
+    let scene = Arc::make_mut(scene);
+    scene.animation = None;
+    scene
+}
+
 impl Setup {
     /// Returns the setup of a correct drawing of `viewport` size.
     pub fn new(scene: Arc<Scene>, camera: Camera, recipe: Recipe, viewport: Viewport) -> Self {

@@ -5,13 +5,12 @@
 //! So all triangles are cut along N·L = 0.
 
 use std::collections::HashMap;
-use std::sync::Arc;
 
 use glam::{Mat3, Vec3};
 use rasterscope_engine::pipeline::settings::Shading;
 use rasterscope_engine::scene::{Mesh, MeshData};
 
-use crate::setup::Setup;
+use crate::setup::{Setup, edit};
 
 /// Lights the scene as without normalisation of interpolated normals. Changes nothing unless the shading is Lambert.
 pub(crate) fn skip_normalisation(setup: &mut Setup) {
@@ -20,7 +19,7 @@ pub(crate) fn skip_normalisation(setup: &mut Setup) {
     }
     setup.recipe.pipeline.shading = Shading::Gouraud;
     let light = setup.recipe.pipeline.light.direction;
-    let scene = Arc::make_mut(&mut setup.scene);
+    let scene = edit(&mut setup.scene);
     for instance in &mut scene.instances {
         let transform = Mat3::from_mat4(instance.world_from_model);
         // N·L of a normal n in model space, up to a positive factor: the transform of n is the inverse transpose.

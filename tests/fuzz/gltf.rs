@@ -69,8 +69,10 @@ impl Target for Gltf {
         for view in &scene.views {
             view.camera.check().map_err(Failure::Wrong)?;
         }
-        // Both executions draw the same picture.
-        equal::check(&scene, &scene.home, &Recipe::default(), SIZE)
+        // Both executions draw the same picture, also of a pose in the middle of the motion.
+        equal::check(&scene, &scene.home, &Recipe::default(), SIZE)?;
+        let Some(animation) = &scene.animation else { return Ok(()) };
+        equal::check(&scene.at(animation.duration_s() * 0.4), &scene.home, &Recipe::default(), SIZE)
     }
 }
 

@@ -9,6 +9,7 @@ mod fate_sums;
 mod fates;
 mod gltf;
 pub(crate) mod gltf_builder;
+mod gltf_motion;
 mod golden;
 mod models;
 mod properties;

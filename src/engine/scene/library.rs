@@ -45,7 +45,12 @@ pub struct Library {
 impl Library {
     /// Adds a mesh and returns its identifier.
     pub fn add_mesh(&mut self, mesh: Mesh) -> MeshId {
-        Arc::make_mut(&mut self.meshes).push(Arc::new(mesh));
+        self.add_shared_mesh(Arc::new(mesh))
+    }
+
+    /// Adds a mesh that has other owners, and returns its identifier.
+    pub(super) fn add_shared_mesh(&mut self, mesh: Arc<Mesh>) -> MeshId {
+        Arc::make_mut(&mut self.meshes).push(mesh);
         MeshId(self.meshes.len() as u32 - 1)
     }
 

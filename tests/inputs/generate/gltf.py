@@ -1,4 +1,4 @@
-"""Writes small glTF files in `gltf`: one with files beside it, one binary, and one with many features."""
+"""Writes small glTF files in `gltf`: one with files beside it, one binary, one with many features, and one in motion."""
 
 import base64
 import json
@@ -29,7 +29,7 @@ class Builder:
         """Adds vectors of floats ("f"), or of bytes ("B") or shorts ("H")."""
         count = len(vectors[0])
         data = b"".join(struct.pack(f"<{count}{kind}", *vector) for vector in vectors)
-        name = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}[count]
+        name = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}[count]
         component = {"f": 5126, "B": 5121, "H": 5123}[kind]
         accessor = {"bufferView": self.view(data), "componentType": component, "count": len(vectors), "type": name}
         if kind == "f" and count == 3:
@@ -134,6 +134,48 @@ def features():
     return builder
 
 
+def moving():
+    """A skinned square of two joints with a morph target, and a square that a node carries along a spline."""
+    builder = Builder()
+    primitive = builder.square()
+    joints = builder.accessor([(0, 1, 0, 0)] * 4, "B")
+    weights = builder.accessor([(1, 0, 0, 0), (1, 0, 0, 0), (0.25, 0.75, 0, 0), (0.25, 0.75, 0, 0)], "f")
+    raised = builder.accessor([(0, 0, 0), (0, 0, 0.5), (0, 0, 0), (0, 0, 0.5)], "f")
+    skinned = primitive | {
+        "attributes": primitive["attributes"] | {"JOINTS_0": joints, "WEIGHTS_0": weights},
+        "targets": [{"POSITION": raised}],
+    }
+    inverse_binds = builder.accessor([(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -0.5 * joint, 0, 1) for joint in (0, 1)], "f")
+    times = builder.accessor([(0,), (1,), (2,)], "f")
+    turns = builder.accessor([(0, 0, 0, 1), (0.6, 0, 0, 0.8), (0, 0, 0, 1)], "f")
+    shapes = builder.accessor([(0,), (1,), (0,)], "f")
+    scales = builder.accessor([(1, 1, 1), (1, 2, 1), (1, 1, 1)], "f")
+    spline = builder.accessor([(1, 0, 0), (1.5, 0, 0), (1, 0, 0)] * 3, "f")
+    tracks = [
+        (2, "rotation", "LINEAR", turns),
+        (0, "weights", "LINEAR", shapes),
+        (3, "translation", "CUBICSPLINE", spline),
+        (3, "scale", "STEP", scales),
+    ]
+    builder.json |= {
+        "scenes": [{"nodes": [0, 1, 3]}],
+        "nodes": [{"mesh": 0, "skin": 0}, {"children": [2]}, {"translation": [0, 0.5, 0]}, {"mesh": 1}],
+        "meshes": [{"primitives": [skinned]}, {"primitives": [primitive]}],
+        "materials": [{}],
+        "skins": [{"joints": [1, 2], "inverseBindMatrices": inverse_binds}],
+        "animations": [
+            {
+                "samplers": [{"input": times, "interpolation": kind, "output": values} for _, _, kind, values in tracks],
+                "channels": [
+                    {"sampler": index, "target": {"node": node, "path": path}}
+                    for index, (node, path, _, _) in enumerate(tracks)
+                ],
+            }
+        ],
+    }
+    return builder
+
+
 def write(folder: Path):
     folder.mkdir(parents=True)
     flag = png(2, 2, lambda x, y: FLAG[2 * y + x])
@@ -146,3 +188,4 @@ def write(folder: Path):
     (folder / "square.glb").write_bytes(textured(builder, {"bufferView": view, "mimeType": "image/png"}).binary())
     (folder / "features.gltf").write_text(features().embedded())
     (folder / "features.glb").write_bytes(features().binary())
+    (folder / "moving.gltf").write_text(moving().embedded())

@@ -158,6 +158,22 @@ impl Rig {
         self.channels.iter().map(|channel| channel.track.end_s()).fold(0.0, f64::max)
     }
 
+    /// Returns the transform of a node where no channel changes it.
+    pub(crate) fn local(&self, node: usize) -> &Local {
+        &self.nodes[node].local
+    }
+
+    /// Returns, for each node, whether the morph targets of its mesh have a weight that is not zero, or that a channel
+    /// changes.
+    pub(crate) fn weighted(&self) -> Vec<bool> {
+        let is_weighted = |node: &Node| node.weights.iter().any(|weight| *weight != 0.0);
+        let mut weighted: Vec<bool> = self.nodes.iter().map(is_weighted).collect();
+        for channel in self.channels.iter().filter(|channel| matches!(channel.track, Track::Weights(_))) {
+            weighted[channel.node] = true;
+        }
+        weighted
+    }
+
     /// Returns, for each node, whether a channel changes its transform or that of one of its ancestors.
     pub(crate) fn moving(&self) -> Vec<bool> {
         let mut moving = vec![false; self.nodes.len()];

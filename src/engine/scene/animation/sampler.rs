@@ -210,6 +210,13 @@ impl<T: KeyValue> Sampler<T> {
         Self { values: self.values.iter().map(|value| change(*value)).collect(), ..self.clone() }
     }
 
+    /// Returns the sampler with the value of every key frame replaced by the result of `change`. Tangents stay.
+    pub(crate) fn map_keys(&self, change: impl Fn(T) -> T) -> Self {
+        let per_key = self.interpolation.values_per_key();
+        let change = |(index, value): (usize, &T)| if index % per_key == per_key / 2 { change(*value) } else { *value };
+        Self { values: self.values.iter().enumerate().map(change).collect(), ..self.clone() }
+    }
+
     /// Returns the memory used by the values, in bytes.
     pub(super) fn bytes(&self) -> usize {
         size_of_val(&*self.values) + self.times.count() * size_of::<f64>()

@@ -214,20 +214,11 @@ fn words(error: Error) -> &'static str {
 
 /// Warns about parts of the file that are not rendered.
 pub(super) fn remark_unrendered(root: &Root, remarks: &mut Remarks<'_>) {
-    if !root.animations.is_empty() {
-        remarks.warn("animations are not rendered: the scene has the pose of the file");
-    }
     let is_rendered = |extension: &String| RENDERED.contains(&extension.as_str());
     for extension in root.extensions_used.iter().filter(|extension| !is_rendered(extension)) {
         remarks.warn(format!("the extension {} is not rendered", text::message(extension)));
     }
     if root.scenes.len() > 1 {
         remarks.note(format!("only the default scene of {} is shown", root.scenes.len()));
-    }
-    let has_targets = |mesh: &gltf_json::Mesh| {
-        mesh.primitives.iter().any(|primitive| primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty()))
-    };
-    if root.meshes.iter().any(has_targets) {
-        remarks.warn("morph targets are not rendered: meshes have their base shape");
     }
 }

@@ -1,6 +1,7 @@
 //! Meshes: the vertices and triangles of each primitive, as one mesh of the scene each.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 use gltf_json::accessor::Type;
@@ -9,10 +10,12 @@ use gltf_json::validation::Checked;
 use gltf_json::{Index, Root, accessor};
 
 use super::accessors::{Accessors, Elements};
+use super::deformations::{DeformedPrimitive, PrimitiveShape, Skins};
 use super::materials::{self, srgb};
 use super::nodes::PlacedMesh;
 use super::{Failure, Remarks, name_or, topology, valid};
 use crate::math::unit_or;
+use crate::scene::animation::{Deformation, Joint};
 use crate::scene::load::{Load, MAX_COORDINATE, bytes_of};
 use crate::scene::mesh::smooth_normals;
 use crate::scene::{Library, Mesh, MeshData, MeshId};
@@ -40,29 +43,71 @@ impl Part {
 pub(super) struct Meshes<'a> {
     root: &'a Root,
     accessors: Accessors<'a>,
-    /// Parts of each mesh, by its index and whether it is mirrored.
-    known: HashMap<(usize, bool), Vec<Part>>,
+    /// Index in the rig of each node of the file; `None` for nodes outside the scene.
+    rig_nodes: &'a [Option<usize>],
+    skins: Skins,
+    known: HashMap<MeshKey, Vec<Part>>,
+    /// Deformations of the meshes that were read.
+    deformations: Vec<Deformation>,
+}
+
+/// Use of a mesh of the file that needs a mesh of its own in the scene.
+#[derive(PartialEq, Eq, Hash)]
+struct MeshKey {
+    /// Index of the mesh in the file.
+    mesh: usize,
+    is_mirrored: bool,
+    /// Index of the node in the rig, for a deformed mesh.
+    node: Option<usize>,
+}
+
+impl MeshKey {
+    fn of(placed: &PlacedMesh) -> Self {
+        let node = placed.is_deformed.then_some(placed.node);
+        Self { mesh: placed.mesh, is_mirrored: placed.is_mirrored(), node }
+    }
+}
+
+/// Cause of the deformation of a mesh.
+struct Deformer {
+    /// Joints of its skin; `None` for a mesh with morph targets only.
+    joints: Option<Arc<[Joint]>>,
+}
+
+/// Primitive with the deformation that it has.
+struct ReadPrimitive {
+    data: MeshData,
+    shape: Option<PrimitiveShape>,
+    /// Whether the normals follow from the triangles, because the file has none.
+    computes_normals: bool,
 }
 
 impl<'a> Meshes<'a> {
     /// Creates an empty collection.
-    pub(super) fn new(root: &'a Root, accessors: Accessors<'a>) -> Self {
-        Self { root, accessors, known: HashMap::new() }
+    pub(super) fn new(root: &'a Root, accessors: Accessors<'a>, rig_nodes: &'a [Option<usize>]) -> Self {
+        let (skins, known, deformations) = (Skins::default(), HashMap::new(), Vec::new());
+        Self { root, accessors, rig_nodes, skins, known, deformations }
+    }
+
+    /// Returns the deformations of all meshes.
+    pub(super) fn into_deformations(self) -> Vec<Deformation> {
+        self.deformations
     }
 
     /// Reads the mesh that a node places, at its first use. A mirrored mesh gets a copy whose triangles have the
-    /// opposite order of corners. Returns whether the mesh is new.
+    /// opposite order of corners, and a deformed mesh a copy for each node. Returns whether the mesh is new.
     pub(super) fn prepare(
         &mut self,
         placed: &PlacedMesh,
         (library, load): (&mut Library, &mut Load<'_>),
         remarks: &mut Remarks<'_>,
     ) -> Result<bool, Failure> {
-        let key = (placed.mesh, placed.is_mirrored());
+        let key = MeshKey::of(placed);
         if self.known.contains_key(&key) {
             return Ok(false);
         }
         let Some(mesh) = self.root.meshes.get(placed.mesh) else { return Ok(false) };
+        let deformer = self.deformer(placed, remarks)?;
         let mut parts = Vec::new();
         for (number, primitive) in mesh.primitives.iter().enumerate() {
             let place = format!("meshes[{}].primitives[{number}]", placed.mesh);
@@ -70,15 +115,23 @@ impl<'a> Meshes<'a> {
                 Failure::Unusable(reason) => Failure::Unusable(format!("{place}: {reason}")),
                 named @ Failure::Named(_) => named,
             };
-            let Some(mut data) = self.primitive(primitive, load, remarks).map_err(named)? else { continue };
+            let read = self.primitive(primitive, deformer.as_ref(), load, remarks).map_err(named)?;
+            let Some(ReadPrimitive { mut data, shape, computes_normals }) = read else { continue };
             let number = (mesh.primitives.len() > 1).then_some(number + 1);
-            if key.1 {
+            if key.is_mirrored {
                 data.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
             }
             let material = primitive.material.map(|material| material.value());
             data.name = name_or(mesh.name.as_ref(), "mesh", placed.mesh);
-            let read = Mesh::repaired(data).map_err(|error| format!("{place}: {error}"))?;
-            parts.push(Part { mesh: library.add_mesh(read), material, number });
+            let rest = Arc::new(Mesh::repaired(data).map_err(|error| format!("{place}: {error}"))?);
+            let mesh = library.add_shared_mesh(Arc::clone(&rest));
+            parts.push(Part { mesh, material, number });
+            if let Some(PrimitiveShape { targets, skin }) = shape {
+                // The deformed mesh takes as much memory as the one at rest.
+                load.charge(rest.bytes() as u64)?;
+                let (node, targets) = (placed.node, targets.into());
+                self.deformations.push(Deformation { mesh, rest, node, targets, skin, computes_normals });
+            }
         }
         self.known.insert(key, parts);
         Ok(true)
@@ -86,16 +139,27 @@ impl<'a> Meshes<'a> {
 
     /// Returns the parts of a mesh that was prepared.
     pub(super) fn parts(&self, placed: &PlacedMesh) -> &[Part] {
-        self.known.get(&(placed.mesh, placed.is_mirrored())).map_or(&[], Vec::as_slice)
+        self.known.get(&MeshKey::of(placed)).map_or(&[], Vec::as_slice)
+    }
+
+    /// Returns the cause of the deformation of a placed mesh, or `None` if it keeps its shape.
+    fn deformer(&mut self, placed: &PlacedMesh, remarks: &mut Remarks<'_>) -> Result<Option<Deformer>, Failure> {
+        if !placed.is_deformed {
+            return Ok(None);
+        }
+        let Some(skin) = placed.skin else { return Ok(Some(Deformer { joints: None })) };
+        let joints = self.skins.joints(self.root, &mut self.accessors, (skin, self.rig_nodes), remarks)?;
+        Ok(Some(Deformer { joints }))
     }
 
     /// Reads a primitive. Returns `None` if it has no triangles.
     fn primitive(
         &mut self,
         primitive: &Primitive,
+        deformer: Option<&Deformer>,
         load: &mut Load<'_>,
         remarks: &mut Remarks<'_>,
-    ) -> Result<Option<MeshData>, Failure> {
+    ) -> Result<Option<ReadPrimitive>, Failure> {
         let mode = valid(primitive.mode).unwrap_or(Mode::Triangles);
         let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
         let Some(positions) = attribute(Semantic::Positions) else { return Ok(None) };
@@ -111,7 +175,10 @@ impl<'a> Meshes<'a> {
             return Err(format!("an index refers to vertex {wrong} of {}", positions.count()).into());
         }
         let is_list = mode == Mode::Triangles;
-        drop_without_area(&mut triangles, &positions, is_list, remarks);
+        // A deformation may give area to a triangle that has none.
+        if deformer.is_none() {
+            drop_without_area(&mut triangles, &positions, is_list, remarks);
+        }
         if triangles.is_empty() {
             return Ok(None);
         }
@@ -124,14 +191,14 @@ impl<'a> Meshes<'a> {
         if let Some(placement) = placement
             && let Some(uvs) = attribute(Semantic::TexCoords(placement.set))
         {
-            let uvs = self.matching(uvs, &[Type::Vec2], positions.count())?;
+            let uvs = matching(&mut self.accessors, uvs, &[Type::Vec2], positions.count())?;
             data.uvs = vertices.read(&uvs, load, |uv| placement.apply(Vec2::from(uv)))?;
             if data.uvs.iter().any(|uv| !uv.is_finite()) {
                 remarks.warn("texture coordinate that is not finite; treated as 0 1");
             }
         }
         if let Some(colors) = attribute(Semantic::Colors(0)) {
-            let colors = self.matching(colors, &[Type::Vec3, Type::Vec4], positions.count())?;
+            let colors = matching(&mut self.accessors, colors, &[Type::Vec3, Type::Vec4], positions.count())?;
             if colors.components() == 4 && (0..colors.count()).any(|vertex| colors.vector::<4>(vertex)[3] < 1.0) {
                 remarks.warn("the alpha of vertex colours is not rendered");
             }
@@ -141,7 +208,7 @@ impl<'a> Meshes<'a> {
         }
         data.normals = match normals {
             Some(normals) => {
-                let normals = self.matching(normals, &[Type::Vec3], positions.count())?;
+                let normals = matching(&mut self.accessors, normals, &[Type::Vec3], positions.count())?;
                 let read = vertices.read(&normals, load, Vec3::from)?;
                 unit_normals(read, &data.positions, &triangles, remarks)
             }
@@ -153,7 +220,13 @@ impl<'a> Meshes<'a> {
         };
         remark_attributes(primitive, placement.map(|placement| placement.set), remarks);
         data.triangles = triangles;
-        Ok(Some(data))
+        let has_normals = normals.is_some();
+        let deformed = DeformedPrimitive { primitive, vertices: &vertices, count: positions.count(), has_normals };
+        let shape = match deformer {
+            Some(deformer) => deformed.shape(&mut self.accessors, deformer.joints.clone(), load, remarks)?,
+            None => None,
+        };
+        Ok(Some(ReadPrimitive { data, shape, computes_normals: !has_normals }))
     }
 
     fn indices(&mut self, index: Index<accessor::Accessor>, vertices: usize) -> Result<Elements<'a>, String> {
@@ -166,21 +239,21 @@ impl<'a> Meshes<'a> {
         }
         Ok(indices)
     }
+}
 
-    /// Returns an attribute, which must have as many elements as there are vertices.
-    fn matching(
-        &mut self,
-        index: Index<accessor::Accessor>,
-        types: &[Type],
-        vertices: usize,
-    ) -> Result<Elements<'a>, String> {
-        let elements = self.accessors.get(index, types)?;
-        if elements.count() != vertices {
-            let count = elements.count();
-            return Err(format!("accessors[{}]: it has {count} elements for {vertices} vertices", index.value()));
-        }
-        Ok(elements)
+/// Returns an attribute, which must have as many elements as there are vertices.
+pub(super) fn matching<'a>(
+    accessors: &mut Accessors<'a>,
+    index: Index<accessor::Accessor>,
+    types: &[Type],
+    vertices: usize,
+) -> Result<Elements<'a>, String> {
+    let elements = accessors.get(index, types)?;
+    if elements.count() != vertices {
+        let count = elements.count();
+        return Err(format!("accessors[{}]: it has {count} elements for {vertices} vertices", index.value()));
     }
+    Ok(elements)
 }
 
 /// Removes triangles two of whose corners have the same position. Strips repeat vertices on purpose, so only lists give a
@@ -202,7 +275,7 @@ fn drop_without_area(
 }
 
 /// Vertices of the file that a primitive reads, in the order of the mesh.
-enum Vertices {
+pub(super) enum Vertices {
     /// The first vertices of the file, as many as given.
     All(usize),
     /// Indices of vertices of the file.
@@ -233,7 +306,7 @@ impl Vertices {
     }
 
     /// Reads an attribute of the vertices. `make` converts the components of an element.
-    fn read<T, const N: usize>(
+    pub(super) fn read<T, const N: usize>(
         &self,
         elements: &Elements<'_>,
         load: &mut Load<'_>,
@@ -298,7 +371,6 @@ fn unit_normals(
 fn remark_attributes(primitive: &Primitive, set: Option<u32>, remarks: &mut Remarks<'_>) {
     for semantic in primitive.attributes.keys() {
         let Checked::Valid(semantic) = semantic else { continue };
-        // Skins have a warning of their own.
         let is_rendered = match semantic {
             Semantic::Positions
             | Semantic::Normals

@@ -6,7 +6,9 @@
 //! ```text
 //! bytes ── document ──► JSON, binary chunk ── buffers ──► bytes of each buffer
 //!            └─ nodes ──► placed meshes, cameras, lights      │
-//!                             └────── meshes ◄── accessors ◄──┤
+//!                             ├── animations ◄── accessors ◄──┤
+//!                             └────── meshes ◄─────┘          │
+//!                                       ├── deformations      │
 //!                                       └── materials ◄── textures
 //! ```
 //!
@@ -14,8 +16,10 @@
 //! or length of the file is trusted. A [`Load`] limits the memory, reports progress and checks for cancellation.
 
 mod accessors;
+mod animations;
 mod buffers;
 mod cameras;
+mod deformations;
 mod document;
 mod materials;
 mod meshes;
@@ -26,13 +30,14 @@ mod uris;
 
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{DMat4, Vec3};
 use gltf_json::validation::Checked;
 
 use self::accessors::Accessors;
 use self::materials::Materials;
 use self::meshes::Meshes;
 use self::nodes::Placed;
+use super::animation::{Animation, Attachment};
 use super::format::SceneFormat;
 use super::load::{BACKGROUND, Load, MAX_COORDINATE, bytes_of};
 use super::obj::TrMeaning;
@@ -117,11 +122,14 @@ fn load(path: &Path, remarks: &mut Remarks<'_>, control: LoadControl<'_>) -> Res
     let root = &document.root;
     document::remark_unrendered(root, remarks);
     let buffers = buffers::read(path, &document, &mut load)?;
-    let placed = nodes::place(root, remarks)?;
+    let mut placed = nodes::place(root, remarks)?;
+    let mut accessors = Accessors::new(root, &buffers);
+    animations::read(root, &mut accessors, &mut placed, &mut load, remarks)?;
+    deformations::mark(root, &mut placed);
 
     load.begin(share_of_meshes);
     let mut library = Library::default();
-    let mut meshes = Meshes::new(root, Accessors::new(root, &buffers));
+    let mut meshes = Meshes::new(root, accessors, &placed.rig_nodes);
     let mut triangles = 0_u64;
     for (done, placed_mesh) in placed.meshes.iter().enumerate() {
         load.advance(done as f32 / placed.meshes.len() as f32)?;
@@ -141,7 +149,8 @@ fn load(path: &Path, remarks: &mut Remarks<'_>, control: LoadControl<'_>) -> Res
 
     load.begin(share_of_textures);
     let mut materials = Materials::new(path, root, &buffers);
-    let mut instances = Vec::new();
+    let moving = placed.rig.moving();
+    let (mut instances, mut attachments) = (Vec::new(), Vec::new());
     for (done, placed_mesh) in placed.meshes.iter().enumerate() {
         load.advance(done as f32 / placed.meshes.len() as f32)?;
         for part in meshes.parts(placed_mesh) {
@@ -154,23 +163,31 @@ fn load(path: &Path, remarks: &mut Remarks<'_>, control: LoadControl<'_>) -> Res
                 world_from_model: placed_mesh.world_from_model.as_mat4(),
                 tint: Vec3::ONE,
             };
+            if moving[placed_mesh.node] && placed_mesh.skin.is_none() {
+                let (node, fallback) = (placed_mesh.node, instance.world_from_model);
+                let attachment =
+                    Attachment { instance: instances.len(), node, node_from_model: DMat4::IDENTITY, fallback };
+                load.push(&mut attachments, attachment)?;
+            }
             load.push(&mut instances, instance)?;
         }
     }
     load.advance(1.0)?;
-    finished(path, (library, instances), &placed, remarks)
+    let deformations = meshes.into_deformations();
+    let animation = Animation { rig: placed.rig.clone(), attachments, deformations, ..Animation::default() };
+    finished(path, (library, instances, animation), &placed, remarks)
 }
 
 /// Returns the scene with its views and light.
 fn finished(
     path: &Path,
-    (library, instances): (Library, Vec<Instance>),
+    (library, instances, animation): (Library, Vec<Instance>, Animation),
     placed: &Placed,
     remarks: &mut Remarks<'_>,
 ) -> Result<Scene, Failure> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let home = Camera::look_at(Vec3::Z, Vec3::ZERO);
-    let mut scene = Scene {
+    let scene = Scene {
         name,
         library,
         instances,
@@ -180,6 +197,7 @@ fn finished(
         light: placed.light,
         animation: None,
     };
+    let mut scene = scene.animated(animation);
     let bounds = scene.bounds();
     let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
     if !bounds.is_empty() && largest > MAX_COORDINATE {

@@ -7,6 +7,7 @@ use gltf_json::{Index, Root};
 
 use super::{Failure, Remarks, name_or, valid};
 use crate::math::unit_or;
+use crate::scene::animation::{Local, Node as RigNode, Parts, Rig};
 
 /// Mesh that a node places.
 pub(super) struct PlacedMesh {
@@ -16,6 +17,12 @@ pub(super) struct PlacedMesh {
     pub(super) mesh: usize,
     /// Affine transform from model space to world space.
     pub(super) world_from_model: DMat4,
+    /// Index of the node in the rig.
+    pub(super) node: usize,
+    /// Index of the skin in the file.
+    pub(super) skin: Option<usize>,
+    /// Whether a skin or morph targets deform the mesh.
+    pub(super) is_deformed: bool,
 }
 
 impl PlacedMesh {
@@ -40,6 +47,10 @@ pub(super) struct Placed {
     pub(super) cameras: Vec<PlacedCamera>,
     /// World-space direction towards the first directional light, as a unit vector.
     pub(super) light: Option<Vec3>,
+    /// All nodes of the scene.
+    pub(super) rig: Rig,
+    /// Index in the rig of each node of the file; `None` for nodes outside the scene.
+    pub(super) rig_nodes: Vec<Option<usize>>,
 }
 
 /// Walks the nodes of the default scene.
@@ -47,25 +58,49 @@ pub(super) struct Placed {
 /// # Errors
 /// Returns an error that names a node if its transform is not affine or too large, or if two nodes have it as a child.
 pub(super) fn place(root: &Root, remarks: &mut Remarks<'_>) -> Result<Placed, Failure> {
-    let mut placed = Placed { meshes: Vec::new(), cameras: Vec::new(), light: None };
-    let mut seen = vec![false; root.nodes.len()];
-    let mut pending: Vec<(Index<Node>, DMat4)> =
-        roots(root).into_iter().rev().map(|node| (node, DMat4::IDENTITY)).collect();
-    while let Some((index, world_from_parent)) = pending.pop() {
+    let mut placed = Placed {
+        meshes: Vec::new(),
+        cameras: Vec::new(),
+        light: None,
+        rig: Rig::default(),
+        rig_nodes: vec![None; root.nodes.len()],
+    };
+    let outer = Parent { rig_node: None, world: DMat4::IDENTITY };
+    let mut pending: Vec<(Index<Node>, Parent)> = roots(root).into_iter().rev().map(|node| (node, outer)).collect();
+    while let Some((index, parent)) = pending.pop() {
         let number = index.value();
         let Some(node) = root.nodes.get(number) else { continue };
-        if std::mem::replace(&mut seen[number], true) {
+        if placed.rig_nodes[number].is_some() {
             return Err(format!("nodes[{number}]: it has two parents, or contains itself").into());
         }
         let local = transform(node).map_err(|reason| format!("nodes[{number}]: {reason}"))?;
-        let world = world_from_parent * local;
+        let world = parent.world * local.matrix();
         if !world.as_mat4().is_finite() {
             return Err(format!("nodes[{number}]: its transform is too large").into());
         }
-        take(root, (number, node), world, &mut placed, remarks);
-        pending.extend(node.children.iter().flatten().rev().map(|child| (*child, world)));
+        let rig_node = placed.rig.add_node(RigNode { parent: parent.rig_node, local, weights: weights(root, node) });
+        placed.rig_nodes[number] = Some(rig_node);
+        let placed_node = Parent { rig_node: Some(rig_node), world };
+        take(root, (number, node), placed_node, &mut placed, remarks);
+        pending.extend(node.children.iter().flatten().rev().map(|child| (*child, placed_node)));
     }
     Ok(placed)
+}
+
+/// Node whose children are placed.
+#[derive(Clone, Copy)]
+struct Parent {
+    /// Index in the rig; `None` for the world.
+    rig_node: Option<usize>,
+    /// Affine transform from the space of the node to world space.
+    world: DMat4,
+}
+
+/// Returns the weights of the morph targets of a node's mesh.
+fn weights(root: &Root, node: &Node) -> Vec<f64> {
+    let mesh = node.mesh.and_then(|mesh| root.get(mesh));
+    let given = node.weights.as_ref().or(mesh.and_then(|mesh| mesh.weights.as_ref()));
+    given.into_iter().flatten().map(|weight| f64::from(*weight)).collect()
 }
 
 /// Returns the root nodes of the default scene. A file without scenes shows all nodes that are not children.
@@ -84,7 +119,13 @@ fn roots(root: &Root) -> Vec<Index<Node>> {
 }
 
 /// Takes mesh, camera and light of a node.
-fn take(root: &Root, (number, node): (usize, &Node), world: DMat4, placed: &mut Placed, remarks: &mut Remarks<'_>) {
+fn take(
+    root: &Root,
+    (number, node): (usize, &Node),
+    Parent { rig_node, world }: Parent,
+    placed: &mut Placed,
+    remarks: &mut Remarks<'_>,
+) {
     let named = |own: Option<&String>, kind, index| {
         if node.name.as_ref().is_some_and(|name| !name.is_empty()) {
             name_or(node.name.as_ref(), "node", number)
@@ -94,12 +135,11 @@ fn take(root: &Root, (number, node): (usize, &Node), world: DMat4, placed: &mut 
     };
     if let Some((index, mesh)) = node.mesh.and_then(|mesh| Some((mesh.value(), root.get(mesh)?))) {
         let name = named(mesh.name.as_ref(), "mesh", index);
-        if node.skin.is_some() {
-            remarks.warn("skins are not rendered: the mesh is shown in its bind pose");
-        }
+        let skin = node.skin.map(|skin| skin.value());
         // Joints place a skinned mesh, not its own node.
-        let world_from_model = if node.skin.is_some() { DMat4::IDENTITY } else { world };
-        placed.meshes.push(PlacedMesh { name, mesh: index, world_from_model });
+        let world_from_model = if skin.is_some() { DMat4::IDENTITY } else { world };
+        let node = rig_node.unwrap_or_default();
+        placed.meshes.push(PlacedMesh { name, mesh: index, world_from_model, node, skin, is_deformed: false });
     }
     if let Some((index, camera)) = node.camera.and_then(|camera| Some((camera.value(), root.get(camera)?))) {
         let name = named(camera.name.as_ref(), "camera", index);
@@ -128,9 +168,9 @@ fn take_light(light: &Light, world: DMat4, placed: &mut Placed, remarks: &mut Re
 }
 
 /// Returns the transform of a node from its own space to that of its parent.
-fn transform(node: &Node) -> Result<DMat4, String> {
+fn transform(node: &Node) -> Result<Local, String> {
     let local = if let Some(columns) = node.matrix {
-        DMat4::from_cols_array(&columns.map(f64::from))
+        Local::Matrix(DMat4::from_cols_array(&columns.map(f64::from)))
     } else {
         let vector = |given: Option<[f32; 3]>, unset| given.map_or(unset, |given| DVec3::from(given.map(f64::from)));
         let rotation = node.rotation.map_or(DQuat::IDENTITY, |given| DQuat::from_array(given.0.map(f64::from)));
@@ -140,9 +180,9 @@ fn transform(node: &Node) -> Result<DMat4, String> {
         // Unit quaternions are left as they are: normalising them changes their last bits.
         let rotation = if rotation.is_normalized() { rotation } else { rotation.normalize() };
         let (scale, translation) = (vector(node.scale, DVec3::ONE), vector(node.translation, DVec3::ZERO));
-        DMat4::from_scale_rotation_translation(scale, rotation, translation)
+        Local::Parts(Parts { translation, rotation, scale })
     };
-    if local.row(3) != glam::DVec4::W {
+    if local.matrix().row(3) != glam::DVec4::W {
         return Err("its matrix is not affine: the last row must be 0 0 0 1".to_owned());
     }
     Ok(local)
