@@ -12,6 +12,7 @@ pub(crate) mod gltf_builder;
 mod gltf_motion;
 mod golden;
 mod models;
+mod motion;
 mod properties;
 mod replay;
 pub(crate) mod samples;

@@ -3,6 +3,8 @@
 //! Generated data is validated only here. All input comes from this crate, so invalid data is a bug; the tests of the
 //! built-in scenes build every scene.
 
+use std::sync::Arc;
+
 use glam::{DMat4, Mat4, Vec3};
 
 use crate::image::{Image, Rgba8};
@@ -30,6 +32,12 @@ impl SceneDraft {
     /// Adds a generated mesh. Panics if it is invalid; see [`Mesh::new`].
     pub(super) fn mesh(&mut self, data: MeshData) -> MeshId {
         self.library.add_mesh(Mesh::new(data).expect("generated meshes are valid"))
+    }
+
+    /// Adds a generated mesh that will be deformed, and returns it with its identifier. Panics if it is invalid.
+    pub(super) fn deformed_mesh(&mut self, data: MeshData) -> (MeshId, Arc<Mesh>) {
+        let rest = Arc::new(Mesh::new(data).expect("generated meshes are valid"));
+        (self.library.add_shared_mesh(Arc::clone(&rest)), rest)
     }
 
     /// Adds a generated mesh with NaN normals, which are repaired; see [`Mesh::repaired`]. Panics if it is otherwise

@@ -64,7 +64,7 @@ fn add_glass(draft: &mut SceneDraft) {
 fn add_wreath(draft: &mut SceneDraft) {
     const LEAVES: u32 = 22;
     let square = draft.mesh(shapes::two_sided(shapes::grid(1)));
-    let green = draft.textured("leaf", textures::leaf(128));
+    let green = draft.textured("leaf", textures::leaf(128, textures::LEAF_GREEN));
     for leaf in 0..LEAVES {
         let random = |seed: u32| noise::hash(leaf, 0, seed) - 0.5;
         let around = leaf as f32 / LEAVES as f32 * TAU;

@@ -7,12 +7,15 @@
 //! Meshes have counter-clockwise front faces. In texture coordinates, v points down. Colours are sRGB values.
 
 mod black;
+mod blinking;
 mod cel;
 mod chess;
 mod chess_motion;
 mod cubes;
 mod draft;
+mod fence;
 mod glass;
+mod leaves;
 mod motion;
 mod near_plane;
 mod noise;
@@ -21,6 +24,7 @@ mod revolve;
 mod shapes;
 mod textures;
 mod triangles;
+mod walker;
 mod wheels;
 pub(crate) mod workload;
 mod z_fighting;
@@ -62,6 +66,10 @@ pub const ALL: &[Builtin] = &[
     near_plane::NEAR_PLANE,
     wheels::WHEELS,
     chess_motion::CHESS_MOTION,
+    fence::FENCE,
+    walker::WALKER,
+    leaves::LEAVES,
+    blinking::BLINKING,
     black::BACK_FACING,
     black::NEAR_CLIPPED,
     black::Z_FOUGHT,

@@ -85,6 +85,14 @@ pub(super) fn grid(cells: u32) -> MeshData {
     }
 }
 
+/// Returns a flat rectangle of this size around the origin in the plane y = 0, facing up. Its texture repeats every
+/// `tile` world units.
+pub(super) fn tiled(size: Vec2, tile: f32) -> MeshData {
+    let mut mesh = grid(4);
+    mesh.positions.iter_mut().for_each(|position| *position *= Vec3::new(size.x, 1.0, size.y));
+    mapped(mesh, |position, _| Vec2::new(position.x, position.z) / tile)
+}
+
 /// Returns a trefoil knot: a tube that winds twice around the y axis and three times through the hole of a ring of
 /// radius 1.
 ///

@@ -94,7 +94,9 @@ fn no_mesh_material_or_texture_is_unused() {
     for (builtin, scene) in scenes() {
         let library = &scene.library;
         let meshes: HashSet<_> = scene.instances.iter().map(|i| i.mesh).collect();
-        let materials: HashSet<_> = scene.instances.iter().map(|i| i.material).collect();
+        let exchanged = scene.animation.iter().flat_map(|animation| &animation.materials);
+        let exchanged = exchanged.flat_map(|track| track.materials.iter().copied());
+        let materials: HashSet<_> = scene.instances.iter().map(|i| i.material).chain(exchanged).collect();
         let of_material =
             |m: &Material| [m.texture, m.dark_texture, m.alpha_texture, m.normal_texture, m.emission_texture];
         let textures: HashSet<_> = library.materials().iter().flat_map(of_material).flatten().collect();

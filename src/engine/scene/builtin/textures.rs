@@ -164,9 +164,11 @@ pub(super) fn stained_glass(size: u32, middle: f32) -> Image<Rgba8> {
     })
 }
 
-/// Returns a picture of a leaf with five lobes and its stalk pointing down, on a transparent background.
-pub(super) fn leaf(size: u32) -> Image<Rgba8> {
-    const BLADE: Vec3 = srgb(0x4E_8F_3C);
+/// Colour of a green leaf.
+pub(super) const LEAF_GREEN: Vec3 = srgb(0x4E_8F_3C);
+
+/// Returns a picture of a leaf of this colour with five lobes and its stalk pointing down, on a transparent background.
+pub(super) fn leaf(size: u32, color: Vec3) -> Image<Rgba8> {
     const VEIN: Vec3 = srgb(0xA9_CB_7A);
     transparent_picture(size, |uv| {
         let p = uv - Vec2::new(0.5, 0.55);
@@ -177,9 +179,9 @@ pub(super) fn leaf(size: u32) -> Image<Rgba8> {
         let reach = 0.2 + (tip - 0.2) * (1.0 - from_lobe).powf(0.8);
         let stalk = p.y > 0.0 && p.x.abs() < 0.022;
         let vein = 1.0 - smoothstep(0.012, 0.03, from_lobe * p.length());
-        let blade = BLADE * (0.8 + 0.4 * noise::fractal(uv * 8.0, 8, 3, 31));
-        let color = if stalk { VEIN * 0.8 } else { blade.lerp(VEIN, 0.7 * vein) };
-        color.extend(if stalk || p.length() < reach { 1.0 } else { 0.0 })
+        let blade = color * (0.8 + 0.4 * noise::fractal(uv * 8.0, 8, 3, 31));
+        let shown = if stalk { VEIN * 0.8 } else { blade.lerp(VEIN, 0.7 * vein) };
+        shown.extend(if stalk || p.length() < reach { 1.0 } else { 0.0 })
     })
 }
 
@@ -191,7 +193,7 @@ pub(super) fn cel_pair(size: u32, paint: impl Fn(Vec2) -> Vec3) -> [Image<Rgba8>
 }
 
 /// Returns 0 below `from`, 1 above `to`, and a smooth Hermite transition between them.
-fn smoothstep(from: f32, to: f32, x: f32) -> f32 {
+pub(super) fn smoothstep(from: f32, to: f32, x: f32) -> f32 {
     let t = ((x - from) / (to - from)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
@@ -225,7 +227,7 @@ mod tests {
     fn glass_is_graded_and_leaves_are_all_or_nothing() {
         let alpha = |image| Texture::new(image).unwrap().alpha();
         assert_eq!(alpha(stained_glass(64, 0.5)), Alpha::Graded);
-        let leaf = leaf(64);
+        let leaf = leaf(64, LEAF_GREEN);
         let drawn = leaf.pixels().iter().filter(|p| p[3] == 255).count();
         assert!((64 * 64 / 4..64 * 64 * 3 / 4).contains(&drawn), "{drawn}");
         assert_eq!(alpha(leaf), Alpha::AllOrNothing);
