@@ -8,6 +8,8 @@ pub(crate) mod camera;
 
 pub mod camera_file;
 
+pub(crate) mod camera_path;
+
 pub(crate) mod clusters;
 
 pub(crate) mod depth_mapping;
@@ -46,6 +48,7 @@ pub use animation::SceneMotion;
 pub use camera::Camera;
 pub use camera::Projection;
 pub use camera::SubView;
+pub use camera_path::CameraPath;
 pub use depth_mapping::DepthMapping;
 pub use error::SceneError;
 pub use error::Warning;

@@ -1,0 +1,98 @@
+//! Files of camera paths.
+
+use std::fmt;
+use std::path::Path;
+
+use serde::de::{Error, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+
+use super::KeyView;
+use crate::scene::{Camera, Projection, SceneError, camera_file};
+use crate::{disk, text};
+
+/// Version of the format.
+const VERSION: u32 = 1;
+
+/// Maximum size of a file, in bytes. A key view has a few hundred.
+const MAX_BYTES: u64 = 16 << 20;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PathFile {
+    #[serde(deserialize_with = "known_version")]
+    #[expect(dead_code, reason = "it is checked while it is read")]
+    version: u32,
+    #[serde(deserialize_with = "ascending_keys")]
+    keys: Vec<KeyView>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FileKey {
+    time_s: f64,
+    #[serde(with = "camera_file")]
+    camera: Camera,
+}
+
+fn known_version<'de, D: Deserializer<'de>>(from: D) -> Result<u32, D::Error> {
+    match u32::deserialize(from)? {
+        VERSION => Ok(VERSION),
+        other => Err(D::Error::custom(format!("version {other} is not known, only version {VERSION}"))),
+    }
+}
+
+/// Deserialises key views and checks each against the one before it, so that an error has the line of the key view.
+fn ascending_keys<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<KeyView>, D::Error> {
+    struct Keys;
+
+    impl<'de> Visitor<'de> for Keys {
+        type Value = Vec<KeyView>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            write!(f, "a list of key views")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut from: A) -> Result<Self::Value, A::Error> {
+            let mut keys: Vec<KeyView> = Vec::new();
+            while let Some(FileKey { time_s, camera }) = from.next_element()? {
+                check(time_s, &camera, keys.last()).map_err(A::Error::custom)?;
+                keys.push(KeyView { time_s, camera });
+            }
+            if keys.is_empty() {
+                Err(A::Error::custom("keys is empty: a path has at least one key view"))
+            } else {
+                Ok(keys)
+            }
+        }
+    }
+
+    from.deserialize_seq(Keys)
+}
+
+/// Checks a key view against the one before it.
+fn check(time_s: f64, camera: &Camera, before: Option<&KeyView>) -> Result<(), String> {
+    if time_s < 0.0 {
+        return Err(format!("time_s must be at least 0, not {time_s}"));
+    }
+    let Some(before) = before else { return Ok(()) };
+    if time_s <= before.time_s {
+        return Err(format!("time_s must be above that of the key view before, {}, not {time_s}", before.time_s));
+    }
+    let is_orthographic = |camera: &Camera| matches!(camera.projection, Projection::Orthographic { .. });
+    if is_orthographic(camera) != is_orthographic(&before.camera) {
+        return Err("perspective and orthographic key views are mixed".to_owned());
+    }
+    Ok(())
+}
+
+/// Reads the key views of a file.
+pub(super) fn read(path: &Path) -> Result<Vec<KeyView>, SceneError> {
+    let bytes =
+        disk::read(path, MAX_BYTES).map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?;
+    let file: PathFile = serde_json::from_slice(&bytes).map_err(|error| {
+        let whole = error.to_string();
+        let reason = text::message(whole.split(" at line ").next().unwrap_or(&whole));
+        SceneError::Line { path: path.to_owned(), line: error.line(), reason }
+    })?;
+    Ok(file.keys)
+}
