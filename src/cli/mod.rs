@@ -33,6 +33,7 @@ mod scene_args;
 mod scenes;
 mod screenshot;
 mod seen_args;
+mod sequence_args;
 mod shard;
 mod stability;
 mod upscaler_args;
@@ -87,7 +88,7 @@ enum CliCommand {
     /// If neither a scene nor options are given, it resumes the scene, settings and view of the previous run.
     #[command(after_help = example("window chess --set shading=gouraud"))]
     Window(WindowArgs),
-    /// Render one frame or one of its buffers to a PNG, or all its buffers to an OpenEXR file
+    /// Render one frame or one of its buffers to a PNG, or all its buffers to an OpenEXR file; with --frames, a sequence
     #[command(after_help = example("render chess --buffer depth -o depth.png"))]
     Render(render::RenderArgs),
     /// Explain a pixel: list every fragment, which one won, and why, down to the texels

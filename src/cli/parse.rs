@@ -1,6 +1,7 @@
 //! Parsers for command-line arguments.
 
 use std::ffi::OsStr;
+use std::ops::Range;
 
 use crate::inspect::overlays::{Overlay, OverlayLayer};
 use crate::pipeline::settings::Choice;
@@ -9,6 +10,9 @@ use crate::scene::UpAxis;
 use crate::scene::obj::TrMeaning;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Arg, Command};
+
+/// Number of frames above which the range of a sequence is refused.
+const MAX_FRAMES: u32 = 1_000_000;
 
 /// Parses a size such as `1280x720`.
 pub(crate) fn size(text: &str) -> Result<Viewport, String> {
@@ -22,6 +26,30 @@ pub(crate) fn size(text: &str) -> Result<Viewport, String> {
 pub(crate) fn degrees(text: &str) -> Result<f32, String> {
     let finite = text.trim().parse().ok().filter(|angle: &f32| angle.is_finite());
     finite.ok_or_else(|| "expected an angle in degrees, such as 0.5".to_owned())
+}
+
+/// Parses a finite time in seconds.
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
+    let finite = text.trim().parse().ok().filter(|time_s: &f64| time_s.is_finite());
+    finite.ok_or_else(|| "expected a time in seconds, such as 1.5".to_owned())
+}
+
+/// Parses a number of frames per second.
+pub(crate) fn frames_per_second(text: &str) -> Result<f64, String> {
+    let valid = text.trim().parse().ok().filter(|rate: &f64| (0.001..=10_000.0).contains(rate));
+    valid.ok_or_else(|| "expected a number of frames per second from 0.001 to 10000, such as 30".to_owned())
+}
+
+/// Parses the numbers of frames: a count such as `48`, or a range such as `12..24` without its end.
+pub(crate) fn frames(text: &str) -> Result<Range<u32>, String> {
+    let range = match text.split_once("..") {
+        Some((first, end)) => first.trim().parse().ok().zip(end.trim().parse().ok()).map(|(first, end)| first..end),
+        None => text.trim().parse().ok().map(|count| 0..count),
+    };
+    let valid = range.filter(|frames| !frames.is_empty() && frames.end <= MAX_FRAMES);
+    valid.ok_or_else(|| {
+        format!("expected a number of frames such as 48, or a range such as 12..24, with at most {MAX_FRAMES} frames")
+    })
 }
 
 /// Parses a pixel such as `640,360`: column and row.

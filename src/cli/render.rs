@@ -1,7 +1,7 @@
 //! `rasterscope render`: renders a frame, one of its buffers, or the picture after a stage to a PNG, or all buffers to
-//! an OpenEXR file, and prints its cost.
+//! an OpenEXR file, and prints its cost. It also renders the frames of a scene or a camera in motion.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use crate::chain::{Frame, KeepDepth, Recipe, Renderer};
@@ -25,8 +25,10 @@ use clap::Args;
 
 use super::failure::Failure;
 use super::parse::Either;
+use super::progress::ProgressLine;
 use super::scene_args::{DrawnFrame, FrameArgs};
 use super::seen_args::moment;
+use super::sequence_args::{SequenceArgs, SequenceFrame};
 use super::{output, parse};
 
 /// Arguments of `render`.
@@ -82,21 +84,41 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(1..=1000))]
     times: Option<u32>,
 
-    /// PNG file to write, or OpenEXR file with --buffers
+    #[command(flatten)]
+    sequence: SequenceArgs,
+
+    /// PNG file to write, or OpenEXR file with --buffers. With --frames, the number of the frame is added to its name,
+    /// or replaces a run of #
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 }
 
-/// Runs `render`: draws the frame, writes the picture, and prints a summary line.
+/// Runs `render`: draws the frames, writes their pictures, and prints a summary line for each.
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     check_output(args)?;
-    let drawn = args.frame.draw(moment(args.triangles, args.fragments))?;
-    if args.buffers {
-        write_buffers(args, &drawn)?;
-        print_summary(args, &drawn)?;
-        return print_times(args, &drawn);
+    let moment = moment(args.triangles, args.fragments);
+    let Some(frames) = args.sequence.frames(&args.output)? else {
+        return write_frame(args, &args.output, &args.frame.draw(moment)?);
+    };
+    let (view, size) = (args.frame.view()?, args.frame.size()?);
+    let line = ProgressLine::new();
+    for SequenceFrame { number, time_s, output } in frames.iter() {
+        line.show(&format!("frame {number}: {} of {}", number - frames.first() + 1, frames.count()));
+        let (scene, camera) = (view.scene.at(time_s), frames.camera(&view.camera, time_s));
+        let drawn = DrawnFrame::of(scene, camera, view.recipe, size, moment);
+        write_frame(args, &output, &drawn)?;
     }
-    let DrawnFrame { scene, camera, recipe, frame } = &drawn;
+    Ok(())
+}
+
+/// Writes the picture or the buffers of a drawn frame to a file, and prints a summary line.
+fn write_frame(args: &RenderArgs, path: &Path, drawn: &DrawnFrame) -> Result<(), Failure> {
+    if args.buffers {
+        write_buffers(path, drawn)?;
+        print_summary(path, drawn)?;
+        return print_times(args, drawn);
+    }
+    let DrawnFrame { scene, camera, recipe, frame } = drawn;
     let (buffer, captured) = match (args.stage.and_then(Stage::buffer), args.buffer) {
         (Some(buffer), _) | (None, Either::First(buffer)) => (buffer, None),
         (None, Either::Second(number)) => (Buffer::Color, Some(intermediate::capture(scene, recipe, frame, number))),
@@ -130,14 +152,14 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let sheets = shown.sheets(&args.overlay);
     let opacities = args.overlay.iter().map(|layer| layer.opacity);
     let image = &compose(&shown.colored(), sheets.iter().zip(opacities));
-    write_png(&args.output, image)?;
-    if let Some(path) = &args.data {
-        write_pfm(path, &shown.planes())?;
+    write_png(path, image)?;
+    if let Some(data) = &args.data {
+        write_pfm(data, &shown.planes())?;
     }
-    if let Some(path) = &args.totals {
-        output::write(path, &csv(&sheets))?;
+    if let Some(table) = &args.totals {
+        output::write(table, &csv(&sheets))?;
     }
-    print_summary(args, &drawn)?;
+    print_summary(path, drawn)?;
     if let Some(range) = ends {
         output::print(&format!("from {:?} (dark) to {:?} (bright)\n", range.low, range.high))?;
     }
@@ -150,7 +172,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         output::print(&first.unwrap_or_default())?;
     }
     output::print(&sheets.iter().map(totals).collect::<String>())?;
-    print_times(args, &drawn)
+    print_times(args, drawn)
 }
 
 /// Checks that the output file has the suffix of its format.
@@ -167,18 +189,18 @@ fn check_output(args: &RenderArgs) -> Result<(), Failure> {
 }
 
 /// Writes all buffers of the frame to an OpenEXR file.
-fn write_buffers(args: &RenderArgs, drawn: &DrawnFrame) -> Result<(), Failure> {
+fn write_buffers(path: &Path, drawn: &DrawnFrame) -> Result<(), Failure> {
     let DrawnFrame { scene, recipe, frame, .. } = drawn;
     let encoded = BufferSource { scene, recipe, frame }.encode(&output::command_line());
-    let written = encoded.and_then(|bytes| disk::write(&args.output, &bytes));
-    written.map_err(|source| Failure::ResultFile { path: args.output.clone(), source })
+    let written = encoded.and_then(|bytes| disk::write(path, &bytes));
+    written.map_err(|source| Failure::ResultFile { path: path.to_owned(), source })
 }
 
 /// Prints the output file, its size, the numbers of triangles and the cost of the frame.
-fn print_summary(args: &RenderArgs, DrawnFrame { scene, frame, .. }: &DrawnFrame) -> Result<(), Failure> {
+fn print_summary(path: &Path, DrawnFrame { scene, frame, .. }: &DrawnFrame) -> Result<(), Failure> {
     output::print(&format!(
         "{}: {} × {} px, triangles: {} in, {} drawn; {:.1} ms, {:.1} % of the pixels drawn\n",
-        output::display(&args.output),
+        output::display(path),
         frame.viewport.width,
         frame.viewport.height,
         scene.triangle_count(),

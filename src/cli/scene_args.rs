@@ -56,6 +56,10 @@ pub(crate) struct SceneArgs {
     #[arg(long, value_name = "MEANING", default_value = "auto", value_parser = parse::tr())]
     tr: TrMeaning,
 
+    /// Time at which a scene in motion is shown, in seconds; the motion repeats [default: 0]
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = parse::seconds)]
+    time: Option<f64>,
+
     #[command(flatten)]
     memory: MemoryArgs,
 
@@ -177,6 +181,7 @@ impl SceneArgs {
         if let Up::Axis(up) = self.up {
             scene.home = scene.first_view(up);
         }
+        let scene = self.posed(Arc::new(scene));
         let mut recipe = Recipe::default();
         recipe.take_light(&scene, None);
         recipe = state.as_ref().map_or(recipe, |state| state.recipe);
@@ -186,13 +191,22 @@ impl SceneArgs {
             recipe: self.recipe(recipe)?,
             camera: camera.or(view).or(stored).unwrap_or(scene.home),
             source,
-            scene: Arc::new(scene),
+            scene,
             warnings,
             mirrored,
             project: project.map(Box::new),
             is_default: self.is_default(),
             memory_limit: self.memory.limit(),
         })
+    }
+
+    /// Returns the scene at the time of the options.
+    fn posed(&self, scene: Arc<Scene>) -> Arc<Scene> {
+        let Some(time_s) = self.time else { return scene };
+        if scene.animation.is_none() {
+            output::report("note", "the scene does not move: --time has no effect");
+        }
+        scene.at(time_s)
     }
 
     /// Reads the project file that the options name; returns `None` if they name something else.
@@ -203,7 +217,7 @@ impl SceneArgs {
 
     fn is_default(&self) -> bool {
         let keeps_recipe = self.set.is_empty() && self.rasterizer.is_none() && self.arithmetic.is_none();
-        let keeps_view = self.camera.is_none() && self.view.is_none();
+        let keeps_view = self.camera.is_none() && self.view.is_none() && self.time.is_none();
         keeps_recipe && keeps_view && !self.mirror_z && self.up == Up::Auto && self.scene.is_none()
     }
 
@@ -337,7 +351,19 @@ impl FrameArgs {
     /// Draws the frame, completely or only the triangles and fragments up to `moment`.
     pub(crate) fn draw(&self, moment: Option<Moment>) -> Result<DrawnFrame, Failure> {
         let RequestedView { scene, recipe, camera, .. } = self.view()?;
-        let size = self.size()?;
+        Ok(DrawnFrame::of(scene, camera, recipe, self.size()?, moment))
+    }
+}
+
+impl DrawnFrame {
+    /// Draws a frame, completely or only the triangles and fragments up to `moment`.
+    pub(crate) fn of(
+        scene: Arc<Scene>,
+        camera: Camera,
+        recipe: Recipe,
+        size: Viewport,
+        moment: Option<Moment>,
+    ) -> Self {
         let frame = match moment {
             None => Renderer::default().render_converged(&scene, &camera, &recipe, size),
             Some(moment) => {
@@ -347,6 +373,6 @@ impl FrameArgs {
                 frame.at_moment(&recipe, drawn, scrubber.geometry_at(moment))
             }
         };
-        Ok(DrawnFrame { scene, camera, recipe, frame })
+        Self { scene, camera, recipe, frame }
     }
 }

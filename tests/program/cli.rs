@@ -679,8 +679,67 @@ fn a_camera_file_changes_the_view() {
 }
 
 #[test]
+fn frames_of_a_sequence_depend_only_on_their_numbers() {
+    let folder = folder();
+    let render = |options: &[&str]| {
+        let output = run(&folder, &[&["render", "chess-motion", "--size", "48x32"], options].concat());
+        assert_success(&output);
+        assert_eq!(stderr(&output), "");
+        stdout(&output).to_owned()
+    };
+    let bytes = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    let lines = render(&["--frames", "4", "--fps", "2", "-o", "all.png"]);
+    assert!(lines.lines().count() == 4 && lines.starts_with("all.0000.png: 48 × 32 px"), "{lines}");
+    render(&["--frames", "2..4", "--fps", "2", "-o", "part.##.png"]);
+    assert_eq!(["part.02.png", "part.03.png"].map(bytes), ["all.0002.png", "all.0003.png"].map(bytes));
+    render(&["--time", "1.5", "-o", "one.png"]);
+    assert_eq!(bytes("one.png"), bytes("all.0003.png"));
+    render(&["--time", "-2.5", "-o", "before.png"]);
+    assert_eq!(bytes("before.png"), bytes("all.0003.png"));
+    assert_ne!(bytes("all.0000.png"), bytes("all.0003.png"));
+    render(&["--frames", "3..4", "--fps", "2", "--path", "shake", "-o", "shaken.png"]);
+    assert_ne!(bytes("shaken.0003.png"), bytes("all.0003.png"));
+}
+
+#[test]
+fn a_camera_path_is_followed_and_a_bad_one_is_named_with_its_line() {
+    let folder = folder();
+    let view = |z: u32| {
+        format!(r#"{{"eye": [0, 1, {z}], "target": [0, 0, 0], "fov_y_degrees": 45, "near": 0.1, "far": 100}}"#)
+    };
+    let key = |time: u32, z: u32| format!(r#"{{"time_s": {time}, "camera": {}}}"#, view(z));
+    let write = |second: &str| {
+        let text = format!("{{\"version\": 1, \"keys\": [\n{},\n{second}\n]}}", key(0, 9));
+        fs::write(folder.path().join("path.json"), text).unwrap();
+    };
+    let args = ["render", "cubes", "--size", "48x32", "--frames", "1..2", "--fps", "1", "--path", "path.json"];
+    let args = [&args[..], &["-o", "out.png"]].concat();
+    write(&key(1, 5));
+    assert_success(&run(&folder, &args));
+    let still = ["render", "cubes", "--size", "48x32", "--camera", &view(5), "-o", "still.png"];
+    assert_success(&run(&folder, &still));
+    let bytes = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    assert_eq!(bytes("out.0001.png"), bytes("still.png"));
+    write(&key(0, 5));
+    assert_failure(&run(&folder, &args), 2, "path.json:3: time_s must be above that of the key view before");
+}
+
+#[test]
+fn a_time_has_no_effect_on_a_still_scene() {
+    let folder = folder();
+    let output = run(&folder, &["render", "cubes", "--size", "48x32", "--time", "2", "-o", "out.png"]);
+    assert_success(&output);
+    assert_eq!(stderr(&output), "note: the scene does not move: --time has no effect\n");
+}
+
+#[test]
 fn bad_input_is_one_line_that_names_the_culprit() {
-    let inputs: [(&[&str], &str); 15] = [
+    let inputs: [(&[&str], &str); 20] = [
+        (&["--time", "soon"], "expected a time in seconds"),
+        (&["--frames", "5..5"], "expected a number of frames"),
+        (&["--frames", "2", "--fps", "0"], "expected a number of frames per second"),
+        (&["--frames", "2", "--path", "dance"], "dance"),
+        (&["--frames", "2", "--time", "1"], "--time"),
         (&["--set", "shadign=gouraud"], "error: --set `shadign` is not a setting"),
         (&["--set", "shading=phong"], "error: --set shading: unknown variant `phong`"),
         (&["--set", "shading"], "error: --set `shading` is not of the form key=value"),
