@@ -11,6 +11,7 @@ mod bench_verify;
 mod bench_window;
 mod case;
 mod check;
+mod clip;
 mod compare;
 mod diff;
 mod explain;
@@ -144,6 +145,9 @@ enum CliCommand {
     /// Run a page of the 2D lab, and write its drawing or an HTML page, or print its steps
     #[command(after_help = example("lab polygons -o polygons.gif"))]
     Lab(lab::LabArgs),
+    /// Write the inputs of a temporal upscaler and converged references of the frames of a clip, for research
+    #[command(after_help = example("clip chess-motion --path turntable --frames 16 -o clip"))]
+    Clip(clip::ClipArgs),
     /// List the built-in scenes
     #[command(after_help = example("scenes"))]
     Scenes,
@@ -187,6 +191,7 @@ fn execute(cli: &Cli) -> Result<(), Failure> {
         Some(CliCommand::Merge(args)) => merge::run(args),
         Some(CliCommand::Vector(args)) => vector::run(args),
         Some(CliCommand::Lab(args)) => lab::run(args),
+        Some(CliCommand::Clip(args)) => clip::run(args),
         Some(CliCommand::Scenes) => scenes::run(),
     }
 }

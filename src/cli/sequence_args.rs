@@ -59,7 +59,7 @@ impl SequenceArgs {
 }
 
 /// Returns the camera path with the name of a preset, or reads it from a file.
-fn camera_path(given: &Path) -> Result<CameraPath, Failure> {
+pub(super) fn camera_path(given: &Path) -> Result<CameraPath, Failure> {
     match given.to_str().and_then(CameraPath::preset) {
         Some(preset) => Ok(preset),
         None => Ok(CameraPath::read(given)?),

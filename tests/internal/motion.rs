@@ -25,7 +25,7 @@ fn built_in_scenes_in_motion_change_and_loop_seamlessly() {
         moving += 1;
         let duration_s = animation.duration_s();
         // Less than a frame before the loop ends, the picture is that of its beginning, unless a material is exchanged.
-        if animation.materials.is_empty() {
+        if animation.animation.materials.is_empty() {
             let seam = changed(&scene.at(duration_s - 1e-4), &scene);
             assert!(seam < 0.005, "{}: {seam} of the pixels change at the seam", scene.name);
         }

@@ -40,6 +40,8 @@ pub mod scaling;
 
 pub mod shard;
 
+pub mod shot;
+
 pub mod stages;
 
 pub mod timing;

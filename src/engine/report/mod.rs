@@ -1,5 +1,7 @@
 //! Reports that assess the engine or describe its work, for the command line and for the window.
 
+pub mod clip;
+
 pub mod comparison;
 
 pub mod html;

@@ -201,7 +201,7 @@ impl Motion<'_> {
 
 /// Position of a pixel in the previous frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reprojected {
+pub(crate) struct Reprojected {
     /// Position in pixels from the top left corner of the image.
     pub(crate) place: [f32; 2],
     /// Whether camera and scene are unchanged, so that the position is the centre of the same pixel.

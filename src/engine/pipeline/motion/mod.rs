@@ -67,6 +67,7 @@ impl MotionVectors {
 }
 
 /// Motion of one surface point since the preceding frame.
+#[cfg(test)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PointMotion {
     /// Position in the preceding frame minus the position in the current one, in pixels to the right and downwards.
@@ -182,6 +183,7 @@ impl<'a> FrameMotion<'a> {
 
     /// Returns the motion of the point that a pixel shows, given the bytes of the triangle's id, and its distance in
     /// the current frame. Bit-identical to [`Self::resolve`].
+    #[cfg(test)]
     pub(crate) fn of_pixel(&self, (x, y): (u32, u32), id: Rgba8, distance: f32) -> PointMotion {
         let first = x - x % BLOCK as u32;
         let motion = self.of_triangle(id);

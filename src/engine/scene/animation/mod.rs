@@ -46,7 +46,7 @@ pub(crate) struct MaterialTrack {
 /// Motion of a scene, and the time of its pose.
 #[derive(Clone, Debug)]
 pub struct SceneMotion {
-    animation: Arc<Animation>,
+    pub(crate) animation: Arc<Animation>,
     time_s: f64,
 }
 

@@ -102,7 +102,7 @@ fn a_pose_does_not_depend_on_the_pose_it_is_made_from() {
         assert!(shared, "{}: its textures are copied", scene.name);
         let meshes = scene.library.meshes().iter().zip(direct.library.meshes());
         let shared = meshes.filter(|(own, posed)| Arc::ptr_eq(own, posed)).count();
-        let deformed = scene.animation.as_ref().unwrap().deformations.len();
+        let deformed = scene.animation.as_ref().unwrap().animation.deformations.len();
         assert_eq!(shared + deformed, scene.library.meshes().len(), "{}", scene.name);
     }
 }

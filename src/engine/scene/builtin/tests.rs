@@ -94,7 +94,7 @@ fn no_mesh_material_or_texture_is_unused() {
     for (builtin, scene) in scenes() {
         let library = &scene.library;
         let meshes: HashSet<_> = scene.instances.iter().map(|i| i.mesh).collect();
-        let exchanged = scene.animation.iter().flat_map(|animation| &animation.materials);
+        let exchanged = scene.animation.iter().flat_map(|motion| &motion.animation.materials);
         let exchanged = exchanged.flat_map(|track| track.materials.iter().copied());
         let materials: HashSet<_> = scene.instances.iter().map(|i| i.material).chain(exchanged).collect();
         let of_material =
