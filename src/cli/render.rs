@@ -28,7 +28,7 @@ use super::parse::Either;
 use super::progress::ProgressLine;
 use super::scene_args::{DrawnFrame, FrameArgs};
 use super::seen_args::moment;
-use super::sequence_args::{SequenceArgs, SequenceFrame};
+use super::sequence_args::{SequenceArgs, SequenceFrame, SequenceRenderer};
 use super::{output, parse};
 
 /// Arguments of `render`.
@@ -102,11 +102,10 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     };
     let (view, size) = (args.frame.view()?, args.frame.size()?);
     let line = ProgressLine::new();
-    for SequenceFrame { number, time_s, output } in frames.iter() {
+    let mut renderer = SequenceRenderer::new(frames.shot(&view), view.recipe, size);
+    for SequenceFrame { number, output } in frames.iter() {
         line.show(&format!("frame {number}: {} of {}", number - frames.first() + 1, frames.count()));
-        let (scene, camera) = (view.scene.at(time_s), frames.camera(&view.camera, time_s));
-        let drawn = DrawnFrame::of(scene, camera, view.recipe, size, moment);
-        write_frame(args, &output, &drawn)?;
+        write_frame(args, &output, &renderer.draw(number, moment))?;
     }
     Ok(())
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
-use crate::chain::{Frame, Recipe, Renderer, run};
+use crate::chain::{Frame, PrecedingView, Recipe, Renderer, run};
 use crate::inspect::project::{LoadedProject, Project};
 use crate::inspect::scrub::{Moment, Scrubber};
 use crate::pipeline::settings::{Arithmetic, Rasterizer};
@@ -319,6 +319,9 @@ pub(crate) const DEFAULT_SIZE: Viewport = Viewport { width: 1280, height: 720 };
 /// no checkpoints.
 const NO_CHECKPOINTS: usize = 0;
 
+/// Number of frames per second that is assumed for the motion in a single frame of an animated scene.
+const FRAMES_PER_SECOND: f64 = 30.0;
+
 /// Drawn frame with its scene, camera and recipe.
 #[derive(Clone, Debug)]
 pub(crate) struct DrawnFrame {
@@ -351,7 +354,10 @@ impl FrameArgs {
     /// Draws the frame, completely or only the triangles and fragments up to `moment`.
     pub(crate) fn draw(&self, moment: Option<Moment>) -> Result<DrawnFrame, Failure> {
         let RequestedView { scene, recipe, camera, .. } = self.view()?;
-        Ok(DrawnFrame::of(scene, camera, recipe, self.size()?, moment))
+        let before = scene.animation.as_ref().map(|_| scene.at(scene.time_s() - 1.0 / FRAMES_PER_SECOND));
+        let mut drawn = DrawnFrame::of(scene, camera, recipe, self.size()?, moment);
+        drawn.frame.before = before.map(|scene| PrecedingView { scene, camera });
+        Ok(drawn)
     }
 }
 

@@ -2,12 +2,18 @@
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use crate::scene::{Camera, CameraPath};
+use crate::chain::{KeepDepth, PrecedingView, Recipe, Renderer};
+use crate::inspect::scrub::Moment;
+use crate::measure::shot::Shot;
+use crate::pipeline::viewport::Viewport;
+use crate::scene::CameraPath;
 use clap::Args;
 
 use super::failure::Failure;
 use super::parse;
+use super::scene_args::{DrawnFrame, RequestedView};
 
 /// Options for a sequence of frames.
 #[derive(Args, Debug)]
@@ -44,8 +50,6 @@ pub(crate) struct Sequence {
 /// Frame of a sequence.
 pub(crate) struct SequenceFrame {
     pub(crate) number: u32,
-    /// Time of the frame, in seconds.
-    pub(crate) time_s: f64,
     pub(crate) output: PathBuf,
 }
 
@@ -79,16 +83,58 @@ impl Sequence {
 
     /// Returns the frames in ascending order. A frame depends on its number only, not on the range.
     pub(crate) fn iter(&self) -> impl Iterator<Item = SequenceFrame> {
-        self.numbers.clone().map(|number| SequenceFrame {
-            number,
-            time_s: f64::from(number) / self.fps,
-            output: numbered(&self.output, number),
-        })
+        self.numbers.clone().map(|number| SequenceFrame { number, output: numbered(&self.output, number) })
     }
 
-    /// Returns the view at a time. Without a camera path, the camera does not move.
-    pub(crate) fn camera(&self, home: &Camera, time_s: f64) -> Camera {
-        self.path.as_ref().map_or(*home, |path| path.at(home, time_s))
+    /// Returns scene and camera of every frame. Without a camera path, the camera does not move.
+    pub(crate) fn shot(&self, view: &RequestedView) -> Shot {
+        Shot {
+            scene: Arc::clone(&view.scene),
+            camera: view.camera,
+            path: self.path.clone(),
+            frames_per_second: self.fps,
+        }
+    }
+}
+
+/// Renderer of the frames of a shot.
+#[derive(Debug)]
+pub(crate) struct SequenceRenderer {
+    shot: Shot,
+    recipe: Recipe,
+    size: Viewport,
+    renderer: Renderer,
+    /// Number of frames drawn so far, from frame 0 on, if the upscaler reads history.
+    drawn: u32,
+}
+
+impl SequenceRenderer {
+    /// Prepares to draw frames; draws nothing yet.
+    pub(crate) fn new(shot: Shot, recipe: Recipe, size: Viewport) -> Self {
+        Self { shot, recipe, size, renderer: Renderer::default(), drawn: 0 }
+    }
+
+    /// Draws a frame, completely or only up to `moment`. Numbers must ascend. With an upscaler that reads history, all
+    /// frames from frame 0 on are drawn first, so that a frame depends on its number only.
+    pub(crate) fn draw(&mut self, number: u32, moment: Option<Moment>) -> DrawnFrame {
+        let Self { recipe, size, .. } = *self;
+        let (scene, camera) = self.shot.view(number.into());
+        let mut drawn = if moment.is_none() && recipe.upscaler.upscaler().reads().history {
+            while self.drawn < number {
+                let (scene, camera) = self.shot.view(self.drawn.into());
+                let frame = self.renderer.render(&scene, &camera, &recipe, size, KeepDepth::No);
+                self.renderer.recycle(frame);
+                self.drawn += 1;
+            }
+            self.drawn = number + 1;
+            let frame = self.renderer.render(&scene, &camera, &recipe, size, KeepDepth::Yes);
+            DrawnFrame { scene, camera, recipe, frame }
+        } else {
+            DrawnFrame::of(scene, camera, recipe, size, moment)
+        };
+        let (scene, camera) = self.shot.view(i64::from(number) - 1);
+        drawn.frame.before = Some(PrecedingView { scene, camera });
+        drawn
     }
 }
 
