@@ -84,7 +84,7 @@ impl Feature for SceneTime {
                 if time.due >= 1.0 && is_shown {
                     time.due = 0.0;
                     wanted += 1;
-                    time.is_playing = time.loops || wanted < count;
+                    time.is_playing &= time.loops || wanted < count;
                 }
             }
         }

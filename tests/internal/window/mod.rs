@@ -25,6 +25,7 @@ mod places;
 mod projects;
 mod ranges;
 mod saving;
+mod scene_time;
 mod scrubbing;
 mod settings;
 mod stepping;

@@ -1,0 +1,86 @@
+//! Tests of the time of animated scenes in the window.
+
+use eframe::egui::{Key, Modifiers};
+use rasterscope::inspect::{Buffer, view};
+use rasterscope::scene::{SceneSource, builtin};
+use rasterscope::ui::command::Command;
+use rasterscope::ui::engine::Shown;
+use rasterscope::ui::scene_time::SceneTimeChange;
+
+use super::bench::Bench;
+
+fn apply(bench: &mut Bench, change: SceneTimeChange) {
+    bench.window.state_mut().queue(vec![Command::SceneTime(change)]);
+    bench.rest();
+}
+
+#[test]
+fn steps_and_jumps_pose_the_scene_at_the_time_of_a_frame() {
+    let mut bench = Bench::small("chess-motion");
+    let first = bench.image();
+    bench.press_with(Modifiers::ALT, Key::Period);
+    assert_eq!((bench.session().scene_frame(), bench.session().scene.time_s()), (1, 1.0 / 30.0));
+    bench.click("Show the next frame of the scene  (Alt+.)");
+    assert!(bench.mentions("0.07 s"));
+    assert!(bench.image() != first, "objects have moved");
+    assert!(bench.image() == *bench.expected().image());
+    apply(&mut bench, SceneTimeChange::FrameRate(60));
+    assert_eq!(bench.session().scene_frame(), 4, "the time stays the same");
+    apply(&mut bench, SceneTimeChange::Step(-5));
+    let count = bench.session().scene_frame_count().unwrap();
+    assert_eq!(bench.session().scene_frame(), count - 1, "before the beginning is the end");
+    bench.click("Go to the first frame");
+    assert!(bench.image() == first);
+}
+
+#[test]
+fn playback_advances_by_single_frames_and_loops_or_stops() {
+    let mut bench = Bench::small("chess-motion");
+    let last = bench.session().scene_frame_count().unwrap() - 1;
+    apply(&mut bench, SceneTimeChange::Go(last));
+    let session = bench.session_mut();
+    session.features.scene_time.is_playing = true;
+    // However long a tick is, it shows the next frame at most.
+    session.apply(Command::SceneTime(SceneTimeChange::Tick(10.0)));
+    assert_eq!((session.scene_frame(), session.features.scene_time.is_playing), (0, true));
+    // The frame must be on screen before the next one.
+    session.apply(Command::SceneTime(SceneTimeChange::Tick(10.0)));
+    assert_eq!(session.scene_frame(), 0);
+    session.apply(Command::SceneTime(SceneTimeChange::Loop(false)));
+    apply(&mut bench, SceneTimeChange::Go(last));
+    let session = bench.session_mut();
+    session.features.scene_time.is_playing = true;
+    session.apply(Command::SceneTime(SceneTimeChange::Tick(10.0)));
+    assert!(!session.features.scene_time.is_playing);
+}
+
+#[test]
+fn motion_is_shown_since_the_preceding_frame_and_still_scenes_have_none() {
+    let mut bench = Bench::small("chess-motion");
+    apply(&mut bench, SceneTimeChange::Go(3));
+    bench.session_mut().shown = Shown::Buffer(Buffer::MotionX);
+    bench.rest();
+    let shown = bench.view();
+    let before = shown.frame.before.as_ref().unwrap();
+    assert_eq!(before.scene.time_s(), 2.0 / 30.0);
+    let (width, height) = shown.picture.size();
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let value = |(x, y)| view::value(Buffer::MotionX, &shown.frame, shown.buffers.as_deref(), x, y);
+    let moving = pixels.filter(|at| matches!(value(*at), view::Value::Number(px) if px != 0.0)).count();
+    assert!(moving > 20 && moving < (width * height) as usize / 2, "{moving}");
+    let mut still = Bench::small("triangle");
+    assert!(still.session().scene_frame_count().is_none() && !still.mentions("Loop"));
+    still.session_mut().shown = Shown::Buffer(Buffer::MotionX);
+    still.rest();
+    assert!(still.mentions("no motion: scene and camera are still"));
+}
+
+#[test]
+fn another_scene_ends_playback() {
+    let mut bench = Bench::small("chess-motion");
+    let session = bench.session_mut();
+    session.features.scene_time.is_playing = true;
+    let wheels = builtin::by_id("wheels").unwrap();
+    session.show_scene(wheels.build(), SceneSource::Builtin(wheels));
+    assert!(!session.features.scene_time.is_playing);
+}
