@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use eframe::egui::text::{LayoutJob, TextWrapping};
-use eframe::egui::{Align, Color32, FontId, Galley, Layout, RichText, ScrollArea, Ui, vec2};
+use eframe::egui::{Align, Color32, FontId, Galley, Layout, RichText, ScrollArea, Ui, Vec2, vec2};
 
-use super::{funnel, list, objects};
-use crate::inspect::fates::{FragmentFate, TriangleFate};
+use super::{FatesView, funnel, list, objects};
+use crate::inspect::fates::{Fates, FragmentFate, TriangleFate};
 use crate::manual::Chapter;
+use crate::scene::TriangleId;
 use crate::ui::command::Command;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, space, tokens};
@@ -27,8 +28,20 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     content: |ui, cx| self::ui(ui, cx.session, cx.commands),
 };
 
-/// Widths of the two funnels and of the table of objects, as fractions of the tab's width; the list takes the rest.
-const SHARES: [f32; 3] = [0.18, 0.16, 0.31];
+/// Widths of the two funnels, of the table of objects and of the list, as fractions of the panel's width.
+const SHARES: [f32; 4] = [0.18, 0.16, 0.31, 0.35];
+
+/// Widths of the two funnels and of the table of objects above the list, as fractions of the panel's width.
+const COUNTS_SHARES: [f32; 3] = [0.25, 0.22, 0.53];
+
+/// Minimum width for all columns in one row, in points. In a narrower panel, the list is below the others.
+const ONE_ROW_FROM: f32 = 900.0;
+
+/// Height of the columns above the list in a narrow panel, in points.
+const COUNTS_HEIGHT: f32 = 170.0;
+
+/// Height of the list in a narrow panel, in points.
+const LIST_HEIGHT: f32 = 200.0;
 
 /// Draws, chips that show whether the fate counts add up to the totals.
 pub(crate) fn controls(ui: &mut Ui, session: &Session) {
@@ -58,38 +71,69 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     };
     let report = session.view.as_ref().and_then(|view| view.report.as_ref());
     let picked = report.and_then(|report| report.visible()).map(|fragment| fragment.triangle);
+    let picked = PickedFates { view, fates, picked };
     let size = ui.available_size();
-    ui.horizontal_top(|ui| {
-        ui.spacing_mut().item_spacing.x = space::M;
-        let column = |ui: &mut Ui, share: f32, content: &mut dyn FnMut(&mut Ui)| {
-            let width = (size.x - SHARES.len() as f32 * space::M) * share;
-            ui.allocate_ui_with_layout(vec2(width, size.y), Layout::top_down_justified(Align::Min), |ui| {
-                ui.set_max_width(width);
-                content(ui);
-            });
-        };
-        let funnel = |ui: &mut Ui, what: &str, content: &mut dyn FnMut(&mut Ui)| {
-            ScrollArea::vertical().id_salt(what).auto_shrink(false).show(ui, |ui| {
-                ui.spacing_mut().item_spacing.y = 0.0;
-                content(ui);
-            });
-        };
-        column(ui, SHARES[0], &mut |ui| {
-            funnel(ui, "triangles", &mut |ui| {
+    if size.x >= ONE_ROW_FROM {
+        columns(ui, size, &SHARES, |ui, column| picked.column(ui, column, commands));
+        return;
+    }
+    ScrollArea::vertical().id_salt("rows").auto_shrink(false).show(ui, |ui| {
+        let top = vec2(ui.available_width(), COUNTS_HEIGHT);
+        columns(ui, top, &COUNTS_SHARES, |ui, column| picked.column(ui, column, commands));
+        let below = vec2(ui.available_width(), LIST_HEIGHT);
+        columns(ui, below, &[1.0], |ui, _| list::ui(ui, view, fates, picked.picked, commands));
+    });
+}
+
+/// Inputs of the columns.
+struct PickedFates<'a> {
+    view: &'a FatesView,
+    fates: &'a Fates,
+    /// Triangle that is visible at the picked pixel.
+    picked: Option<TriangleId>,
+}
+
+impl PickedFates<'_> {
+    /// Draws a column of the panel: the fates of triangles, of fragments, the objects, or the list of triangles.
+    fn column(&self, ui: &mut Ui, column: usize, commands: &mut Vec<Command>) {
+        let Self { view, fates, picked } = *self;
+        match column {
+            0 => funnel(ui, "triangles", |ui| {
                 let counts = fates.triangle_counts();
                 let head = ("Triangles", "Every triangle of the scene has exactly one of these fates");
                 funnel::ui::<TriangleFate>(ui, head, view.bin, |fate| counts.of(fate), commands);
-            });
-        });
-        column(ui, SHARES[1], &mut |ui| {
-            funnel(ui, "fragments", &mut |ui| {
+            }),
+            1 => funnel(ui, "fragments", |ui| {
                 let counts = fates.fragment_counts();
                 let head = ("Fragments", "Every sample that a triangle covers has exactly one of these fates");
                 funnel::ui::<FragmentFate>(ui, head, view.bin, |fate| counts.of(fate), commands);
+            }),
+            2 => objects::ui(ui, &fates.objects, view.object, commands),
+            _ => list::ui(ui, view, fates, picked, commands),
+        }
+    }
+}
+
+/// Divides `size` into columns with these fractions of its width.
+fn columns(ui: &mut Ui, size: Vec2, shares: &[f32], mut content: impl FnMut(&mut Ui, usize)) {
+    ui.horizontal_top(|ui| {
+        ui.spacing_mut().item_spacing.x = space::M;
+        let room = size.x - (shares.len() - 1) as f32 * space::M;
+        for (column, share) in shares.iter().enumerate() {
+            let width = room * share;
+            ui.allocate_ui_with_layout(vec2(width, size.y), Layout::top_down_justified(Align::Min), |ui| {
+                ui.set_max_size(vec2(width, size.y));
+                content(ui, column);
             });
-        });
-        column(ui, SHARES[2], &mut |ui| objects::ui(ui, &fates.objects, view.object, commands));
-        column(ui, 1.0 - SHARES.iter().sum::<f32>(), &mut |ui| list::ui(ui, view, fates, picked, commands));
+        }
+    });
+}
+
+/// Draws the fates of one kind, which scroll.
+fn funnel(ui: &mut Ui, what: &str, content: impl FnOnce(&mut Ui)) {
+    ScrollArea::vertical().id_salt(what).auto_shrink(false).show(ui, |ui| {
+        ui.spacing_mut().item_spacing.y = 0.0;
+        content(ui);
     });
 }
 

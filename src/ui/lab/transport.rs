@@ -18,6 +18,12 @@ const SHORTEST_FRAME: Duration = Duration::from_millis(16);
 /// Width reserved to the right of the slider for two buttons, the step count and the speed, in points.
 const REST_POINTS: f32 = 300.0;
 
+/// Minimum width of the slider, in points.
+const LEAST_SLIDER: f32 = 60.0;
+
+/// Minimum free width for the slider beside the step count, in points.
+const SLIDER_FROM: f32 = 160.0;
+
 /// Draws the playback bar and advances playback.
 pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
     ui.horizontal_centered(|ui| {
@@ -35,12 +41,9 @@ pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
         button(ui, on.0, "Play  (K)", LabChange::Play(on.1));
         button(ui, Icon::StepForward, "Step forward  (.)", LabChange::StepBy(1));
         button(ui, Icon::ChevronLast, "Go to the end  (End)", LabChange::Go(usize::MAX));
-        let mut step = lab.step.min(all);
-        ui.spacing_mut().slider_width = (ui.available_width() - REST_POINTS).max(60.0);
-        let slider = ui.add_enabled(all > 0, Slider::new(&mut step, 0..=all).show_value(false));
-        slider.widget_info(|| WidgetInfo::slider(true, step as f64, "Completed steps"));
-        if slider.on_hover_text("Completed steps").changed() {
-            changes.push(LabChange::Go(step));
+        let step = lab.step.min(all);
+        if ui.available_width() >= SLIDER_FROM {
+            steps(ui, step, all, changes);
         }
         let more = if lab.recording.cut_off { " (truncated)" } else { "" };
         let text = format!("{} / {}{more}", format::count(step as u64), format::count(all as u64));
@@ -50,6 +53,16 @@ pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
     if lab.playing != 0 {
         changes.push(LabChange::Tick(ui.input(|i| i.stable_dt).min(LONGEST_TICK)));
         ui.request_repaint_after(SHORTEST_FRAME);
+    }
+}
+
+/// Draws the slider over the steps.
+fn steps(ui: &mut Ui, mut step: usize, all: usize, changes: &mut Vec<LabChange>) {
+    ui.spacing_mut().slider_width = (ui.available_width() - REST_POINTS).max(LEAST_SLIDER);
+    let slider = ui.add_enabled(all > 0, Slider::new(&mut step, 0..=all).show_value(false));
+    slider.widget_info(|| WidgetInfo::slider(true, step as f64, "Completed steps"));
+    if slider.on_hover_text("Completed steps").changed() {
+        changes.push(LabChange::Go(step));
     }
 }
 

@@ -48,8 +48,13 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             _ => 0.0,
         };
         let width = (room - figures_width - 2.0 * space::M).max(0.0);
-        triangles(ui, session, known.as_ref(), width * TRIANGLES_SHARE, commands);
-        fragments(ui, session, known.as_deref(), width * (1.0 - TRIANGLES_SHARE), commands);
+        let [of_triangles, of_fragments] = slider_widths(width);
+        if let Some(width) = of_triangles {
+            triangles(ui, session, known.as_ref(), width, commands);
+        }
+        if let Some(width) = of_fragments {
+            fragments(ui, session, known.as_deref(), width, commands);
+        }
         if figures_width > 0.0 {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 figures(ui, session, known.as_deref().filter(|_| figures_width == FIGURES[1]));
@@ -60,6 +65,17 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if session.features.scrub.playing != 0 && is_untouched {
         commands.push(Command::Scrub(ScrubChange::Tick(ui.input(|i| i.stable_dt))));
         ui.request_repaint();
+    }
+}
+
+/// Returns the widths of the sliders for triangles and fragments that share `width` points; `None` for a slider that has
+/// no room.
+fn slider_widths(width: f32) -> [Option<f32>; 2] {
+    /// Minimum width of a slider, in points.
+    const LEAST: f32 = 50.0;
+    match width * (1.0 - TRIANGLES_SHARE) {
+        of_fragments if of_fragments >= LEAST => [Some(width * TRIANGLES_SHARE), Some(of_fragments)],
+        _ => [Some(width).filter(|width| *width >= LEAST), None],
     }
 }
 
