@@ -260,3 +260,17 @@ fn ticks(ui: &Ui, slider: &Response, timeline: &Timeline) {
         ui.painter().line_segment([pos2(x, from), pos2(x, to)], Stroke::new(1.0, color));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sliders_without_room_are_left_out() {
+        let count = |width| slider_widths(width).iter().flatten().count();
+        assert_eq!([600.0, 160.0, 100.0, 40.0, 0.0].map(count), [2, 2, 1, 0, 0]);
+        for width in [600.0_f32, 160.0, 100.0] {
+            assert!((slider_widths(width).iter().flatten().sum::<f32>() - width).abs() < 1e-3, "{width}");
+        }
+    }
+}
