@@ -44,6 +44,8 @@ pub mod shot;
 
 pub mod stages;
 
+pub mod temporal;
+
 pub mod timing;
 
 pub mod tone;
