@@ -10,6 +10,7 @@ use std::sync::Arc;
 use rasterscope::chain::{Recipe, Renderer};
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::measure::error::compare;
+use rasterscope::measure::metric::Metric;
 use rasterscope::measure::motion::Turn;
 use rasterscope::measure::reference::Reference;
 use rasterscope::pipeline::viewport::Viewport;
@@ -115,6 +116,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         viewport,
         rounds: 5,
         reference: Reference::Native,
+        metric: Metric::Flip,
         turn: Turn::default(),
     };
     let report = sweep::run(&plan, &|_| (), &|| false).ok_or("nothing was measured")?;

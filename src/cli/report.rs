@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use crate::chain::Recipe;
+use crate::measure::metric::Metric;
 use crate::measure::motion::Turn;
 use crate::measure::part::{Experiment, Parts};
 use crate::measure::reference::Reference;
@@ -67,6 +68,10 @@ pub(crate) struct ReportArgs {
     /// Reference picture that errors are measured against
     #[arg(long, value_name = "REFERENCE", default_value = "native", value_parser = parse::choice::<Reference>())]
     reference: Reference,
+
+    /// Metric on the error axis, by which the upscalers are ranked; a mean over single frames
+    #[arg(long, value_name = "METRIC", default_value = "flip", value_parser = parse::choice::<Metric>())]
+    metric: Metric,
 
     /// Angle in degrees by which the camera orbits per frame, for errors and times; 0 measures the still view
     #[arg(long, value_name = "DEGREES", default_value_t = Turn::default().degrees, allow_hyphen_values = true,
@@ -146,6 +151,7 @@ fn plan(args: &ReportArgs) -> Result<UpscalingPlan, Failure> {
         viewport: args.size.or(size_of_projects).unwrap_or(DEFAULT_SIZE),
         rounds: args.rounds.into(),
         reference: args.reference,
+        metric: args.metric,
         turn: Turn::by(args.turn),
     })
 }

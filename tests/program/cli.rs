@@ -407,6 +407,7 @@ fn reports_and_tiles_have_the_pictures_that_the_same_settings_draw() {
         viewport,
         rounds: 1,
         reference: Reference::Native,
+        metric: rasterscope::measure::metric::Metric::Flip,
         turn: Turn::STILL,
     };
     let report = sweep::run(&plan, &|_| {}, &|| false).unwrap();

@@ -73,7 +73,53 @@ fn floats_are_compared_as_linear_light_and_stated_to_be() {
     assert_eq!(report["pictures"][1]["channels"][2], serde_json::json!({ "name": "B", "type": "32-bit float" }));
     let text = compare(folder.path(), &["bright.pfm", "brighter.pfm", "--tone-curve", "aces", "--exposure", "-2"]);
     let text = String::from_utf8(text.stdout).unwrap();
-    assert!(text.contains("SSIM and FLIP: exposure -2 EV, tone curve ACES (fit)"), "{text}");
+    assert!(text.contains("SSIM and perceptual metrics: exposure -2 EV, tone curve ACES (fit)"), "{text}");
+}
+
+#[test]
+fn slow_metrics_are_measured_on_request() {
+    let folder = pictures();
+    let ids = |args: &[&str]| -> Vec<String> {
+        let report = json(&compare(folder.path(), &[&["a.png", "b.png", "--json"], args].concat()));
+        report["errors"][0]["metrics"].as_object().unwrap().keys().cloned().collect()
+    };
+    let (fast, all) = (ids(&[]), ids(&["--all-metrics"]));
+    assert!(fast.contains(&"ms-ssim".to_owned()) && !fast.iter().any(|id| id == "jod" || id == "ssimulacra2"));
+    assert_eq!(all.len(), fast.len() + 2, "{all:?}");
+    let same = json(&compare(folder.path(), &["a.png", "a.png", "--metric", "jod,ssimulacra2", "--json"]));
+    assert_eq!(same["errors"][0]["metrics"], serde_json::json!({ "jod": 10.0, "ssimulacra2": 100.0 }));
+    let text =
+        compare(folder.path(), &["a.png", "b.png", "--metric", "jod", "--pixels-per-degree", "30", "--min", "jod=9.9"]);
+    assert_eq!(text.status.code(), Some(1), "{}", stderr(&text));
+    assert!(String::from_utf8_lossy(&text.stdout).contains("ColorVideoVDP: 30 pixels per degree"));
+    write_png(&folder.path().join("tiny.png"), &Image::filled(3, 3, [0, 0, 0, 255])).unwrap();
+    let tiny = compare(folder.path(), &["tiny.png", "tiny.png", "--metric", "jod"]);
+    assert!(stderr(&tiny).contains("jod: not defined for pictures of this size"), "{}", stderr(&tiny));
+}
+
+#[test]
+fn colorvideovdp_of_a_sequence_counts_flicker() {
+    let folder = tempfile::tempdir().unwrap();
+    for frame in 0..6_u32 {
+        let write = |name: &str, factor: f64| {
+            let path = folder.path().join(format!("{name}.{frame}.png"));
+            let code = |code: u8| (f64::from(code) * factor).round() as u8;
+            write_png(&path, &gradient(0).map(|[r, g, b, a]| [code(r), code(g), code(b), a])).unwrap();
+        };
+        write("reference", 1.0);
+        write("still", 1.03);
+        write("flicker", if frame % 2 == 0 { 1.03 } else { 0.97 });
+    }
+    let args = ["flicker.#.png", "still.#.png", "--reference", "reference.#.png", "--metric", "jod,max", "--fps", "60"];
+    let report = json(&compare(folder.path(), &[&args[..], &["--json"]].concat()));
+    let jod = |index: usize| report["quality"][index]["jod"].as_f64().unwrap();
+    assert!(jod(0) < jod(1) && jod(1) < 10.0, "{report}");
+    assert_eq!(report["quality"][0]["viewing"]["frames_per_second"], 60.0);
+    assert!(report["frames"][0]["errors"][0]["metrics"]["jod"].is_null(), "only the sequence has a value");
+    let bounded = compare(folder.path(), &[&args[..], &["--min", "jod=9.999"]].concat());
+    assert_eq!(bounded.status.code(), Some(1));
+    let text = String::from_utf8_lossy(&bounded.stdout).into_owned();
+    assert!(text.contains("JOD over the sequence, at 60 frames per second and 67 pixels per degree"), "{text}");
 }
 
 #[test]

@@ -123,6 +123,7 @@ fn a_registered_upscaler_is_drawn_explained_and_measured_like_a_built_in_one() {
         viewport: SIZE,
         rounds: 1,
         reference: Reference::Native,
+        metric: rasterscope::measure::metric::Metric::Flip,
         turn: Turn::STILL,
     };
     let report = sweep::run(&plan, &|_| (), &|| false).unwrap();

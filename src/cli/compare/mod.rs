@@ -4,6 +4,8 @@ mod page;
 
 mod print;
 
+mod quality;
+
 mod sequence;
 
 use std::path::{Path, PathBuf};
@@ -13,7 +15,9 @@ use crate::image::picture::{Layer, Picture, format_names};
 use crate::image::sequence::FileSequence;
 use crate::image::{Image, Rgba8};
 use crate::measure::difference::{self, Difference};
-use crate::measure::picture_error::{LayerPair, Metric, PictureErrors, PictureLayer, ValueScale};
+use crate::measure::jod::Viewing;
+use crate::measure::metric::{Metric, MetricCost};
+use crate::measure::picture_error::{LayerPair, PictureErrors, PictureLayer, ValueScale};
 use crate::measure::tone::{Tone, ToneCurve};
 use crate::pipeline::settings::Choice;
 use clap::Args;
@@ -44,9 +48,21 @@ pub(crate) struct CompareArgs {
     #[arg(long, value_name = "FRAMES", default_value_t = 0, allow_hyphen_values = true)]
     shift_reference: i32,
 
-    /// Metric to print; may be given several times [default: all that apply]
-    #[arg(long, value_name = "METRIC", value_parser = parse::choice::<Metric>())]
+    /// Metric to print; several are separated by commas [default: all fast ones that apply]
+    #[arg(long, value_name = "METRIC", alias = "metrics", value_delimiter = ',', value_parser = parse::choice::<Metric>())]
     metric: Vec<Metric>,
+
+    /// Print all metrics that apply, also slow ones
+    #[arg(long, conflicts_with = "metric")]
+    all_metrics: bool,
+
+    /// Pixels per degree of visual angle, for ColorVideoVDP
+    #[arg(long, value_name = "PIXELS", default_value_t = Viewing::default().pixels_per_degree, value_parser = viewing)]
+    pixels_per_degree: f64,
+
+    /// Frames per second of sequences, for ColorVideoVDP
+    #[arg(long, value_name = "RATE", default_value_t = Viewing::default().frames_per_second, value_parser = viewing)]
+    fps: f64,
 
     /// Largest allowed value of a metric; exit code 1 if it is exceeded. May be given several times
     #[arg(long, value_name = "METRIC=VALUE", value_parser = limit)]
@@ -60,11 +76,11 @@ pub(crate) struct CompareArgs {
     #[arg(long, value_name = "NAME")]
     layer: Option<String>,
 
-    /// Exposure in stops of float pictures, for FLIP and SSIM
+    /// Exposure in stops of float pictures, for SSIM and perceptual metrics
     #[arg(long, value_name = "EV", default_value_t = 0.0, allow_hyphen_values = true, value_parser = exposure)]
     exposure: f32,
 
-    /// Tone curve of float pictures, for FLIP and SSIM
+    /// Tone curve of float pictures, for SSIM and perceptual metrics
     #[arg(long, value_name = "CURVE", default_value = "clamp", value_parser = parse::choice::<ToneCurve>())]
     tone_curve: ToneCurve,
 
@@ -109,6 +125,12 @@ fn exposure(text: &str) -> Result<f32, String> {
     stops.ok_or_else(|| "expected an exposure from -100 to 100 stops".to_owned())
 }
 
+/// Parses a number of pixels per degree or of frames per second.
+fn viewing(text: &str) -> Result<f64, String> {
+    let value = text.parse().ok().filter(|value: &f64| *value > 0.0 && *value <= Viewing::MAX);
+    value.ok_or_else(|| format!("expected a number above 0 and up to {}", Viewing::MAX))
+}
+
 /// Picture file that takes part in the comparison.
 struct Input<'a> {
     /// Name in the output: `A`, `B` or `reference`.
@@ -135,6 +157,14 @@ impl<'a> Inputs<'a> {
     fn all(&self) -> impl Iterator<Item = &Input<'a>> {
         [&self.a, &self.b].into_iter().chain(&self.reference)
     }
+
+    /// Returns each picture to measure with the one that it is measured against.
+    fn pairs(&self) -> Vec<[&Input<'a>; 2]> {
+        match &self.reference {
+            None => vec![[&self.a, &self.b]],
+            Some(reference) => vec![[&self.a, reference], [&self.b, reference]],
+        }
+    }
 }
 
 /// Errors of one picture against another.
@@ -160,7 +190,8 @@ pub(crate) fn run(args: &CompareArgs) -> Result<(), Failure> {
         return Err(Failure::Usage("--shift-b and --shift-reference: only sequences have frames".to_owned()));
     }
     let inputs = Inputs::read(&args.a, &args.b, args.reference.as_deref())?;
-    let measured = measure(args, &inputs)?;
+    let measured = measure(args, &inputs, &metrics(args))?;
+    check_defined(args, &measured)?;
     if let Some(path) = args.output.as_ref().filter(|path| output::is_html(path)) {
         page::write(args, &inputs, &measured, path)?;
     } else if let Some(path) = &args.output {
@@ -176,25 +207,14 @@ pub(crate) fn run(args: &CompareArgs) -> Result<(), Failure> {
 }
 
 /// Measures A against B, or A and B against the reference.
-fn measure(args: &CompareArgs, inputs: &Inputs<'_>) -> Result<Vec<Measured>, Failure> {
-    let metrics = metrics(args);
-    let against = |of: &Input<'_>, against: &Input<'_>| {
-        let pair = pair(args, of, against)?;
-        Ok::<_, Failure>(Measured {
-            of: of.role,
-            against: against.role,
-            scale: pair.scale(),
-            errors: pair.measure(&metrics),
-        })
-    };
+fn measure(args: &CompareArgs, inputs: &Inputs<'_>, metrics: &[Metric]) -> Result<Vec<Measured>, Failure> {
     // A and B must be comparable even if only their errors against a reference are measured.
     pair(args, &inputs.a, &inputs.b)?;
-    let measured = match &inputs.reference {
-        None => vec![against(&inputs.a, &inputs.b)?],
-        Some(reference) => vec![against(&inputs.a, reference)?, against(&inputs.b, reference)?],
+    let measured = |[of, against]: [&Input<'_>; 2]| {
+        let pair = pair(args, of, against)?;
+        Ok(Measured { of: of.role, against: against.role, scale: pair.scale(), errors: pair.measure(metrics) })
     };
-    check_defined(args, &measured)?;
-    Ok(measured)
+    inputs.pairs().into_iter().map(measured).collect()
 }
 
 /// Writes the difference of A and B.
@@ -231,11 +251,23 @@ fn check_bounds(args: &CompareArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns the metrics to print: those requested, or all, and those with bounds.
+/// Returns the metrics to print: those requested or the fast ones, and those with bounds.
 fn metrics(args: &CompareArgs) -> Vec<Metric> {
-    let is_bounded = |metric: &Metric| args.max.iter().chain(&args.min).any(|limit| limit.metric == *metric);
-    let is_wanted = |metric: &&Metric| args.metric.is_empty() || args.metric.contains(metric) || is_bounded(metric);
-    Metric::ALL.iter().filter(is_wanted).copied().collect()
+    let is_requested = |metric: &Metric| match &args.metric[..] {
+        [] => args.all_metrics || metric.cost() == MetricCost::Fast,
+        requested => requested.contains(metric),
+    };
+    Metric::ALL.iter().copied().filter(|metric| is_requested(metric) || bounded(args).any(|of| of == *metric)).collect()
+}
+
+/// Returns the metrics with bounds.
+fn bounded(args: &CompareArgs) -> impl Iterator<Item = Metric> {
+    args.max.iter().chain(&args.min).map(|limit| limit.metric)
+}
+
+/// Returns the viewing conditions of ColorVideoVDP.
+fn viewing_conditions(args: &CompareArgs) -> Viewing {
+    Viewing { pixels_per_degree: args.pixels_per_degree, frames_per_second: args.fps }
 }
 
 /// Returns the compared layer of a picture.
@@ -250,23 +282,31 @@ fn layer<'a>(args: &CompareArgs, input: &'a Input<'_>) -> Result<&'a Layer, Fail
 
 fn pair<'a>(args: &CompareArgs, a: &'a Input<'_>, b: &'a Input<'_>) -> Result<LayerPair<'a>, Failure> {
     let of = |input: &'a Input<'_>| layer(args, input).map(|layer| PictureLayer { picture: &input.picture, layer });
-    LayerPair::new(of(a)?, of(b)?, tone(args)).map_err(|reason| {
+    let pair = LayerPair::new(of(a)?, of(b)?, tone(args)).map_err(|reason| {
         Failure::Usage(format!("{} and {}: {reason}", output::display(a.path), output::display(b.path)))
-    })
+    })?;
+    Ok(pair.seen_at(viewing_conditions(args)))
 }
 
 /// Checks that every metric that the user names is defined for the layer.
 fn check_defined(args: &CompareArgs, measured: &[Measured]) -> Result<(), Failure> {
-    let bounded = args.max.iter().chain(&args.min).map(|limit| limit.metric);
-    let named: Vec<Metric> = args.metric.iter().copied().chain(bounded).collect();
-    let is_data = measured.iter().any(|measured| measured.scale == ValueScale::Stored);
-    match named.iter().find(|metric| is_data && !metric.measures_data()) {
-        Some(metric) => Err(Failure::Usage(format!(
-            "{}: not defined for data that are no colours; use mse, max or changed",
-            metric.id()
-        ))),
+    let is_named = |metric: &Metric| args.metric.contains(metric) || bounded(args).any(|of| of == *metric);
+    let all = measured.iter().flat_map(|measured| measured.errors.metrics.iter().map(move |of| (measured.scale, of)));
+    let undefined = all.filter(|(_, (metric, value))| value.is_none() && is_named(metric));
+    match undefined.map(|(scale, (metric, _))| (scale, metric.id())).next() {
         None => Ok(()),
+        Some((ValueScale::Stored, id)) => {
+            Err(Failure::Usage(format!("{id}: not defined for data that are no colours; use mse, max or changed")))
+        }
+        Some((_, id)) => Err(undefined_size(id)),
     }
+}
+
+/// Returns the failure of a metric that is not defined for pictures of this size.
+fn undefined_size(id: &str) -> Failure {
+    Failure::Usage(format!(
+        "{id}: not defined for pictures of this size; ColorVideoVDP needs 4 × 4 px to 10 million pixels"
+    ))
 }
 
 /// Returns every violated bound in words. A pixel that is NaN or infinite in one picture only violates every bound.

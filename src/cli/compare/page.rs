@@ -7,7 +7,7 @@ use crate::measure::picture_error::ValueScale;
 use crate::pipeline::settings::Choice as _;
 use crate::report::pictures::{MetricTable, PictureFigure, PicturePage};
 
-use super::print::{tone_line, verdict};
+use super::print::{tone_line, verdict, viewing_line};
 use super::{CompareArgs, Inputs, Measured, difference_of, layer, tone, value_of};
 use crate::cli::failure::Failure;
 use crate::cli::output;
@@ -39,7 +39,12 @@ pub(super) fn write(
     let scale = measured.first().map(|measured| measured.scale).map_or("", ValueScale::name);
     let page = PicturePage {
         title: format!("Comparison: {a} and {b}"),
-        summary: vec![format!("Values: {scale}"), verdict(inputs, measured), tone_line(args, measured)],
+        summary: vec![
+            format!("Values: {scale}"),
+            verdict(inputs, measured),
+            tone_line(args, measured),
+            viewing_line(args, measured),
+        ],
         figures,
         metrics: Some(metrics(measured)),
         command: Some(output::command_line()),

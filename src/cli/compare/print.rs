@@ -1,6 +1,7 @@
 //! Errors of a comparison as text and as JSON.
 
-use crate::measure::picture_error::{Metric, ValueScale};
+use crate::measure::metric::Metric;
+use crate::measure::picture_error::ValueScale;
 use crate::measure::tone::Tone;
 use crate::pipeline::settings::Choice;
 use serde::Serialize;
@@ -43,7 +44,15 @@ pub(super) fn tone_line(args: &CompareArgs, measured: &[Measured]) -> String {
         return String::new();
     }
     let Tone { exposure, curve } = tone(args);
-    format!("SSIM and FLIP: exposure {exposure} EV, tone curve {}, 8-bit sRGB\n", curve.name())
+    format!("SSIM and perceptual metrics: exposure {exposure} EV, tone curve {}, 8-bit sRGB\n", curve.name())
+}
+
+/// Returns the line that names the viewing conditions of ColorVideoVDP; empty if it was not measured.
+pub(super) fn viewing_line(args: &CompareArgs, measured: &[Measured]) -> String {
+    if measured.iter().all(|measured| value_of(&measured.errors, Metric::Jod).is_none()) {
+        return String::new();
+    }
+    format!("{}: {} pixels per degree\n", Metric::Jod.name(), args.pixels_per_degree)
 }
 
 /// Returns the comparison as text.
@@ -65,6 +74,7 @@ pub(super) fn text(args: &CompareArgs, inputs: &Inputs<'_>, measured: &[Measured
     }
     text += &verdict(inputs, measured);
     text += &tone_line(args, measured);
+    text += &viewing_line(args, measured);
     if let Some(path) = args.output.as_ref().filter(|path| output::is_html(path)) {
         text += &format!("{}: pictures, their difference, and errors\n", output::display(path));
     } else if let Some(path) = &args.output {
@@ -79,8 +89,10 @@ pub(super) fn text(args: &CompareArgs, inputs: &Inputs<'_>, measured: &[Measured
 pub(super) struct CompareReport {
     pictures: Vec<Value>,
     layer: Option<String>,
-    /// Exposure and tone curve of linear light for SSIM and FLIP.
+    /// Exposure and tone curve of linear light for SSIM and perceptual metrics.
     tone: Tone,
+    /// Pixels per degree of visual angle for ColorVideoVDP.
+    pixels_per_degree: f64,
     errors: Vec<Value>,
     /// Better picture by each metric; empty without a reference.
     better: Map<String, Value>,
@@ -126,6 +138,7 @@ pub(super) fn report(args: &CompareArgs, inputs: &Inputs<'_>, measured: &[Measur
         pictures: inputs.all().map(picture).collect(),
         layer: args.layer.clone(),
         tone: tone(args),
+        pixels_per_degree: args.pixels_per_degree,
         errors: measured.iter().map(errors).collect(),
         better: better.collect(),
         exceeded: exceeded(args, measured),

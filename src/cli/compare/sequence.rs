@@ -5,12 +5,15 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use crate::image::sequence::FileSequence;
-use crate::measure::picture_error::Metric;
+use crate::measure::metric::Metric;
 use crate::pipeline::settings::Choice as _;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::{CompareArgs, Inputs, Measured, exceeded, measure, print, value_of, write_difference};
+use super::quality::{QualityMeters, SequenceQuality};
+use super::{
+    CompareArgs, Inputs, Measured, check_defined, exceeded, measure, metrics, print, value_of, write_difference,
+};
 use crate::cli::failure::Failure;
 use crate::cli::progress::ProgressLine;
 use crate::cli::{interrupt, output};
@@ -91,6 +94,8 @@ struct MetricSummary {
 struct SequenceReport<'a> {
     frames: &'a [FrameErrors],
     summary: &'a [MetricSummary],
+    /// ColorVideoVDP over the whole sequence; empty if it was not requested.
+    quality: &'a [SequenceQuality],
     /// Frames without a picture in one of the sequences.
     skipped: &'a [i64],
     /// Violated bounds in words.
@@ -104,6 +109,7 @@ struct ComparedFrames {
     frames: Vec<FrameErrors>,
     /// Number of each frame that cannot be compared, and the reason.
     failures: Vec<(i64, Failure)>,
+    quality: QualityMeters,
     /// Whether the command was interrupted.
     partial: bool,
 }
@@ -122,19 +128,24 @@ pub(super) fn run(args: &CompareArgs) -> Result<(), Failure> {
     if let Some(files) = &difference {
         protect_inputs(&sources, wanted.iter().map(|frame| files.file(*frame)))?;
     }
-    let ComparedFrames { frames, mut failures, partial } =
+    let ComparedFrames { frames, mut failures, quality, partial } =
         compare_frames(args, &sources, &wanted, difference.as_ref())?;
     if frames.is_empty() {
         return Err(if failures.is_empty() { interrupt::nothing() } else { failures.swap_remove(0).1 });
     }
     failures.iter().for_each(|(frame, failure)| output::report("error", format!("frame {frame}: {failure}")));
-    let (summary, exceeded) = (summarize(&frames), exceeded_of(args, &frames));
+    let (summary, quality) = (summarize(&frames), quality.finish(args)?);
+    let exceeded: Vec<_> = exceeded_of(args, &frames)
+        .into_iter()
+        .chain(quality.iter().flat_map(|quality| quality.exceeded(args)))
+        .collect();
     if args.json {
-        let (frames, summary, skipped, exceeded) = (&frames, &summary, &skipped, &exceeded);
-        output::print_json(&SequenceReport { frames, summary, skipped, exceeded, partial })?;
+        let (frames, summary, quality, skipped, exceeded) = (&frames, &summary, &quality, &skipped, &exceeded);
+        output::print_json(&SequenceReport { frames, summary, quality, skipped, exceeded, partial })?;
     } else {
         let sources: String = sources.iter().map(Source::description).collect();
-        output::print(&(sources + &skipped_text(&skipped) + &table(&frames) + &summary_text(&summary)))?;
+        let quality: String = quality.iter().map(SequenceQuality::line).collect();
+        output::print(&(sources + &skipped_text(&skipped) + &table(&frames) + &summary_text(&summary) + &quality))?;
     }
     interrupt::outcome(partial)?;
     if let [(first, _), ..] = &failures[..] {
@@ -170,9 +181,11 @@ fn compare_frames(
     wanted: &[i64],
     difference: Option<&DifferenceFiles>,
 ) -> Result<ComparedFrames, Failure> {
-    let (line, interrupted) = (ProgressLine::new(), interrupt::flag());
+    let (line, interrupted, quality) = (ProgressLine::new(), interrupt::flag(), QualityMeters::default());
     let mut compared =
-        ComparedFrames { frames: Vec::with_capacity(wanted.len()), failures: Vec::new(), partial: false };
+        ComparedFrames { frames: Vec::with_capacity(wanted.len()), failures: Vec::new(), quality, partial: false };
+    // ColorVideoVDP of single frames would miss all changes over time; it is measured over the sequence.
+    let metrics: Vec<_> = metrics(args).into_iter().filter(|metric| *metric != Metric::Jod).collect();
     for (done, frame) in wanted.iter().copied().enumerate() {
         if interrupted.load(Ordering::Relaxed) {
             compared.partial = true;
@@ -181,14 +194,19 @@ fn compare_frames(
         line.show(&format!("comparing: {done} of {} frames", wanted.len()));
         let files: Vec<&Path> = sources.iter().filter_map(|source| source.file(frame)).collect();
         let inputs = Inputs::read(files[0], files[1], files.get(2).copied());
-        let (inputs, measured) =
-            match inputs.and_then(|inputs| measure(args, &inputs).map(|measured| (inputs, measured))) {
-                Ok(read) => read,
-                Err(failure) => {
-                    compared.failures.push((frame, failure));
-                    continue;
-                }
-            };
+        let measured = inputs.and_then(|inputs| {
+            let measured = measure(args, &inputs, &metrics)?;
+            check_defined(args, &measured)?;
+            compared.quality.add(args, &inputs, compared.frames.is_empty())?;
+            Ok((inputs, measured))
+        });
+        let (inputs, measured) = match measured {
+            Ok(read) => read,
+            Err(failure) => {
+                compared.failures.push((frame, failure));
+                continue;
+            }
+        };
         if let Some(files) = difference {
             write_difference(args, &inputs, &files.file(frame))?;
         }
@@ -297,7 +315,9 @@ fn table(frames: &[FrameErrors]) -> String {
                 .iter()
                 .filter_map(|(metric, value)| Some(format!("{} {}", metric.id(), metric.format((*value)?))));
             let values: Vec<_> = values.collect();
-            text += &format!("frame {frame}, {of} against {against}: {}\n", values.join(", "));
+            if !values.is_empty() {
+                text += &format!("frame {frame}, {of} against {against}: {}\n", values.join(", "));
+            }
         }
     }
     text

@@ -99,13 +99,35 @@ pub(super) fn luma_of_codes([red, green, blue, _]: Rgba8) -> f64 {
 
 /// Computes the mean structural similarity of two greyscale images of equal size, at least 1 × 1 px.
 pub(super) fn ssim(a: &Image<f64>, b: &Image<f64>) -> f64 {
+    similarity_of(a, b).whole
+}
+
+/// Structural similarity with and without its luminance term.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Similarity {
+    /// Product of the luminance and structure terms: SSIM.
+    pub(super) whole: f64,
+    /// Structure term: contrast and correlation.
+    pub(super) structure: f64,
+}
+
+impl Similarity {
+    fn plus(self, other: Self) -> Self {
+        Self { whole: self.whole + other.whole, structure: self.structure + other.structure }
+    }
+}
+
+/// Computes the mean similarity of all windows of two greyscale images of equal size, at least 1 × 1 px.
+pub(super) fn similarity_of(a: &Image<f64>, b: &Image<f64>) -> Similarity {
     let across = window(a.width());
     let down = window(a.height());
     let windows_down = a.height() - down.len() as u32 + 1;
     // Row sums are stored and added in order, so the result does not depend on the number of threads.
-    let rows: Vec<f64> = (0..windows_down).into_par_iter().map(|y| ssim_of_row(a, b, y, &across, &down)).collect();
+    let rows: Vec<_> =
+        (0..windows_down).into_par_iter().map(|y| similarity_of_row([a, b], y, &across, &down)).collect();
     let windows = f64::from(windows_down) * (a.width() as usize - across.len() + 1) as f64;
-    rows.iter().sum::<f64>() / windows
+    let Similarity { whole, structure } = rows.into_iter().fold(Similarity::default(), Similarity::plus);
+    Similarity { whole: whole / windows, structure: structure / windows }
 }
 
 /// Returns the Gaussian weights along an axis of `length` px: an odd number of weights that sum to 1.
@@ -119,7 +141,7 @@ fn window(length: u32) -> Vec<f64> {
 
 /// Returns the summed similarity of all windows whose top row is `top`. The window is separable: sums along columns are
 /// computed first, then sums along the row.
-fn ssim_of_row(a: &Image<f64>, b: &Image<f64>, top: u32, across: &[f64], down: &[f64]) -> f64 {
+fn similarity_of_row([a, b]: [&Image<f64>; 2], top: u32, across: &[f64], down: &[f64]) -> Similarity {
     let width = a.width() as usize;
     let mut columns = [const { Vec::new() }; 5];
     columns.iter_mut().for_each(|column| column.resize(width, 0.0));
@@ -134,7 +156,8 @@ fn ssim_of_row(a: &Image<f64>, b: &Image<f64>, top: u32, across: &[f64], down: &
         }
     }
     let moments = columns.map(|column| blur(&column, across));
-    (0..moments[0].len()).map(|x| similarity(std::array::from_fn(|i| moments[i][x]))).sum()
+    let windows = (0..moments[0].len()).map(|x| similarity(std::array::from_fn(|i| moments[i][x])));
+    windows.fold(Similarity::default(), Similarity::plus)
 }
 
 /// Returns the weighted sum of `weights.len()` neighbours at each position where all of them exist.
@@ -149,12 +172,12 @@ fn blur(values: &[f64], weights: &[f64]) -> Vec<f64> {
 }
 
 /// Computes the similarity of two windows from the weighted means of a, b, a², b² and ab.
-fn similarity([mean_a, mean_b, square_a, square_b, product]: [f64; 5]) -> f64 {
+fn similarity([mean_a, mean_b, square_a, square_b, product]: [f64; 5]) -> Similarity {
     let (variance_a, variance_b) = (square_a - mean_a * mean_a, square_b - mean_b * mean_b);
     let covariance = product - mean_a * mean_b;
     let luminance = (2.0 * mean_a * mean_b + C1) / (mean_a * mean_a + mean_b * mean_b + C1);
     let structure = (2.0 * covariance + C2) / (variance_a + variance_b + C2);
-    luminance * structure
+    Similarity { whole: luminance * structure, structure }
 }
 
 #[cfg(test)]

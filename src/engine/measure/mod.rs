@@ -12,13 +12,17 @@ pub mod error;
 
 pub mod flip;
 
-pub mod skipped_work;
+pub mod jod;
 
 pub mod machine;
+
+pub mod metric;
 
 pub mod other_programs;
 
 pub mod motion;
+
+mod ms_ssim;
 
 pub mod noise;
 
@@ -42,9 +46,16 @@ pub mod shard;
 
 pub mod shot;
 
+pub mod skipped_work;
+
+pub mod ssimulacra2;
+
 pub mod stages;
 
 pub mod temporal;
+
+#[cfg(test)]
+pub(crate) mod test_pictures;
 
 pub mod timing;
 

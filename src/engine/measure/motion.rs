@@ -11,6 +11,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::against::{ErrorMetrics, PreparedReference, figures};
+use super::metric::Metric;
 use super::reference::{ProgressiveRender, Reference};
 use crate::chain::{Frame, KeepDepth, Recipe, Renderer};
 use crate::image::Image;
@@ -112,8 +113,8 @@ impl FrameSequence<'_> {
 pub struct MotionError {
     /// Number of measured frames, at least 1.
     pub frames: usize,
-    /// Mean over the frames: MSE, SSIM, FLIP and the number of differing pixels are averaged. PSNR is computed from the
-    /// mean MSE, and the largest difference is the maximum over all frames.
+    /// Mean over the frames: MSE, SSIM, FLIP, the number of differing pixels and the selected metric are averaged. PSNR is
+    /// computed from the mean MSE, and the largest difference is the maximum over all frames.
     pub mean: ErrorMetrics,
     /// Metrics of the frame with the largest FLIP error.
     pub worst: ErrorMetrics,
@@ -131,6 +132,8 @@ impl MotionError {
         mean.codes.psnr_db = 10.0 * (255.0 * 255.0 / mean.codes.mse).log10();
         mean.codes.ssim = mean_of(|figures| figures.codes.ssim);
         mean.codes.differing_pixels = mean_of(|figures| figures.codes.differing_pixels as f64).round() as u64;
+        let selected: Option<Vec<f64>> = frames.iter().map(|figures| figures.selected).collect();
+        mean.selected = selected.map(|values| values.iter().sum::<f64>() / count);
         mean.codes.max_abs = frames.iter().map(|figures| figures.codes.max_abs).max()?;
         Some(Self { frames: frames.len(), mean, worst })
     }
@@ -246,6 +249,8 @@ pub struct ErrorMeasurement {
     /// References of the current frame with their recipes. Recipes that differ only in the upscaler share a reference.
     references: Vec<(Recipe, PreparedReference)>,
     gathering: Option<Box<ProgressiveRender>>,
+    /// Further metric to measure.
+    selected: Option<Metric>,
     /// Metrics of each recipe, per frame.
     figures: Vec<Vec<ErrorMetrics>>,
     /// Number of frames measured, over all recipes.
@@ -263,8 +268,14 @@ impl ErrorMeasurement {
             renderer: Renderer::default(),
             references: Vec::new(),
             gathering: None,
+            selected: None,
             measured_frames: 0,
         }
+    }
+
+    /// Selects a metric to measure besides those of every measurement.
+    pub fn selecting(self, metric: Metric) -> Self {
+        Self { selected: (!ErrorMetrics::always_has(metric)).then_some(metric), ..self }
     }
 
     /// Draws at most one frame, either of a reference or with a recipe. When that completes a frame of a recipe, calls
@@ -291,8 +302,10 @@ impl ErrorMeasurement {
         if playback.warm_up(shot, frame as i64) {
             return None;
         }
+        let selected = self.selected;
         let figures = playback.draw(shot, frame as i64, &mut self.renderer, |drawn| {
-            let (figures, flip) = standard.figures(drawn.image())?;
+            let (mut figures, flip) = standard.figures(drawn.image())?;
+            figures.selected = selected.and_then(|metric| standard.measure(drawn.image(), metric));
             look(place, drawn, flip);
             Some(figures)
         });

@@ -14,7 +14,7 @@ use super::shard::{Shard, ShardRun};
 use crate::{disk, text};
 
 /// Version of the format of parts, to be increased with every change of a plan or of results.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 
 /// Maximum size of a part, in bytes.
 const MAX_PART_BYTES: u64 = 4 << 30;

@@ -2,15 +2,20 @@
 //!
 //! Integer colours are compared as sRGB codes from 0 to 255; 16-bit samples are divided by 257 and not rounded. If one
 //! of two colours is linear light, both are compared as linear light, in which white is 1. Data such as depths are
-//! compared as stored. FLIP, and SSIM of linear light, are defined for displayed pictures and are computed from the
-//! 8-bit sRGB codes after tone mapping. Alpha is ignored.
+//! compared as stored. Perceptual metrics, and SSIM and MS-SSIM of linear light, are defined for displayed pictures and
+//! are computed from the 8-bit sRGB codes after tone mapping. Alpha is ignored.
+
+use std::cell::OnceCell;
 
 use serde::Serialize;
 
 use super::difference::{self, Difference};
 use super::error::{self, ssim};
-use super::flip;
+use super::jod::{self, Viewing};
+use super::metric::Metric;
+use super::ms_ssim::ms_ssim;
 use super::tone::Tone;
+use super::{flip, ssimulacra2};
 use crate::image::color;
 use crate::image::picture::{Layer, Picture};
 use crate::image::{Image, Rgba8};
@@ -18,42 +23,6 @@ use crate::pipeline::settings::{Choice, choice};
 
 /// Constant that keeps relative errors of black pixels finite.
 const RELATIVE_FLOOR: f64 = 0.01;
-
-choice! {
-    /// Error metric between two pictures.
-    pub Metric {
-        Psnr = "psnr", "PSNR", "Peak signal-to-noise ratio in dB; the peak is 255 for sRGB codes and 1 for linear light.";
-        Ssim = "ssim", "SSIM", "Structural similarity, 1 for identical pictures; linear light is tone mapped first.";
-        Flip = "flip", "FLIP", "Mean perceived difference (LDR-FLIP), 0 to 1; linear light is tone mapped first.";
-        Mse = "mse", "MSE", "Mean squared error over all pixels and channels.";
-        RelativeMse = "relmse", "Relative MSE",
-            "Mean of (a − b)² / (b² + 0.01) in linear light, where b is the second picture or the reference.";
-        Max = "max", "Largest difference", "Largest absolute difference of a channel.";
-        Changed = "changed", "Changed pixels", "Number of pixels that differ in any channel except alpha.";
-    }
-}
-
-impl Metric {
-    /// Whether larger values mean a smaller error.
-    pub fn is_larger_better(self) -> bool {
-        matches!(self, Self::Psnr | Self::Ssim)
-    }
-
-    /// Formats a value with its unit and at least four significant digits.
-    pub fn format(self, value: f64) -> String {
-        match self {
-            Self::Changed => format!("{value}"),
-            Self::Psnr => format!("{value:.4} dB"),
-            _ if value == 0.0 || (1e-3..1e7).contains(&value.abs()) => format!("{value:.6}"),
-            _ => format!("{value:.6e}"),
-        }
-    }
-
-    /// Whether the metric is defined for data, such as depths and ids, and not only for colours.
-    pub fn measures_data(self) -> bool {
-        matches!(self, Self::Mse | Self::Max | Self::Changed)
-    }
-}
 
 choice! {
     /// Scale of the compared values.
@@ -90,17 +59,37 @@ pub struct LayerPair<'a> {
     layers: [PictureLayer<'a>; 2],
     scale: ValueScale,
     tone: Tone,
+    viewing: Viewing,
 }
 
 /// Differences of values, accumulated over all pixels.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
+    pixels: u64,
     squares: f64,
     relative: f64,
     max: f64,
     changed: u64,
     /// Number of pixels without finite differences.
     non_finite: u64,
+}
+
+impl Sums {
+    /// Returns the mean of a sum over all channels of the pixels with a finite difference.
+    fn mean(&self, sum: f64) -> f64 {
+        sum / (3 * (self.pixels - self.non_finite).max(1)) as f64
+    }
+}
+
+/// Computes a metric that observers' judgements define from two displayed pictures, or returns `None` for other metrics
+/// and for pictures of an unsupported size. The second picture is the reference.
+fn perceptual(metric: Metric, [a, b]: &[Image<Rgba8>; 2], viewing: &Viewing) -> Option<f64> {
+    match metric {
+        Metric::Flip => flip::map(a, b).map(|map| flip::mean(&map)),
+        Metric::Ssimulacra2 => ssimulacra2::score(a, b),
+        Metric::Jod => jod::of_pictures(a, b, viewing),
+        _ => None,
+    }
 }
 
 impl<'a> LayerPair<'a> {
@@ -121,7 +110,12 @@ impl<'a> LayerPair<'a> {
             true if is_linear => ValueScale::Linear,
             true => ValueScale::Codes,
         };
-        Ok(Self { layers: [a, b], scale, tone })
+        Ok(Self { layers: [a, b], scale, tone, viewing: Viewing::default() })
+    }
+
+    /// Sets the viewing conditions of ColorVideoVDP.
+    pub fn seen_at(self, viewing: Viewing) -> Self {
+        Self { viewing, ..self }
     }
 
     /// Returns the scale of the compared values.
@@ -129,32 +123,30 @@ impl<'a> LayerPair<'a> {
         self.scale
     }
 
-    /// Measures all `metrics`. Returns one value for each of them, or `None` for a metric that is not defined for data.
+    /// Measures all `metrics`. Returns one value for each of them, or `None` for a metric that is not defined for data or
+    /// for pictures of this size.
     pub fn measure(&self, metrics: &[Metric]) -> PictureErrors {
         let sums = self.sums(self.scale);
-        // Pixels without a finite difference have no part in the means.
-        let (width, height) = self.size();
-        let pixels = u64::from(width) * u64::from(height) - sums.non_finite;
-        let mean = |sum: f64| sum / (3 * pixels.max(1)) as f64;
+        // Several metrics read the displayed pictures.
+        let displayed = OnceCell::new();
+        let displayed = || displayed.get_or_init(|| self.displayed());
         let value = |metric: Metric| match metric {
-            Metric::Psnr => 10.0 * (self.peak().powi(2) / mean(sums.squares)).log10(),
-            Metric::Ssim => self.ssim(),
-            Metric::Flip => {
-                let [a, b] = self.displayed();
-                flip::map(&a, &b).map_or(f64::NAN, |map| flip::mean(&map))
+            _ if self.scale == ValueScale::Stored && !metric.measures_data() => None,
+            Metric::Psnr => Some(10.0 * (self.peak().powi(2) / sums.mean(sums.squares)).log10()),
+            Metric::Ssim => Some(self.structural(ssim, displayed())),
+            Metric::MsSsim => Some(self.structural(ms_ssim, displayed())),
+            Metric::Mse => Some(sums.mean(sums.squares)),
+            Metric::RelativeMse if self.scale == ValueScale::Codes => {
+                let linear = self.sums(ValueScale::Linear);
+                Some(linear.mean(linear.relative))
             }
-            Metric::Mse => mean(sums.squares),
-            Metric::RelativeMse => {
-                let linear = if self.scale == ValueScale::Codes { self.sums(ValueScale::Linear) } else { sums };
-                mean(linear.relative)
-            }
-            Metric::Max => sums.max,
-            Metric::Changed => sums.changed as f64,
+            Metric::RelativeMse => Some(sums.mean(sums.relative)),
+            Metric::Max => Some(sums.max),
+            Metric::Changed => Some(sums.changed as f64),
+            Metric::Flip | Metric::Ssimulacra2 | Metric::Jod => perceptual(metric, displayed(), &self.viewing),
         };
-        let measured =
-            |metric: &Metric| (self.scale != ValueScale::Stored || metric.measures_data()).then(|| value(*metric));
         PictureErrors {
-            metrics: metrics.iter().map(|metric| (*metric, measured(metric))).collect(),
+            metrics: metrics.iter().map(|metric| (*metric, value(*metric))).collect(),
             non_finite_pixels: sums.non_finite,
         }
     }
@@ -204,21 +196,19 @@ impl<'a> LayerPair<'a> {
         if self.scale == ValueScale::Codes { 255.0 } else { 1.0 }
     }
 
-    fn ssim(&self) -> f64 {
+    /// Computes a metric of luma, from exact sRGB codes or, for other scales, from the displayed pictures.
+    fn structural(&self, of_luma: fn(&Image<f64>, &Image<f64>) -> f64, [a, b]: &[Image<Rgba8>; 2]) -> f64 {
         let (width, height) = self.size();
         let luma = |of| Image::from_fn(width, height, |x, y| error::luma(value(of, self.scale, x, y)));
         match self.scale {
-            ValueScale::Codes => ssim(&luma(self.layers[0]), &luma(self.layers[1])),
-            _ => {
-                let [a, b] = self.displayed().map(|shown| shown.map(error::luma_of_codes));
-                ssim(&a, &b)
-            }
+            ValueScale::Codes => of_luma(&luma(self.layers[0]), &luma(self.layers[1])),
+            _ => of_luma(&a.map(error::luma_of_codes), &b.map(error::luma_of_codes)),
         }
     }
 
     fn sums(&self, scale: ValueScale) -> Sums {
         let (width, height) = self.size();
-        let mut sums = Sums::default();
+        let mut sums = Sums { pixels: u64::from(width) * u64::from(height), ..Sums::default() };
         for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
             let [a, b] = self.layers.map(|of| value(of, scale, x, y));
             let differences = [0, 1, 2].map(|channel: usize| channel_difference(a[channel], b[channel]));
@@ -237,10 +227,19 @@ impl<'a> LayerPair<'a> {
     }
 }
 
+/// Computes a metric of two 8-bit pictures; the second one is the reference. Returns `None` if the sizes differ, or if the
+/// metric is not defined for pictures of this size.
+pub(super) fn error_of_codes(metric: Metric, a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<f64> {
+    let pictures = [a, b].map(Picture::of_codes);
+    let [a, b] = pictures.each_ref().map(|picture| Some(PictureLayer { picture, layer: picture.layers().first()? }));
+    let pair = LayerPair::new(a?, b?, Tone::default()).ok()?;
+    pair.measure(&[metric]).metrics.first()?.1
+}
+
 /// Values of metrics for two pictures.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PictureErrors {
-    /// Each metric with its value; `None` if the metric is not defined for data.
+    /// Each metric with its value; `None` if the metric is not defined for data or for pictures of this size.
     pub metrics: Vec<(Metric, Option<f64>)>,
     /// Number of pixels with NaN or infinity in one picture where the other has another value. Means and the largest
     /// difference leave them out.

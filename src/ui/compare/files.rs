@@ -9,7 +9,8 @@ use crate::image::picture::{Layer, Picture};
 use crate::image::{Image, Rgba8};
 use crate::inspect::measured::{PictureStatistics, measure_layer};
 use crate::inspect::view::Range;
-use crate::measure::picture_error::{LayerPair, Metric, PictureErrors, PictureLayer};
+use crate::measure::metric::Metric;
+use crate::measure::picture_error::{LayerPair, PictureErrors, PictureLayer};
 use crate::measure::tone::Tone;
 use crate::pipeline::settings::Choice as _;
 
@@ -107,7 +108,7 @@ impl OpenedPicture {
     pub(super) fn errors_against(&self, other: &Self) -> Option<PictureErrors> {
         let [a, b] = [self, other].map(|of| PictureLayer { picture: &of.picture, layer: of.layer() });
         let pair = LayerPair::new(a, b, self.tone).ok()?;
-        let is_of_values = |metric: &Metric| !matches!(metric, Metric::Flip | Metric::Ssim);
+        let is_of_values = |metric: &Metric| !metric.measures_displayed();
         Some(pair.measure(&Metric::ALL.iter().copied().filter(is_of_values).collect::<Vec<_>>()))
     }
 

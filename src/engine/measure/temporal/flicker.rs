@@ -179,8 +179,7 @@ mod tests {
     fn true_changes_cancel() {
         // The whole scene grows brighter by 10 codes per frame, in the picture and in its reference.
         let [dark, bright] = [100, 110].map(grey);
-        let frames =
-            FramePair { picture: &bright, picture_before: &dark, reference: &bright, reference_before: &dark };
+        let frames = FramePair { picture: &bright, picture_before: &dark, reference: &bright, reference_before: &dark };
         let measured = Flicker::of(&frames, &motion()).unwrap();
         assert_eq!(measured.flicker, 0.0);
         assert!((measured.warping_error - 10.0).abs() < 1e-9 && (measured.reference_warping_error - 10.0).abs() < 1e-9);
@@ -189,8 +188,7 @@ mod tests {
     #[test]
     fn disoccluded_pixels_and_other_sizes_are_not_measured() {
         let (dark, bright) = (grey(0), grey(255));
-        let frames =
-            FramePair { picture: &bright, picture_before: &dark, reference: &dark, reference_before: &dark };
+        let frames = FramePair { picture: &bright, picture_before: &dark, reference: &dark, reference_before: &dark };
         let hidden = Image::filled(SIZE.0, SIZE.1, [f32::NAN; 2]);
         assert_eq!(Flicker::of(&frames, &hidden), None);
         assert_eq!(Flicker::of(&frames, &Image::filled(3, 3, [1.0; 2])), None);

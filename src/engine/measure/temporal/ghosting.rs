@@ -152,9 +152,8 @@ mod tests {
 
     #[test]
     fn ghosting_grows_with_the_opacity_of_a_planted_ghost() {
-        let scores: Vec<f64> = (0..=8)
-            .map(|eighths| ghosting_of(|number| ghosted(number, f64::from(eighths) / 8.0)).ghosting)
-            .collect();
+        let scores: Vec<f64> =
+            (0..=8).map(|eighths| ghosting_of(|number| ghosted(number, f64::from(eighths) / 8.0)).ghosting).collect();
         assert_eq!(scores[0], 0.0, "no ghost");
         assert!(scores.windows(2).all(|pair| pair[0] < pair[1]), "{scores:?}");
         assert!(scores[1] > 0.02 && scores[8] > 0.3, "{scores:?}");

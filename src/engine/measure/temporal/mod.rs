@@ -45,7 +45,8 @@ fn sample(image: &Image<f64>, at: [f64; 2]) -> Option<f64> {
 
 /// Returns the mean of values that are each the mean of a number of pixels, or `None` without a pixel.
 fn mean_by_pixels(values: impl Iterator<Item = (f64, u64)>) -> Option<f64> {
-    let (sum, pixels) = values.fold((0.0, 0), |(sum, all), (value, pixels)| (sum + value * pixels as f64, all + pixels));
+    let (sum, pixels) =
+        values.fold((0.0, 0), |(sum, all), (value, pixels)| (sum + value * pixels as f64, all + pixels));
     (pixels > 0).then(|| sum / pixels as f64)
 }
 

@@ -7,7 +7,7 @@ use crate::report::{PARTIAL, quoted};
 /// Header line of the CSV table. Reports of several machines have one more column, `machine`.
 const HEAD: &str = "scene,triangles,width,height,threads,reference,method,scale,anchor,light,label,drawn,rounds,frame_ms,\
     frame_ms_p10,frame_ms_p90,frame_ms_max,geometry_ms,pixels_ms,upscale_ms,transfer_ms,mse,psnr_db,ssim,flip,max_abs,differing_pixels,\
-    turn_degrees,motion_frames,motion_mse,motion_psnr_db,motion_ssim,motion_flip,worst_psnr_db,worst_flip,dominated_by,within_noise_of,\
+    turn_degrees,motion_frames,motion_mse,motion_psnr_db,motion_ssim,motion_flip,worst_psnr_db,worst_flip,metric,metric_at_rest,metric_in_motion,dominated_by,within_noise_of,\
     native_within_noise,noise,noise_pairs,native_ms";
 
 /// Formats the upscaling report as CSV with a header line. Text is quoted; values that do not apply are left empty.
@@ -59,6 +59,9 @@ fn line(report: &UpscalingReport, scene: &SceneReport, row: &UpscalingRow) -> St
         mean.flip.to_string(),
         worst.codes.psnr_db.to_string(),
         worst.flip.to_string(),
+        report.metric.id().to_owned(),
+        row.error.value(report.metric).to_string(),
+        mean.value(report.metric).to_string(),
         row.dominated_by.as_deref().map(quoted).unwrap_or_default(),
         row.within_noise_of.as_deref().map(quoted).unwrap_or_default(),
         row.native_within_noise.to_string(),

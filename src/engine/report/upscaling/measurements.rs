@@ -250,7 +250,7 @@ impl SceneWork<'_> {
         mut look: impl FnMut(&Frame, Image<f32>),
     ) -> Option<ErrorMeasurement> {
         let recipes = self.owned.iter().map(|index| self.recipe(*index));
-        let mut judge = ErrorMeasurement::new(self.plan.reference, recipes);
+        let mut judge = ErrorMeasurement::new(self.plan.reference, recipes).selecting(self.plan.metric);
         say(0, &judge);
         while !judge.is_complete(shot.turn) {
             if cancelled() {

@@ -6,6 +6,7 @@ use super::plot;
 use super::skipping::PixelShareTimes;
 use super::sweep::{NativeTimes, SceneReport, UpscalingReport, UpscalingRow};
 use crate::measure::error::ImageError;
+use crate::measure::metric::Metric;
 use crate::measure::motion::Turn;
 use crate::measure::noise::WITHIN;
 use crate::measure::rounds::WARM_UP_ROUNDS;
@@ -66,9 +67,9 @@ fn section(report: &UpscalingReport, scene: &SceneReport) -> io::Result<String> 
         scene.noise.words(),
         anchors(&scene.rows),
         scales(&scene.rows),
-        plot::tradeoff(scene),
+        plot::tradeoff(scene, report.metric),
         scene.shares.as_deref().map(|times| shares(times, scene.shares_machine.as_deref())).unwrap_or_default(),
-        native.map(|native| sixteenth(&scene.rows, native)).unwrap_or_default(),
+        native.map(|native| sixteenth(&scene.rows, native, report.metric)).unwrap_or_default(),
         table(report, &scene.rows),
         scene.crop.right - scene.crop.left,
         scene.crop.bottom - scene.crop.top,
@@ -123,7 +124,7 @@ fn shares(shares: &[PixelShareTimes], machine: Option<&str>) -> String {
 
 /// Returns an HTML section that compares native rendering with the recipes that draw at most 1/16 of the pixels.
 /// Returns an empty string if there are no such recipes.
-fn sixteenth(rows: &[UpscalingRow], native: &UpscalingRow) -> String {
+fn sixteenth(rows: &[UpscalingRow], native: &UpscalingRow, metric: Metric) -> String {
     /// Largest fraction of drawn pixels that counts as 1/16. The tolerance covers block sizes that do not divide the
     /// image and therefore draw slightly more.
     const AT_MOST: f64 = 1.05 / 16.0;
@@ -131,7 +132,7 @@ fn sixteenth(rows: &[UpscalingRow], native: &UpscalingRow) -> String {
     if few.is_empty() {
         return String::new();
     }
-    few.sort_by(|a, b| a.motion.mean.flip.total_cmp(&b.motion.mean.flip));
+    few.sort_by(|a, b| a.error_in_motion(metric).total_cmp(&b.error_in_motion(metric)));
     let lines: String = few
         .into_iter()
         .map(|row| {
@@ -165,13 +166,15 @@ fn table(report: &UpscalingReport, rows: &[UpscalingRow]) -> String {
     let mut order: Vec<&UpscalingRow> = rows.iter().collect();
     order.sort_by(|a, b| a.comparable_ms().total_cmp(&b.comparable_ms()));
     let transfers = rows.iter().any(transfers);
-    let lines: String = order.into_iter().map(|row| line(row, transfers)).collect();
+    let columns = Columns { transfers, further: further(report.metric) };
+    let lines: String = order.into_iter().map(|row| line(row, columns)).collect();
     let machine = if report.machines.are_several() { "<th class=\"words\">machine</th>" } else { "" };
     let transfer = if transfers { "<th>transfer</th>" } else { "" };
+    let metric = columns.further.map_or_else(String::new, |metric| format!("<th>{} in motion</th>", metric.name()));
     format!(
         "{}<p class=\"soft\">{} The columns after them show errors of the still view.</p>\n<div class=\"scroll\"><table \
          class=\"rows\">\n<thead><tr><th>upscaler</th><th>anchor</th><th>light</th><th>drawn</th><th>median \
-         ms</th><th>p10</th><th>p90</th><th>speed-up</th><th>geometry</th><th>pixels</th><th>upscale</th>{transfer}<th>FLIP in \
+         ms</th><th>p10</th><th>p90</th><th>speed-up</th><th>geometry</th><th>pixels</th><th>upscale</th>{transfer}{metric}<th>FLIP in \
          motion</th><th>worst frame</th><th>PSNR in motion, dB</th><th>FLIP</th><th>PSNR \
          dB</th><th>SSIM</th><th>MSE</th><th>max</th><th>differing px</th><th class=\"words\">dominated \
          by</th>{machine}</tr></thead>\n<tbody>\n{lines}</tbody></table></div>\n",
@@ -205,7 +208,21 @@ fn motion(report: &UpscalingReport) -> String {
     )
 }
 
-fn line(row: &UpscalingRow, with_transfer: bool) -> String {
+/// Columns of the table that only some reports have.
+#[derive(Clone, Copy)]
+struct Columns {
+    /// Whether there are transfers to and from processes.
+    transfers: bool,
+    /// Metric of the error axis, if the table has no other column for it.
+    further: Option<Metric>,
+}
+
+/// Returns the metric of the error axis if the table has no column for it otherwise.
+fn further(metric: Metric) -> Option<Metric> {
+    (!matches!(metric, Metric::Flip | Metric::Psnr)).then_some(metric)
+}
+
+fn line(row: &UpscalingRow, columns: Columns) -> String {
     let (ms, codes, parts) = (row.frame_ms, row.error.codes, row.parts_ms);
     let psnr = |codes: ImageError| match codes.mse {
         0.0 => "identical".to_owned(),
@@ -216,7 +233,9 @@ fn line(row: &UpscalingRow, with_transfer: bool) -> String {
         (None, Some(of)) => ("beaten", format!("{WITHIN} of {}", escaped(of))),
         (None, None) => ("best", "none".to_owned()),
     };
-    let transfer = if with_transfer { format!("</td><td>{:.3}", parts.transfer) } else { String::new() };
+    let transfer = if columns.transfers { format!("</td><td>{:.3}", parts.transfer) } else { String::new() };
+    let value = |metric: Metric| format!("</td><td>{}", metric.format(row.motion.mean.value(metric)));
+    let metric = columns.further.map_or_else(String::new, value);
     let cells = [
         row.recipe.upscaler.anchor().id().to_owned(),
         row.recipe.upscaler.light().id().to_owned(),
@@ -227,7 +246,7 @@ fn line(row: &UpscalingRow, with_transfer: bool) -> String {
         faster(row),
         format!("{:.3}", parts.geometry),
         format!("{:.3}", parts.pixels),
-        format!("{:.3}", parts.upscale) + &transfer,
+        format!("{:.3}", parts.upscale) + &transfer + &metric,
         format!("{:.4}", row.motion.mean.flip),
         format!("{:.4}", row.motion.worst.flip),
         psnr(row.motion.mean.codes),
@@ -280,13 +299,14 @@ fn method(report: &UpscalingReport) -> String {
          process. Times are medians over {} rounds, which draw the frames whose error is measured, with the same \
          history. Recipes spread over the list are drawn twice per round as A/A pairs; the noise floor is the 90th \
          percentile of the relative differences of such pairs, each of medians over a block of rounds. {} Reading \
-         files and measuring errors are not timed.</p>\n<p>FLIP is the mean over all pixels, at 67 pixels per degree: \
+         files and measuring errors are not timed.</p>\n<p>Rows are ranked by {}. FLIP is the mean over all pixels, at 67 pixels per degree: \
          0 is equal, 1 black against white. PSNR and MSE use sRGB codes. SSIM has a Gaussian window of 11 × 11 px, σ \
          1.5, on luma. A reference of one sample per pixel is aliased itself, so a method that smooths has an error \
          against it.</p>\n</section>\n",
         escaped(&report.machines.summary()),
         report.threads,
         report.rounds,
-        motion(report)
+        motion(report),
+        report.metric.name()
     )
 }

@@ -16,6 +16,7 @@ use crate::chain::{Recipe, run_unobserved};
 use crate::image::{Image, Rgba8, png_text};
 use crate::measure::against::ErrorMetrics;
 use crate::measure::machine::Machines;
+use crate::measure::metric::Metric;
 use crate::measure::motion::{MotionError, Turn};
 use crate::measure::noise::{Noise, Pairs};
 use crate::measure::reference::Reference;
@@ -53,6 +54,8 @@ pub struct UpscalingPlan {
     pub rounds: usize,
     /// Reference that errors are computed against.
     pub reference: Reference,
+    /// Metric on the error axis, by which the methods are ranked.
+    pub metric: Metric,
     /// Camera motion over the frames that are measured for error and time.
     pub turn: Turn,
 }
@@ -66,6 +69,7 @@ pub struct PlanRecord {
     pub(super) size: [u32; 2],
     rounds: usize,
     reference: Reference,
+    metric: Metric,
     turn: Turn,
 }
 
@@ -101,6 +105,7 @@ impl UpscalingPlan {
             size: [self.viewport.width, self.viewport.height],
             rounds: self.rounds,
             reference: self.reference,
+            metric: self.metric,
             turn: self.turn,
         }
     }
@@ -138,6 +143,8 @@ pub struct UpscalingReport {
     pub(crate) rounds: usize,
     /// Name of the reference that errors are relative to.
     pub(crate) reference: &'static str,
+    /// Metric on the error axis, by which the methods are ranked.
+    pub(crate) metric: Metric,
     /// Camera motion over the frames that are measured for error and time.
     pub(crate) turn: Turn,
     /// Results of each scene.
@@ -195,8 +202,8 @@ pub struct UpscalingRow {
     /// Error over the frames of the moving view, used to rank the methods. Without motion, it equals the error in the
     /// still view.
     pub(crate) motion: MotionError,
-    /// Label of a recipe that dominates this one in frame time and in the FLIP error of the moving view; `None` if
-    /// there is no such recipe. A shorter time counts as better only if the difference exceeds the noise.
+    /// Label of a recipe that dominates this one in frame time and in the error of the moving view; `None` if there is
+    /// no such recipe. A shorter time counts as better only if the difference exceeds the noise.
     pub(crate) dominated_by: Option<String>,
     /// Label of a recipe that is better than this one, although the two times differ by no more than the noise: its
     /// error is smaller, or the errors are equal and its time is shorter. `None` if there is no such recipe, or if some
@@ -217,7 +224,12 @@ impl UpscalingRow {
         self.frame_ms.median * self.scale
     }
 
-    /// Whether the row is on the Pareto front of frame time and FLIP error in the moving view.
+    /// Returns the error of the moving view by a metric: 0 for identical pictures.
+    pub(crate) fn error_in_motion(&self, metric: Metric) -> f64 {
+        metric.error(self.motion.mean.value(metric))
+    }
+
+    /// Whether the row is on the Pareto front of frame time and error in the moving view.
     pub(crate) fn is_on_front(&self) -> bool {
         self.dominated_by.is_none() && self.within_noise_of.is_none()
     }
@@ -270,6 +282,7 @@ pub fn combine(plan: &PlanRecord, shards: &[ShardRun<Measurements>]) -> Option<U
         size: plan.size,
         rounds: plan.rounds,
         reference: plan.reference.name(),
+        metric: plan.metric,
         turn: plan.turn,
         scenes,
         partial,
@@ -307,7 +320,7 @@ fn scene_report(
     let row = |measured: &MeasuredRow<'_>| row(measured, machines, native, crop);
     let mut rows = measured.iter().map(row).collect::<Option<Vec<_>>>()?;
     let noise = pairs.noise()?;
-    rank(&mut rows, &noise);
+    rank(&mut rows, plan.metric, &noise);
     let shares = shards.iter().find_map(|shard| Some((shard, shard.results.scene(number)?.shares.as_ref()?)));
     Some(SceneReport {
         scene: plan.scenes[number].name.clone(),
@@ -348,9 +361,9 @@ fn row(
     })
 }
 
-/// Determines which rows are dominated, and which time differences are within noise.
-fn rank(rows: &mut [UpscalingRow], noise: &Noise) {
-    let points: Vec<_> = rows.iter().map(|row| (row.comparable_ms(), row.motion.mean.flip)).collect();
+/// Determines which rows are dominated by a metric, and which time differences are within noise.
+fn rank(rows: &mut [UpscalingRow], metric: Metric, noise: &Noise) {
+    let points: Vec<_> = rows.iter().map(|row| (row.comparable_ms(), row.error_in_motion(metric))).collect();
     let labels: Vec<_> = rows.iter().map(|row| row.label.clone()).collect();
     let native = rows.iter().find(|row| row.recipe.upscaler.is_native()).map(UpscalingRow::comparable_ms);
     for (row, standing) in rows.iter_mut().zip(standings(&points, noise)) {

@@ -11,6 +11,7 @@ fn plan(viewport: Viewport, rounds: usize) -> UpscalingPlan {
         viewport,
         rounds,
         reference: Reference::Native,
+        metric: Metric::Flip,
         turn: Turn { degrees: 0.5, frames: 2, ..Turn::STILL },
     }
 }
@@ -48,12 +49,12 @@ fn small_differences_of_time_do_not_rank_rows() {
         row.motion.mean.flip = flip;
         (row.dominated_by, row.within_noise_of) = (None, None);
     }
-    rank(&mut rows, &Noise { pairs: 5, p90: 0.02 });
+    rank(&mut rows, Metric::Flip, &Noise { pairs: 5, p90: 0.02 });
     let native = Some(rows[0].label.clone());
     assert_eq!(rows.iter().map(|row| row.dominated_by.clone()).collect::<Vec<_>>(), [None, native.clone(), None]);
     assert_eq!(rows.iter().map(|row| row.within_noise_of.clone()).collect::<Vec<_>>(), [None, None, native]);
     assert_eq!(rows.iter().map(|row| row.native_within_noise).collect::<Vec<_>>(), [false, true, true]);
-    rank(&mut rows, &Noise { pairs: 5, p90: 0.001 });
+    rank(&mut rows, Metric::Flip, &Noise { pairs: 5, p90: 0.001 });
     assert!(rows.iter().all(|row| !row.native_within_noise));
 }
 
@@ -73,4 +74,27 @@ fn a_sweep_cancelled_later_has_the_rounds_that_were_complete() {
     let report = run(&plan(Viewport { width: 16, height: 16 }, 9), &note, &|| rounds.get() == 2).unwrap();
     assert!(report.partial && report.scenes[0].shares.is_none());
     assert!(report.scenes[0].rows.iter().all(|row| row.frame_ms.n == 2), "two complete rounds");
+}
+
+#[test]
+fn rows_are_ranked_by_the_metric_of_the_error_axis() {
+    let select = |metric| UpscalingPlan { metric, ..plan(Viewport { width: 24, height: 16 }, 1) };
+    let report = run(&select(Metric::MsSsim), &|_| {}, &|| false).unwrap();
+    let rows = &report.scenes[0].rows;
+    assert_eq!((rows[0].error.selected, rows[0].error_in_motion(Metric::MsSsim)), (Some(1.0), 0.0));
+    let nearest = rows.iter().find(|row| row.label == "Nearest ×4").unwrap();
+    assert_eq!(nearest.error_in_motion(Metric::MsSsim), 1.0 - nearest.motion.mean.selected.unwrap());
+    assert!(nearest.error_in_motion(Metric::MsSsim) > 0.0);
+    // The faster of two rows is dominated by none; the ranking by PSNR prefers the larger value.
+    let mut two: Vec<_> = rows.iter().take(2).cloned().collect();
+    for (row, (ms, psnr)) in two.iter_mut().zip([(4.0, 30.0), (8.0, 20.0)]) {
+        row.frame_ms.median = ms;
+        row.motion.mean.codes.psnr_db = psnr;
+        (row.dominated_by, row.within_noise_of) = (None, None);
+    }
+    rank(&mut two, Metric::Psnr, &Noise { pairs: 5, p90: 0.02 });
+    assert_eq!(two[1].dominated_by.as_ref(), Some(&two[0].label));
+    for text in [crate::report::upscaling::page::page(&report).unwrap(), crate::report::upscaling::csv::csv(&report)] {
+        assert!(text.contains("MS-SSIM") || text.contains("ms-ssim"));
+    }
 }
