@@ -248,7 +248,12 @@ impl<'a> FrameMotion<'a> {
             let mut start = 0;
             while start < ids.len() {
                 let id = ids[start];
-                let end = start + ids[start..].iter().take_while(|other| **other == id).count();
+                // Most blocks show a single triangle.
+                let end = if ids == [id; BLOCK] {
+                    BLOCK
+                } else {
+                    start + ids[start..].iter().take_while(|other| **other == id).count()
+                };
                 let motion = cache.get(self, id);
                 block.set(motion, start..end, (first as u32, y));
                 ids[start..end].fill(motion.object);

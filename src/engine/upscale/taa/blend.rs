@@ -140,22 +140,18 @@ impl<'a> TaaFrame<'a> {
             decoded.fill(index, |codes| self.decoded(codes), self.drawn.color);
         }
         let [above, at, below] = rows.index.map(|index| decoded.row(index));
-        let column = |place: u32| {
-            let place = place as usize;
-            let samples = each!(row in [above, at, below] => f32x4::load_array_ref(simd, &row[place]));
-            Column::new(samples, rows.weight)
-        };
+        let decoded = [above, at, below];
         // Neighbouring pixels share columns: only the last of three is new, if any.
         let mut held = self.columns[0].index;
-        let mut columns = each!(place in [0, 1, 2] => column(held[place]));
+        let mut columns = each!(place in [0, 1, 2] => Column::of_rows(simd, decoded, held[place], rows.weight));
         let mut nearest = self.nearest_columns(y);
         for (x, (pixel, memory)) in (0..).zip(row.iter_mut().zip(memory)) {
             let wanted = self.columns[x as usize].index;
             if wanted != held {
                 columns = if wanted[0] == held[1] && wanted[1] == held[2] {
-                    [columns[1], columns[2], column(wanted[2])]
+                    [columns[1], columns[2], Column::of_rows(simd, decoded, wanted[2], rows.weight)]
                 } else {
-                    each!(place in [0, 1, 2] => column(wanted[place]))
+                    each!(place in [0, 1, 2] => Column::of_rows(simd, decoded, wanted[place], rows.weight))
                 };
                 held = wanted;
             }
@@ -283,34 +279,32 @@ impl<'a> TaaFrame<'a> {
         let (column, right) = whole_and_fraction(x);
         let (row, down) = whole_and_fraction(y);
         let (last_column, last_row) = (i64::from(self.size.0) - 1, i64::from(self.size.1) - 1);
-        if self.options.filter == HistoryFilter::CatmullRom
-            && (1..last_column - 1).contains(&column)
-            && (1..last_row - 1).contains(&row)
-        {
-            let first = (row - 1) as usize * self.size.0 as usize + (column - 1) as usize;
-            return self.interior(simd, &memory.pixels()[first..], [right, down]);
-        }
-        let value = |column: i64, row: i64| {
-            let (column, row) = (column.clamp(0, last_column), row.clamp(0, last_row));
-            f32x4::load_array_ref(simd, &memory.row(row as u32)[column as usize])
-        };
         if self.options.filter == HistoryFilter::Bilinear {
             let [above, below] = each!(row in [row, row + 1] => {
-                value(column, row) * (1.0 - right) + value(column + 1, row) * right
+                let left = self.clamped(simd, memory, (column, row));
+                left * (1.0 - right) + self.clamped(simd, memory, (column + 1, row)) * right
             });
             return above * (1.0 - down) + below * down;
+        }
+        if (1..last_column - 1).contains(&column) && (1..last_row - 1).contains(&row) {
+            let first = (row - 1) as usize * self.size.0 as usize + (column - 1) as usize;
+            return self.interior(simd, &memory.pixels()[first..], [right, down]);
         }
         let ([a, b, c, d], vertical) = (catmull_rom(right), catmull_rom(down));
         let mut sum = f32x4::splat(simd, 0.0);
         for (number, weight) in (-1..).zip(vertical) {
-            let row = row + number;
-            let across = value(column - 1, row) * a
-                + value(column, row) * b
-                + value(column + 1, row) * c
-                + value(column + 2, row) * d;
-            sum += across * weight;
+            let [e, f, g, h] = each!(by in [-1, 0, 1, 2] => self.clamped(simd, memory, (column + by, row + number)));
+            sum += (e * a + f * b + g * c + h * d) * weight;
         }
         sum
+    }
+
+    /// Reads the pixel of the history at a position, or the nearest pixel.
+    #[inline(always)]
+    fn clamped<S: Simd>(&self, simd: S, memory: &Image<Quad>, (column, row): (i64, i64)) -> f32x4<S> {
+        let column = column.clamp(0, i64::from(self.size.0) - 1) as usize;
+        let row = row.clamp(0, i64::from(self.size.1) - 1) as usize;
+        f32x4::load_array_ref(simd, &memory.pixels()[row * self.size.0 as usize + column])
     }
 
     /// Filters 4 × 4 pixels of the history with Catmull-Rom weights; `from` starts with the first of them.
@@ -448,6 +442,12 @@ impl DecodedRows {
 }
 
 impl<S: Simd> Column<S> {
+    /// Computes column `place` of three decoded rows.
+    #[inline(always)]
+    fn of_rows(simd: S, rows: [&[Quad]; 3], place: u32, weights: [f32; 3]) -> Self {
+        Self::new(each!(row in [0, 1, 2] => f32x4::load_array_ref(simd, &rows[row][place as usize])), weights)
+    }
+
     /// Computes the column of three samples with the vertical weights of a row.
     #[inline(always)]
     fn new([above, at, below]: [f32x4<S>; 3], [a, b, c]: [f32; 3]) -> Self {
