@@ -21,6 +21,7 @@ mod fates;
 mod interrupt;
 mod lab;
 mod merge;
+mod motion;
 mod output;
 mod parse;
 mod pixel;
@@ -145,6 +146,9 @@ enum CliCommand {
     /// Run a page of the 2D lab, and write its drawing or an HTML page, or print its steps
     #[command(after_help = example("lab polygons -o polygons.gif"))]
     Lab(lab::LabArgs),
+    /// Measure upscalers over the frames of a clip: quality, flicker and ghosting against the converged reference
+    #[command(after_help = example("motion fence --size 640x360 --frames 24 -o motion.html"))]
+    Motion(motion::MotionArgs),
     /// Write the inputs of a temporal upscaler and converged references of the frames of a clip, for research
     #[command(after_help = example("clip chess-motion --path turntable --frames 16 -o clip"))]
     Clip(clip::ClipArgs),
@@ -191,6 +195,7 @@ fn execute(cli: &Cli) -> Result<(), Failure> {
         Some(CliCommand::Merge(args)) => merge::run(args),
         Some(CliCommand::Vector(args)) => vector::run(args),
         Some(CliCommand::Lab(args)) => lab::run(args),
+        Some(CliCommand::Motion(args)) => motion::run(args),
         Some(CliCommand::Clip(args)) => clip::run(args),
         Some(CliCommand::Scenes) => scenes::run(),
     }

@@ -8,6 +8,8 @@ pub mod html;
 
 pub mod skipped_work;
 
+pub mod motion;
+
 pub mod pictures;
 
 pub mod pixel;

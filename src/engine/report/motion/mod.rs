@@ -1,0 +1,353 @@
+//! Errors of upscalers over the frames of a clip: against the converged reference of the same frame, over time, and in
+//! disoccluded pixels.
+//!
+//! All methods draw a frame before the next one is drawn, so that their times are interleaved. Methods with history also
+//! draw [`Turn::WARM_UP`] frames before the clip, which are not measured. The exact motion and disocclusion of the
+//! reference decide which pixels are compared over time; see [`crate::measure::temporal`].
+
+mod page;
+
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use crate::chain::{FrameView, KeepDepth, MotionBuffers, Recipe, Renderer};
+use crate::image::{Image, Rgba8};
+use crate::measure::against::{ErrorMetrics, PreparedReference};
+use crate::measure::jod::{SequenceJod, Viewing};
+use crate::measure::machine::Machine;
+use crate::measure::motion::{MotionError, Turn};
+use crate::measure::reference::ProgressiveRender;
+use crate::measure::shot::Shot;
+use crate::measure::temporal::MotionField;
+use crate::measure::temporal::flicker::{Flicker, FramePair};
+use crate::measure::temporal::ghosting::{Ghosting, Visibility};
+use crate::measure::temporal::lag::Lag;
+use crate::measure::timing::{Summary, summarize};
+use crate::pipeline::viewport::Viewport;
+use crate::scene::{Camera, Scene};
+use crate::upscale::Upscaling;
+
+/// Number of frames after a disocclusion in which an error counts as ghosting.
+pub const GHOST_FRAMES: u32 = 4;
+
+/// Measurement of a clip.
+#[derive(Clone, Debug)]
+pub struct MotionPlan {
+    /// Scene and camera of every frame.
+    pub shot: Shot,
+    /// Settings of all methods, apart from the upscaler.
+    pub recipe: Recipe,
+    /// Upscalers to measure.
+    pub upscalers: Vec<Upscaling>,
+    /// Size of every frame, in pixels.
+    pub viewport: Viewport,
+    /// Number of frames, at least 2.
+    pub frames: u32,
+    /// Number of samples per pixel of the references.
+    pub samples: u32,
+    /// Pixels per degree of visual angle, for ColorVideoVDP.
+    pub pixels_per_degree: f64,
+}
+
+/// Results of a clip.
+#[derive(Debug, Serialize)]
+pub struct MotionReport {
+    /// Display name of the scene.
+    pub scene: String,
+    /// Width and height of every frame, in pixels.
+    pub size_px: [u32; 2],
+    /// Number of measured frames.
+    pub frames: u32,
+    /// Number of frames per second.
+    pub frames_per_second: f64,
+    /// Number of samples per pixel of the references.
+    pub samples_per_pixel: u32,
+    /// Pixels per degree of visual angle.
+    pub pixels_per_degree: f64,
+    /// Fraction of the pixels that are disoccluded, mean over the frames, in [0, 1].
+    pub disoccluded_share: f64,
+    /// Machine that measured.
+    pub machine: Machine,
+    /// Results of each method, in the order of the plan.
+    pub methods: Vec<MethodInMotion>,
+    /// Whether the measurement was cancelled before the last frame.
+    pub partial: bool,
+}
+
+/// Results of one method.
+#[derive(Debug, Serialize)]
+pub struct MethodInMotion {
+    /// Display name of the upscaler with its scale and options.
+    pub label: String,
+    /// Method with its options.
+    pub upscaler: Upscaling,
+    /// Times of the frames, in milliseconds.
+    pub frame_ms: Summary,
+    /// Quality of the clip in just-objectionable differences, 10 for no visible difference; `None` if the frames are too
+    /// small or too large.
+    pub jod: Option<f64>,
+    /// Mean and worst error over the frames.
+    pub error: MotionError,
+    /// Flicker; `None` if no surface is visible in two frames.
+    pub flicker: Option<Flicker>,
+    /// Ghosting; `None` if no surface is disoccluded.
+    pub ghosting: Option<Ghosting>,
+    /// Frames by which the picture is behind its reference; `None` if nothing moves.
+    pub lag: Option<Lag>,
+    /// Error of each frame.
+    pub errors: Vec<ErrorMetrics>,
+}
+
+/// Progress of a measurement: frames drawn, and frames in total, both including warm-up frames.
+pub type Progress<'a> = &'a mut dyn FnMut(u32, u32) -> bool;
+
+/// Measures a clip. `go_on` receives the number of drawn frames and their total, and returns whether to continue. Returns
+/// `None` if cancelled before two frames were measured.
+pub fn measure(plan: &MotionPlan, go_on: Progress<'_>) -> Option<MotionReport> {
+    let machine = Machine::at_start();
+    let viewing = Viewing { pixels_per_degree: plan.pixels_per_degree, frames_per_second: plan.shot.frames_per_second };
+    let mut methods: Vec<_> = plan.upscalers.iter().map(|upscaler| Method::new(plan, *upscaler, viewing)).collect();
+    let total = plan.frames + Turn::WARM_UP;
+    let mut before: Option<FrameReference> = None;
+    let (mut measured, mut disoccluded_share) = (0, 0.0);
+    for number in -i64::from(Turn::WARM_UP)..i64::from(plan.frames) {
+        if !go_on((number + i64::from(Turn::WARM_UP)) as u32, total) {
+            break;
+        }
+        let (scene, camera) = plan.shot.view(number);
+        if number < 0 {
+            methods.iter_mut().filter(|method| method.reads_history).for_each(|method| {
+                method.draw(&scene, &camera, plan.viewport);
+            });
+            continue;
+        }
+        let reference = FrameReference::new(plan, (scene, camera), before.as_ref());
+        disoccluded_share += reference.disoccluded_share();
+        for method in &mut methods {
+            let picture = method.draw(&reference.scene, &reference.camera, plan.viewport);
+            method.judge(picture, &reference, before.as_ref())?;
+        }
+        before = Some(reference);
+        measured += 1;
+    }
+    if measured < 2 {
+        return None;
+    }
+    Some(MotionReport {
+        scene: plan.shot.scene.name.clone(),
+        size_px: [plan.viewport.width, plan.viewport.height],
+        frames: measured,
+        frames_per_second: plan.shot.frames_per_second,
+        samples_per_pixel: plan.samples,
+        pixels_per_degree: plan.pixels_per_degree,
+        disoccluded_share: disoccluded_share / f64::from(measured - 1),
+        machine: machine.at_end(),
+        methods: methods.into_iter().filter_map(Method::finish).collect(),
+        partial: measured < plan.frames,
+    })
+}
+
+/// Reference of a frame, and its motion since the preceding frame.
+struct FrameReference {
+    scene: Arc<Scene>,
+    camera: Camera,
+    picture: Image<Rgba8>,
+    prepared: PreparedReference,
+    /// Motion since the preceding frame; `None` in the first frame.
+    motion: Option<MotionField>,
+    visibility: Visibility,
+}
+
+impl FrameReference {
+    fn new(plan: &MotionPlan, (scene, camera): (Arc<Scene>, Camera), before: Option<&Self>) -> Self {
+        let mut render = ProgressiveRender::new(&scene, &camera, &plan.recipe, plan.viewport, plan.samples);
+        while render.step() {}
+        let picture = render.picture();
+        let (width, height) = picture.size();
+        let motion = before.and_then(|before| {
+            let [now, then] =
+                [(&scene, &camera), (&before.scene, &before.camera)].map(|(scene, camera)| FrameView { scene, camera });
+            let buffers = MotionBuffers::between(now, then, &plan.recipe, plan.viewport)?;
+            Some(Image::from_fn(width, height, |x, y| match buffers.is_disoccluded(x, y) {
+                true => [f32::NAN; 2],
+                false => {
+                    let [across_px, down_px] = buffers.vector_px(x, y);
+                    [x as f32 + 0.5 + across_px, y as f32 + 0.5 + down_px]
+                }
+            }))
+        });
+        let first = || Visibility::first(width, height);
+        let next = before.zip(motion.as_ref()).and_then(|(before, motion)| before.visibility.next(motion));
+        Self {
+            prepared: PreparedReference::new(picture.clone()),
+            visibility: next.unwrap_or_else(first),
+            scene,
+            camera,
+            picture,
+            motion,
+        }
+    }
+
+    fn disoccluded_share(&self) -> f64 {
+        let Some(motion) = &self.motion else { return 0.0 };
+        let disoccluded = motion.pixels().iter().filter(|[x, _]| x.is_nan()).count();
+        disoccluded as f64 / motion.pixels().len() as f64
+    }
+}
+
+/// Method that is being measured.
+struct Method {
+    recipe: Recipe,
+    reads_history: bool,
+    renderer: Renderer,
+    before: Option<Image<Rgba8>>,
+    jod: Option<SequenceJod>,
+    times_ms: Vec<f64>,
+    errors: Vec<ErrorMetrics>,
+    flicker: Vec<Flicker>,
+    ghosting: Vec<Ghosting>,
+    lag: Vec<Lag>,
+}
+
+impl Method {
+    fn new(plan: &MotionPlan, upscaler: Upscaling, viewing: Viewing) -> Self {
+        Self {
+            recipe: Recipe { upscaler, ..plan.recipe },
+            reads_history: upscaler.upscaler().reads().history,
+            renderer: Renderer::default(),
+            before: None,
+            jod: SequenceJod::new(viewing),
+            times_ms: Vec::new(),
+            errors: Vec::new(),
+            flicker: Vec::new(),
+            ghosting: Vec::new(),
+            lag: Vec::new(),
+        }
+    }
+
+    /// Draws the next frame and returns its picture.
+    fn draw(&mut self, scene: &Arc<Scene>, camera: &Camera, viewport: Viewport) -> Image<Rgba8> {
+        let frame = self.renderer.render(scene, camera, &self.recipe, viewport, KeepDepth::No);
+        self.times_ms.push(frame.times.total.as_secs_f64() * 1e3);
+        let picture = frame.image().clone();
+        self.renderer.recycle(frame);
+        picture
+    }
+
+    /// Compares a picture with the reference of its frame. Returns `None` if the sizes differ.
+    fn judge(
+        &mut self,
+        picture: Image<Rgba8>,
+        reference: &FrameReference,
+        before: Option<&FrameReference>,
+    ) -> Option<()> {
+        let (metrics, flip) = reference.prepared.figures(&picture)?;
+        self.errors.push(metrics);
+        self.jod = self.jod.take().and_then(|mut jod| jod.add(&picture, &reference.picture).map(|()| jod));
+        if let (Some(motion), Some(before), Some(picture_before)) = (&reference.motion, before, &self.before) {
+            let frames = FramePair {
+                picture: &picture,
+                picture_before,
+                reference: &reference.picture,
+                reference_before: &before.picture,
+            };
+            self.flicker.extend(Flicker::of(&frames, motion));
+            self.ghosting.extend(Ghosting::of(&flip, &reference.visibility.recently_disoccluded(GHOST_FRAMES)));
+            self.lag.extend(Lag::of(&picture, &reference.picture, motion));
+        }
+        self.before = Some(picture);
+        Some(())
+    }
+
+    fn finish(self) -> Option<MethodInMotion> {
+        let measured = self.times_ms.len().saturating_sub(self.errors.len());
+        Some(MethodInMotion {
+            label: self.recipe.upscaler.label(),
+            upscaler: self.recipe.upscaler,
+            frame_ms: summarize(&self.times_ms[measured..])?,
+            jod: self.jod.and_then(SequenceJod::finish),
+            error: MotionError::of(&self.errors)?,
+            flicker: Flicker::over(&self.flicker),
+            ghosting: Ghosting::over(&self.ghosting),
+            lag: Lag::over(&self.lag),
+            errors: self.errors,
+        })
+    }
+}
+
+impl MotionReport {
+    /// Names of the columns of [`Self::rows`].
+    pub const HEADS: [&'static str; 9] =
+        ["method", "ms, median", "JOD", "PSNR, dB", "SSIM", "FLIP, mean", "FLIP, worst", "flicker", "ghosting"];
+
+    /// Returns the cells of the table, one row per method, in the order of the plan.
+    pub fn rows(&self) -> Vec<Vec<String>> {
+        let optional = |value: Option<f64>, digits: usize| {
+            value.map_or_else(|| "–".to_owned(), |value| format!("{value:.digits$}"))
+        };
+        let row = |method: &MethodInMotion| {
+            vec![
+                method.label.clone(),
+                format!("{:.2}", method.frame_ms.median),
+                optional(method.jod, 3),
+                format!("{:.2}", method.error.mean.codes.psnr_db),
+                format!("{:.4}", method.error.mean.codes.ssim),
+                format!("{:.4}", method.error.mean.flip),
+                format!("{:.4}", method.error.worst.flip),
+                optional(method.flicker.map(|flicker| flicker.flicker), 3),
+                optional(method.ghosting.map(|ghosting| ghosting.ghosting), 4),
+            ]
+        };
+        self.methods.iter().map(row).collect()
+    }
+
+    /// Returns the report as an HTML page. `command` describes how it was made.
+    pub fn html(&self, command: &str) -> String {
+        page::html(self, command)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::builtin;
+
+    fn report(scene: &str, upscalers: &[(&str, u32)]) -> MotionReport {
+        let scene = Arc::new(builtin::by_id(scene).unwrap().build());
+        let plan = MotionPlan {
+            shot: Shot { camera: scene.home, scene, path: None, frames_per_second: 30.0 },
+            recipe: Recipe::default(),
+            upscalers: upscalers.iter().map(|(method, scale)| Upscaling::new(method, *scale).unwrap()).collect(),
+            viewport: Viewport { width: 96, height: 54 },
+            frames: 3,
+            samples: 8,
+            pixels_per_degree: 67.0,
+        };
+        measure(&plan, &mut |_, _| true).unwrap()
+    }
+
+    #[test]
+    fn every_metric_is_measured_where_something_moves() {
+        let report = report("chess-motion", &[("native", 1), ("taa", 1), ("nearest", 4)]);
+        assert_eq!((report.frames, report.partial, report.methods.len()), (3, false, 3));
+        for method in &report.methods {
+            assert_eq!(method.errors.len(), 3, "{}", method.label);
+            assert_eq!(method.frame_ms.n, 3, "warm-up frames are not timed: {}", method.label);
+            assert!(method.jod.is_some() && method.flicker.is_some() && method.ghosting.is_some(), "{}", method.label);
+        }
+        let [native, taa, nearest] = [0, 1, 2].map(|index| &report.methods[index]);
+        assert!(nearest.error.mean.flip > 2.0 * native.error.mean.flip);
+        assert!(nearest.jod < native.jod && nearest.jod < taa.jod);
+        assert!(report.disoccluded_share > 0.0 && report.disoccluded_share < 0.2, "{}", report.disoccluded_share);
+        assert!(report.html("command").contains("TAA"));
+        assert_eq!(report.rows()[0].len(), MotionReport::HEADS.len());
+    }
+
+    #[test]
+    fn a_still_scene_has_no_disocclusion_and_no_lag() {
+        let report = report("triangle", &[("native", 1)]);
+        assert_eq!(report.disoccluded_share, 0.0);
+        assert!(report.methods[0].ghosting.is_none() && report.methods[0].lag.is_none());
+    }
+}
