@@ -336,17 +336,22 @@ impl RawFile {
         let Some(next) = times.iter().position(|time| time[0] > time_s) else { return values.last().cloned() };
         let Some(key) = next.checked_sub(1) else { return values.first().cloned() };
         let share = (time_s - times[key][0]) / (times[next][0] - times[key][0]);
-        let (from, to) = (&values[key], &values[next]);
+        let (mut from, mut to) = (values[key].clone(), values[next].clone());
         let mut weights = [1.0 - share, share];
         if name == "rotation" {
-            let cosine: f64 = from.iter().zip(to).map(|(a, b)| a * b).sum();
+            // The specification demands unit quaternions, but some files round them to three digits.
+            for quaternion in [&mut from, &mut to] {
+                let length = quaternion.iter().map(|part| part * part).sum::<f64>().sqrt();
+                quaternion.iter_mut().for_each(|part| *part /= length);
+            }
+            let cosine: f64 = from.iter().zip(&to).map(|(a, b)| a * b).sum();
             let angle = cosine.abs().min(1.0).acos();
             if angle > 1e-6 {
                 weights = [(angle * (1.0 - share)).sin() / angle.sin(), (angle * share).sin() / angle.sin()];
             }
             weights[1] *= cosine.signum();
         }
-        Some(from.iter().zip(to).map(|(a, b)| a * weights[0] + b * weights[1]).collect())
+        Some(from.iter().zip(&to).map(|(a, b)| a * weights[0] + b * weights[1]).collect())
     }
 
     fn local(&self, node: usize, time_s: f64) -> DMat4 {

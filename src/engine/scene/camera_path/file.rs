@@ -3,7 +3,8 @@
 use std::fmt;
 use std::path::Path;
 
-use serde::de::{Error, SeqAccess, Visitor};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{DeserializeSeed, Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use super::KeyView;
@@ -41,7 +42,7 @@ fn known_version<'de, D: Deserializer<'de>>(from: D) -> Result<u32, D::Error> {
     }
 }
 
-/// Deserialises key views and checks each against the one before it, so that an error has the line of the key view.
+/// Deserialises at least one key view.
 fn ascending_keys<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<KeyView>, D::Error> {
     struct Keys;
 
@@ -54,23 +55,47 @@ fn ascending_keys<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<KeyView>, D:
 
         fn visit_seq<A: SeqAccess<'de>>(self, mut from: A) -> Result<Self::Value, A::Error> {
             let mut keys: Vec<KeyView> = Vec::new();
-            while let Some(FileKey { time_s, camera }) = from.next_element()? {
-                check(time_s, &camera, keys.last()).map_err(A::Error::custom)?;
-                keys.push(KeyView { time_s, camera });
+            while let Some(key) = from.next_element_seed(KeyAfter(keys.last().copied()))? {
+                keys.push(key);
             }
             if keys.is_empty() {
-                Err(A::Error::custom("keys is empty: a path has at least one key view"))
-            } else {
-                Ok(keys)
+                return Err(A::Error::custom("keys is empty: a path has at least one key view"));
             }
+            Ok(keys)
         }
     }
 
     from.deserialize_seq(Keys)
 }
 
+/// Deserialises a key view that follows another one. The check is a part of it, so that an error has the line of the key
+/// view.
+struct KeyAfter(Option<KeyView>);
+
+impl<'de> DeserializeSeed<'de> for KeyAfter {
+    type Value = KeyView;
+
+    fn deserialize<D: Deserializer<'de>>(self, from: D) -> Result<KeyView, D::Error> {
+        from.deserialize_map(self)
+    }
+}
+
+impl<'de> Visitor<'de> for KeyAfter {
+    type Value = KeyView;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "a key view")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, from: A) -> Result<KeyView, A::Error> {
+        let FileKey { time_s, camera } = FileKey::deserialize(MapAccessDeserializer::new(from))?;
+        check(time_s, &camera, self.0).map_err(A::Error::custom)?;
+        Ok(KeyView { time_s, camera })
+    }
+}
+
 /// Checks a key view against the one before it.
-fn check(time_s: f64, camera: &Camera, before: Option<&KeyView>) -> Result<(), String> {
+fn check(time_s: f64, camera: &Camera, before: Option<KeyView>) -> Result<(), String> {
     if time_s < 0.0 {
         return Err(format!("time_s must be at least 0, not {time_s}"));
     }
