@@ -99,9 +99,9 @@ pub(crate) fn run(args: &MotionArgs) -> Result<(), Failure> {
         output::write_page(page, Ok(report.html(&output::command_line())))?;
     }
     if args.json {
-        output::print_json(&report)?
+        output::print_json(&report)?;
     } else {
-        output::print(&table(&report))?
+        output::print(&table(&report))?;
     }
     interrupt::outcome(report.partial)
 }

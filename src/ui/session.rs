@@ -8,7 +8,7 @@ mod preferences;
 
 mod undo;
 
-pub(crate) use messages::MessageChange;
+pub(crate) use messages::Dismissal;
 pub(crate) use messages::Messages;
 pub(crate) use messages::Notice;
 pub(crate) use messages::Severity;

@@ -10,7 +10,7 @@ use crate::ui::command::Command;
 use crate::ui::compare::files::PictureRole;
 use crate::ui::files::FileCommand;
 use crate::ui::lab::LabChange;
-use crate::ui::session::{MessageChange, Notice, Session};
+use crate::ui::session::{Dismissal, Notice, Session};
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::icon_button;
 use crate::ui::workspace::{Panel, WorkspaceChange};
@@ -26,14 +26,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, 
         if let Some(error) = &session.features.messages.error {
             let tint = tokens(ui).error.gamma_multiply(ERROR_TINT);
             ui.painter().rect_filled(ui.max_rect().expand2(theme::space::S * Vec2::X), theme::RADIUS, tint);
-            line(
-                ui,
-                Icon::OctagonAlert,
-                tokens(ui).error,
-                error,
-                Some(Command::Message(MessageChange::CloseError)),
-                commands,
-            );
+            line(ui, Icon::OctagonAlert, tokens(ui).error, error, Some(Command::Message(Dismissal::Error)), commands);
         } else if let Some(path) = &session.features.messages.offered_picture {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             if ui.button("Open in the 2D lab").on_hover_text("Fill and sample the picture in the 2D lab").clicked() {
@@ -43,14 +36,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, 
                 commands.push(Command::File(FileCommand::OpenPicture(PictureRole::Tile(1), path.clone())));
             }
             let text = format!("{} is a picture, not a scene", text::clean(&name));
-            line(
-                ui,
-                Icon::Image,
-                tokens(ui).accent,
-                &text,
-                Some(Command::Message(MessageChange::CloseOffer)),
-                commands,
-            );
+            line(ui, Icon::Image, tokens(ui).accent, &text, Some(Command::Message(Dismissal::Offer)), commands);
         } else if let Some((path, completed)) = loading {
             ui.spinner();
             if ui.button("Cancel").on_hover_text("Stop loading and keep the current scene").clicked() {
@@ -80,7 +66,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, 
 }
 
 fn show_notice(ui: &mut Ui, notice: &Notice, commands: &mut Vec<Command>) {
-    let close = Some(Command::Message(MessageChange::CloseNotice));
+    let close = Some(Command::Message(Dismissal::Notice));
     match notice {
         Notice::Saved(path) => {
             if ui.button("Open folder").on_hover_text("Show the saved file in the file manager").clicked() {
@@ -92,7 +78,7 @@ fn show_notice(ui: &mut Ui, notice: &Notice, commands: &mut Vec<Command>) {
         Notice::Warnings(count) => {
             if ui.button("Show log").on_hover_text("List all warnings, with file and line").clicked() {
                 commands.push(Command::Workspace(WorkspaceChange::Panel(Panel::Log)));
-                commands.push(Command::Message(MessageChange::CloseNotice));
+                commands.push(Command::Message(Dismissal::Notice));
             }
             let text = format!("Opened with {count} {}", if *count == 1 { "warning" } else { "warnings" });
             line(ui, Icon::TriangleAlert, tokens(ui).warning, &text, close, commands);

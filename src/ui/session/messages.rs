@@ -53,26 +53,26 @@ pub(crate) enum Severity {
     Error,
 }
 
-/// Change to the messages that the user requests.
+/// Message that the user dismisses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum MessageChange {
-    /// Dismisses the offer to open a picture in the 2D lab.
-    CloseOffer,
-    /// Dismisses the notice about a saved file or warnings.
-    CloseNotice,
-    /// Dismisses the error.
-    CloseError,
+pub(crate) enum Dismissal {
+    /// Offer to open a picture in the 2D lab.
+    Offer,
+    /// Notice about a saved file or warnings.
+    Notice,
+    /// Error.
+    Error,
 }
 
 impl Feature for Messages {
-    type Change = MessageChange;
+    type Change = Dismissal;
 
-    fn apply(session: &mut Session, change: MessageChange) -> Option<WindowTask> {
+    fn apply(session: &mut Session, change: Dismissal) -> Option<WindowTask> {
         let messages = &mut session.features.messages;
         match change {
-            MessageChange::CloseOffer => messages.offered_picture = None,
-            MessageChange::CloseNotice => messages.notice = None,
-            MessageChange::CloseError => messages.error = None,
+            Dismissal::Offer => messages.offered_picture = None,
+            Dismissal::Notice => messages.notice = None,
+            Dismissal::Error => messages.error = None,
         }
         None
     }

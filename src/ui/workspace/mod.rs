@@ -112,7 +112,7 @@ impl Session {
         self.compare(CompareChange::Mode(mode));
         match workspace {
             Workspace::Inspect | Workspace::Measure | Workspace::Robustness => {
-                self.features.workspaces.base = workspace
+                self.features.workspaces.base = workspace;
             }
             Workspace::Geometry | Workspace::Compare | Workspace::Lab => {}
         }

@@ -56,7 +56,7 @@ impl KeyUser {
         for _ in 0..WIDGETS {
             self.bench.window.key_press(Key::Tab);
             self.bench.window.run_steps(2);
-            let mut found = self.bench.window.query_all_by_role(role).filter(|node| node.is_focused());
+            let mut found = self.bench.window.query_all_by_role(role).filter(egui_kittest::Node::is_focused);
             if found.any(|node| node.accesskit_node().label().is_some_and(|label| label.contains(name))) {
                 return;
             }

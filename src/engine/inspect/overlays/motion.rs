@@ -39,7 +39,7 @@ pub(super) fn vectors(context: &OverlayContext<'_>) -> Sheet {
         let start = [x as f32 + 0.5, y as f32 + 0.5];
         let ends = [start, end].map(|[x, y]| (f64::from(x), f64::from(y)));
         let kind = if is_disoccluded { 1.0 } else { 0.0 };
-        line_pixels(ends[0].into(), ends[1].into(), size).for_each(|(x, y)| values.set(x, y, kind));
+        line_pixels(ends[0], ends[1], size).for_each(|(x, y)| values.set(x, y, kind));
         lines.push([start, end]);
     }
     let totals = vec![

@@ -160,7 +160,7 @@ mod tests {
         // Grey 200 ± 3 % alternates between 194 and 206, against a still reference: a change of 12 codes.
         let of = |percent: i32| {
             let still = grey(200);
-            let frame = |number: u32| grey((200 + 2 * percent * if number % 2 == 0 { 1 } else { -1 }) as u8);
+            let frame = |number: u32| grey((200 + 2 * percent * if number.is_multiple_of(2) { 1 } else { -1 }) as u8);
             let [picture, picture_before] = [1, 2].map(frame);
             let frames = FramePair {
                 picture: &picture,

@@ -219,7 +219,6 @@ fn disocclusion_agrees_with_rays_to_all_triangles() {
             counts.exact += u32::from(exact);
             counts.both += u32::from(found && exact);
         }
-        eprintln!("{} {counts:?}", pair.name);
     }
     let share = |of: u32| f64::from(counts.both) / f64::from(of);
     assert!(counts.exact > 1000, "{counts:?}");

@@ -82,7 +82,7 @@ fn bits(scene: &Scene) -> Vec<u32> {
     let meshes = scene.library.meshes().iter().flat_map(|mesh| mesh.positions.iter().chain(&mesh.normals));
     let matrices = scene.instances.iter().flat_map(|instance| instance.world_from_model.to_cols_array());
     let materials = scene.instances.iter().map(|instance| instance.material.index() as u32);
-    meshes.flat_map(|vector| vector.to_array()).chain(matrices).map(f32::to_bits).chain(materials).collect()
+    meshes.flat_map(Vec3::to_array).chain(matrices).map(f32::to_bits).chain(materials).collect()
 }
 
 #[test]

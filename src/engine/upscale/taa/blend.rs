@@ -280,9 +280,9 @@ impl<'a> TaaFrame<'a> {
         let (row, down) = whole_and_fraction(y);
         let (last_column, last_row) = (i64::from(self.size.0) - 1, i64::from(self.size.1) - 1);
         if self.options.filter == HistoryFilter::Bilinear {
-            let [above, below] = each!(row in [row, row + 1] => {
-                let left = self.clamped(simd, memory, (column, row));
-                left * (1.0 - right) + self.clamped(simd, memory, (column + 1, row)) * right
+            let [above, below] = each!(at in [row, row + 1] => {
+                let left = self.clamped(simd, memory, (column, at));
+                left * (1.0 - right) + self.clamped(simd, memory, (column + 1, at)) * right
             });
             return above * (1.0 - down) + below * down;
         }
