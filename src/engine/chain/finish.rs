@@ -8,7 +8,7 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::triangle_list::TriangleList;
 use crate::pipeline::viewport::Viewport;
 use crate::pipeline::wireframe;
-use crate::upscale::{UpscaleInputs, Upscaled};
+use crate::upscale::{Accumulated, UpscaleInputs, Upscaled};
 
 /// Full-resolution picture before the post filter and the wireframe. It is stored separately only if it differs from
 /// both the drawn and the finished picture.
@@ -28,7 +28,7 @@ pub(super) enum Unfiltered {
 pub(super) struct Finished {
     pub(super) picture: Option<Image<Rgba8>>,
     pub(super) unfiltered: Unfiltered,
-    pub(super) history: Option<Image<[f32; 4]>>,
+    pub(super) history: Option<Accumulated>,
     /// Time taken by transfers to and from the process of the upscaler.
     pub(super) transfer: Duration,
     /// Time taken by the post filter and the wireframe.
@@ -39,7 +39,7 @@ pub(super) struct Finished {
 #[derive(Debug, Default)]
 pub(super) struct Spare {
     pub(super) full: Option<Image<Rgba8>>,
-    pub(super) history: Option<Image<[f32; 4]>>,
+    pub(super) history: Option<Accumulated>,
 }
 
 /// Upscales and filters the drawn picture and overlays the wireframe, as selected by `recipe`. Reuses the spare

@@ -20,7 +20,7 @@ use crate::pipeline::tiled::TiledReport;
 use crate::pipeline::triangle_list::TriangleList;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::scene::{Camera, Scene};
-use crate::upscale::{History, Sampling, UpscaleInputs};
+use crate::upscale::{Accumulated, History, Sampling, UpscaleInputs};
 
 /// Wall-clock time of each part of a frame.
 #[derive(Clone, Copy, Debug, Default)]
@@ -60,9 +60,8 @@ pub struct Frame {
     pub(super) finished: Option<Image<Rgba8>>,
     /// Full-resolution picture before the post filter and the wireframe.
     pub(super) unfiltered: Unfiltered,
-    /// Accumulated picture of the upscaler; `None` if the upscaler accumulates none, or after the picture has been
-    /// moved into a [`History`].
-    pub(super) upscaler_history: Option<Image<[f32; 4]>>,
+    /// History that the upscaler stored; `None` if it stores none, or after it has been moved into a [`History`].
+    pub(super) upscaler_history: Option<Accumulated>,
     /// Drawn pixels before upscaling: the colour of each, averaged over its samples, and the depth at its centre.
     pub drawn: Framebuffer,
     /// Anti-aliasing settings of the drawn pixels.

@@ -21,7 +21,7 @@ use crate::pipeline::settings::{Execution, Settings};
 use crate::pipeline::tiled::{self, PixelSamples, TiledReport};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
-use crate::upscale::{History, UpscaleInputs};
+use crate::upscale::{Accumulated, History, UpscaleInputs};
 
 /// Renderer that draws frames according to recipes and reuses buffers from frame to frame. With the tiled execution, it
 /// uses all threads.
@@ -279,7 +279,7 @@ impl Renderer {
         self.memory.bytes()
             + self.spare.as_ref().map_or(0, Image::bytes)
             + self.spare_full.full.as_ref().map_or(0, Image::bytes)
-            + self.spare_full.history.as_ref().map_or(0, Image::bytes)
+            + self.spare_full.history.as_ref().map_or(0, Accumulated::bytes)
             + self.spare_picture.as_ref().map_or(0, Image::bytes)
             + self.spare_surfaces.as_ref().map_or(0, |shown| shown.object.bytes() + shown.distance.bytes())
             + self.spare_motion.as_ref().map_or(0, MotionVectors::bytes)

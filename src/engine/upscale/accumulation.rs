@@ -14,8 +14,7 @@ use std::ops::Range;
 use arrayvec::ArrayVec;
 
 use super::{
-    Anchor, BlendSpace, FilterSpace, HistoryStep, Lattice, Motion, Offers, PastColor, Reads, Rejection, Sampling,
-    Scale, Tap, UpscaleInputs, Upscaled, Upscaler, Upscaling,
+    Accumulated, Anchor, BlendSpace, FilterSpace, HistoryStep, Lattice, Motion, Offers, PastColor, Reads, Rejection, Sampling, Scale, Tap, UpscaleInputs, Upscaled, Upscaler, Upscaling,
 };
 use crate::antialias::pattern::Pattern;
 use crate::image::color::Tables;
@@ -89,11 +88,11 @@ impl Upscaler for Accumulation {
         how: Upscaling,
         drawn: &UpscaleInputs<'_>,
         full: &mut Image<Rgba8>,
-        memory: Option<Image<[f32; 4]>>,
+        memory: Option<Accumulated>,
     ) -> Upscaled {
-        let (width, height) = full.size();
-        let mut memory = Image::reusing(memory, width, height, [0.0; 4]);
-        rows::fill(Lanes::best(), &FrameContext::new(how, drawn, (width, height)), full, &mut memory);
+        let size = full.size();
+        let mut memory = Accumulated::reusing(memory, size);
+        rows::fill(Lanes::best(), &FrameContext::new(how, drawn, size), full, &mut memory.color);
         Upscaled { history: Some(memory), ..Upscaled::default() }
     }
 
@@ -148,7 +147,7 @@ impl<'a> FrameContext<'a> {
     fn new(how: Upscaling, drawn: &'a UpscaleInputs<'a>, size: (u32, u32)) -> Self {
         let place = drawn.frame.map_or(super::CENTRE, |seen| place(seen.frames()));
         let history: Option<(Motion<'_>, _)> =
-            drawn.frame.and_then(|seen| Some((seen.reprojection()?, seen.history?.accumulated.as_ref()?)));
+            drawn.frame.and_then(|seen| Some((seen.reprojection()?, &seen.history?.accumulated.as_ref()?.color)));
         let is_settled = history
             .as_ref()
             .is_some_and(|(motion, _)| motion.is_still() && motion.history.still_frames >= JITTER_POSITIONS);

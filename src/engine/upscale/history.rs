@@ -17,13 +17,43 @@ mod wide;
 
 pub(super) use wide::{NOT_VISIBLE, VectorLanes, same_surface};
 
+/// History that an upscaler stores for its next frame, at full resolution.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Accumulated {
+    /// Four numbers per pixel: usually the colour in the upscaler's working space, and its accumulated weight.
+    pub color: Image<[f32; 4]>,
+    /// Locks, which protect pixels from rectification: two numbers per pixel. `None` if the upscaler has none.
+    pub locks: Option<Image<[f32; 2]>>,
+}
+
+impl Accumulated {
+    /// Returns a history of `width` × `height` px without locks, with arbitrary colours, in the buffer of `spare`.
+    pub(in crate::upscale) fn reusing(spare: Option<Self>, (width, height): (u32, u32)) -> Self {
+        Self { color: Image::reusing(spare.map(|spare| spare.color), width, height, [0.0; 4]), locks: None }
+    }
+
+    /// Returns a history of `width` × `height` px with arbitrary colours and locks, in the buffers of `spare`.
+    pub(in crate::upscale) fn with_locks_reusing(spare: Option<Self>, (width, height): (u32, u32)) -> Self {
+        let (color, locks) = spare.map_or((None, None), |spare| (Some(spare.color), spare.locks));
+        Self {
+            color: Image::reusing(color, width, height, [0.0; 4]),
+            locks: Some(Image::reusing(locks, width, height, [0.0; 2])),
+        }
+    }
+
+    /// Returns the memory use in bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        self.color.bytes() + self.locks.as_ref().map_or(0, Image::bytes)
+    }
+}
+
 /// Previous frame, as read by upscalers with history.
 #[derive(Clone, Debug)]
 pub struct History {
     /// Full image of the frame; `None` if the upscaler stores its own history.
     pub(crate) picture: Option<Image<Rgba8>>,
     /// The upscaler's own history, with higher precision than the image.
-    pub(crate) accumulated: Option<Image<[f32; 4]>>,
+    pub(crate) accumulated: Option<Accumulated>,
     /// Visible surfaces of the previous frame.
     pub(crate) surfaces: Arc<GBuffer>,
     /// Scene at the time of the previous frame.
@@ -260,12 +290,13 @@ pub(super) mod tests {
             }),
         };
         let picture = Image::from_fn(width, height, |_, _| std::array::from_fn(|_| random.u8(..)));
-        let memory =
+        let color =
             Image::from_fn(width, height, |_, _| [random.f32(), random.f32(), random.f32(), 1.0 + 20.0 * random.f32()]);
+        let locks = Image::from_fn(width, height, |_, _| [random.f32(), random.f32()]);
         let scene = Arc::new(builtin::ALL[0].build());
         let past = History {
             picture: Some(picture),
-            accumulated: Some(memory),
+            accumulated: Some(Accumulated { color, locks: Some(locks) }),
             surfaces: Arc::new(surfaces.clone()),
             camera: scene.home,
             scene,

@@ -53,6 +53,7 @@ pub use choice::Upscaling;
 pub(crate) use cubic::CATMULL_ROM;
 pub(crate) use cubic::MITCHELL;
 pub(crate) use fsr::FSR1;
+pub use history::Accumulated;
 pub use history::BlendSpace;
 pub(crate) use history::FrameInputs;
 pub(crate) use history::History;
@@ -152,13 +153,13 @@ pub trait Upscaler: Sync {
     fn retry(&self) {}
 
     /// Upscales like [`Upscaler::upscale`] and returns the history for the next frame. `_memory` is an older history
-    /// whose buffer may be reused.
+    /// whose buffers may be reused.
     fn upscale_with_history(
         &self,
         how: Upscaling,
         drawn: &UpscaleInputs<'_>,
         full: &mut Image<Rgba8>,
-        _memory: Option<Image<[f32; 4]>>,
+        _memory: Option<Accumulated>,
     ) -> Upscaled {
         self.upscale(how, drawn, full);
         Upscaled::default()
@@ -169,7 +170,7 @@ pub trait Upscaler: Sync {
 #[derive(Clone, Debug, Default)]
 pub struct Upscaled {
     /// History for the next frame; `None` if the upscaler stores none.
-    pub history: Option<Image<[f32; 4]>>,
+    pub history: Option<Accumulated>,
     /// Part of the time that was spent on moving pictures to and from another process; zero within this process.
     pub transfer: Duration,
 }

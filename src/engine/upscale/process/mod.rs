@@ -24,8 +24,8 @@ use protocol::FrameMessage;
 pub use spec::ProcessSpec;
 
 use super::{
-    Anchor, FilterSpace, NEAREST, Offers, Reads, RegisterError, Sampling, Scale, Tap, UpscaleInputs, Upscaled,
-    Upscaler, Upscaling, register_boxed,
+    Accumulated, Anchor, FilterSpace, NEAREST, Offers, Reads, RegisterError, Sampling, Scale, Tap, UpscaleInputs,
+    Upscaled, Upscaler, Upscaling, register_boxed,
 };
 use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::Choice as _;
@@ -177,7 +177,7 @@ impl Upscaler for ProcessUpscaler {
         how: Upscaling,
         drawn: &UpscaleInputs<'_>,
         full: &mut Image<Rgba8>,
-        _memory: Option<Image<[f32; 4]>>,
+        _memory: Option<Accumulated>,
     ) -> Upscaled {
         if full.pixels().is_empty() {
             return Upscaled::default();

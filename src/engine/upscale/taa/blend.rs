@@ -100,7 +100,7 @@ impl<'a> TaaFrame<'a> {
         let scale = how.scale();
         let place = drawn.frame.map_or(super::super::CENTRE, |seen| jitter(scale, seen.frames()));
         let history: Option<(Motion<'_>, _)> =
-            drawn.frame.and_then(|seen| Some((seen.reprojection()?, seen.history?.accumulated.as_ref()?)));
+            drawn.frame.and_then(|seen| Some((seen.reprojection()?, &seen.history?.accumulated.as_ref()?.color)));
         let still = history.as_ref().filter(|(motion, _)| motion.is_still());
         let positions = jitter_positions(scale);
         let samples = drawn.color.size();

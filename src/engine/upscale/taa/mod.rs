@@ -24,8 +24,7 @@ pub use options::Rectification;
 
 use self::blend::TaaFrame;
 use super::{
-    Anchor, FilterSpace, HistoryStep, Offers, Reads, Sampling, Scale, Tap, UpscaleInputs, Upscaled, Upscaler,
-    Upscaling, bands,
+    Accumulated, Anchor, FilterSpace, HistoryStep, Offers, Reads, Sampling, Scale, Tap, UpscaleInputs, Upscaled, Upscaler, Upscaling, bands,
 };
 use crate::antialias::pattern::Pattern;
 use crate::image::{Image, Rgba8};
@@ -105,13 +104,13 @@ impl Upscaler for Taa {
         how: Upscaling,
         drawn: &UpscaleInputs<'_>,
         full: &mut Image<Rgba8>,
-        memory: Option<Image<[f32; 4]>>,
+        memory: Option<Accumulated>,
     ) -> Upscaled {
-        let (width, height) = full.size();
-        let mut memory = Image::reusing(memory, width, height, [0.0; 4]);
-        let frame = TaaFrame::new(how, drawn, (width, height));
+        let size @ (width, _) = full.size();
+        let mut memory = Accumulated::reusing(memory, size);
+        let frame = TaaFrame::new(how, drawn, size);
         let lanes = Lanes::best();
-        bands::fill_both(full, &mut memory, |first, full, memory| {
+        bands::fill_both(full, &mut memory.color, |first, full, memory| {
             let rows = full.chunks_exact_mut(width as usize).zip(memory.chunks_exact_mut(width as usize));
             let mut samples = frame.decoded_rows();
             for (y, (row, memory)) in (first..).zip(rows) {

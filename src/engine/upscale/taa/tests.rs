@@ -5,7 +5,7 @@ use crate::pipeline::gbuffer::GBuffer;
 use crate::pipeline::motion::MotionVectors;
 use crate::pipeline::settings::Choice as _;
 use crate::upscale::history::tests::frames;
-use crate::upscale::{FrameInputs, History};
+use crate::upscale::{Accumulated, FrameInputs, History};
 
 /// Returns TAA with every combination of options at every scale.
 fn every() -> Vec<Upscaling> {
@@ -35,7 +35,7 @@ fn rows_are_bit_identical_to_single_pixels() {
         for frames in frames(size, 7) {
             let drawn = UpscaleInputs { color: &color, frame: Some(frames.seen()) };
             let mut full = Image::filled(size.0, size.1, [1, 2, 3, 4]);
-            let memory = TAA.upscale_with_history(how, &drawn, &mut full, None).history.unwrap();
+            let memory = TAA.upscale_with_history(how, &drawn, &mut full, None).history.unwrap().color;
             let frame = TaaFrame::new(how, &drawn, size);
             for at in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
                 for lanes in Lanes::all() {
@@ -73,7 +73,10 @@ fn rectification_removes_ghosts_and_nothing_else_does() {
         // The light area covered columns 4 to 24 in the history, and covers columns 18 to 24 now.
         let history = History {
             picture: None,
-            accumulated: Some(Image::from_fn(24, 6, |x, _| [if x < 4 { 0.02 } else { 0.7 }, 0.0, 0.0, 9.0])),
+            accumulated: Some(Accumulated {
+                color: Image::from_fn(24, 6, |x, _| [if x < 4 { 0.02 } else { 0.7 }, 0.0, 0.0, 9.0]),
+                locks: None,
+            }),
             surfaces: Arc::new(surfaces.clone()),
             camera: scene.home,
             scene: Arc::clone(&scene),
