@@ -100,6 +100,15 @@ impl FrameInputs<'_> {
     pub(crate) fn reproject(&self, at: (u32, u32)) -> Result<Reprojected, Rejection> {
         self.reprojection().ok_or(Rejection::FirstFrame)?.reproject(at)
     }
+
+    /// Reprojects pixel `at` into the previous frame like [`Self::reproject`], but with the vector of the nearest surface
+    /// among the 3 × 3 pixels around it, so that the anti-aliased edge of an object moves with the object (Karis, 2014).
+    #[inline(always)]
+    pub(in crate::upscale) fn reproject_dilated(&self, at: (u32, u32)) -> Result<Reprojected, Rejection> {
+        let motion = self.reprojection().ok_or(Rejection::FirstFrame)?;
+        let by = if motion.is_still() { at } else { self.gbuffer.nearest_around(at) };
+        motion.reproject_by(at, by)
+    }
 }
 
 /// Blending of a pixel with its history. Colours are three numbers in the space in which the upscaler blends.
@@ -227,6 +236,15 @@ impl Motion<'_> {
         let is_visible = vectors.visible.at(by.0, by.1) == MotionVectors::VISIBLE;
         is_visible.then_some(Reprojected { place, is_still: false }).ok_or(Rejection::Disoccluded)
     }
+}
+
+/// Returns the index of the pixel whose centre lies at or before a position along an axis, and the distance from it, in
+/// [0, 1).
+#[inline(always)]
+pub(super) fn whole_and_fraction(place: f32) -> (i64, f32) {
+    let from = place - 0.5;
+    let floor = from.floor();
+    (floor as i64, from - floor)
 }
 
 /// Position of a pixel in the previous frame.

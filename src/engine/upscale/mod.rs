@@ -37,9 +37,11 @@ mod nearest;
 mod nearest_avx2;
 pub mod process;
 mod registry;
+mod sample_rows;
 mod scale;
 mod separable;
 mod taa;
+mod ycocg;
 
 pub(crate) use accumulation::ACCUMULATION;
 pub(crate) use bicubic::BICUBIC;

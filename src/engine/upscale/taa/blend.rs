@@ -1,16 +1,15 @@
 //! Blending of the samples of a frame with its history, pixel by pixel. A pixel's four numbers are one SIMD vector.
 
+use super::super::history::whole_and_fraction;
+use super::super::sample_rows::DecodedRows;
+use super::super::ycocg::{Quad, YCoCg};
 use super::super::{
-    BlendSpace, FilterSpace, HistoryStep, Lattice, Motion, PastColor, Rejection, Reprojected, Scale, Tap,
-    UpscaleInputs, Upscaling,
+    HistoryStep, Lattice, Motion, PastColor, Rejection, Reprojected, Scale, Tap, UpscaleInputs, Upscaling,
 };
 use super::{HistoryFilter, HistoryOptions, MOVING_WEIGHT, Rectification, jitter, jitter_positions};
-use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
-
-/// Y, Co, Cg and a fourth number: alpha of a sample as an 8-bit value, or the accumulated weight of a pixel.
-type Quad = [f32; 4];
+use crate::pipeline::gbuffer::NearestSearch;
 
 /// Column and row of a pixel.
 type PixelAt = (u32, u32);
@@ -29,15 +28,10 @@ struct AxisSamples {
     total: f32,
 }
 
-/// Decoded sample rows, with the index of the row that each holds.
-pub(super) struct DecodedRows {
-    rows: [(Option<u32>, Vec<Quad>); 3],
-}
-
 /// Frame to upscale, with its history.
 pub(super) struct TaaFrame<'a> {
     options: HistoryOptions,
-    light: FilterSpace,
+    colors: YCoCg,
     drawn: &'a UpscaleInputs<'a>,
     size: (u32, u32),
     columns: Vec<AxisSamples>,
@@ -47,7 +41,6 @@ pub(super) struct TaaFrame<'a> {
     most_weight: f32,
     /// Whether every jitter position has been drawn since the view became still; the image then no longer changes.
     is_settled: bool,
-    tables: &'static Tables,
 }
 
 /// Three vertically adjacent samples: their weighted sum and their statistics.
@@ -69,13 +62,6 @@ struct Samples<S: Simd> {
     greatest: f32x4<S>,
     sum: f32x4<S>,
     squares: f32x4<S>,
-}
-
-/// Nearest surface among three vertically adjacent pixels.
-#[derive(Clone, Copy, Debug)]
-struct NearestInColumn {
-    distance: f32,
-    row: u32,
 }
 
 /// Blending of a pixel with its history.
@@ -109,7 +95,7 @@ impl<'a> TaaFrame<'a> {
         };
         Self {
             options: how.history(),
-            light: how.light(),
+            colors: YCoCg::new(how.light()),
             drawn,
             size,
             columns: axis(place[0], size.0, samples.0),
@@ -117,13 +103,11 @@ impl<'a> TaaFrame<'a> {
             history,
             most_weight: if still.is_some() { (positions - 1) as f32 } else { MOVING_WEIGHT },
             is_settled: still.is_some_and(|(motion, _)| motion.history.still_frames >= positions),
-            tables: Tables::get(),
         }
     }
 
     pub(super) fn decoded_rows(&self) -> DecodedRows {
-        let width = self.drawn.color.width() as usize;
-        DecodedRows { rows: [0, 1, 2].map(|_| (None, vec![[0.0; 4]; width])) }
+        DecodedRows::new(self.drawn.color.width())
     }
 
     /// Computes a row of the picture and of the history for the next frame.
@@ -137,7 +121,7 @@ impl<'a> TaaFrame<'a> {
     ) {
         let rows = self.rows[y as usize];
         for index in rows.index {
-            decoded.fill(index, |codes| self.decoded(codes), self.drawn.color);
+            decoded.fill(index, |codes| self.colors.decoded(codes), self.drawn.color);
         }
         let [above, at, below] = rows.index.map(|index| decoded.row(index));
         let decoded = [above, at, below];
@@ -177,7 +161,7 @@ impl<'a> TaaFrame<'a> {
             rectified: color(past.rectified),
         };
         HistoryStep {
-            space: self.space(),
+            space: self.colors.space(),
             present: color(blend.present),
             share: blend.share,
             past: blend.past.map(past),
@@ -191,25 +175,10 @@ impl<'a> TaaFrame<'a> {
         each!(column in [0, 1, 2] => Column::new(
             each!(row in [0, 1, 2] => {
                 let codes = self.drawn.color.at(columns.index[column], rows.index[row]);
-                f32x4::load_array(simd, self.decoded(codes))
+                f32x4::load_array(simd, self.colors.decoded(codes))
             }),
             rows.weight,
         ))
-    }
-
-    /// Returns a sample in YCoCg.
-    #[inline(always)]
-    fn decoded(&self, [r, g, b, a]: Rgba8) -> Quad {
-        let table = match self.light {
-            FilterSpace::Linear => &self.tables.linear_of_code,
-            FilterSpace::Bytes => &self.tables.code,
-        };
-        let [r, g, b] = [r, g, b].map(|code| table[usize::from(code)]);
-        [0.25 * r + 0.5 * g + 0.25 * b, 0.5 * r - 0.5 * b, 0.5 * g - 0.25 * r - 0.25 * b, f32::from(a)]
-    }
-
-    fn space(&self) -> BlendSpace {
-        BlendSpace::YCoCg(self.light)
     }
 
     /// Returns the colour of a pixel and its history for the next frame.
@@ -220,10 +189,9 @@ impl<'a> TaaFrame<'a> {
             Ok(Past { rectified, .. }) => rectified + (blend.present - rectified) * blend.share,
             Err(_) => blend.present,
         };
-        let [y, co, cg, _] = color.to_array();
+        let color @ [y, co, cg, _] = color.to_array();
         let [.., alpha] = blend.present.to_array();
-        let [r, g, b] = self.space().encoded(self.tables, [y, co, cg]);
-        ([r, g, b, (alpha + 0.5) as u8], [y, co, cg, blend.weight])
+        (self.colors.encoded(color, alpha), [y, co, cg, blend.weight])
     }
 
     /// Returns how the samples around a pixel are blended with its history, which the vector of pixel `by` leads to.
@@ -250,7 +218,7 @@ impl<'a> TaaFrame<'a> {
 
     /// Returns the weight of a colour of luminance `y`: 1 / (1 + y), with y in [0, 1].
     fn luminance_weight(&self, y: f32) -> f32 {
-        let white = if self.light == FilterSpace::Bytes { 255.0 } else { 1.0 };
+        let white = self.colors.white();
         white / (white + y.max(0.0))
     }
 
@@ -261,12 +229,9 @@ impl<'a> TaaFrame<'a> {
 
     /// Returns the search for the nearest surfaces around the pixels of a row; `None` in a still view.
     #[inline(always)]
-    fn nearest_columns(&self, y: u32) -> Option<NearestColumns<'_>> {
+    fn nearest_columns(&self, y: u32) -> Option<NearestSearch<'_>> {
         self.history.as_ref()?.0.vectors?;
-        let distance = &self.drawn.frame?.gbuffer.distance;
-        let last = distance.height() - 1;
-        let rows = [y, y.saturating_sub(1), (y + 1).min(last)];
-        Some(NearestColumns { distance: rows.map(|row| distance.row(row)), rows, held: None })
+        Some(NearestSearch::new(&self.drawn.frame?.gbuffer.distance, y))
     }
 
     /// Reads the history at a position.
@@ -338,58 +303,6 @@ impl<'a> TaaFrame<'a> {
     }
 }
 
-/// Search for the nearest surface among 3 × 3 pixels, along a row.
-struct NearestColumns<'a> {
-    /// Rows of distances: that of the pixel, the one above and the one below.
-    distance: [&'a [f32]; 3],
-    rows: [u32; 3],
-    /// Nearest surfaces of the columns before, at and after the pixel with this index.
-    held: Option<(u32, [NearestInColumn; 3])>,
-}
-
-impl NearestColumns<'_> {
-    #[inline(always)]
-    fn column(&self, x: u32) -> NearestInColumn {
-        let [at, above, below] = self.distance.map(|row| row[x as usize]);
-        let mut nearest = NearestInColumn { distance: at, row: self.rows[0] };
-        for (distance, row) in [(above, self.rows[1]), (below, self.rows[2])] {
-            if distance < nearest.distance {
-                nearest = NearestInColumn { distance, row };
-            }
-        }
-        nearest
-    }
-
-    /// Returns the pixel with the nearest surface around column `x`. The pixel's own column wins ties, and in a column
-    /// the pixel's own row.
-    #[inline(always)]
-    fn of(&mut self, x: u32) -> PixelAt {
-        let last = self.distance[0].len() as u32 - 1;
-        let (before, after) = (x.saturating_sub(1), (x + 1).min(last));
-        let columns = match self.held {
-            Some((held, [_, at, next])) if held + 1 == x => [at, next, self.column(after)],
-            _ => [self.column(before), self.column(x), self.column(after)],
-        };
-        self.held = Some((x, columns));
-        let [left, at, right] = columns;
-        let (mut nearest, mut place) = (at, x);
-        for (column, x) in [(left, before), (right, after)] {
-            if column.distance < nearest.distance {
-                (nearest, place) = (column, x);
-            }
-        }
-        (place, nearest.row)
-    }
-}
-
-/// Returns the index of the pixel whose centre lies before a position, and the distance from it, in [0, 1).
-#[inline(always)]
-fn whole_and_fraction(place: f32) -> (i64, f32) {
-    let from = place - 0.5;
-    let floor = from.floor();
-    (floor as i64, from - floor)
-}
-
 /// Returns the weights of four adjacent values for an interpolation at `t` in [0, 1) between the second and the third
 /// (Catmull and Rom, “A Class of Local Interpolating Splines”, 1974).
 #[inline(always)]
@@ -420,24 +333,6 @@ impl AxisSamples {
         let inside = |index: i64| index.clamp(0, i64::from(samples) - 1) as u32;
         let weight = [-1, 0, 1].map(weight);
         Self { index: [-1, 0, 1].map(|number| inside(nearest + number)), weight, total: weight.iter().sum() }
-    }
-}
-
-impl DecodedRows {
-    /// Makes sure that sample row `index` is decoded.
-    #[inline(always)]
-    fn fill(&mut self, index: u32, decode: impl Fn(Rgba8) -> Quad, samples: &Image<Rgba8>) {
-        let (held, row) = &mut self.rows[index as usize % 3];
-        if *held != Some(index) {
-            for (quad, codes) in row.iter_mut().zip(samples.row(index)) {
-                *quad = decode(*codes);
-            }
-            *held = Some(index);
-        }
-    }
-
-    fn row(&self, index: u32) -> &[Quad] {
-        &self.rows[index as usize % 3].1
     }
 }
 
