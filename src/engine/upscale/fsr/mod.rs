@@ -30,6 +30,52 @@ fn strength(how: Upscaling) -> f32 {
     how.sharpening() as f32 / MAX_SHARPENING as f32
 }
 
+/// Returns the pixels of the cross around `at`, clamped to an image of `size` px.
+fn cross((width, height): (u32, u32), (x, y): (u32, u32)) -> [(u32, u32); 5] {
+    let clamped = |at: i64, length: u32| at.clamp(0, i64::from(length) - 1) as u32;
+    CROSS.map(|(dx, dy)| (clamped(i64::from(x) + dx, width), clamped(i64::from(y) + dy, height)))
+}
+
+/// Sharpens pixel `at` of an image of `size` px if `how` has sharpening. `plain` computes pixels without sharpening.
+pub(super) fn sharpened_pixel(
+    how: Upscaling,
+    size: (u32, u32),
+    at: (u32, u32),
+    plain: impl Fn((u32, u32)) -> Rgba8,
+) -> Rgba8 {
+    if how.sharpening() == 0 { plain(at) } else { rcas::pixel(cross(size, at).map(plain), strength(how)) }
+}
+
+/// Returns the pixels without sharpening that pixel `at` is computed from, and their shares, which sum to 1; otherwise
+/// like [`sharpened_pixel`].
+pub(super) fn sharpening_shares(
+    how: Upscaling,
+    size: (u32, u32),
+    at: (u32, u32),
+    plain: impl Fn((u32, u32)) -> Rgba8,
+) -> Vec<((u32, u32), f32)> {
+    if how.sharpening() == 0 {
+        return vec![(at, 1.0)];
+    }
+    let cross = cross(size, at);
+    cross.into_iter().zip(rcas::shares(cross.map(plain), strength(how))).collect()
+}
+
+/// Sharpens an image if `how` has sharpening; bit-identical to [`sharpened_pixel`].
+pub(super) fn sharpen(how: Upscaling, full: &mut Image<Rgba8>) {
+    if how.sharpening() == 0 {
+        return;
+    }
+    let (width, height) = (full.width() as usize, full.height() as usize);
+    let plain = full.clone();
+    bands::fill(full, Scale::ONE, |first, count, rows| {
+        let first = first as usize;
+        let (above, below) = (usize::from(first > 0), usize::from(first + count < height));
+        let plain = &plain.pixels()[(first - above) * width..(first + count + below) * width];
+        rcas::fill(Lanes::best(), (plain, width), above, strength(how), rows);
+    });
+}
+
 impl Upscaler for Fsr1 {
     fn id(&self) -> &'static str {
         "fsr1"
@@ -64,48 +110,15 @@ impl Upscaler for Fsr1 {
         fill(Lanes::best(), how, drawn.color, full);
     }
 
-    fn pixel(
-        &self,
-        how: Upscaling,
-        drawn: &UpscaleInputs<'_>,
-        (width, height): (u32, u32),
-        (x, y): (u32, u32),
-    ) -> Rgba8 {
-        let enlarged = |x: i64, y: i64| {
-            let x = x.clamp(0, i64::from(width) - 1) as u32;
-            let y = y.clamp(0, i64::from(height) - 1) as u32;
-            easu::pixel(drawn.color, how.lattice(), (x, y))
-        };
-        if how.sharpening() == 0 {
-            return enlarged(x.into(), y.into());
-        }
-        let cross = CROSS.map(|(dx, dy)| enlarged(i64::from(x) + dx, i64::from(y) + dy));
-        rcas::pixel(cross, strength(how))
+    fn pixel(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
+        sharpened_pixel(how, size, at, |at| easu::pixel(drawn.color, how.lattice(), at))
     }
 
-    fn taps(
-        &self,
-        how: Upscaling,
-        drawn: &UpscaleInputs<'_>,
-        (width, height): (u32, u32),
-        (x, y): (u32, u32),
-    ) -> Vec<Tap> {
-        let at = |(dx, dy): (i64, i64)| {
-            let x = (i64::from(x) + dx).clamp(0, i64::from(width) - 1) as u32;
-            let y = (i64::from(y) + dy).clamp(0, i64::from(height) - 1) as u32;
-            (x, y)
-        };
-        let shares = if how.sharpening() == 0 {
-            [0.0, 0.0, 1.0, 0.0, 0.0]
-        } else {
-            rcas::shares(CROSS.map(|by| easu::pixel(drawn.color, how.lattice(), at(by))), strength(how))
-        };
+    fn taps(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
+        let enlarged = |at| easu::pixel(drawn.color, how.lattice(), at);
         let mut sums: BTreeMap<(u32, u32), f32> = BTreeMap::new();
-        for (by, share) in CROSS.into_iter().zip(shares) {
-            if how.sharpening() == 0 && by != (0, 0) {
-                continue;
-            }
-            for (row, column, weight) in easu::taps(drawn.color, how.lattice(), at(by)) {
+        for (at, share) in sharpening_shares(how, size, at, enlarged) {
+            for (row, column, weight) in easu::taps(drawn.color, how.lattice(), at) {
                 *sums.entry((row, column)).or_default() += share * weight;
             }
         }
