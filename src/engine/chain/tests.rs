@@ -9,9 +9,15 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::{Choice as _, Execution};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
-use crate::upscale::Upscaling;
+use crate::upscale::{Scale, Upscaling};
 
-fn frames(method: &str, scale: u32, cameras: &[Camera], scene: &Arc<Scene>, execution: Execution) -> Vec<Frame> {
+fn frames(
+    method: &str,
+    scale: impl Into<Scale>,
+    cameras: &[Camera],
+    scene: &Arc<Scene>,
+    execution: Execution,
+) -> Vec<Frame> {
     let upscaler = Upscaling::new(method, scale).unwrap();
     let recipe = Recipe { upscaler, execution, ..Recipe::default() };
     let mut renderer = Renderer::default();
@@ -68,16 +74,20 @@ fn in_motion_the_frame_before_helps_more_than_neighbours() {
     assert!(temporal < surfaces, "{temporal} {surfaces}");
 }
 
+/// Upscalers that read earlier frames, with scales.
+const MANY_FRAMES: [(&str, f64); 4] =
+    [("checkerboard-temporal", 1.0), ("accumulation", 1.0), ("accumulation", 2.0), ("fsr2", 1.5)];
+
 #[test]
 fn a_settled_picture_changes_no_more() {
     // The camera is still from the first frame, or stops after moving for five frames.
     for (id, moved) in [("chess", 0), ("stained-glass", 5)] {
         let scene = scene(id);
-        let mut cameras = vec![scene.home; moved + 26];
+        let mut cameras = vec![scene.home; moved + 28];
         for (step, camera) in cameras.iter_mut().enumerate().take(moved) {
             camera.orbit(0.01 * (step as f32 - moved as f32), 0.0);
         }
-        for (method, scale) in [("checkerboard-temporal", 1), ("accumulation", 1), ("accumulation", 2)] {
+        for (method, scale) in MANY_FRAMES {
             let upscaler = Upscaling::new(method, scale).unwrap();
             let recipe = Recipe { upscaler, ..Recipe::default() };
             let drawn = frames(method, scale, &cameras, &scene, Execution::Tiled);
@@ -94,7 +104,7 @@ fn every_pixel_of_a_frame_with_a_past_is_replayed() {
     let scene = scene("cubes");
     let mut cameras = [scene.home; 3];
     cameras[2].orbit(0.03, 0.01);
-    for (method, scale) in [("checkerboard-temporal", 1), ("accumulation", 1), ("accumulation", 2)] {
+    for (method, scale) in MANY_FRAMES {
         let recipe = Recipe { upscaler: Upscaling::new(method, scale).unwrap(), ..Recipe::default() };
         let size = Viewport { width: 37, height: 29 };
         let mut renderer = Renderer::default();

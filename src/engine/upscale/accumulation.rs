@@ -14,7 +14,8 @@ use std::ops::Range;
 use arrayvec::ArrayVec;
 
 use super::{
-    Accumulated, Anchor, BlendSpace, FilterSpace, HistoryStep, Lattice, Motion, Offers, PastColor, Reads, Rejection, Sampling, Scale, Tap, UpscaleInputs, Upscaled, Upscaler, Upscaling,
+    Accumulated, Anchor, BlendSpace, FilterSpace, HistoryStep, Lattice, Motion, Offers, PastColor, Reads, Rejection,
+    Sampling, Scale, Tap, UpscaleInputs, Upscaled, Upscaler, Upscaling,
 };
 use crate::antialias::pattern::Pattern;
 use crate::image::color::Tables;

@@ -55,3 +55,23 @@ pub(super) fn fill_both<A: Copy + Send, B: Copy + Send>(
         .enumerate()
         .for_each(|(band, (one, other))| fill((band * rows) as u32, one, other));
 }
+
+/// Calls `fill` for every band of three images of equal size, like [`fill_both`].
+pub(super) fn fill_three<A: Copy + Send, B: Copy + Send, C: Copy + Send>(
+    one: &mut Image<A>,
+    two: &mut Image<B>,
+    three: &mut Image<C>,
+    fill: impl Fn(u32, &mut [A], &mut [B], &mut [C]) + Sync,
+) {
+    let (width, height) = (one.width() as usize, one.height() as usize);
+    if width == 0 || height == 0 {
+        return;
+    }
+    let rows = rows_of_band(height, Scale::ONE);
+    let (two, three) = (two.pixels_mut(), three.pixels_mut());
+    one.pixels_mut()
+        .par_chunks_mut(rows * width)
+        .zip(two.par_chunks_mut(rows * width).zip(three.par_chunks_mut(rows * width)))
+        .enumerate()
+        .for_each(|(band, (one, (two, three)))| fill((band * rows) as u32, one, two, three));
+}

@@ -26,6 +26,7 @@ mod checkerboard;
 mod choice;
 mod cubic;
 mod fsr;
+mod fsr2;
 mod history;
 mod lanczos;
 #[cfg(target_arch = "x86_64")]
@@ -55,6 +56,7 @@ pub use choice::Upscaling;
 pub(crate) use cubic::CATMULL_ROM;
 pub(crate) use cubic::MITCHELL;
 pub(crate) use fsr::FSR1;
+pub(crate) use fsr2::FSR2;
 pub use history::Accumulated;
 pub use history::BlendSpace;
 pub(crate) use history::FrameInputs;
@@ -303,6 +305,7 @@ pub static BUILT_IN: &[&dyn Upscaler] = &[
     &FSR1,
     &ACCUMULATION,
     &TAA,
+    &FSR2,
 ];
 
 #[cfg(test)]

@@ -24,7 +24,8 @@ pub use options::Rectification;
 
 use self::blend::TaaFrame;
 use super::{
-    Accumulated, Anchor, FilterSpace, HistoryStep, Offers, Reads, Sampling, Scale, Tap, UpscaleInputs, Upscaled, Upscaler, Upscaling, bands,
+    Accumulated, Anchor, FilterSpace, HistoryStep, Offers, Reads, Sampling, Scale, Tap, UpscaleInputs, Upscaled,
+    Upscaler, Upscaling, bands,
 };
 use crate::antialias::pattern::Pattern;
 use crate::image::{Image, Rgba8};

@@ -1,0 +1,161 @@
+//! FidelityFX Super Resolution 2 (FSR 2): temporal upscaling with a Lanczos kernel, a history that is rectified by the
+//! colours around the pixel, and locks that protect thin features from rectification.
+//!
+//! ```text
+//! samples ─► 3 × 3 around the pixel ─┬─► Lanczos 2 ─► present colour, weight ────────────┐
+//!                                    ├─► box of colours ────────┐                        ├─► blend ─► RCAS ─► picture
+//!                                    └─► thin feature ─► locks ─┤                        │     └─► history, locks
+//! motion vector of the nearest of 3 × 3 pixels ─► history ──────┴─► rectified history ───┘
+//! ```
+//!
+//! The steps follow AMD's documentation of the technique (“FidelityFX Super Resolution 2.2”, 2023; T. Arcila and C.
+//! Riley, GDC 2022). The constants are those of the published version 2.2. Differences:
+//!
+//! - Disocclusion and still views are known exactly. FSR 2 estimates them from depths and from a luminance history.
+//! - The history stores the accumulated weight of each pixel, in units of the Lanczos kernel. FSR 2.2 assumes the maximum.
+//!   In motion, the weight is limited to that of ten average frames, not to ten times that of the frame: a sample far
+//!   from the pixel then has little influence.
+//! - A lock compares the median luminance of the 3 × 3 samples with that of its creation. FSR 2 compares luminance at a
+//!   thirty-second of the resolution, for which a single pixel would depend on a large part of the picture.
+//! - There is no reactive mask: the G-buffer treats alpha-tested and transparent surfaces as opaque.
+//! - There is no exposure, because colours are in [0, 1].
+
+mod frame;
+mod kernel;
+mod locks;
+#[cfg(test)]
+mod tests;
+
+use std::collections::BTreeMap;
+
+use self::frame::{Fsr2Frame, HistoryRow};
+use super::{
+    Accumulated, Anchor, FilterSpace, HistoryStep, Offers, Reads, Sampling, Scale, Tap, UpscaleInputs, Upscaled,
+    Upscaler, Upscaling, bands, fsr,
+};
+use crate::image::{Image, Rgba8};
+use crate::math::lanes::*;
+
+/// FSR 2-class temporal upscaling.
+pub(crate) static FSR2: Fsr2 = Fsr2;
+
+/// [`Upscaler`] implementation of [`FSR2`].
+pub(crate) struct Fsr2;
+
+/// Returns the number of jitter positions, one per frame: 8 for each pixel of the area of a sample.
+fn jitter_positions(scale: Scale) -> u32 {
+    (8.0 * scale.value() * scale.value()).ceil() as u32
+}
+
+/// Returns the jitter position within a sample's area, in [0, 1]², after `frames` earlier frames: a point of Halton's
+/// sequence with the bases 2 and 3.
+fn jitter(scale: Scale, frames: u32) -> [f64; 2] {
+    let index = frames % jitter_positions(scale) + 1;
+    [2, 3].map(|base| radical_inverse(index, base))
+}
+
+/// Returns the number in [0, 1) whose digits after the point are those of `index` in reverse order.
+fn radical_inverse(mut index: u32, base: u32) -> f64 {
+    let (mut digits, mut power) = (0, 1);
+    while index > 0 {
+        digits = digits * base + index % base;
+        power *= base;
+        index /= base;
+    }
+    f64::from(digits) / f64::from(power)
+}
+
+impl Upscaler for Fsr2 {
+    fn id(&self) -> &'static str {
+        "fsr2"
+    }
+
+    fn name(&self) -> &'static str {
+        "FSR 2"
+    }
+
+    fn help(&self) -> &'static str {
+        "Jitters the samples and blends them, filtered by a Lanczos kernel, with the history, which motion vectors \
+         reproject and a box of the 3×3 samples rectifies. Locks protect thin features from rectification. Still views \
+         regain fine detail; in motion, edges stay smooth and thin lines whole, but transparency and moving light lag. \
+         Optional sharpening. Source: AMD FidelityFX Super Resolution 2.2 (2023)."
+    }
+
+    fn offers(&self) -> Offers {
+        Offers {
+            scales: &[Scale::ONE_AND_A_HALF, Scale::TWO, Scale::THREE],
+            anchors: &[Anchor::Centre],
+            lights: &[FilterSpace::Linear, FilterSpace::Bytes],
+            deringing: false,
+            sharpening: true,
+            history: false,
+        }
+    }
+
+    fn reads(&self) -> Reads {
+        Reads { gbuffer: true, history: true }
+    }
+
+    fn converges_after(&self, how: Upscaling) -> u32 {
+        jitter_positions(how.scale())
+    }
+
+    fn sampling(&self, how: Upscaling) -> Sampling {
+        Sampling::Lattice(how.lattice())
+    }
+
+    fn frame_sampling(&self, how: Upscaling, frames: u32) -> (Sampling, [f64; 2]) {
+        (self.sampling(how), jitter(how.scale(), frames))
+    }
+
+    fn upscale(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Image<Rgba8>) {
+        self.upscale_with_history(how, drawn, full, None);
+    }
+
+    fn upscale_with_history(
+        &self,
+        how: Upscaling,
+        drawn: &UpscaleInputs<'_>,
+        full: &mut Image<Rgba8>,
+        memory: Option<Accumulated>,
+    ) -> Upscaled {
+        let size @ (width, height) = full.size();
+        let width = width as usize;
+        let Accumulated { mut color, locks } = Accumulated::with_locks_reusing(memory, size);
+        let mut locks = locks.unwrap_or_else(|| Image::filled(size.0, height, [0.0; 2]));
+        let frame = Fsr2Frame::new(how, drawn, size);
+        let lanes = Lanes::best();
+        bands::fill_three(full, &mut color, &mut locks, |first, full, color, locks| {
+            let history = color.chunks_exact_mut(width).zip(locks.chunks_exact_mut(width));
+            let rows = full.chunks_exact_mut(width).zip(history);
+            let mut samples = frame.decoded_rows();
+            for (y, (row, (color, locks))) in (first..).zip(rows) {
+                on_lanes!(lanes, simd => frame.row(simd, y, &mut samples, (row, HistoryRow { color, locks })));
+            }
+        });
+        fsr::sharpen(how, full);
+        Upscaled { history: Some(Accumulated { color, locks: Some(locks) }), ..Upscaled::default() }
+    }
+
+    fn pixel(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
+        let frame = Fsr2Frame::new(how, drawn, size);
+        fsr::sharpened_pixel(how, size, at, |at| frame.plain_pixel(at))
+    }
+
+    /// Returns the samples of this frame only; history contributes no taps.
+    fn taps(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
+        let frame = Fsr2Frame::new(how, drawn, size);
+        let mut sums: BTreeMap<(u32, u32), f32> = BTreeMap::new();
+        for (at, share) in fsr::sharpening_shares(how, size, at, |at| frame.plain_pixel(at)) {
+            for ((x, y), weight) in frame.sample_weights(at) {
+                *sums.entry((y, x)).or_default() += share * weight;
+            }
+        }
+        sums.into_iter().map(|((y, x), weight)| Tap { x, y, weight }).collect()
+    }
+
+    /// Returns the blending before sharpening.
+    fn history_step(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, at: (u32, u32)) -> Option<HistoryStep> {
+        Some(Fsr2Frame::new(how, drawn, drawn.frame?.gbuffer.object.size()).step(at))
+    }
+}
