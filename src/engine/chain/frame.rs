@@ -13,6 +13,7 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::Geometry;
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::framebuffer::Framebuffer;
+use crate::pipeline::gbuffer::GBuffer;
 use crate::pipeline::motion::MotionVectors;
 use crate::pipeline::plan::DrawPlan;
 use crate::pipeline::settings::Execution;
@@ -97,6 +98,16 @@ pub struct Frame {
     pub tiled: Option<TiledReport>,
 }
 
+/// Buffers of a frame that is no longer needed. Those that are still referenced elsewhere are missing.
+pub(super) struct FrameBuffers {
+    pub(super) drawn: Framebuffer,
+    /// Full-resolution picture, if it is stored separately.
+    pub(super) full: Option<Image<Rgba8>>,
+    pub(super) history: Option<History>,
+    pub(super) gbuffer: Option<GBuffer>,
+    pub(super) motion: Option<MotionVectors>,
+}
+
 impl Frame {
     /// Returns the finished picture at full resolution.
     pub fn image(&self) -> &Image<Rgba8> {
@@ -131,15 +142,20 @@ impl Frame {
         self.history.as_ref().filter(|_| is_still).map_or(0, |past| past.still_frames)
     }
 
-    /// Decomposes the frame into buffers for reuse: the drawn samples, the full-resolution picture if it is stored
-    /// separately, and the history and the motion vectors unless they are still referenced elsewhere.
-    pub(super) fn into_buffers(self) -> (Framebuffer, Option<Image<Rgba8>>, Option<History>, Option<MotionVectors>) {
+    /// Decomposes the frame into buffers for reuse.
+    pub(super) fn into_buffers(self) -> FrameBuffers {
         let full = match self.unfiltered {
             Unfiltered::Kept(picture) => Some(picture),
             Unfiltered::Finished | Unfiltered::Drawn => self.finished,
         };
-        let motion = self.surfaces.and_then(|shown| shown.motion).and_then(Arc::into_inner);
-        (self.drawn, full, self.history.and_then(Arc::into_inner), motion)
+        let (gbuffer, motion) = self.surfaces.map(|shown| (shown.gbuffer, shown.motion)).unzip();
+        FrameBuffers {
+            drawn: self.drawn,
+            full,
+            history: self.history.and_then(Arc::into_inner),
+            gbuffer: gbuffer.and_then(Arc::into_inner),
+            motion: motion.flatten().and_then(Arc::into_inner),
+        }
     }
 
     /// Returns the history that the next frame may read, or `None` if the upscaler reads no history or the frame has no

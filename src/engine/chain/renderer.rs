@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use super::finish::{Finished, Spare, finish};
-use super::frame::LazyGeometry;
+use super::frame::{FrameBuffers, LazyGeometry};
 use super::pixel_samples::with_pixel_samples;
 use super::run::{Passes, mean_of_passes, run_after};
 use super::view::{gbuffer_recipe, outlines, raster_camera, raster_viewport, sampling_after, surfaces};
@@ -263,12 +263,13 @@ impl Renderer {
 
     /// Takes back the buffers of a frame that is no longer needed, for reuse.
     pub fn recycle(&mut self, frame: Frame) {
-        let (drawn, full, past, motion) = frame.into_buffers();
+        let FrameBuffers { drawn, full, history, gbuffer, motion } = frame.into_buffers();
+        self.spare_surfaces = gbuffer.or(self.spare_surfaces.take());
         self.spare_motion = motion.or(self.spare_motion.take());
         self.spare = Some(drawn.color);
         self.spare_depth = drawn.depth.or(self.spare_depth.take());
         self.spare_full.full = full.or(self.spare_full.full.take());
-        let Some(History { picture, accumulated: memory, surfaces, .. }) = past else { return };
+        let Some(History { picture, accumulated: memory, surfaces, .. }) = history else { return };
         self.spare_picture = picture;
         self.spare_full.history = memory;
         self.spare_surfaces = Arc::into_inner(surfaces).or(self.spare_surfaces.take());

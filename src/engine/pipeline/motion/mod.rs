@@ -213,8 +213,8 @@ impl<'a> FrameMotion<'a> {
         if self.before.is_none() {
             ids.pixels_mut().par_chunks_mut(width * ROWS).for_each(|ids| {
                 let mut cache = Cache::default();
-                for id in ids {
-                    *id = cache.get(self, *id).object;
+                for run in ids.chunk_by_mut(|a, b| a == b) {
+                    run.fill(cache.get(self, run[0]).object);
                 }
             });
             return None;
@@ -282,6 +282,9 @@ impl<'a> FrameMotion<'a> {
         let is_inside = x >= 0.0 && y >= 0.0 && x < self.size.0 as f32 && y < self.size.1 as f32 && distance > 0.0;
         if !is_inside {
             return false;
+        }
+        if across_px == 0.0 && down_px == 0.0 {
+            return before.shows(at, object, distance);
         }
         if let Some([nearest, farthest]) = before.range_of_one_object([x, y], object) {
             return is_near(distance, nearest, farthest);

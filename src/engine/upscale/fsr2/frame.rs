@@ -259,7 +259,7 @@ impl<'a> Fsr2Frame<'a> {
     fn narrowing<S: Simd>(&self, past: Option<&Past<S>>) -> f32 {
         let Some(past) = past else { return 1.0 };
         let [.., weight] = past.color.to_array();
-        1.0 + (self.scale - 1.0) * ((weight - 0.5) * (1.0 / 3.0)).max(0.0).min(1.0)
+        1.0 + (self.scale - 1.0) * ((weight - 0.5) * (1.0 / 3.0)).clamp(0.0, 1.0)
     }
 
     /// Returns half the size of the box to which the history is rectified, in standard deviations.
