@@ -44,7 +44,7 @@ pub(super) fn vectors(context: &OverlayContext<'_>) -> Sheet {
     }
     let totals = vec![
         Total { name: "vectors", number: lines.len() as f64, unit: "" },
-        Total { name: "longest", number: longest.into(), unit: "px" },
+        Total { name: "longest", number: (f64::from(longest) * 100.0).round() / 100.0, unit: "px" },
         Total { name: "disoccluded", number: disoccluded.into(), unit: "" },
     ];
     Sheet { lines, ..Sheet::new(Overlay::Motion, values, SheetLegend::Kinds(&KINDS), totals) }
