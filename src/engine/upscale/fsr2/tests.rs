@@ -247,7 +247,9 @@ fn locks_keep_thin_lines_that_rectification_would_fade() {
                     past.accumulated.as_mut().unwrap().locks = None;
                 }
                 if frame >= frames {
-                    contrast += f64::from(180 - picture.at(10, 4)[0].min(180)) / f64::from(frames);
+                    // All rows: how many samples hit the line depends on the row's position among the samples.
+                    let rows = (0..9).map(|y| f64::from(180 - picture.at(10, y)[0].min(180)));
+                    contrast += rows.sum::<f64>() / (9.0 * f64::from(frames));
                 }
             }
             contrast
