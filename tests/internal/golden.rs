@@ -41,8 +41,10 @@ fn image(scene: &Scene, recipe: &Recipe) -> Image<Rgba8> {
 
 /// Returns every picture that has a golden image, with the file name of that image without extension.
 fn pictures() -> Vec<(String, Image<Rgba8>)> {
+    // Scenes in motion are shown at a time at which they differ from still ones.
+    let posed = |builtin: &builtin::Builtin| Arc::new(builtin.build()).at(0.4);
     let mut pictures: Vec<_> =
-        builtin::ALL.iter().map(|b| (b.id.to_owned(), image(&b.build(), &Recipe::default()))).collect();
+        builtin::ALL.iter().map(|b| (b.id.to_owned(), image(&posed(b), &Recipe::default()))).collect();
     pictures.extend(switches());
     pictures.extend(depth_formats());
     pictures.extend(upscalers());

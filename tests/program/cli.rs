@@ -179,7 +179,7 @@ fn the_report_is_a_page_a_table_and_json_of_every_upscaler() {
     let columns = csv.lines().next().unwrap().split(',').count();
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     let scene = &json["scenes"][0];
-    assert_eq!((scene["rows"].as_array().unwrap().len(), columns), (rows, 41));
+    assert_eq!((scene["rows"].as_array().unwrap().len(), columns), (rows, 44));
     assert_eq!(scene["rows"][0]["error"]["mse"].as_f64(), Some(0.0), "native");
     assert_eq!(scene["rows"][0]["motion"]["worst"]["mse"].as_f64(), Some(0.0), "native in motion");
     assert_eq!(scene["noise"]["pairs"], 5, "two rounds are one block of each of five recipes that are drawn twice");
@@ -281,7 +281,8 @@ fn every_built_in_scene_renders_to_a_picture_of_the_size_asked_for() {
 fn every_buffer_is_a_picture_of_its_own() {
     let folder = folder();
     let images = Buffer::ALL.iter().map(|buffer| {
-        assert_success(&run(&folder, &["render", "--size", "64x48", "--buffer", buffer.id(), "-o", "out.png"]));
+        let args = ["render", "fence", "--time", "0.6", "--size", "96x64", "--buffer", buffer.id(), "-o", "out.png"];
+        assert_success(&run(&folder, &args));
         picture(&folder, "out.png")
     });
     let images: Vec<_> = images.collect();

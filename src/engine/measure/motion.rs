@@ -37,7 +37,7 @@ impl Turn {
     /// Still view: a single frame without motion of camera and scene.
     pub const STILL: Self = Self { degrees: 0.0, frames: 1, frames_per_second: 0.0 };
 
-    /// Number of warm-up frames for methods that read earlier frames; longer than the history of every method.
+    /// Number of warm-up frames in motion for methods that read earlier frames; what is older has little weight in them.
     pub const WARM_UP: u32 = 20;
 
     /// Returns an orbit of `degrees` per frame over the default number of frames, or a still view for 0°.
@@ -175,7 +175,8 @@ impl Playback {
     /// drawn. `number` must be greater than −[`Turn::WARM_UP`].
     pub(crate) fn warm_up(&mut self, shot: &FrameSequence<'_>, number: i64) -> bool {
         let Some(run) = &mut self.history else { return false };
-        let Some(missing) = run.missing(shot.turn, number) else { return false };
+        let converges_after = self.recipe.upscaler.upscaler().converges_after(self.recipe.upscaler);
+        let Some(missing) = run.missing(shot.turn, number, converges_after) else { return false };
         if missing != run.frames.end || run.frames.is_empty() {
             // History from another position in the sequence would leak into the image.
             *run = RenderRun { renderer: Renderer::on(self.lanes), frames: missing..missing };
@@ -208,12 +209,12 @@ impl Playback {
 
 impl RenderRun {
     /// Returns the number of the frame to draw next to build the history of frame `number`, or `None` if that history
-    /// is complete.
-    fn missing(&self, turn: Turn, number: i64) -> Option<i64> {
+    /// is complete. A still view is drawn at least until its history has converged.
+    fn missing(&self, turn: Turn, number: i64, converges_after: u32) -> Option<i64> {
         let warm_up = i64::from(Turn::WARM_UP);
         let Range { start, end } = self.frames;
         if turn.is_still() {
-            return (end - start < warm_up).then_some(end);
+            return (end - start < warm_up.max(converges_after.into())).then_some(end);
         }
         // Every playback starts at the same frame: accumulated history depends on how many frames were drawn before.
         if start != -warm_up || number < end { Some(-warm_up) } else { (number > end).then_some(end) }
