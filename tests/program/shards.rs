@@ -337,7 +337,7 @@ fn parts_that_do_not_fit_are_refused_by_name() {
     changed("old.json", |part| part["rasterscope"] = "0.0.9".into());
     assert_refused(folder, &with("old.json"), &["old.json", "written by Rasterscope 0.0.9"]);
     changed("format.json", |part| part["part_format"] = 0.into());
-    assert_refused(folder, &with("format.json"), &["format.json", "in format 0 instead of 2"]);
+    assert_refused(folder, &with("format.json"), &["format.json", "in format 0 instead of 3"]);
 }
 
 #[test]
