@@ -44,6 +44,16 @@ pub(crate) struct LatticePosition {
     pub(crate) phase: u32,
 }
 
+/// Three adjacent samples along one axis around an output column or row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ThreeSamples {
+    /// Indices of the samples, clamped to the image. The middle one is nearest to the centre of the output pixel.
+    pub(super) index: [u32; 3],
+    /// Distance from the middle sample to the centre of the output pixel, in [−0.5, 0.5], relative to the distance between
+    /// samples.
+    pub(super) from_nearest: f32,
+}
+
 impl Lattice {
     /// Returns the number of samples along an axis of `length` output pixels.
     pub(crate) fn samples(self, length: u32) -> u32 {
@@ -108,6 +118,18 @@ impl Lattice {
     pub(super) fn coordinate(self, place: f64, at: u32) -> (i64, f32) {
         let index = (f64::from(at) + 0.5 - self.position_px(0)) / self.scale.value() - (place - 0.5);
         (index.floor() as i64, (index - index.floor()) as f32)
+    }
+
+    /// Returns the three samples around output column or row `at`, out of `samples` samples that lie at `place` within
+    /// their areas.
+    pub(super) fn three_around(self, place: f64, at: u32, samples: u32) -> ThreeSamples {
+        let (cell, on) = self.coordinate(place, at);
+        let nearest = cell + i64::from(on > 0.5);
+        let inside = |index: i64| index.clamp(0, i64::from(samples) - 1) as u32;
+        ThreeSamples {
+            index: [-1, 0, 1].map(|number| inside(nearest + number)),
+            from_nearest: (cell - nearest) as f32 + on,
+        }
     }
 
     /// Returns the origin of the sample grid in the full image, in pixels: sample i lies at (i + ½) · s from this

@@ -1,6 +1,7 @@
 //! Weights of the samples around a pixel, and of the history pixels around a position.
 
 use super::super::Lattice;
+use super::super::lattice::ThreeSamples;
 use crate::math::lanes::*;
 
 /// Smallest sum of weights that is used: dividing by less would amplify rounding errors.
@@ -12,8 +13,7 @@ const MOST_NARROWING: f32 = 1.99;
 /// Squared distance of samples that do not exist, at which all weights are zero.
 const FAR: f32 = 4.0;
 
-/// Samples along one axis that contribute to an output column or row: three adjacent ones, clamped to the image. The
-/// middle one is nearest to the centre of the output pixel.
+/// Samples along one axis that contribute to an output column or row; see [`ThreeSamples`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AxisSamples {
     pub(super) index: [u32; 3],
@@ -28,14 +28,11 @@ impl AxisSamples {
     /// Returns the samples around output column or row `at`, out of `samples` samples of a lattice. They lie at `place`
     /// within their areas.
     pub(super) fn new(lattice: Lattice, place: f64, at: u32, samples: u32) -> Self {
-        let (cell, on) = lattice.coordinate(place, at);
-        let nearest = cell + i64::from(on > 0.5);
-        let from_nearest = (cell - nearest) as f32 + on;
-        let inside = |index: i64| index.clamp(0, i64::from(samples) - 1) as u32;
+        let ThreeSamples { index, from_nearest } = lattice.three_around(place, at, samples);
         let [before, own, after] =
             [-1.0, 0.0, 1.0].map(|number: f32| (number - from_nearest) * (number - from_nearest));
         Self {
-            index: [-1, 0, 1].map(|number| inside(nearest + number)),
+            index,
             distance_squared: [before, own, after, FAR],
             is_inside: f64::from(from_nearest.abs()) * lattice.scale.value() <= 0.5,
         }

@@ -1,6 +1,7 @@
 //! Blending of the samples of a frame with its history, pixel by pixel. A pixel's four numbers are one SIMD vector.
 
 use super::super::history::whole_and_fraction;
+use super::super::lattice::ThreeSamples;
 use super::super::sample_rows::DecodedRows;
 use super::super::ycocg::{Quad, YCoCg};
 use super::super::{
@@ -319,20 +320,15 @@ impl AxisSamples {
     /// Returns the samples around output column or row `at`, out of `samples` samples of a lattice. They lie at `place`
     /// within their areas.
     fn new(lattice: Lattice, place: f64, at: u32, samples: u32) -> Self {
-        let (cell, on) = lattice.coordinate(place, at);
-        let nearest = cell + i64::from(on > 0.5);
-        let from_nearest = (cell - nearest) as f64 + f64::from(on);
-        let step = lattice.scale.value();
-        let weight = |number: i64| {
+        let ThreeSamples { index, from_nearest } = lattice.three_around(place, at, samples);
+        let weight = [-1.0, 0.0, 1.0].map(|number: f64| {
             if lattice.scale == Scale::ONE {
-                return if number == 0 { 1.0 } else { 0.0 };
+                return if number == 0.0 { 1.0 } else { 0.0 };
             }
-            let distance = (number as f64 - from_nearest) * step;
+            let distance = (number - f64::from(from_nearest)) * lattice.scale.value();
             (-SHARPNESS * distance * distance).exp() as f32
-        };
-        let inside = |index: i64| index.clamp(0, i64::from(samples) - 1) as u32;
-        let weight = [-1, 0, 1].map(weight);
-        Self { index: [-1, 0, 1].map(|number| inside(nearest + number)), weight, total: weight.iter().sum() }
+        });
+        Self { index, weight, total: weight.iter().sum() }
     }
 }
 
