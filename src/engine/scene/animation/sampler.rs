@@ -99,33 +99,27 @@ fn sum<T: Copy + Mul<f64, Output = T> + Add<Output = T>>([a, b, c, d]: [T; 4], w
     a * weights[0] + b * weights[1] + c * weights[2] + d * weights[3]
 }
 
-impl KeyValue for f64 {
-    fn is_finite(self) -> bool {
-        self.is_finite()
-    }
+/// Implements [`KeyValue`] for a type that is interpolated linearly.
+macro_rules! linear_key_value {
+    ($value:ty) => {
+        impl KeyValue for $value {
+            fn is_finite(self) -> bool {
+                self.is_finite()
+            }
 
-    fn between(self, to: Self, share: f64) -> Self {
-        self * (1.0 - share) + to * share
-    }
+            fn between(self, to: Self, share: f64) -> Self {
+                self * (1.0 - share) + to * share
+            }
 
-    fn weighted(values: [Self; 4], weights: [f64; 4]) -> Self {
-        sum(values, weights)
-    }
+            fn weighted(values: [Self; 4], weights: [f64; 4]) -> Self {
+                sum(values, weights)
+            }
+        }
+    };
 }
 
-impl KeyValue for DVec3 {
-    fn is_finite(self) -> bool {
-        self.is_finite()
-    }
-
-    fn between(self, to: Self, share: f64) -> Self {
-        self * (1.0 - share) + to * share
-    }
-
-    fn weighted(values: [Self; 4], weights: [f64; 4]) -> Self {
-        sum(values, weights)
-    }
-}
+linear_key_value!(f64);
+linear_key_value!(DVec3);
 
 impl KeyValue for DQuat {
     fn is_finite(self) -> bool {
