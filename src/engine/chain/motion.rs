@@ -1,12 +1,13 @@
 //! Motion data of a picture: vectors, disocclusion and distances, drawn on demand.
 
-use super::{Frame, Recipe, run::draw_pixels, view::raster_camera, view::sampling_after};
+use super::run::draw_pixels;
+use super::view::{ids_recipe, raster_camera, sampling_after};
+use super::{Frame, Recipe};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::Lanes;
 use crate::pipeline::gbuffer::GBuffer;
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::motion::{FrameBefore, FrameMotion, FrameView, MotionVectors};
-use crate::pipeline::settings::{DepthTest, Settings, Shading};
 use crate::pipeline::viewport::Viewport;
 use crate::pipeline::{LastStage, prepare};
 use crate::scene::Scene;
@@ -80,12 +81,8 @@ impl Frame {
 
 /// Draws the triangle ids and the distances of a view; `None` if the depth test is off.
 fn ids_and_distances(view: FrameView<'_>, recipe: &Recipe, viewport: Viewport) -> Option<(Image<Rgba8>, Image<f32>)> {
-    if recipe.pipeline.depth_test == DepthTest::Off {
-        return None;
-    }
-    let pipeline = Settings { shading: Shading::TriangleId, exact_ids: true, ..recipe.pipeline };
-    let shown = Recipe { pipeline, ..Recipe::default() };
-    let geometry = prepare(view.scene, view.camera, &pipeline, viewport, &mut ());
+    let shown = ids_recipe(recipe)?;
+    let geometry = prepare(view.scene, view.camera, &shown.pipeline, viewport, &mut ());
     let drawn = draw_pixels(view.scene, &shown, &geometry, (SampleGrid::FULL, viewport), LastStage::Shade, &mut ());
     let mut distance = drawn.depth?;
     drawn.depth_scale.replace_by_distances(Lanes::best(), distance.pixels_mut());

@@ -31,9 +31,14 @@ pub(super) fn sampling_after(past: Option<&History>, recipe: &Recipe) -> (Sampli
 /// Returns the recipe for drawing the ids and depths of the G-buffer at full resolution; `None` unless the upscaler reads
 /// a G-buffer and the depth test is on.
 pub(super) fn gbuffer_recipe(recipe: &Recipe) -> Option<Recipe> {
-    let reads = recipe.upscaler.upscaler().reads().gbuffer && recipe.pipeline.depth_test != DepthTest::Off;
+    let reads = recipe.upscaler.upscaler().reads().gbuffer;
+    ids_recipe(recipe).filter(|_| reads)
+}
+
+/// Returns the recipe for drawing the exact triangle id and the depth of every pixel; `None` if the depth test is off.
+pub(super) fn ids_recipe(recipe: &Recipe) -> Option<Recipe> {
     let pipeline = Settings { shading: Shading::TriangleId, exact_ids: true, ..recipe.pipeline };
-    reads.then_some(Recipe { pipeline, ..Recipe::default() })
+    (recipe.pipeline.depth_test != DepthTest::Off).then_some(Recipe { pipeline, ..Recipe::default() })
 }
 
 /// Visible surfaces of a frame, and their motion since the preceding frame.
