@@ -4,7 +4,6 @@ use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
 use crate::disk;
-use crate::measure::shot::Shot;
 use crate::report::clip::{Clip, ClipFile, ClipPlan};
 use crate::upscale::Upscaling;
 use clap::Args;
@@ -12,26 +11,21 @@ use clap::Args;
 use super::failure::Failure;
 use super::progress::ProgressLine;
 use super::scene_args::FrameArgs;
-use super::sequence_args::camera_path;
-use super::{interrupt, output, parse};
+use super::sequence_args::ShotArgs;
+use super::{interrupt, output};
 
-/// Arguments of `clip`.
+/// Options of the command `clip`.
 #[derive(Args, Debug)]
 pub(crate) struct ClipArgs {
     #[command(flatten)]
     frame: FrameArgs,
 
-    /// Camera path: a JSON file, or a preset; without it, the camera stands still
-    #[arg(long, value_name = "FILE|PRESET")]
-    path: Option<PathBuf>,
+    #[command(flatten)]
+    shot: ShotArgs,
 
-    /// Number of frames
+    /// Number of frames to write
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     frames: u32,
-
-    /// Number of frames per second
-    #[arg(long, value_name = "FPS", default_value_t = 30.0, value_parser = parse::frames_per_second)]
-    fps: f64,
 
     /// Number of samples per pixel of the references
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=4096))]
@@ -54,16 +48,10 @@ pub(crate) fn run(args: &ClipArgs) -> Result<(), Failure> {
             Failure::Usage(format!("{name} reads no history: choose a temporal upscaler, such as upscaler.method=taa"))
         })?;
     }
-    let path = args.path.as_deref().map(camera_path).transpose()?;
+    let shot = args.shot.shot(&view)?;
     let folder = |source| Failure::ResultFile { path: args.output.clone(), source };
     std::fs::create_dir_all(&args.output).map_err(folder)?;
-    let mut clip = Clip::new(ClipPlan {
-        shot: Shot { scene: view.scene, camera: view.camera, path, frames_per_second: args.fps },
-        recipe,
-        viewport,
-        frames: args.frames,
-        samples: args.samples,
-    });
+    let mut clip = Clip::new(ClipPlan { shot, recipe, viewport, frames: args.frames, samples: args.samples });
     let (line, stop) = (ProgressLine::new(), interrupt::flag());
     let write = |file: &ClipFile| {
         let path = args.output.join(&file.name);

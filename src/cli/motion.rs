@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
-use crate::measure::shot::Shot;
 use crate::report::motion::{MotionPlan, MotionReport, measure};
 use crate::upscale::{Scale, Upscaling};
 use clap::Args;
@@ -11,26 +10,21 @@ use clap::Args;
 use super::failure::Failure;
 use super::progress::ProgressLine;
 use super::scene_args::FrameArgs;
-use super::sequence_args::camera_path;
-use super::{interrupt, output, parse};
+use super::sequence_args::ShotArgs;
+use super::{interrupt, output};
 
-/// Arguments of `motion`.
+/// Options of the command `motion`.
 #[derive(Args, Debug)]
 pub(crate) struct MotionArgs {
     #[command(flatten)]
     frame: FrameArgs,
 
-    /// Camera path: a JSON file, or a preset; without it, the camera stands still
-    #[arg(long, value_name = "FILE|PRESET")]
-    path: Option<PathBuf>,
+    #[command(flatten)]
+    shot: ShotArgs,
 
-    /// Number of frames
+    /// Number of frames to measure
     #[arg(long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u32).range(2..=10_000))]
     frames: u32,
-
-    /// Number of frames per second
-    #[arg(long, value_name = "FPS", default_value_t = 30.0, value_parser = parse::frames_per_second)]
-    fps: f64,
 
     /// Number of samples per pixel of the references
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=4096))]
@@ -75,12 +69,12 @@ impl MotionArgs {
 /// Runs `motion`: measures the clip, prints the table and writes the page.
 pub(crate) fn run(args: &MotionArgs) -> Result<(), Failure> {
     let (view, viewport, upscalers) = (args.frame.view()?, args.frame.size()?, args.upscalers()?);
-    let path = args.path.as_deref().map(camera_path).transpose()?;
+    let shot = args.shot.shot(&view)?;
     if let Some(page) = &args.output {
         output::check_writable(page)?;
     }
     let plan = MotionPlan {
-        shot: Shot { scene: view.scene, camera: view.camera, path, frames_per_second: args.fps },
+        shot,
         recipe: view.recipe,
         upscalers,
         viewport,

@@ -38,6 +38,25 @@ fn path_help() -> String {
     format!("Camera path: a JSON file of key views, or a preset that moves the camera: {}", presets.join(" or "))
 }
 
+/// Options for the motion of a clip: frame rate and camera path.
+#[derive(Args, Debug)]
+pub(crate) struct ShotArgs {
+    /// Number of frames per second
+    #[arg(long, value_name = "FPS", default_value_t = 30.0, value_parser = parse::frames_per_second)]
+    fps: f64,
+
+    #[arg(long, value_name = "FILE|PRESET", help = path_help())]
+    path: Option<PathBuf>,
+}
+
+impl ShotArgs {
+    /// Returns scene and camera of every frame of a clip. Reads the camera path.
+    pub(crate) fn shot(&self, view: &RequestedView) -> Result<Shot, Failure> {
+        let path = self.path.as_deref().map(camera_path).transpose()?;
+        Ok(Shot { scene: Arc::clone(&view.scene), camera: view.camera, path, frames_per_second: self.fps })
+    }
+}
+
 /// Frames of a sequence.
 #[derive(Debug)]
 pub(crate) struct Sequence {
@@ -63,7 +82,7 @@ impl SequenceArgs {
 }
 
 /// Returns the camera path with the name of a preset, or reads it from a file.
-pub(super) fn camera_path(given: &Path) -> Result<CameraPath, Failure> {
+fn camera_path(given: &Path) -> Result<CameraPath, Failure> {
     match given.to_str().and_then(CameraPath::preset) {
         Some(preset) => Ok(preset),
         None => Ok(CameraPath::read(given)?),
