@@ -6,6 +6,8 @@ mod black;
 
 mod flaw;
 
+mod history;
+
 mod order;
 
 pub(super) use order::is_blended_wrongly;
@@ -19,7 +21,6 @@ use crate::chain::{Frame, Recipe};
 use crate::pipeline::depth::DepthComparison;
 use crate::pipeline::settings::{Choice as _, Settings};
 use crate::scene::{Instance, Scene, TriangleId};
-use crate::upscale::{HistoryStep, Rejection};
 
 /// Beginning of the verdict on a pixel that one triangle won unambiguously.
 const UNAMBIGUOUS_WIN: &str = "Won by ";
@@ -53,7 +54,7 @@ fn story(report: &PixelReport, drawn: bool, comparison: DepthComparison) -> Stri
     if drawn {
         return story;
     }
-    let history = report.history.as_ref().map(history_verdict).unwrap_or_default();
+    let history = report.history.as_ref().map(history::verdict).unwrap_or_default();
     if report.history.as_ref().is_some_and(|step| step.past.is_ok()) {
         if report.sources.is_empty() {
             return format!("{history} This frame draws none of the pixels around it.");
@@ -69,29 +70,6 @@ fn story(report: &PixelReport, drawn: bool, comparison: DepthComparison) -> Stri
     };
     let history = if history.is_empty() { history } else { format!("{history} ") };
     format!("{history}Not drawn: {made_of}. Pixel with the largest weight, ({x}, {y}): {story}")
-}
-
-/// Returns how a pixel is blended with its history, or why the history is rejected.
-fn history_verdict(step: &HistoryStep) -> String {
-    let past = match &step.past {
-        Ok(past) => past,
-        Err(Rejection::FirstFrame) => return String::new(),
-        Err(rejection) => return format!("No history: {}.", rejection.help()),
-    };
-    let [x, y] = past.position_px;
-    let percent = (1.0 - step.share) * 100.0;
-    let rectified = if past.rectified == past.read {
-        String::new()
-    } else {
-        let changes = step
-            .space
-            .components()
-            .into_iter()
-            .zip(past.read.iter().zip(past.rectified))
-            .map(|(name, (read, now))| format!("{name} {read:.3} → {now:.3}"));
-        format!(", rectified by the samples around it ({})", changes.collect::<Vec<_>>().join(", "))
-    };
-    format!("{percent:.0} % from the history: the previous frame at {x:.2}, {y:.2}{rectified}.")
 }
 
 /// Returns the introduction to the verdict on a pixel with several samples; empty for a pixel with a single sample.

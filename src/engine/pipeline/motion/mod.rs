@@ -7,15 +7,18 @@
 //! A surface point is *disoccluded* if the preceding frame does not show it: it was hidden, outside the picture or
 //! behind the eye.
 
+mod block;
 mod plane;
 #[cfg(test)]
 mod tests;
+mod visibility;
 
 use glam::{DMat4, DVec3, DVec4};
 use rayon::prelude::*;
 
+use self::block::{Block, Cache};
 use self::plane::{BLOCK, MovedTriangle, PlaneMotion};
-use super::gbuffer::{GBuffer, SAME_DISTANCE};
+use super::gbuffer::GBuffer;
 use super::viewport::Viewport;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
@@ -193,7 +196,7 @@ impl<'a> FrameMotion<'a> {
         PointMotion {
             vector_px: [block.across_px[place], block.down_px[place]],
             distance: block.distance[place],
-            is_visible: self.is_visible((x, y), motion.object, block.at(place)),
+            is_visible: self.before.is_some_and(|before| before.shows_moved((x, y), motion.object, &block.at(place))),
         }
     }
 
@@ -263,91 +266,11 @@ impl<'a> FrameMotion<'a> {
             row.down_px[pixels.clone()].copy_from_slice(&block.down_px[..ids.len()]);
             for (place, visible) in row.visible[pixels].iter_mut().enumerate() {
                 let at = ((first + place) as u32, y);
-                let is_visible = self.is_visible(at, ids[place], block.at(place));
+                let is_visible = self.before.is_some_and(|before| before.shows_moved(at, ids[place], &block.at(place)));
                 *visible = if is_visible { MotionVectors::VISIBLE } else { 0 };
             }
         }
     }
-
-    /// Whether the preceding frame shows an object at the position and distance to which the vector of a pixel leads.
-    ///
-    /// The four pixels around the position decide, by their bilinear weights, so that silhouettes are found to a fraction
-    /// of a pixel. The distances of those that show the object must agree with that of the point, or the object hides
-    /// itself; the range is extended by its own size, because the point may lie outside the pixels that show the object.
-    #[inline(always)]
-    fn is_visible(&self, at: (u32, u32), object: Rgba8, ([across_px, down_px], distance): ([f32; 2], f32)) -> bool {
-        let Some(before) = self.before else { return false };
-        let [x, y] = [at.0 as f32 + 0.5 + across_px, at.1 as f32 + 0.5 + down_px];
-        // NaN fails every comparison, so it is not inside.
-        let is_inside = x >= 0.0 && y >= 0.0 && x < self.size.0 as f32 && y < self.size.1 as f32 && distance > 0.0;
-        if !is_inside {
-            return false;
-        }
-        if across_px == 0.0 && down_px == 0.0 {
-            return before.shows(at, object, distance);
-        }
-        if let Some([nearest, farthest]) = before.range_of_one_object([x, y], object) {
-            return is_near(distance, nearest, farthest);
-        }
-        let (columns, right) = around(x, self.size.0);
-        let (rows, down) = around(y, self.size.1);
-        let (mut weight, mut nearest, mut farthest) = (0.0, f32::INFINITY, 0.0_f32);
-        for (row, vertical) in [(rows[0], 1.0 - down), (rows[1], down)] {
-            for (column, horizontal) in [(columns[0], 1.0 - right), (columns[1], right)] {
-                let pixel = row * self.size.0 as usize + column;
-                if before.object.pixels()[pixel] == object {
-                    let there = before.distance.pixels()[pixel];
-                    weight += vertical * horizontal;
-                    nearest = nearest.min(there);
-                    farthest = farthest.max(there);
-                }
-            }
-        }
-        weight >= LEAST_WEIGHT && is_near(distance, nearest, farthest)
-    }
-}
-
-/// Whether a distance agrees with the nearest and the farthest of the pixels around a position.
-#[inline(always)]
-fn is_near(distance: f32, nearest: f32, farthest: f32) -> bool {
-    let slack = farthest - nearest + SAME_DISTANCE * distance;
-    distance == nearest || (distance >= nearest - slack && distance <= farthest + slack)
-}
-
-impl GBuffer {
-    /// Returns the least and the greatest distance of the four pixels around a position, if all of them show `object`.
-    /// Nearly all positions are like that, and need no weights.
-    #[inline(always)]
-    fn range_of_one_object(&self, [x, y]: [f32; 2], object: Rgba8) -> Option<[f32; 2]> {
-        let (width, height) = self.object.size();
-        let [x, y] = [x - 0.5, y - 0.5];
-        if !(x >= 0.0 && y >= 0.0 && x < (width - 1) as f32 && y < (height - 1) as f32) {
-            return None;
-        }
-        let upper = y as usize * width as usize + x as usize;
-        let lower = upper + width as usize;
-        let (objects, distances) = (self.object.pixels(), self.distance.pixels());
-        if objects[upper..upper + 2] != [object; 2] || objects[lower..lower + 2] != [object; 2] {
-            return None;
-        }
-        let [a, b] = [upper, lower].map(|at| [distances[at], distances[at + 1]]);
-        Some([a[0].min(a[1]).min(b[0].min(b[1])), a[0].max(a[1]).max(b[0].max(b[1]))])
-    }
-}
-
-/// Least bilinear weight of the pixels of the preceding frame that show an object for a point of it to count as visible.
-/// A silhouette passes through a pixel at a weight of about one half; less counts more hidden points as visible and
-/// fewer visible ones as hidden.
-const LEAST_WEIGHT: f32 = 0.4;
-
-/// Returns the pixels whose centres lie before and after a position along an axis of `length` px, and the interpolation
-/// weight of the second. The position must be inside the axis.
-#[inline(always)]
-fn around(place: f32, length: u32) -> ([usize; 2], f32) {
-    let floor = (place - 0.5).floor();
-    let first = floor.max(0.0) as usize;
-    let last = length as usize - 1;
-    ([first, if floor < 0.0 { 0 } else { (first + 1).min(last) }], place - 0.5 - floor)
 }
 
 impl Placed<'_> {
@@ -383,73 +306,4 @@ struct MotionRow<'a> {
     across_px: &'a mut [f32],
     down_px: &'a mut [f32],
     visible: &'a mut [u8],
-}
-
-/// Motion of the pixels of one block.
-struct Block {
-    across_px: [f32; BLOCK],
-    down_px: [f32; BLOCK],
-    /// Distances in the preceding frame.
-    distance: [f32; BLOCK],
-}
-
-impl Block {
-    /// Creates the block of still pixels with these distances. Missing ones are 0.
-    #[inline(always)]
-    fn still(distances: &[f32]) -> Self {
-        let mut distance = [0.0; BLOCK];
-        distance[..distances.len()].copy_from_slice(distances);
-        Self { across_px: [0.0; BLOCK], down_px: [0.0; BLOCK], distance }
-    }
-
-    /// Sets the motion of the pixels in `range`, which show one triangle. The block starts at pixel `at`.
-    #[inline(always)]
-    fn set(&mut self, motion: &TriangleMotion, range: std::ops::Range<usize>, at: (u32, u32)) {
-        let Some(plane) = &motion.plane else { return };
-        let block = plane.block(at.0, at.1);
-        let mut moved = Self { across_px: [0.0; BLOCK], down_px: [0.0; BLOCK], distance: [0.0; BLOCK] };
-        for column in 0..BLOCK {
-            let point = block.at(column as f32);
-            moved.across_px[column] = point.across_px;
-            moved.down_px[column] = point.down_px;
-            moved.distance[column] = point.distance;
-        }
-        self.across_px[range.clone()].copy_from_slice(&moved.across_px[range.clone()]);
-        self.down_px[range.clone()].copy_from_slice(&moved.down_px[range.clone()]);
-        if motion.object != GBuffer::NO_OBJECT {
-            self.distance[range.clone()].copy_from_slice(&moved.distance[range]);
-        }
-    }
-
-    /// Returns the vector of a pixel and its distance in the preceding frame.
-    #[inline(always)]
-    fn at(&self, place: usize) -> ([f32; 2], f32) {
-        ([self.across_px[place], self.down_px[place]], self.distance[place])
-    }
-}
-
-/// Cache of triangle motions: neighbouring pixels and rows mostly show the same triangles.
-struct Cache {
-    /// Entry of triangle `id` at `id % ENTRIES`, with the bytes of the id that it holds.
-    entries: Vec<Option<(Rgba8, TriangleMotion)>>,
-}
-
-impl Cache {
-    /// Number of cached triangles.
-    const ENTRIES: usize = 512;
-
-    #[inline]
-    fn get(&mut self, motion: &FrameMotion<'_>, id: Rgba8) -> &TriangleMotion {
-        let entry = &mut self.entries[u32::from_le_bytes(id) as usize % Self::ENTRIES];
-        if entry.is_none_or(|(cached, _)| cached != id) {
-            *entry = None;
-        }
-        &entry.get_or_insert_with(|| (id, motion.of_triangle(id))).1
-    }
-}
-
-impl Default for Cache {
-    fn default() -> Self {
-        Self { entries: vec![None; Self::ENTRIES] }
-    }
 }

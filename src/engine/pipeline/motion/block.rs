@@ -1,0 +1,78 @@
+//! Motion of the pixels of a block, and a cache of the triangles that they show.
+
+use std::ops::Range;
+
+use super::plane::BLOCK;
+use super::visibility::MovedPoint;
+use super::{FrameMotion, TriangleMotion};
+use crate::image::Rgba8;
+use crate::pipeline::gbuffer::GBuffer;
+
+/// Motion of the pixels of one block.
+pub(super) struct Block {
+    pub(super) across_px: [f32; BLOCK],
+    pub(super) down_px: [f32; BLOCK],
+    /// Distances in the preceding frame.
+    pub(super) distance: [f32; BLOCK],
+}
+
+impl Block {
+    /// Creates the block of still pixels with these distances. Missing ones are 0.
+    #[inline(always)]
+    pub(super) fn still(distances: &[f32]) -> Self {
+        let mut distance = [0.0; BLOCK];
+        distance[..distances.len()].copy_from_slice(distances);
+        Self { across_px: [0.0; BLOCK], down_px: [0.0; BLOCK], distance }
+    }
+
+    /// Sets the motion of the pixels in `range`, which show one triangle. The block starts at pixel `at`.
+    #[inline(always)]
+    pub(super) fn set(&mut self, motion: &TriangleMotion, range: Range<usize>, at: (u32, u32)) {
+        let Some(plane) = &motion.plane else { return };
+        let block = plane.block(at.0, at.1);
+        let mut moved = Self { across_px: [0.0; BLOCK], down_px: [0.0; BLOCK], distance: [0.0; BLOCK] };
+        for column in 0..BLOCK {
+            let point = block.at(column as f32);
+            moved.across_px[column] = point.across_px;
+            moved.down_px[column] = point.down_px;
+            moved.distance[column] = point.distance;
+        }
+        self.across_px[range.clone()].copy_from_slice(&moved.across_px[range.clone()]);
+        self.down_px[range.clone()].copy_from_slice(&moved.down_px[range.clone()]);
+        if motion.object != GBuffer::NO_OBJECT {
+            self.distance[range.clone()].copy_from_slice(&moved.distance[range]);
+        }
+    }
+
+    /// Returns the vector of a pixel and its distance in the preceding frame.
+    #[inline(always)]
+    pub(super) fn at(&self, place: usize) -> MovedPoint {
+        MovedPoint { vector_px: [self.across_px[place], self.down_px[place]], distance: self.distance[place] }
+    }
+}
+
+/// Cache of triangle motions: neighbouring pixels and rows mostly show the same triangles.
+pub(super) struct Cache {
+    /// Entry of triangle `id` at `id % ENTRIES`, with the bytes of the id that it holds.
+    entries: Vec<Option<(Rgba8, TriangleMotion)>>,
+}
+
+impl Cache {
+    /// Number of cached triangles.
+    const ENTRIES: usize = 512;
+
+    #[inline]
+    pub(super) fn get(&mut self, motion: &FrameMotion<'_>, id: Rgba8) -> &TriangleMotion {
+        let entry = &mut self.entries[u32::from_le_bytes(id) as usize % Self::ENTRIES];
+        if entry.is_none_or(|(cached, _)| cached != id) {
+            *entry = None;
+        }
+        &entry.get_or_insert_with(|| (id, motion.of_triangle(id))).1
+    }
+}
+
+impl Default for Cache {
+    fn default() -> Self {
+        Self { entries: vec![None; Self::ENTRIES] }
+    }
+}
