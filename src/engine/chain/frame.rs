@@ -71,8 +71,8 @@ pub struct Frame {
     pub(crate) camera: Camera,
     /// Visible surfaces at full resolution; `None` unless the upscaler reads them and the depth test is on.
     pub(super) surfaces: Option<Surfaces>,
-    /// View of the preceding frame, for the motion since then; `None` if no frame precedes. The renderer does not set
-    /// it: whoever knows the sequence of frames does.
+    /// View of the preceding frame, from which [`Frame::motion`] computes vectors; `None` without a preceding frame. The
+    /// renderer leaves it `None`: callers that draw a sequence set it.
     pub before: Option<PrecedingView>,
     /// Preceding frame as history; `None` unless the upscaler reads history and a preceding frame exists.
     pub history: Option<Arc<History>>,

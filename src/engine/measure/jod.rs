@@ -22,7 +22,7 @@ const BLOCK_BYTES: usize = 2 << 30;
 /// Largest number of frames that are predicted at once.
 const MAX_BLOCK: usize = 64;
 
-/// Viewing conditions.
+/// Viewing conditions of an observer: size of a pixel and frame rate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Viewing {

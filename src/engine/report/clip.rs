@@ -26,7 +26,7 @@ use crate::scene::{Camera, Scene, camera_file};
 /// Version of the index, which changes if an older reader would misread it.
 const VERSION: u32 = 1;
 
-/// Clip to write.
+/// Scene, settings and length of a clip.
 #[derive(Clone, Debug)]
 pub struct ClipPlan {
     /// Scene and camera of every frame.
@@ -35,18 +35,18 @@ pub struct ClipPlan {
     pub recipe: Recipe,
     /// Size of the references, in pixels.
     pub viewport: Viewport,
-    /// Number of frames.
+    /// Number of frames in the clip.
     pub frames: u32,
     /// Number of samples per pixel of the references.
     pub samples: u32,
 }
 
-/// File of a clip.
+/// One of the files that make up a clip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClipFile {
     /// File name, without folder.
     pub name: String,
-    /// Content.
+    /// Bytes of the file.
     pub bytes: Vec<u8>,
 }
 

@@ -60,7 +60,7 @@ pub(crate) enum Dismissal {
     Offer,
     /// Notice about a saved file or warnings.
     Notice,
-    /// Error.
+    /// Message of the last error.
     Error,
 }
 

@@ -17,13 +17,13 @@ use crate::image::{Image, Rgba8};
 /// Frame of a sequence with the previous frame, for the measured sequence and for its reference.
 #[derive(Clone, Copy, Debug)]
 pub struct FramePair<'a> {
-    /// Measured frame.
+    /// Picture of the frame by the measured method.
     pub picture: &'a Image<Rgba8>,
-    /// Measured frame before it.
+    /// Picture of the preceding frame by the measured method.
     pub picture_before: &'a Image<Rgba8>,
-    /// Reference of the frame.
+    /// Reference picture of the frame.
     pub reference: &'a Image<Rgba8>,
-    /// Reference of the frame before it.
+    /// Reference picture of the preceding frame.
     pub reference_before: &'a Image<Rgba8>,
 }
 

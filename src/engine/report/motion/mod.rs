@@ -31,14 +31,14 @@ use crate::upscale::Upscaling;
 /// Number of frames after a disocclusion in which an error counts as ghosting.
 pub const GHOST_FRAMES: u32 = 4;
 
-/// Measurement of a clip.
+/// Scene, settings and methods of a measurement.
 #[derive(Clone, Debug)]
 pub struct MotionPlan {
     /// Scene and camera of every frame.
     pub shot: Shot,
     /// Settings of all methods, apart from the upscaler.
     pub recipe: Recipe,
-    /// Upscalers to measure.
+    /// Upscalers that are measured, each with its scale and options.
     pub upscalers: Vec<Upscaling>,
     /// Size of every frame, in pixels.
     pub viewport: Viewport,
@@ -50,7 +50,7 @@ pub struct MotionPlan {
     pub pixels_per_degree: f64,
 }
 
-/// Results of a clip.
+/// Errors and times of all methods over a clip.
 #[derive(Debug, Serialize)]
 pub struct MotionReport {
     /// Display name of the scene.
@@ -67,7 +67,7 @@ pub struct MotionReport {
     pub pixels_per_degree: f64,
     /// Fraction of the pixels that are disoccluded, mean over the frames, in [0, 1].
     pub disoccluded_share: f64,
-    /// Machine that measured.
+    /// Processor, threads and load of the machine during the measurement.
     pub machine: Machine,
     /// Results of each method, in the order of the plan.
     pub methods: Vec<MethodInMotion>,
@@ -75,7 +75,7 @@ pub struct MotionReport {
     pub partial: bool,
 }
 
-/// Results of one method.
+/// Errors and times of one method over a clip.
 #[derive(Debug, Serialize)]
 pub struct MethodInMotion {
     /// Display name of the upscaler with its scale and options.
