@@ -13,9 +13,13 @@ use crate::pipeline::motion::{FrameView, MotionVectors};
 use crate::pipeline::settings::{Choice, choice};
 use crate::scene::{Camera, Scene};
 
+mod dilated;
 mod wide;
+mod window;
 
+pub(super) use dilated::DilatedVectors;
 pub(super) use wide::{NOT_VISIBLE, VectorLanes, same_surface};
+pub(super) use window::{PastPlaces, centers, sum_of_quads};
 
 /// History that an upscaler stores for its next frame, at full resolution.
 #[derive(Clone, Debug, PartialEq)]
@@ -236,15 +240,6 @@ impl Motion<'_> {
         let is_visible = vectors.visible.at(by.0, by.1) == MotionVectors::VISIBLE;
         is_visible.then_some(Reprojected { place, is_still: false }).ok_or(Rejection::Disoccluded)
     }
-}
-
-/// Returns the index of the pixel whose centre lies at or before a position along an axis, and the distance from it, in
-/// [0, 1).
-#[inline(always)]
-pub(super) fn whole_and_fraction(place: f32) -> (i64, f32) {
-    let from = place - 0.5;
-    let floor = from.floor();
-    (floor as i64, from - floor)
 }
 
 /// Position of a pixel in the previous frame.

@@ -49,6 +49,8 @@ pub(crate) struct LatticePosition {
 pub(super) struct ThreeSamples {
     /// Indices of the samples, clamped to the image. The middle one is nearest to the centre of the output pixel.
     pub(super) index: [u32; 3],
+    /// Index of the middle sample; −1 or the number of samples if it lies outside the image.
+    pub(super) nearest: i64,
     /// Distance from the middle sample to the centre of the output pixel, in [−0.5, 0.5], relative to the distance between
     /// samples.
     pub(super) from_nearest: f32,
@@ -128,6 +130,7 @@ impl Lattice {
         let inside = |index: i64| index.clamp(0, i64::from(samples) - 1) as u32;
         ThreeSamples {
             index: [-1, 0, 1].map(|number| inside(nearest + number)),
+            nearest,
             from_nearest: (cell - nearest) as f32 + on,
         }
     }

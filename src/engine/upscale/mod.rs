@@ -37,6 +37,7 @@ mod nearest;
 #[cfg(target_arch = "x86_64")]
 mod nearest_avx2;
 pub mod process;
+mod quads;
 mod registry;
 mod sample_rows;
 mod scale;

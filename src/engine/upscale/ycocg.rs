@@ -1,11 +1,10 @@
 //! YCoCg: the colour space in which temporal upscalers compare colours, because chroma and luminance are separate in it.
 
+use super::quads::{self, Quad};
 use super::{BlendSpace, FilterSpace};
 use crate::image::Rgba8;
 use crate::image::color::Tables;
-
-/// Y, Co, Cg and a fourth number: alpha of a sample as an 8-bit value, or the accumulated weight of a pixel.
-pub(super) type Quad = [f32; 4];
+use crate::math::lanes::*;
 
 /// Conversion between sRGB codes and YCoCg of linear light, in [0, 1], or of sRGB codes, in [0, 255].
 #[derive(Clone, Copy)]
@@ -27,23 +26,51 @@ impl YCoCg {
     /// Converts the codes of a sample. The fourth number is alpha as an 8-bit value.
     #[inline(always)]
     pub(super) fn decoded(self, [r, g, b, a]: Rgba8) -> Quad {
-        let table = match self.light {
+        let [r, g, b] = [r, g, b].map(|code| self.values_of_codes()[usize::from(code)]);
+        [0.25 * r + 0.5 * g + 0.25 * b, 0.5 * r - 0.5 * b, 0.5 * g - 0.25 * r - 0.25 * b, f32::from(a)]
+    }
+
+    /// Returns the values of the sRGB codes in the working space.
+    fn values_of_codes(self) -> &'static [f32; 256] {
+        match self.light {
             FilterSpace::Linear => &self.tables.linear_of_code,
             FilterSpace::Bytes => &self.tables.code,
-        };
-        let [r, g, b] = [r, g, b].map(|code| table[usize::from(code)]);
-        [0.25 * r + 0.5 * g + 0.25 * b, 0.5 * r - 0.5 * b, 0.5 * g - 0.25 * r - 0.25 * b, f32::from(a)]
+        }
+    }
+
+    /// Converts the codes of a row of samples, with the results of [`Self::decoded`].
+    #[inline(always)]
+    pub(super) fn decode_row<S: Simd>(self, simd: S, codes: &[Rgba8], colors: &mut [Quad]) {
+        let (runs, rest) = codes.as_chunks::<WIDE>();
+        let (blocks, last) = colors.as_chunks_mut::<WIDE>();
+        for (colors, codes) in blocks.iter_mut().zip(runs) {
+            let words = u8x64::from_slice(simd, codes.as_flattened()).bitcast::<u32x16<S>>();
+            let [r, g, b] = each!(channel in [0, 8, 16] => {
+                Tables::lookup(simd, self.values_of_codes(), (words >> channel) & 255)
+            });
+            let y = r * 0.25 + g * 0.5 + b * 0.25;
+            quads::store([y, r * 0.5 - b * 0.5, g * 0.5 - r * 0.25 - b * 0.25, float_of(words >> 24)], colors);
+        }
+        for (color, codes) in last.iter_mut().zip(rest) {
+            *color = self.decoded(*codes);
+        }
+    }
+
+    /// Returns the codes of 16 colours with the given alpha, an 8-bit value.
+    #[inline(always)]
+    pub(super) fn encode<S: Simd>(self, simd: S, [y, co, cg]: [f32x16<S>; 3], alpha: f32x16<S>) -> [Rgba8; WIDE] {
+        let [r, g, b] = each!(value in [y - cg + co, y + cg, y - cg - co] => match self.light {
+            FilterSpace::Linear => self.tables.encode_lanes(simd, value),
+            FilterSpace::Bytes => whole_part((value + 0.5).max(f32x16::splat(simd, 0.0)).min(255.0)),
+        });
+        let words = r | g << 8 | b << 16 | whole_part(alpha + 0.5) << 24;
+        let mut codes = [[0; 4]; WIDE];
+        words.bitcast::<u8x64<S>>().store_slice(codes.as_flattened_mut());
+        codes
     }
 
     /// Returns the space of the colours.
     pub(super) fn space(self) -> BlendSpace {
         BlendSpace::YCoCg(self.light)
-    }
-
-    /// Returns the codes of a colour with the given alpha, an 8-bit value. Ignores the fourth number.
-    #[inline(always)]
-    pub(super) fn encoded(self, [y, co, cg, _]: Quad, alpha: f32) -> Rgba8 {
-        let [r, g, b] = self.space().encoded(self.tables, [y, co, cg]);
-        [r, g, b, (alpha + 0.5) as u8]
     }
 }

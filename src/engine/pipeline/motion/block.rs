@@ -3,7 +3,6 @@
 use std::ops::Range;
 
 use super::plane::BLOCK;
-use super::visibility::MovedPoint;
 use super::{FrameMotion, TriangleMotion};
 use crate::image::Rgba8;
 use crate::pipeline::gbuffer::GBuffer;
@@ -42,12 +41,6 @@ impl Block {
         if motion.object != GBuffer::NO_OBJECT {
             self.distance[range.clone()].copy_from_slice(&moved.distance[range]);
         }
-    }
-
-    /// Returns the vector of a pixel and its distance in the preceding frame.
-    #[inline(always)]
-    pub(super) fn at(&self, place: usize) -> MovedPoint {
-        MovedPoint { vector_px: [self.across_px[place], self.down_px[place]], distance: self.distance[place] }
     }
 }
 

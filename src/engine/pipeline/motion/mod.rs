@@ -193,10 +193,14 @@ impl<'a> FrameMotion<'a> {
         let place = (x - first) as usize;
         let mut block = Block::still(&[distance; BLOCK]);
         block.set(&motion, place..place + 1, (first, y));
+        let objects = [motion.object; BLOCK];
+        let visible = on_lanes!(Lanes::best(), simd => {
+            self.before.map(|before| before.shows_moved(simd, (first, y), &objects, &block))
+        });
         PointMotion {
             vector_px: [block.across_px[place], block.down_px[place]],
             distance: block.distance[place],
-            is_visible: self.before.is_some_and(|before| before.shows_moved((x, y), motion.object, &block.at(place))),
+            is_visible: visible.is_some_and(|visible| visible[place]),
         }
     }
 
@@ -236,14 +240,14 @@ impl<'a> FrameMotion<'a> {
             for (row, ((ids, distances), ((across_px, down_px), visible))) in rows.zip(vectors).enumerate() {
                 let y = (band * ROWS + row) as u32;
                 let mut row = MotionRow { ids, distances, across_px, down_px, visible };
-                on_lanes!(lanes, _simd => self.resolve_row(y, &mut row, &mut cache));
+                on_lanes!(lanes, simd => self.resolve_row(simd, y, &mut row, &mut cache));
             }
         });
         Some(vectors)
     }
 
     #[inline(always)]
-    fn resolve_row(&self, y: u32, row: &mut MotionRow<'_>, cache: &mut Cache) {
+    fn resolve_row<S: Simd>(&self, simd: S, y: u32, row: &mut MotionRow<'_>, cache: &mut Cache) {
         for first in (0..row.ids.len()).step_by(BLOCK) {
             let pixels = first..(first + BLOCK).min(row.ids.len());
             let ids = &mut row.ids[pixels.clone()];
@@ -264,10 +268,12 @@ impl<'a> FrameMotion<'a> {
             }
             row.across_px[pixels.clone()].copy_from_slice(&block.across_px[..ids.len()]);
             row.down_px[pixels.clone()].copy_from_slice(&block.down_px[..ids.len()]);
-            for (place, visible) in row.visible[pixels].iter_mut().enumerate() {
-                let at = ((first + place) as u32, y);
-                let is_visible = self.before.is_some_and(|before| before.shows_moved(at, ids[place], &block.at(place)));
-                *visible = if is_visible { MotionVectors::VISIBLE } else { 0 };
+            let mut objects = [GBuffer::NO_OBJECT; BLOCK];
+            objects[..ids.len()].copy_from_slice(ids);
+            let Some(before) = self.before else { continue };
+            let shown = before.shows_moved(simd, (first as u32, y), &objects, &block);
+            for (visible, shown) in row.visible[pixels].iter_mut().zip(shown) {
+                *visible = if shown { MotionVectors::VISIBLE } else { 0 };
             }
         }
     }

@@ -1,16 +1,10 @@
 //! Visibility of moved surface points in the preceding frame.
 
+use super::block::Block;
+use super::plane::BLOCK;
 use crate::image::Rgba8;
+use crate::math::lanes::*;
 use crate::pipeline::gbuffer::{GBuffer, SAME_DISTANCE};
-
-/// Motion vector of a pixel, and the distance of its surface point in the preceding frame.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct MovedPoint {
-    /// Position in the preceding frame minus the position in the current one, in pixels to the right and downwards.
-    pub(super) vector_px: [f32; 2],
-    /// Distance in the preceding frame along its view axis, in world units.
-    pub(super) distance: f32,
-}
 
 /// Least bilinear weight of the pixels of the preceding frame that show an object for a point of it to count as visible.
 /// A silhouette passes through a pixel at a weight of about one half; less counts more hidden points as visible and
@@ -25,27 +19,65 @@ fn is_near(distance: f32, nearest: f32, farthest: f32) -> bool {
 }
 
 impl GBuffer {
-    /// Whether this frame shows an object at the position and distance to which the vector of pixel `at` of the next frame
-    /// leads.
+    /// Whether this frame shows the points of a block, of which the first pixel is `at`, at the positions and distances
+    /// to which their vectors lead. `objects` are those of the points.
     ///
-    /// The four pixels around the position decide, by their bilinear weights, so that silhouettes are found to a fraction
+    /// The four pixels around a position decide, by their bilinear weights, so that silhouettes are found to a fraction
     /// of a pixel. The distances of those that show the object must agree with that of the point, or the object hides
     /// itself; the range is extended by its own size, because the point may lie outside the pixels that show the object.
     #[inline(always)]
-    pub(super) fn shows_moved(&self, at: (u32, u32), object: Rgba8, point: &MovedPoint) -> bool {
-        let MovedPoint { vector_px: [across_px, down_px], distance } = *point;
+    pub(super) fn shows_moved<S: Simd>(
+        &self,
+        simd: S,
+        at: (u32, u32),
+        objects: &[Rgba8; BLOCK],
+        block: &Block,
+    ) -> [bool; BLOCK] {
+        let [across, down, distance] = each!(numbers in [&block.across_px, &block.down_px, &block.distance] => f32x16::load_array_ref(simd, numbers));
+        let [x, y] = [
+            f32x16::load_array(simd, COLUMNS) + (at.0 as f32 + 0.5) + across,
+            f32x16::splat(simd, at.1 as f32 + 0.5) + down,
+        ];
+        let places = Places { x: x.to_array(), y: y.to_array() };
+        let mut visible = [false; BLOCK];
+        // Distances of the four pixels around the positions at which all of them show the object.
+        let (mut around, mut shows_object) = ([[0.0; BLOCK]; 4], [false; BLOCK]);
+        for lane in 0..BLOCK {
+            let (object, vector) = (objects[lane], [block.across_px[lane], block.down_px[lane]]);
+            if vector == [0.0; 2] {
+                let pixel = (at.0 + lane as u32, at.1);
+                visible[lane] = pixel.0 < self.object.width() && self.shows(pixel, object, block.distance[lane]);
+            } else if let Some(distances) = self.distances_of_one_object(places.at(lane), object) {
+                shows_object[lane] = true;
+                for (all, distance) in around.iter_mut().zip(distances) {
+                    all[lane] = distance;
+                }
+            } else {
+                visible[lane] = self.shows_partly(places.at(lane), object, block.distance[lane]);
+            }
+        }
+        let [a, b, c, d] = each!(i in [0, 1, 2, 3] => f32x16::load_array(simd, around[i]));
+        let (nearest, farthest) = (a.min(b).min(c.min(d)), a.max(b).max(c.max(d)));
+        let slack = farthest - nearest + distance * SAME_DISTANCE;
+        let is_near =
+            distance.simd_eq(nearest) | (distance.simd_ge(nearest - slack) & distance.simd_le(farthest + slack));
+        let zero = f32x16::splat(simd, 0.0);
+        let near = (is_near & distance.simd_gt(zero)).select(f32x16::splat(simd, 1.0), zero).to_array();
+        for lane in 0..BLOCK {
+            visible[lane] |= shows_object[lane] & (near[lane] != 0.0);
+        }
+        visible
+    }
+
+    /// Whether this frame shows an object at a position, at about the given distance, by the bilinear weights of the four
+    /// pixels around it.
+    #[inline(never)]
+    fn shows_partly(&self, [x, y]: [f32; 2], object: Rgba8, distance: f32) -> bool {
         let (width, height) = self.object.size();
-        let [x, y] = [at.0 as f32 + 0.5 + across_px, at.1 as f32 + 0.5 + down_px];
         // NaN fails every comparison, so it is not inside.
         let is_inside = x >= 0.0 && y >= 0.0 && x < width as f32 && y < height as f32 && distance > 0.0;
         if !is_inside {
             return false;
-        }
-        if across_px == 0.0 && down_px == 0.0 {
-            return self.shows(at, object, distance);
-        }
-        if let Some([nearest, farthest]) = self.range_of_one_object([x, y], object) {
-            return is_near(distance, nearest, farthest);
         }
         let (columns, right) = around(x, width);
         let (rows, down) = around(y, height);
@@ -64,10 +96,10 @@ impl GBuffer {
         weight >= LEAST_WEIGHT && is_near(distance, nearest, farthest)
     }
 
-    /// Returns the least and the greatest distance of the four pixels around a position, if all of them show `object`.
-    /// Nearly all positions are like that, and need no weights.
+    /// Returns the distances of the four pixels around a position, if all of them show `object`. Nearly all positions are
+    /// like that, and need no weights.
     #[inline(always)]
-    fn range_of_one_object(&self, [x, y]: [f32; 2], object: Rgba8) -> Option<[f32; 2]> {
+    fn distances_of_one_object(&self, [x, y]: [f32; 2], object: Rgba8) -> Option<[f32; 4]> {
         let (width, height) = self.object.size();
         let [x, y] = [x - 0.5, y - 0.5];
         if !(x >= 0.0 && y >= 0.0 && x < (width - 1) as f32 && y < (height - 1) as f32) {
@@ -79,10 +111,25 @@ impl GBuffer {
         if objects[upper..upper + 2] != [object; 2] || objects[lower..lower + 2] != [object; 2] {
             return None;
         }
-        let [a, b] = [upper, lower].map(|at| [distances[at], distances[at + 1]]);
-        Some([a[0].min(a[1]).min(b[0].min(b[1])), a[0].max(a[1]).max(b[0].max(b[1]))])
+        Some([distances[upper], distances[upper + 1], distances[lower], distances[lower + 1]])
     }
 }
+
+/// Positions in the preceding frame, in pixels.
+struct Places {
+    x: [f32; BLOCK],
+    y: [f32; BLOCK],
+}
+
+impl Places {
+    #[inline(always)]
+    fn at(&self, lane: usize) -> [f32; 2] {
+        [self.x[lane], self.y[lane]]
+    }
+}
+
+/// Columns of the pixels of a block.
+const COLUMNS: [f32; BLOCK] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
 
 /// Returns the pixels whose centres lie before and after a position along an axis of `length` px, and the interpolation
 /// weight of the second. The position must be inside the axis.

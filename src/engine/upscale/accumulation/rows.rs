@@ -9,14 +9,11 @@ use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 use crate::pipeline::motion::MotionVectors;
 use crate::upscale::history::NOT_VISIBLE;
+use crate::upscale::quads::{Quad, columns, store};
 use crate::upscale::{FilterSpace, Scale, bands};
 
-/// RGB in the working colour space, and a fourth component: alpha as an 8-bit value, or the number of accumulated
-/// samples.
-type ColorQuad = [f32; 4];
-
 /// Value for pixels without history, marked by a negative sample count.
-const NO_HISTORY: ColorQuad = [0.0, 0.0, 0.0, -1.0];
+const NO_HISTORY: Quad = [0.0, 0.0, 0.0, -1.0];
 
 /// Position of an output column or row among the samples of this frame.
 #[derive(Clone, Copy)]
@@ -33,7 +30,7 @@ struct AxisPosition {
 }
 
 /// Computes the full image, and in `memory` the history for the next frame.
-pub(super) fn fill(lanes: Lanes, now: &FrameContext<'_>, full: &mut Image<Rgba8>, memory: &mut Image<ColorQuad>) {
+pub(super) fn fill(lanes: Lanes, now: &FrameContext<'_>, full: &mut Image<Rgba8>, memory: &mut Image<Quad>) {
     let (width, height) = full.size();
     let samples = now.drawn.color.size();
     let frame = RowContext {
@@ -97,15 +94,15 @@ struct RowContext<'a> {
 struct RowScratch {
     /// Colour of each output pixel from this frame's samples alone; `counts_for` holds the weight of that colour in the
     /// accumulation.
-    present: Vec<ColorQuad>,
+    present: Vec<Quad>,
     counts_for: Vec<f32>,
     /// Decoded sample rows above and below the output row; `light_of` holds the indices of these rows.
-    light: [Vec<ColorQuad>; 2],
+    light: [Vec<Quad>; 2],
     light_of: [Option<u32>; 2],
     /// Per-channel minimum and maximum of three vertically adjacent samples, with the border columns repeated.
     codes: [Vec<u8>; 2],
     /// Decoded minimum and maximum of the 3 × 3 neighbourhood, indexed by [`AxisPosition::nearest`].
-    bounds: [Vec<ColorQuad>; 2],
+    bounds: [Vec<Quad>; 2],
 }
 
 impl RowScratch {
@@ -123,11 +120,11 @@ impl RowScratch {
 }
 
 /// Output colours and history of 16 pixels.
-type HistoryBlock<'a> = (&'a mut [Rgba8; WIDE], &'a mut [ColorQuad; WIDE]);
+type HistoryBlock<'a> = (&'a mut [Rgba8; WIDE], &'a mut [Quad; WIDE]);
 
 impl RowContext<'_> {
     #[inline(always)]
-    fn row<S: Simd>(&self, simd: S, y: u32, scratch: &mut RowScratch, row: &mut [Rgba8], memory: &mut [ColorQuad]) {
+    fn row<S: Simd>(&self, simd: S, y: u32, scratch: &mut RowScratch, row: &mut [Rgba8], memory: &mut [Quad]) {
         self.present(simd, y, scratch);
         let past = self.now.history.as_ref();
         if past.is_some_and(|(motion, _)| !motion.is_still()) {
@@ -239,7 +236,7 @@ impl RowContext<'_> {
         let counts_for = f32x16::load_array_ref(simd, &scratch.counts_for.as_chunks().0[from / WIDE]);
         let Some((motion, past)) = &self.now.history else {
             let [red, green, blue, alpha] = present;
-            store(simd, [red, green, blue, counts_for], memory);
+            store([red, green, blue, counts_for], memory);
             return self.now.encode(simd, present, alpha, row);
         };
         let past = if let Some(vectors) = motion.vectors {
@@ -267,7 +264,7 @@ impl RowContext<'_> {
             known.select(past + (now - past) * share, now)
         });
         let mean = [red, green, blue, known.select(count + counts_for, counts_for)];
-        store(simd, mean, memory);
+        store(mean, memory);
         self.now.encode(simd, mean, alpha, row);
     }
 
@@ -278,10 +275,10 @@ impl RowContext<'_> {
         &self,
         simd: S,
         vectors: &MotionVectors,
-        past: &Image<ColorQuad>,
+        past: &Image<Quad>,
         (from, y): (usize, u32),
         scratch: &RowScratch,
-        block: &mut [ColorQuad; WIDE],
+        block: &mut [Quad; WIDE],
     ) {
         let past = past.pixels();
         let width = self.columns.len();
@@ -316,7 +313,7 @@ impl RowContext<'_> {
 impl FrameContext<'_> {
     /// Decodes samples to the working colour space; alpha stays an 8-bit value.
     #[inline(always)]
-    fn decode<S: Simd>(&self, simd: S, samples: &[Rgba8], light: &mut [ColorQuad]) {
+    fn decode<S: Simd>(&self, simd: S, samples: &[Rgba8], light: &mut [Quad]) {
         let table = match self.light {
             FilterSpace::Linear => &self.tables.linear_of_code,
             FilterSpace::Bytes => &self.tables.code,
@@ -327,7 +324,7 @@ impl FrameContext<'_> {
             let words = u8x64::from_slice(simd, run.as_flattened()).bitcast::<u32x16<S>>();
             let [red, green, blue] =
                 each!(channel in [0, 8, 16] => Tables::lookup(simd, table, (words >> channel) & 255));
-            store(simd, [red, green, blue, float_of(words >> 24)], light);
+            store([red, green, blue, float_of(words >> 24)], light);
         }
         for (light, [r, g, b, a]) in narrow.iter_mut().zip(rest) {
             *light = [table[*r as usize], table[*g as usize], table[*b as usize], f32::from(*a)];
@@ -344,27 +341,6 @@ impl FrameContext<'_> {
         let alpha = whole_part(alpha + 0.5);
         let words = red | green << 8 | blue << 16 | alpha << 24;
         words.bitcast::<u8x64<S>>().store_slice(pixels.as_flattened_mut());
-    }
-}
-
-/// Transposes 16 quads into one vector per component.
-#[inline(always)]
-fn columns<S: Simd>(simd: S, quads: &[ColorQuad; WIDE]) -> [f32x16<S>; 4] {
-    let numbers = quads.as_flattened();
-    let [a, b, c, d] = each!(run in [0, 1, 2, 3] => f32x16::from_slice(simd, &numbers[run * WIDE..][..WIDE]));
-    let ((wy, xz), (wy_end, xz_end)) = (a.deinterleave(b), c.deinterleave(d));
-    let ((w, y), (x, z)) = (wy.deinterleave(wy_end), xz.deinterleave(xz_end));
-    [w, x, y, z]
-}
-
-/// Stores one vector per component as 16 quads; the inverse of [`columns`].
-#[inline(always)]
-fn store<S: Simd>(_simd: S, [w, x, y, z]: [f32x16<S>; 4], quads: &mut [ColorQuad; WIDE]) {
-    let ((wy, wy_end), (xz, xz_end)) = (w.interleave(y), x.interleave(z));
-    let ((a, b), (c, d)) = (wy.interleave(xz), wy_end.interleave(xz_end));
-    let numbers = quads.as_flattened_mut();
-    for (run, quads) in [a, b, c, d].into_iter().enumerate() {
-        quads.store_slice(&mut numbers[run * WIDE..][..WIDE]);
     }
 }
 

@@ -3,56 +3,59 @@
 
 use super::super::FilterSpace;
 use super::super::ycocg::YCoCg;
+use crate::math::lanes::*;
 
 /// Luminances of 3 × 3 samples, row by row.
-pub(super) type Luminances = [f32; 9];
+pub(super) type Luminances<S> = [f32x16<S>; 9];
 
-/// Lock of a pixel.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Lock {
-    /// Remaining lifetime: 1 when the lock is created, 0 if there is none.
-    lifetime: f32,
+/// Locks of sixteen pixels.
+#[derive(Clone, Copy)]
+pub(super) struct Locks<S: Simd> {
+    /// Remaining lifetime: 1 when a lock is created, 0 if there is none.
+    pub(super) lifetime: f32x16<S>,
     /// Median luminance of the 3 × 3 samples when the lock was created. A line covers three of them, so the median is
     /// the luminance beside it, whether or not the samples of a frame hit it.
-    luminance: f32,
+    luminance: f32x16<S>,
 }
 
-impl Lock {
-    /// No lock.
-    pub(super) const NONE: Self = Self { lifetime: 0.0, luminance: 0.0 };
-
-    /// Returns a new lock on the thin feature in the middle of samples with these luminances.
-    pub(super) fn new(luminances: &Luminances) -> Self {
-        Self { lifetime: 1.0, luminance: median(luminances) }
-    }
-
-    /// Returns the two numbers that the history stores. They can be interpolated, because the luminance is weighted by the
-    /// lifetime.
+impl<S: Simd> Locks<S> {
+    /// Returns the two numbers per lock that the history stores. They can be interpolated, because the luminance is
+    /// weighted by the lifetime.
     #[inline(always)]
-    pub(super) fn stored(self) -> [f32; 2] {
+    pub(super) fn stored(self) -> [f32x16<S>; 2] {
         [self.lifetime, self.lifetime * self.luminance]
     }
 
-    /// Returns the lock that the history stores as these two numbers.
+    /// Returns the locks that the history stores as these numbers.
     #[inline(always)]
-    pub(super) fn from_stored([lifetime, weighted]: [f32; 2]) -> Self {
-        if lifetime > 0.0 { Self { lifetime, luminance: weighted / lifetime } } else { Self::NONE }
+    pub(super) fn from_stored(simd: S, [lifetime, weighted]: [f32x16<S>; 2]) -> Self {
+        let zero = f32x16::splat(simd, 0.0);
+        let exists = lifetime.simd_gt(zero);
+        Self { lifetime: exists.select(lifetime, zero), luminance: exists.select(weighted / lifetime, zero) }
     }
 
-    /// Returns the lock in the next of `lifetime_frames` frames, or none if it expires or if the shading around the
-    /// pixel has changed.
+    /// Returns the locks in the next of `lifetime_frames` frames. Locks expire, end if the shading around the pixel has
+    /// changed, and are created where `is_new`. `median` is that of the luminances around each pixel.
     #[inline(always)]
-    pub(super) fn aged(self, lifetime_frames: u32, luminances: &Luminances, contrast: Contrast) -> Self {
+    pub(super) fn next(
+        self,
+        simd: S,
+        lifetime_frames: u32,
+        (is_new, median): (mask32x16<S>, f32x16<S>),
+        contrast: Contrast,
+    ) -> Self {
+        let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
         let lifetime = self.lifetime - 1.0 / lifetime_frames as f32;
-        if lifetime <= 0.0 || contrast.differ(median(luminances), self.luminance) {
-            return Self::NONE;
+        let continues = lifetime.simd_gt(zero) & !contrast.differ(median, self.luminance);
+        Self {
+            lifetime: is_new.select(one, continues.select(lifetime, zero)),
+            luminance: is_new.select(median, continues.select(self.luminance, zero)),
         }
-        Self { lifetime, ..self }
     }
 
-    /// Returns the share of the history that is not rectified, in [0, 1]: 1 until the last quarter of the lifetime.
+    /// Returns the shares of the history that are not rectified, in [0, 1]: 1 until the last quarter of the lifetime.
     #[inline(always)]
-    pub(super) fn strength(self) -> f32 {
+    pub(super) fn strength(self) -> f32x16<S> {
         (self.lifetime * 4.0).min(1.0)
     }
 }
@@ -78,32 +81,36 @@ impl Contrast {
 
     /// Whether two luminances differ.
     #[inline(always)]
-    fn differ(self, one: f32, other: f32) -> bool {
-        one.max(other) > one.min(other) * self.ratio + self.step
+    fn differ<S: Simd>(self, one: f32x16<S>, other: f32x16<S>) -> mask32x16<S> {
+        one.max(other).simd_gt(one.min(other) * self.ratio + self.step)
     }
 
     /// Whether the middle one of 3 × 3 samples belongs to a thin feature: it is brighter or darker than all samples that
     /// differ from it, and no 2 × 2 samples around it are all like it.
-    pub(super) fn is_thin(self, luminances: &Luminances) -> bool {
-        /// The other three samples of each 2 × 2 samples that contain the middle one.
-        const SQUARES: [[usize; 3]; 4] = [[0, 1, 3], [1, 2, 5], [3, 6, 7], [5, 7, 8]];
+    #[inline(always)]
+    pub(super) fn is_thin<S: Simd>(self, simd: S, luminances: &Luminances<S>) -> mask32x16<S> {
         let own = luminances[4];
-        let (mut least, mut greatest) = (f32::INFINITY, f32::NEG_INFINITY);
-        let mut is_like = [true; 9];
+        let (infinity, all) = (f32x16::splat(simd, f32::INFINITY), own.simd_eq(own));
+        let (mut least, mut greatest) = (infinity, f32x16::splat(simd, f32::NEG_INFINITY));
+        let mut is_like = [all; 9];
         for (is_like, luminance) in is_like.iter_mut().zip(luminances) {
-            *is_like = !self.differ(own, *luminance);
-            if !*is_like {
-                (least, greatest) = (least.min(*luminance), greatest.max(*luminance));
-            }
+            let differs = self.differ(own, *luminance);
+            *is_like = !differs;
+            least = least.min(differs.select(*luminance, infinity));
+            greatest = greatest.max(differs.select(*luminance, f32x16::splat(simd, f32::NEG_INFINITY)));
         }
-        let is_extreme = own < least || own > greatest;
-        is_extreme && !SQUARES.iter().any(|square| square.iter().all(|place| is_like[*place]))
+        let is_extreme = own.simd_lt(least) | own.simd_gt(greatest);
+        // The other three samples of each 2 × 2 samples that contain the middle one.
+        let [a, b, c, d] = each!([i, j, k] in [[0, 1, 3], [1, 2, 5], [3, 6, 7], [5, 7, 8]] => {
+            is_like[i] & is_like[j] & is_like[k]
+        });
+        is_extreme & !(a | b | c | d)
     }
 }
 
-/// Returns the median of nine numbers.
+/// Returns the medians of nine numbers.
 #[inline(always)]
-fn median(values: &Luminances) -> f32 {
+pub(super) fn median<S: Simd>(values: &Luminances<S>) -> f32x16<S> {
     /// Exchanges that move the median to the middle (J. L. Smith, “Implementing Median Filters in XC4000E FPGAs”, 1996).
     const EXCHANGES: [(usize, usize); 19] = [
         (1, 2),
@@ -139,22 +146,34 @@ mod tests {
 
     const CONTRAST: Contrast = Contrast { ratio: 1.34, step: 0.001 };
 
+    /// Returns the same luminances for sixteen pixels.
+    fn sixteen<S: Simd>(simd: S, luminances: [f32; 9]) -> Luminances<S> {
+        luminances.map(|luminance| f32x16::splat(simd, luminance))
+    }
+
     #[test]
     fn the_median_is_the_fifth_of_the_sorted_numbers() {
         let mut random = fastrand::Rng::with_seed(4);
         for _ in 0..2000 {
-            let values: Luminances = std::array::from_fn(|_| random.u8(..12).into());
+            let values: [f32; 9] = std::array::from_fn(|_| random.u8(..12).into());
             let mut sorted = values;
             sorted.sort_by(f32::total_cmp);
-            assert_eq!(median(&values), sorted[4], "{values:?}");
+            let found = on_lanes!(Lanes::best(), simd => median(&sixteen(simd, values)).to_array());
+            assert_eq!(found, [sorted[4]; WIDE], "{values:?}");
         }
     }
 
     #[test]
     fn lines_and_points_are_thin_and_edges_and_areas_are_not() {
+        let is_thin_at = |levels: [f32; 9]| {
+            on_lanes!(Lanes::best(), simd => {
+                let flags = CONTRAST.is_thin(simd, &sixteen(simd, levels));
+                flags.select(f32x16::splat(simd, 1.0), f32x16::splat(simd, 0.0)).to_array()[0] == 1.0
+            })
+        };
         let is_thin = |pattern: &str| {
             let levels: Vec<f32> = pattern.chars().map(|c| if c == '#' { 0.8 } else { 0.1 }).collect();
-            CONTRAST.is_thin(&levels.try_into().unwrap())
+            is_thin_at(levels.try_into().unwrap())
         };
         for line in [".#..#..#.", "...###...", "#...#...#", "....#....", "#.##.##.#", "##..##..#"] {
             assert!(is_thin(line), "{line}");
@@ -163,19 +182,40 @@ mod tests {
             assert!(!is_thin(wide), "{wide}");
         }
         // A slope is not extreme, and a small contrast is none.
-        assert!(!CONTRAST.is_thin(&[0.1, 0.4, 0.8, 0.1, 0.4, 0.8, 0.1, 0.4, 0.8]));
-        assert!(!CONTRAST.is_thin(&[0.5, 0.6, 0.5, 0.5, 0.6, 0.5, 0.5, 0.6, 0.5]));
+        assert!(!is_thin_at([0.1, 0.4, 0.8, 0.1, 0.4, 0.8, 0.1, 0.4, 0.8]));
+        assert!(!is_thin_at([0.5, 0.6, 0.5, 0.5, 0.6, 0.5, 0.5, 0.6, 0.5]));
+    }
+
+    /// Returns the stored numbers of a lock that was created beside a luminance of 0.1, after a number of frames in which
+    /// the median was `median`.
+    fn aged(frames: u32, median: f32) -> [f32; 2] {
+        on_lanes!(Lanes::best(), simd => {
+            let number = |value: f32| f32x16::splat(simd, value);
+            let (yes, no) = (number(0.0).simd_eq(number(0.0)), number(0.0).simd_eq(number(1.0)));
+            let none = Locks::from_stored(simd, [number(0.0), number(0.0)]);
+            let mut lock = none.next(simd, 8, (yes, number(0.1)), CONTRAST);
+            for _ in 0..frames {
+                lock = Locks::from_stored(simd, lock.stored()).next(simd, 8, (no, number(median)), CONTRAST);
+            }
+            lock.stored().map(|numbers| numbers.to_array()[0])
+        })
     }
 
     #[test]
     fn locks_expire_and_end_when_the_surroundings_change() {
-        let line = [0.1, 0.8, 0.1, 0.1, 0.8, 0.1, 0.1, 0.8, 0.1];
-        let (missed, lit) = ([0.1; 9], [0.3; 9]);
-        let lock = Lock::new(&line);
-        assert_eq!(lock.aged(8, &missed, CONTRAST).stored(), [0.875, 0.875 * 0.1]);
-        assert_eq!(lock.aged(8, &lit, CONTRAST), Lock::NONE);
-        assert_eq!((0..8).fold(lock, |lock, _| lock.aged(8, &missed, CONTRAST)), Lock::NONE);
-        assert_eq!(Lock::from_stored(lock.stored()), lock);
-        assert_eq!([1.0, 0.25, 0.125].map(|lifetime| Lock { lifetime, ..lock }.strength()), [1.0, 1.0, 0.5]);
+        assert_eq!(aged(0, 0.1), [1.0, 0.1]);
+        assert_eq!(aged(1, 0.1), [0.875, 0.875 * 0.1]);
+        assert_eq!(aged(1, 0.3), [0.0; 2]);
+        assert_eq!(aged(8, 0.1), [0.0; 2]);
+    }
+
+    #[test]
+    fn a_lock_is_strong_until_the_last_quarter_of_its_lifetime() {
+        for (lifetime, strength) in [(1.0, 1.0), (0.25, 1.0), (0.125, 0.5), (0.0, 0.0)] {
+            let found = on_lanes!(Lanes::best(), simd => {
+                Locks::from_stored(simd, [f32x16::splat(simd, lifetime); 2]).strength().to_array()[0]
+            });
+            assert_eq!(found, strength, "{lifetime}");
+        }
     }
 }

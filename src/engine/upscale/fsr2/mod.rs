@@ -23,12 +23,15 @@
 mod frame;
 mod kernel;
 mod locks;
+mod rows;
+mod surroundings;
 #[cfg(test)]
 mod tests;
 
 use std::collections::BTreeMap;
 
-use self::frame::{Fsr2Frame, HistoryRow};
+use self::frame::Fsr2Frame;
+use self::rows::HistoryRow;
 use super::{
     Accumulated, Anchor, FilterSpace, HistoryStep, Offers, Reads, Sampling, Scale, Tap, UpscaleInputs, Upscaled,
     Upscaler, Upscaling, bands, fsr,
@@ -128,9 +131,9 @@ impl Upscaler for Fsr2 {
         bands::fill_three(full, &mut color, &mut locks, |first, full, color, locks| {
             let history = color.chunks_exact_mut(width).zip(locks.chunks_exact_mut(width));
             let rows = full.chunks_exact_mut(width).zip(history);
-            let mut samples = frame.decoded_rows();
+            let mut scratch = frame.scratch();
             for (y, (row, (color, locks))) in (first..).zip(rows) {
-                on_lanes!(lanes, simd => frame.row(simd, y, &mut samples, (row, HistoryRow { color, locks })));
+                on_lanes!(lanes, simd => frame.row(simd, y, &mut scratch, (row, HistoryRow { color, locks })));
             }
         });
         fsr::sharpen(how, full);

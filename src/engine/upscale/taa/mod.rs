@@ -13,8 +13,9 @@
 //! weight. In motion, n is limited to [`MOVING_WEIGHT`], so that old samples decay exponentially. In a still view, every
 //! jitter position is drawn once, nothing is rectified, and then the picture no longer changes.
 
-mod blend;
 mod options;
+mod rows;
+mod statistics;
 #[cfg(test)]
 mod tests;
 
@@ -22,7 +23,7 @@ pub use options::HistoryFilter;
 pub use options::HistoryOptions;
 pub use options::Rectification;
 
-use self::blend::TaaFrame;
+use self::rows::TaaFrame;
 use super::{
     Accumulated, Anchor, FilterSpace, HistoryStep, Offers, Reads, Sampling, Scale, Tap, UpscaleInputs, Upscaled,
     Upscaler, Upscaling, bands,
@@ -113,9 +114,9 @@ impl Upscaler for Taa {
         let lanes = Lanes::best();
         bands::fill_both(full, &mut memory.color, |first, full, memory| {
             let rows = full.chunks_exact_mut(width as usize).zip(memory.chunks_exact_mut(width as usize));
-            let mut samples = frame.decoded_rows();
+            let mut scratch = frame.scratch();
             for (y, (row, memory)) in (first..).zip(rows) {
-                on_lanes!(lanes, simd => frame.row(simd, y, &mut samples, (row, memory)));
+                on_lanes!(lanes, simd => frame.row(simd, y, &mut scratch, (row, memory)));
             }
         });
         Upscaled { history: Some(memory), ..Upscaled::default() }

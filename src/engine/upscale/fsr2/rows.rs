@@ -1,0 +1,408 @@
+//! Blending of the samples of a frame with its history, sixteen pixels of a row at a time.
+
+use std::ops::Range;
+
+use super::super::history::{PastPlaces, centers, sum_of_quads};
+use super::super::quads::{self, Quad, window};
+use super::super::{Accumulated, Motion};
+use super::frame::{Fsr2Frame, RowScratch};
+use super::kernel::{AxisSamples, Kernel, history_weights, lanczos2};
+use super::locks::Locks;
+use crate::image::{Image, Rgba8};
+use crate::math::lanes::*;
+
+/// Average weight of the present colour at a narrowing of 1. At a narrowing of n, it is smaller by the factor n².
+const AVERAGE_WEIGHT: f32 = 0.74;
+
+/// Limit of the accumulated weight of pixels that do not move in a view that changes.
+const MOST_WEIGHT: f32 = 12.0;
+
+/// Number of average frames to which the history is limited in pixels that move.
+const MOVING_FRAMES: f32 = 10.0;
+
+/// Speed from which [`MOVING_FRAMES`] applies, in pixels per frame.
+const MOVING_PX: f32 = 0.1;
+
+/// Speed at which the history is limited to one average frame, in pixels per frame.
+const FAST_PX: f32 = 20.0;
+
+/// Maximum size of the box of colours, in standard deviations to each side of the mean.
+const MOST_DEVIATIONS: f32 = 20.0;
+
+/// Rows of the history for the next frame.
+pub(super) struct HistoryRow<'a> {
+    pub(super) color: &'a mut [Quad],
+    pub(super) locks: &'a mut [[f32; 2]],
+}
+
+/// Colour codes and history of sixteen pixels.
+pub(super) struct Blended {
+    pub(super) codes: [Rgba8; WIDE],
+    pub(super) color: [Quad; WIDE],
+    pub(super) locks: [[f32; 2]; WIDE],
+}
+
+/// History of sixteen pixels. Where it is not known, the numbers are not meaningful.
+pub(super) struct Past<S: Simd> {
+    is_known: mask32x16<S>,
+    /// Colour, and accumulated weight.
+    pub(super) color: [f32x16<S>; 4],
+    /// Stored locks.
+    locks: [f32x16<S>; 2],
+    /// Position in the previous frame, in pixels.
+    pub(super) place: [f32x16<S>; 2],
+    /// Length of the motion vector in pixels; `None` if camera and scene are still.
+    speed_px: Option<f32x16<S>>,
+}
+
+/// Blending of sixteen pixels with their history.
+pub(super) struct Blend<S: Simd> {
+    pub(super) present: [f32x16<S>; 4],
+    /// Weights of the 3 × 3 samples in the present colour, row by row.
+    pub(super) weights: [[f32x16<S>; 3]; 3],
+    /// `None` in the first frame.
+    pub(super) past: Option<Past<S>>,
+    /// Colour of the history after rectification.
+    pub(super) rectified: [f32x16<S>; 3],
+    /// Share of this frame, in [0, 1]; 1 where the history is not known.
+    pub(super) share: f32x16<S>,
+    /// Accumulated weight for the next frame.
+    weight: f32x16<S>,
+    /// Stored locks for the next frame.
+    locks: [f32x16<S>; 2],
+}
+
+/// The 3 × 3 samples around sixteen pixels: their weighted means, and the boxes of their colours.
+struct Around<S: Simd> {
+    present: [f32x16<S>; 4],
+    /// Weight of the present colour.
+    weight: f32x16<S>,
+    least: [f32x16<S>; 4],
+    greatest: [f32x16<S>; 4],
+    mean: [f32x16<S>; 3],
+    deviation: [f32x16<S>; 3],
+}
+
+impl Fsr2Frame<'_> {
+    /// Computes a row of the picture without sharpening, and of the history for the next frame.
+    #[inline(always)]
+    pub(super) fn row<S: Simd>(
+        &self,
+        simd: S,
+        y: u32,
+        scratch: &mut RowScratch,
+        (row, history): (&mut [Rgba8], HistoryRow<'_>),
+    ) {
+        self.prepare(simd, (&(0..row.len()), y), scratch);
+        let history = history.color.chunks_mut(WIDE).zip(history.locks.chunks_mut(WIDE));
+        for (from, (row, (color, locks))) in (0..).step_by(WIDE).zip(row.chunks_mut(WIDE).zip(history)) {
+            let blended = self.finished(simd, &self.block(simd, (from, y), scratch));
+            row.copy_from_slice(&blended.codes[..row.len()]);
+            color.copy_from_slice(&blended.color[..color.len()]);
+            locks.copy_from_slice(&blended.locks[..locks.len()]);
+        }
+    }
+
+    /// Blends one pixel, the first of the result.
+    #[inline(always)]
+    pub(super) fn alone<S: Simd>(&self, simd: S, (x, y): (u32, u32)) -> Blend<S> {
+        let mut scratch = self.scratch();
+        let from = x as usize;
+        self.prepare(simd, (&(from..from + 1), y), &mut scratch);
+        self.block(simd, (from, y), &scratch)
+    }
+
+    /// Prepares all inputs of a range of pixels of row `y`.
+    #[inline(always)]
+    fn prepare<S: Simd>(&self, simd: S, (columns, y): (&Range<usize>, u32), scratch: &mut RowScratch) {
+        let RowScratch { samples, surroundings, vectors } = scratch;
+        let row = &self.rows[y as usize];
+        let [first, last] = [columns.start, columns.end - 1].map(|column| self.columns[column].padded);
+        let read = first - 1..last + 2;
+        for index in row.index {
+            samples.fill(simd, self.colors, self.drawn.color, (index, &read));
+        }
+        surroundings.fill(simd, self.contrast, row.index.map(|index| samples.row(index)), (row.index, &read));
+        let motion = self.history.as_ref().and_then(|(motion, _)| motion.vectors);
+        if let (Some(motion), Some(frame)) = (motion, self.drawn.frame) {
+            vectors.fill(frame.gbuffer, motion, (columns, y));
+        }
+    }
+
+    /// Blends sixteen pixels from pixel `from` of row `y` on, which must have been prepared.
+    #[inline(always)]
+    fn block<S: Simd>(&self, simd: S, at: (usize, u32), scratch: &RowScratch) -> Blend<S> {
+        let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
+        let columns: &[AxisSamples; WIDE] = window(&self.columns, at.0);
+        let past = self.history.as_ref().map(
+            #[inline(always)]
+            |(motion, history)| self.past(simd, at, (motion, history), scratch),
+        );
+        let narrowing = match &past {
+            Some(past) => past.is_known.select(self.narrowing(simd, past), one),
+            None => one,
+        };
+        let across = each!(number in [0, 1, 2] => f32x16::load_array(simd, each!(
+            lane in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => columns[lane].distance_squared[number]
+        )));
+        let kernel = Kernel::new(simd, across, self.rows[at.1 as usize].distance_squared, narrowing);
+        let around = self.around(simd, (at.1, columns), &kernel, scratch);
+        let (present, weights) = (around.present, kernel.lanczos);
+        let [y, co, cg, _] = present;
+        let Some(past) = past else {
+            let locks = self.next_locks(simd, (at.1, columns), [zero, zero], scratch).stored();
+            return Blend {
+                present,
+                weights,
+                past: None,
+                rectified: [y, co, cg],
+                share: one,
+                weight: around.weight,
+                locks,
+            };
+        };
+        let [past_y, past_co, past_cg, past_weight] = past.color;
+        let mut rectified = [past_y, past_co, past_cg];
+        if self.is_settled {
+            let locks = past.locks;
+            return Blend { present, weights, past: Some(past), rectified, share: zero, weight: past_weight, locks };
+        }
+        let stored = each!(number in [0, 1] => past.is_known.select(past.locks[number], zero));
+        let locks = self.next_locks(simd, (at.1, columns), stored, scratch);
+        let mut weight = past_weight.max(zero);
+        if let Some(speed_px) = past.speed_px {
+            let exists = locks.lifetime.simd_gt(zero);
+            let strength = exists.select(Locks::from_stored(simd, stored).strength(), zero);
+            rectified = around.rectified(rectified, self.deviations(speed_px), strength);
+            weight = weight.min(limit_of_weight(speed_px, narrowing));
+        }
+        let total = weight + around.weight;
+        let has_weight = past.is_known & total.simd_gt(zero);
+        Blend {
+            present,
+            weights,
+            rectified,
+            share: has_weight.select(around.weight / total, one),
+            weight: past.is_known.select(total, around.weight),
+            locks: locks.stored(),
+            past: Some(past),
+        }
+    }
+
+    /// Returns the 3 × 3 samples around sixteen pixels of row `y`.
+    #[inline(always)]
+    fn around<S: Simd>(
+        &self,
+        simd: S,
+        (y, columns): (u32, &[AxisSamples; WIDE]),
+        kernel: &Kernel<S>,
+        scratch: &RowScratch,
+    ) -> Around<S> {
+        let zero = f32x16::splat(simd, 0.0);
+        let (mut present, mut mean, mut square) = ([zero; 4], [zero; 3], [zero; 3]);
+        for (row, index) in self.rows[y as usize].index.into_iter().enumerate() {
+            let samples = scratch.samples.row(index);
+            let mut quads = [[[0.0; 4]; WIDE]; 3];
+            for (lane, column) in columns.iter().enumerate() {
+                let three: &[Quad; 3] = window(samples, column.padded - 1);
+                for (quads, quad) in quads.iter_mut().zip(three) {
+                    quads[lane] = *quad;
+                }
+            }
+            for (number, quads) in quads.iter().enumerate() {
+                let sample = quads::columns(simd, quads);
+                let (lanczos, share) = (kernel.lanczos[row][number], kernel.window[row][number]);
+                present = each!(i in [0, 1, 2, 3] => present[i] + sample[i] * lanczos);
+                let weighted = each!(i in [0, 1, 2] => sample[i] * share);
+                mean = each!(i in [0, 1, 2] => mean[i] + weighted[i]);
+                square = each!(i in [0, 1, 2] => square[i] + weighted[i] * sample[i]);
+            }
+        }
+        let [least, greatest] = each!(bound in [0, 1] => {
+            let mut quads = [[0.0; 4]; WIDE];
+            for (quad, column) in quads.iter_mut().zip(columns) {
+                *quad = scratch.surroundings.range[bound][column.padded];
+            }
+            quads::columns(simd, &quads)
+        });
+        Around {
+            present: each!(i in [0, 1, 2, 3] => present[i].max(least[i]).min(greatest[i])),
+            weight: kernel.sum,
+            least,
+            greatest,
+            mean,
+            deviation: each!(i in [0, 1, 2] => (square[i] - mean[i] * mean[i]).max(zero).sqrt()),
+        }
+    }
+
+    /// Returns the narrowing of the kernel: the more history a pixel has, the nearer the samples must be that count.
+    #[inline(always)]
+    fn narrowing<S: Simd>(&self, simd: S, past: &Past<S>) -> f32x16<S> {
+        let share = ((past.color[3] - 0.5) * (1.0 / 3.0)).max(f32x16::splat(simd, 0.0)).min(1.0);
+        share * (self.scale - 1.0) + 1.0
+    }
+
+    /// Returns half the size of the box to which the history is rectified, in standard deviations.
+    #[inline(always)]
+    fn deviations<S: Simd>(&self, speed_px: f32x16<S>) -> f32x16<S> {
+        let area = self.scale * self.scale;
+        let still = (area * area * area).min(MOST_DEVIATIONS);
+        (speed_px * (1.0 / FAST_PX)).min(1.0) * (1.0 - still) + still
+    }
+
+    /// Returns the locks of sixteen pixels of row `y` after this frame, from the stored ones before it. A lock is created
+    /// where the middle sample lies inside the pixel and belongs to a thin feature.
+    #[inline(always)]
+    fn next_locks<S: Simd>(
+        &self,
+        simd: S,
+        (y, columns): (u32, &[AxisSamples; WIDE]),
+        stored: [f32x16<S>; 2],
+        scratch: &RowScratch,
+    ) -> Locks<S> {
+        let (mut median, mut may_lock) = ([0.0; WIDE], [0.0; WIDE]);
+        for (lane, column) in columns.iter().enumerate() {
+            median[lane] = scratch.surroundings.median[column.padded];
+            if column.is_inside && self.rows[y as usize].is_inside {
+                may_lock[lane] = scratch.surroundings.thin[column.padded];
+            }
+        }
+        let [median, may_lock] = each!(numbers in [median, may_lock] => f32x16::load_array(simd, numbers));
+        let is_new = may_lock.simd_gt(f32x16::splat(simd, 0.0));
+        Locks::from_stored(simd, stored).next(simd, self.positions, (is_new, median), self.contrast)
+    }
+
+    /// Returns the history of sixteen pixels.
+    #[inline(always)]
+    fn past<S: Simd>(
+        &self,
+        simd: S,
+        at @ (from, y): (usize, u32),
+        (motion, history): (&Motion<'_>, &Accumulated),
+        scratch: &RowScratch,
+    ) -> Past<S> {
+        let Accumulated { color, locks } = history;
+        let zero = f32x16::splat(simd, 0.0);
+        let (mut quads, mut pairs) = ([[0.0; 4]; WIDE], [[0.0; 2]; WIDE]);
+        if motion.is_still() {
+            let read = from..self.size.0.min((from + WIDE) as u32) as usize;
+            quads[..read.len()].copy_from_slice(&color.row(y)[read.clone()]);
+            if let Some(locks) = locks {
+                pairs[..read.len()].copy_from_slice(&locks.row(y)[read]);
+            }
+            let is_known = zero.simd_eq(zero);
+            let (color, place) = (quads::columns(simd, &quads), centers(simd, at));
+            return Past { is_known, color, locks: numbers_of_pairs(simd, &pairs), place, speed_px: None };
+        }
+        let vectors @ [across, down] = scratch.vectors.load(simd, from);
+        let places = PastPlaces::new(simd, at, vectors, self.size);
+        read_colors(simd, color, &places, &mut quads);
+        if let Some(locks) = locks {
+            read_locks(locks, &places, &mut pairs);
+        }
+        Past {
+            is_known: places.is_known,
+            color: quads::columns(simd, &quads),
+            locks: numbers_of_pairs(simd, &pairs),
+            place: places.place,
+            speed_px: Some((across * across + down * down).sqrt()),
+        }
+    }
+
+    /// Returns the codes of sixteen pixels, without sharpening, and their history for the next frame.
+    #[inline(always)]
+    pub(super) fn finished<S: Simd>(&self, simd: S, blend: &Blend<S>) -> Blended {
+        let [y, co, cg, alpha] = blend.present;
+        let mut color = [y, co, cg];
+        if let Some(past) = &blend.past {
+            let blended = each!(i in [0, 1, 2] => blend.rectified[i] + (color[i] - blend.rectified[i]) * blend.share);
+            color = each!(i in [0, 1, 2] => past.is_known.select(blended[i], color[i]));
+        }
+        let [y, co, cg] = color;
+        let (mut quads, mut pairs) = ([[0.0; 4]; WIDE], [[0.0; 2]; WIDE]);
+        quads::store([y, co, cg, blend.weight], &mut quads);
+        let (first, last) = blend.locks[0].interleave(blend.locks[1]);
+        let numbers = pairs.as_flattened_mut();
+        first.store_slice(&mut numbers[..WIDE]);
+        last.store_slice(&mut numbers[WIDE..]);
+        Blended { codes: self.colors.encode(simd, color, alpha), color: quads, locks: pairs }
+    }
+}
+
+/// Returns the first and the second numbers of sixteen pairs.
+#[inline(always)]
+fn numbers_of_pairs<S: Simd>(simd: S, pairs: &[[f32; 2]; WIDE]) -> [f32x16<S>; 2] {
+    let numbers = pairs.as_flattened();
+    let (first, second) =
+        f32x16::from_slice(simd, &numbers[..WIDE]).deinterleave(f32x16::from_slice(simd, &numbers[WIDE..]));
+    [first, second]
+}
+
+/// Returns the limits of the accumulated weights of pixels that move at these speeds.
+#[inline(always)]
+fn limit_of_weight<S: Simd>(speed_px: f32x16<S>, narrowing: f32x16<S>) -> f32x16<S> {
+    let frame = AVERAGE_WEIGHT / (narrowing * narrowing);
+    let moving = (speed_px * (1.0 / MOVING_PX)).min(1.0);
+    let limit = (frame * MOVING_FRAMES - MOST_WEIGHT) * moving + MOST_WEIGHT;
+    limit + (frame - limit) * (speed_px * (1.0 / FAST_PX)).min(1.0)
+}
+
+/// Reads the history between its pixels, filtered by 4 × 4 pixels and clamped to the range of the nearest 2 × 2.
+#[inline(always)]
+fn read_colors<S: Simd>(simd: S, color: &Image<Quad>, places: &PastPlaces<S>, read: &mut [Quad; WIDE]) {
+    // Lane 4 i + k of a vector belongs to number k of quad i.
+    let from = f32x16::load_array(
+        simd,
+        each!(
+            lane in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => 1.0 - (lane / 4) as f32
+        ),
+    );
+    let down = history_weights(places.fraction[1]);
+    let vertical = each!(row in [0, 1, 2, 3] => down[row].to_array());
+    let across = places.fraction[0].to_array();
+    for lane in 0..WIDE {
+        let Some(rows @ [first, second, third, fourth]) = places.window(simd, color, lane) else { continue };
+        let [a, b, c, d] = each!(row in [0, 1, 2, 3] => vertical[row][lane]);
+        let column = first * a + second * b + third * c + fourth * d;
+        let distance = from + across[lane];
+        let horizontal = lanczos2(distance * distance);
+        let (sum, total) = (sum_of_quads(column * horizontal), sum_of_quads(horizontal));
+        let [least, greatest] = [inner_pair(rows[1].min(rows[2])), inner_pair(rows[1].max(rows[2]))];
+        (sum / total).max(least[0].min(least[1])).min(greatest[0].max(greatest[1])).store_array(&mut read[lane]);
+    }
+}
+
+/// Returns the second and the third of four quads.
+#[inline(always)]
+fn inner_pair<S: Simd>(quads: f32x16<S>) -> [f32x4<S>; 2] {
+    let (low, high) = quads.split();
+    [low.split().1, high.split().0]
+}
+
+/// Reads the locks between their pixels bilinearly.
+#[inline(always)]
+fn read_locks<S: Simd>(locks: &Image<[f32; 2]>, places: &PastPlaces<S>, read: &mut [[f32; 2]; WIDE]) {
+    let [across, down] = each!(axis in [0, 1] => places.fraction[axis].to_array());
+    for lane in 0..WIDE {
+        let Some([[a, b], [c, d]]) = places.four(locks, lane) else { continue };
+        for (number, read) in read[lane].iter_mut().enumerate() {
+            let above = a[number] + (b[number] - a[number]) * across[lane];
+            let below = c[number] + (d[number] - c[number]) * across[lane];
+            *read = above + (below - above) * down[lane];
+        }
+    }
+}
+
+impl<S: Simd> Around<S> {
+    /// Returns the history clamped to the box of the colours, which extends by a number of standard deviations to each side
+    /// of the mean but not beyond the range. A lock keeps a share of the history as it is.
+    #[inline(always)]
+    fn rectified(&self, past: [f32x16<S>; 3], deviations: f32x16<S>, lock: f32x16<S>) -> [f32x16<S>; 3] {
+        each!(i in [0, 1, 2] => {
+            let half = self.deviation[i] * deviations;
+            let (least, greatest) = (self.least[i].max(self.mean[i] - half), self.greatest[i].min(self.mean[i] + half));
+            let clamped = past[i].max(least).min(greatest);
+            clamped + (past[i] - clamped) * lock
+        })
+    }
+}

@@ -1,0 +1,123 @@
+//! Reading of the history around the positions to which motion vectors lead.
+
+use crate::image::Image;
+use crate::math::lanes::*;
+use crate::upscale::quads::Quad;
+
+/// Positions of sixteen pixels in the previous frame.
+pub(in crate::upscale) struct PastPlaces<S: Simd> {
+    /// Column and row in pixels from the top left corner.
+    pub(in crate::upscale) place: [f32x16<S>; 2],
+    /// Fractions of the way from the pixel centre at or before each position to the next one, in [0, 1).
+    pub(in crate::upscale) fraction: [f32x16<S>; 2],
+    /// Whether the previous frame shows the pixel's surface.
+    pub(in crate::upscale) is_known: mask32x16<S>,
+    /// For each position, the pixel whose centre lies at or before it.
+    pixels: [PixelBefore; WIDE],
+}
+
+/// Pixel whose centre lies at or before a position.
+#[derive(Clone, Copy)]
+enum PixelBefore {
+    /// The position is not known.
+    Unknown,
+    /// All 4 × 4 pixels around the position lie in the image; the first one has this index.
+    Inside(usize),
+    /// Some pixels around the position lie outside the image; the pixel before it has this column and row.
+    AtBorder([i64; 2]),
+}
+
+/// Four rows of four adjacent pixels each; the position lies between the second and the third row and column.
+pub(in crate::upscale) type Window<S> = [f32x16<S>; 4];
+
+/// Columns 0 to 15 of a block of pixels.
+const COLUMNS: [f32; WIDE] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
+
+/// Returns the centres of sixteen pixels from pixel `from` of row `y` on.
+#[inline(always)]
+pub(in crate::upscale) fn centers<S: Simd>(simd: S, (from, y): (usize, u32)) -> [f32x16<S>; 2] {
+    [f32x16::load_array(simd, COLUMNS) + from as f32 + 0.5, f32x16::splat(simd, y as f32 + 0.5)]
+}
+
+impl<S: Simd> PastPlaces<S> {
+    /// Finds where sixteen pixels from pixel `at` on were in a previous frame of `size` px. A vector that is not a number
+    /// leads nowhere.
+    #[inline(always)]
+    pub(in crate::upscale) fn new(simd: S, at: (usize, u32), vectors: [f32x16<S>; 2], size: (u32, u32)) -> Self {
+        let center = centers(simd, at);
+        let place = each!(axis in [0, 1] => center[axis] + vectors[axis]);
+        let length = each!(length in [size.0, size.1] => length as f32);
+        let zero = f32x16::splat(simd, 0.0);
+        let [across, down] = each!(axis in [0, 1] => {
+            place[axis].simd_ge(zero) & place[axis].simd_lt(f32x16::splat(simd, length[axis]))
+        });
+        let is_known = across & down;
+        let from = each!(axis in [0, 1] => is_known.select(place[axis], zero) - 0.5);
+        let floor = each!(axis in [0, 1] => from[axis].floor());
+        let [columns, rows] = each!(axis in [0, 1] => floor[axis].to_int::<i32x16<S>>().to_array());
+        let known = is_known.select(i32x16::splat(simd, 1), i32x16::splat(simd, 0)).to_array();
+        let (width, height) = (size.0 as usize, size.1 as usize);
+        let mut pixels = [PixelBefore::Unknown; WIDE];
+        for lane in 0..WIDE {
+            if known[lane] == 0 {
+                continue;
+            }
+            // One less than the column and the row, which wraps around if it is negative and is then too large.
+            let (column, row) = ((columns[lane] - 1) as usize, (rows[lane] - 1) as usize);
+            let is_inside = column < width.saturating_sub(3) && row < height.saturating_sub(3);
+            pixels[lane] = if is_inside {
+                PixelBefore::Inside(row * width + column)
+            } else {
+                PixelBefore::AtBorder([i64::from(columns[lane]), i64::from(rows[lane])])
+            };
+        }
+        Self { place, fraction: each!(axis in [0, 1] => from[axis] - floor[axis]), is_known, pixels }
+    }
+
+    /// Returns the 4 × 4 pixels around the position of a lane, or `None` if the position is not known. Pixels outside the
+    /// image are the nearest ones inside it.
+    #[inline(always)]
+    pub(in crate::upscale) fn window(&self, simd: S, history: &Image<Quad>, lane: usize) -> Option<Window<S>> {
+        let width = history.width() as usize;
+        match self.pixels[lane] {
+            PixelBefore::Unknown => None,
+            PixelBefore::Inside(first) => {
+                let rows = &history.pixels()[first..][..3 * width + 4];
+                Some(each!(row in [0, 1, 2, 3] => f32x16::from_slice(simd, rows[row * width..][..4].as_flattened())))
+            }
+            PixelBefore::AtBorder([column, row]) => Some(each!(by in [-1, 0, 1, 2] => {
+                let row = history.row((row + by).clamp(0, i64::from(history.height()) - 1) as u32);
+                let quads = each!(by in [-1, 0, 1, 2] => row[(column + by).clamp(0, width as i64 - 1) as usize]);
+                f32x16::from_slice(simd, quads.as_flattened())
+            })),
+        }
+    }
+}
+
+impl<S: Simd> PastPlaces<S> {
+    /// Returns the four pixels around the position of a lane, row by row, or `None` if the position is not known. Pixels
+    /// outside the image are the nearest ones inside it.
+    #[inline(always)]
+    pub(in crate::upscale) fn four<T: Copy>(&self, image: &Image<T>, lane: usize) -> Option<[[T; 2]; 2]> {
+        let width = image.width() as usize;
+        match self.pixels[lane] {
+            PixelBefore::Unknown => None,
+            PixelBefore::Inside(first) => {
+                let rows = &image.pixels()[first + width + 1..][..width + 2];
+                Some([[rows[0], rows[1]], [rows[width], rows[width + 1]]])
+            }
+            PixelBefore::AtBorder([column, row]) => Some([row, row + 1].map(|row| {
+                let row = image.row(row.clamp(0, i64::from(image.height()) - 1) as u32);
+                [column, column + 1].map(|column| row[column.clamp(0, width as i64 - 1) as usize])
+            })),
+        }
+    }
+}
+
+/// Returns the sum of four quads.
+#[inline(always)]
+pub(in crate::upscale) fn sum_of_quads<S: Simd>(quads: f32x16<S>) -> f32x4<S> {
+    let (first, last) = quads.split();
+    let (even, odd) = (first + last).split();
+    even + odd
+}

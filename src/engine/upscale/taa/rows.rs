@@ -1,0 +1,414 @@
+//! Blending of the samples of a frame with its history, sixteen pixels of a row at a time.
+
+use std::ops::Range;
+
+use super::super::history::{DilatedVectors, PastPlaces, centers, sum_of_quads};
+use super::super::lattice::ThreeSamples;
+use super::super::quads::{self, Quad, window};
+use super::super::sample_rows::{DecodedRows, PAD, padded_row};
+use super::super::ycocg::YCoCg;
+use super::super::{HistoryStep, Lattice, Motion, PastColor, Rejection, Scale, Tap, UpscaleInputs, Upscaling};
+use super::statistics::{NearestSamples, Statistics};
+use super::{HistoryFilter, HistoryOptions, MOVING_WEIGHT, jitter, jitter_positions};
+use crate::image::{Image, Rgba8};
+use crate::math::lanes::*;
+
+/// Sharpness of the Gaussian that weights samples by their squared distance from the pixel, in output pixels. It
+/// approximates a Blackman-Harris window of width 3.3 (Karis, 2014).
+const SHARPNESS: f64 = 2.29;
+
+/// Coefficients of t³, t², t and 1 in the weights of four adjacent values for an interpolation at `t` in [0, 1) between
+/// the second and the third (Catmull and Rom, “A Class of Local Interpolating Splines”, 1974).
+const CATMULL_ROM: [[f32; 4]; 4] =
+    [[-0.5, 1.0, -0.5, 0.0], [1.5, -2.5, 0.0, 1.0], [-1.5, 2.0, 0.5, 0.0], [0.5, -0.5, 0.0, 0.0]];
+
+/// Samples along one axis that contribute to an output column or row: three adjacent ones, clamped to the image.
+#[derive(Clone, Copy, Debug)]
+struct AxisSamples {
+    index: [u32; 3],
+    /// Index of the middle one in a padded row.
+    padded: usize,
+    /// Weight of each sample; 1 for a sample at the centre of the pixel.
+    weight: [f32; 3],
+    /// Sum of the weights.
+    total: f32,
+}
+
+/// Frame to upscale, with its history.
+pub(super) struct TaaFrame<'a> {
+    options: HistoryOptions,
+    colors: YCoCg,
+    drawn: &'a UpscaleInputs<'a>,
+    size: (u32, u32),
+    scale: Scale,
+    /// Samples of every column. The last column is repeated, so that sixteen can be read from every column.
+    columns: Vec<AxisSamples>,
+    rows: Vec<AxisSamples>,
+    history: Option<(Motion<'a>, &'a Image<Quad>)>,
+    /// Limit of the accumulated weight of the history.
+    most_weight: f32,
+    /// Whether every jitter position has been drawn since the view became still; the image then no longer changes.
+    is_settled: bool,
+}
+
+/// Buffers for the rows of a band.
+pub(super) struct RowScratch {
+    samples: DecodedRows,
+    /// Means of three vertically adjacent samples, with the weights of the row; padded.
+    vertical: Vec<Quad>,
+    statistics: Statistics,
+    vectors: DilatedVectors,
+}
+
+/// Colours of sixteen pixels, from the samples of this frame.
+struct Present<S: Simd> {
+    /// Y, Co, Cg and alpha.
+    color: [f32x16<S>; 4],
+    /// Weight of the colours, relative to 1 for a sample at the centre of the pixel; at most 1.
+    confidence: f32x16<S>,
+}
+
+/// Blending of sixteen pixels with their history.
+struct Blend<S: Simd> {
+    present: Present<S>,
+    /// `None` in the first frame.
+    past: Option<Past<S>>,
+}
+
+/// History of sixteen pixels. Where it is not known, the numbers are not meaningful.
+struct Past<S: Simd> {
+    is_known: mask32x16<S>,
+    /// Position in the previous frame, in pixels.
+    place: [f32x16<S>; 2],
+    /// Colour, and accumulated weight.
+    read: [f32x16<S>; 4],
+    rectified: [f32x16<S>; 3],
+    /// Accumulated weight within its limit.
+    weight: f32x16<S>,
+    /// Share of this frame, in [0, 1].
+    share: f32x16<S>,
+}
+
+impl<'a> TaaFrame<'a> {
+    pub(super) fn new(how: Upscaling, drawn: &'a UpscaleInputs<'a>, size: (u32, u32)) -> Self {
+        let scale = how.scale();
+        let place = drawn.frame.map_or(super::super::CENTRE, |seen| jitter(scale, seen.frames()));
+        let history: Option<(Motion<'_>, _)> =
+            drawn.frame.and_then(|seen| Some((seen.reprojection()?, &seen.history?.accumulated.as_ref()?.color)));
+        let still = history.as_ref().filter(|(motion, _)| motion.is_still());
+        let positions = jitter_positions(scale);
+        let samples = drawn.color.size();
+        let axis = |place: f64, length: u32, samples: u32, spare: usize| {
+            let own = (0..length).map(|at| AxisSamples::new(how.lattice(), place, at, samples));
+            let mut all: Vec<_> = own.collect();
+            all.extend(all.last().copied().into_iter().cycle().take(spare));
+            all
+        };
+        Self {
+            options: how.history(),
+            colors: YCoCg::new(how.light()),
+            drawn,
+            size,
+            scale,
+            columns: axis(place[0], size.0, samples.0, WIDE),
+            rows: axis(place[1], size.1, samples.1, 0),
+            history,
+            most_weight: if still.is_some() { (positions - 1) as f32 } else { MOVING_WEIGHT },
+            is_settled: still.is_some_and(|(motion, _)| motion.history.still_frames >= positions),
+        }
+    }
+
+    pub(super) fn scratch(&self) -> RowScratch {
+        let samples = self.drawn.color.width();
+        RowScratch {
+            samples: DecodedRows::new(samples),
+            vertical: padded_row(samples),
+            statistics: Statistics::new(samples),
+            vectors: DilatedVectors::new(self.size.0),
+        }
+    }
+
+    /// Computes a row of the picture and of the history for the next frame.
+    #[inline(always)]
+    pub(super) fn row<S: Simd>(
+        &self,
+        simd: S,
+        y: u32,
+        scratch: &mut RowScratch,
+        (row, memory): (&mut [Rgba8], &mut [Quad]),
+    ) {
+        self.prepare(simd, (&(0..row.len()), y), scratch);
+        let blocks = row.chunks_mut(WIDE).zip(memory.chunks_mut(WIDE));
+        for (from, (row, memory)) in (0..).step_by(WIDE).zip(blocks) {
+            let (codes, quads) = self.finished(simd, &self.block(simd, (from, y), scratch));
+            row.copy_from_slice(&codes[..row.len()]);
+            memory.copy_from_slice(&quads[..memory.len()]);
+        }
+    }
+
+    /// Computes one pixel of the picture and of the history for the next frame.
+    #[inline(always)]
+    pub(super) fn pixel<S: Simd>(&self, simd: S, at: (u32, u32)) -> (Rgba8, Quad) {
+        let ([codes, ..], [quad, ..]) = self.finished(simd, &self.alone(simd, at));
+        (codes, quad)
+    }
+
+    /// Returns how one pixel is blended with its history.
+    #[inline(always)]
+    pub(super) fn step<S: Simd>(&self, simd: S, at: (u32, u32)) -> HistoryStep {
+        let first = |numbers: f32x16<S>| numbers.to_array()[0];
+        let Blend { present, past } = self.alone(simd, at);
+        let reprojected = self.drawn.frame.map_or(Err(Rejection::FirstFrame), |frame| frame.reproject_dilated(at));
+        let past = past.ok_or(Rejection::FirstFrame).and_then(|past| reprojected.map(|_| past));
+        let share = past.as_ref().map_or(1.0, |past| first(past.share));
+        let [y, co, cg, _] = present.color;
+        let past = past.map(|Past { place, read: [y, co, cg, _], rectified, .. }| PastColor {
+            position_px: place.map(first),
+            read: [y, co, cg].map(first),
+            rectified: rectified.map(first),
+        });
+        HistoryStep { space: self.colors.space(), present: [y, co, cg].map(first), share, past }
+    }
+
+    /// Blends one pixel, the first of the result.
+    #[inline(always)]
+    fn alone<S: Simd>(&self, simd: S, (x, y): (u32, u32)) -> Blend<S> {
+        let mut scratch = self.scratch();
+        let from = x as usize;
+        self.prepare(simd, (&(from..from + 1), y), &mut scratch);
+        self.block(simd, (from, y), &scratch)
+    }
+
+    /// Prepares all inputs of a range of pixels of row `y`.
+    #[inline(always)]
+    fn prepare<S: Simd>(&self, simd: S, (columns, y): (&Range<usize>, u32), scratch: &mut RowScratch) {
+        let RowScratch { samples, vertical, statistics, vectors } = scratch;
+        let row = self.rows[y as usize];
+        let [first, last] = [columns.start, columns.end - 1].map(|column| self.columns[column].padded);
+        let read = first - 1..last + 2;
+        for index in row.index {
+            samples.fill(simd, self.colors, self.drawn.color, (index, &read));
+        }
+        let rows = row.index.map(|index| samples.row(index));
+        if self.scale != Scale::ONE {
+            let [a, b, c] = row.weight;
+            let read = quads::whole_vectors(&read);
+            let rows = rows.map(|row| &row[read.clone()]);
+            quads::combine(
+                simd,
+                rows,
+                &mut vertical[read],
+                #[inline(always)]
+                |above, at, below| above * a + at * b + below * c,
+            );
+        }
+        let motion = self.history.as_ref().and_then(|(motion, _)| motion.vectors);
+        if let (Some(motion), Some(frame)) = (motion, self.drawn.frame) {
+            statistics.fill(simd, self.options.rectification, rows, (row.index, &read));
+            vectors.fill(frame.gbuffer, motion, (columns, y));
+        }
+    }
+
+    /// Blends sixteen pixels from pixel `from` of row `y` on, which must have been prepared.
+    #[inline(always)]
+    fn block<S: Simd>(&self, simd: S, at: (usize, u32), scratch: &RowScratch) -> Blend<S> {
+        let present = self.present(simd, at, scratch);
+        let past = self.history.as_ref().map(
+            #[inline(always)]
+            |(motion, history)| match motion.vectors {
+                None => self.past_of_still(simd, at, history),
+                Some(_) => self.past_of_moving(simd, at, scratch, history),
+            },
+        );
+        let past = past.map(
+            #[inline(always)]
+            |past| self.weighted(simd, &present, past),
+        );
+        Blend { present, past }
+    }
+
+    /// Returns the colours of sixteen pixels from the samples of this frame alone.
+    #[inline(always)]
+    fn present<S: Simd>(&self, simd: S, (from, y): (usize, u32), scratch: &RowScratch) -> Present<S> {
+        if self.scale == Scale::ONE {
+            let row = scratch.samples.row(self.rows[y as usize].index[1]);
+            let color = quads::columns(simd, window(row, self.columns[from].padded));
+            return Present { color, confidence: f32x16::splat(simd, 1.0) };
+        }
+        let (mut sums, mut totals) = ([[0.0; 4]; WIDE], [0.0; WIDE]);
+        let columns: &[AxisSamples; WIDE] = window(&self.columns, from);
+        for (column, (sum, total)) in columns.iter().zip(sums.iter_mut().zip(&mut totals)) {
+            let [left, at, right]: &[Quad; 3] = window(&scratch.vertical, column.padded - 1);
+            let [left, at, right] = each!(quad in [left, at, right] => f32x4::load_array_ref(simd, quad));
+            let [a, b, c] = column.weight;
+            (left * a + at * b + right * c).store_array(sum);
+            *total = column.total;
+        }
+        let confidence = f32x16::load_array(simd, totals) * self.rows[y as usize].total;
+        let color = quads::columns(simd, &sums);
+        Present { color: each!(i in [0, 1, 2, 3] => color[i] / confidence), confidence: confidence.min(1.0) }
+    }
+
+    /// Returns the history of sixteen pixels in a still view.
+    #[inline(always)]
+    fn past_of_still<S: Simd>(&self, simd: S, (from, y): (usize, u32), history: &Image<Quad>) -> Past<S> {
+        let row = &history.row(y)[from..];
+        let mut block = [[0.0; 4]; WIDE];
+        let read = row.len().min(WIDE);
+        block[..read].copy_from_slice(&row[..read]);
+        let zero = f32x16::splat(simd, 0.0);
+        let read @ [y_, co, cg, _] = quads::columns(simd, &block);
+        Past {
+            is_known: zero.simd_eq(zero),
+            place: centers(simd, (from, y)),
+            read,
+            rectified: [y_, co, cg],
+            weight: zero,
+            share: zero,
+        }
+    }
+
+    /// Returns the history of sixteen pixels at the positions to which motion vectors lead.
+    #[inline(always)]
+    fn past_of_moving<S: Simd>(
+        &self,
+        simd: S,
+        at: (usize, u32),
+        scratch: &RowScratch,
+        history: &Image<Quad>,
+    ) -> Past<S> {
+        let places = PastPlaces::new(simd, at, scratch.vectors.load(simd, at.0), self.size);
+        let mut block = [[0.0; 4]; WIDE];
+        match self.options.filter {
+            HistoryFilter::Bilinear => bilinear(simd, history, &places, &mut block),
+            HistoryFilter::CatmullRom => cubic(simd, history, &places, &mut block),
+        }
+        let read = quads::columns(simd, &block);
+        let [y, co, cg, _] = read;
+        let columns: &[AxisSamples; WIDE] = window(&self.columns, at.0);
+        let nearest = if self.scale == Scale::ONE {
+            NearestSamples::Adjacent(columns[0].padded)
+        } else {
+            NearestSamples::Any(
+                each!(lane in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => columns[lane].padded),
+            )
+        };
+        let rectified = scratch.statistics.rectified(simd, [y, co, cg], self.options.rectification, &nearest);
+        let zero = f32x16::splat(simd, 0.0);
+        Past { is_known: places.is_known, place: places.place, read, rectified, weight: zero, share: zero }
+    }
+
+    /// Returns the history with the weights and shares of the blending.
+    #[inline(always)]
+    fn weighted<S: Simd>(&self, simd: S, present: &Present<S>, past: Past<S>) -> Past<S> {
+        let zero = f32x16::splat(simd, 0.0);
+        let weight = past.read[3].max(zero).min(self.most_weight);
+        let mut share = if self.is_settled { zero } else { present.confidence / (weight + present.confidence) };
+        if self.options.luminance_weighting {
+            let [now, then] = each!(y in [present.color[0], past.rectified[0]] => self.luminance_weight(simd, y));
+            share = share * now / (share * now + (f32x16::splat(simd, 1.0) - share) * then);
+        }
+        Past { weight, share, ..past }
+    }
+
+    /// Returns the weights of colours of luminance `y`: 1 / (1 + y), with y in [0, 1].
+    #[inline(always)]
+    fn luminance_weight<S: Simd>(&self, simd: S, y: f32x16<S>) -> f32x16<S> {
+        let white = f32x16::splat(simd, self.colors.white());
+        white / (white + y.max(f32x16::splat(simd, 0.0)))
+    }
+
+    /// Returns the codes of sixteen pixels and their history for the next frame.
+    #[inline(always)]
+    fn finished<S: Simd>(&self, simd: S, blend: &Blend<S>) -> ([Rgba8; WIDE], [Quad; WIDE]) {
+        let Present { color: [y, co, cg, alpha], confidence } = blend.present;
+        let (mut color, mut weight) = ([y, co, cg], confidence);
+        if let Some(past) = &blend.past {
+            color = each!(i in [0, 1, 2] => {
+                past.is_known.select(past.rectified[i] + (color[i] - past.rectified[i]) * past.share, color[i])
+            });
+            weight = past.is_known.select(past.weight + confidence, confidence);
+        }
+        let [y, co, cg] = color;
+        let mut quads = [[0.0; 4]; WIDE];
+        quads::store([y, co, cg, weight], &mut quads);
+        (self.colors.encode(simd, color, alpha), quads)
+    }
+
+    /// Returns the samples that contribute to a pixel. Those that only rectify the history have weight 0.
+    pub(super) fn taps(&self, (x, y): (u32, u32)) -> Vec<Tap> {
+        let (columns, rows) = (self.columns[x as usize], self.rows[y as usize]);
+        let sum: f32 = columns.weight.iter().sum::<f32>() * rows.weight.iter().sum::<f32>();
+        let mut taps: Vec<Tap> = Vec::new();
+        for (y, vertical) in rows.index.into_iter().zip(rows.weight) {
+            for (x, horizontal) in columns.index.into_iter().zip(columns.weight) {
+                let weight = horizontal * vertical / sum;
+                match taps.iter_mut().find(|tap| (tap.x, tap.y) == (x, y)) {
+                    Some(tap) => tap.weight += weight,
+                    None => taps.push(Tap { x, y, weight }),
+                }
+            }
+        }
+        taps
+    }
+}
+
+impl AxisSamples {
+    /// Returns the samples around output column or row `at`, out of `samples` samples of a lattice. They lie at `place`
+    /// within their areas.
+    fn new(lattice: Lattice, place: f64, at: u32, samples: u32) -> Self {
+        let ThreeSamples { index, nearest, from_nearest } = lattice.three_around(place, at, samples);
+        let weight = [-1.0, 0.0, 1.0].map(|number: f64| {
+            if lattice.scale == Scale::ONE {
+                return if number == 0.0 { 1.0 } else { 0.0 };
+            }
+            let distance = (number - f64::from(from_nearest)) * lattice.scale.value();
+            (-SHARPNESS * distance * distance).exp() as f32
+        });
+        Self { index, padded: (nearest + PAD as i64) as usize, weight, total: weight.iter().sum() }
+    }
+}
+
+/// Returns the weights of four adjacent values for an interpolation at `t` in [0, 1) between the second and the third.
+#[inline(always)]
+pub(super) fn catmull_rom<S: Simd>(t: f32x16<S>) -> [f32x16<S>; 4] {
+    each!(i in [0, 1, 2, 3] => {
+        let [cubic, square, linear, constant] = CATMULL_ROM[i];
+        ((t * cubic + square) * t + linear) * t + constant
+    })
+}
+
+/// Reads the history at positions with Catmull-Rom weights.
+#[inline(always)]
+fn cubic<S: Simd>(simd: S, history: &Image<Quad>, places: &PastPlaces<S>, read: &mut [Quad; WIDE]) {
+    // Lane 4 i + k of a vector belongs to number k of quad i.
+    let coefficient = each!(power in [0, 1, 2, 3] => f32x16::load_array(simd, each!(
+        lane in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => CATMULL_ROM[lane / 4][power]
+    )));
+    let [a, b, c, d] = catmull_rom(places.fraction[1]);
+    let vertical = each!(weights in [a, b, c, d] => weights.to_array());
+    let across = places.fraction[0].to_array();
+    for lane in 0..WIDE {
+        let Some([first, second, third, fourth]) = places.window(simd, history, lane) else { continue };
+        let [a, b, c, d] = each!(row in [0, 1, 2, 3] => vertical[row][lane]);
+        let column = first * a + second * b + third * c + fourth * d;
+        let t = across[lane];
+        let horizontal = ((coefficient[0] * t + coefficient[1]) * t + coefficient[2]) * t + coefficient[3];
+        sum_of_quads(column * horizontal).store_array(&mut read[lane]);
+    }
+}
+
+/// Reads the history at positions bilinearly.
+#[inline(always)]
+fn bilinear<S: Simd>(simd: S, history: &Image<Quad>, places: &PastPlaces<S>, read: &mut [Quad; WIDE]) {
+    let [across, down] = each!(axis in [0, 1] => places.fraction[axis].to_array());
+    for lane in 0..WIDE {
+        let Some([_, second, third, _]) = places.window(simd, history, lane) else { continue };
+        let column = second + (third - second) * down[lane];
+        let ((_, left), (right, _)) = {
+            let (low, high) = column.split();
+            (low.split(), high.split())
+        };
+        (left + (right - left) * across[lane]).store_array(&mut read[lane]);
+    }
+}
