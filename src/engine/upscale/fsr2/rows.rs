@@ -134,10 +134,11 @@ impl Fsr2Frame<'_> {
     fn block<S: Simd>(&self, simd: S, at: (usize, u32), scratch: &RowScratch) -> Blend<S> {
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
         let columns: &[AxisSamples; WIDE] = window(&self.columns, at.0);
-        let past = self.history.as_ref().map(
-            #[inline(always)]
-            |(motion, history)| self.past(simd, at, (motion, history), scratch),
-        );
+        // Not `Option::map`: the compiler would not compile the function that it calls for the instruction set.
+        let past = match &self.history {
+            None => None,
+            Some((motion, history)) => Some(self.past(simd, at, (motion, history), scratch)),
+        };
         let narrowing = match &past {
             Some(past) => past.is_known.select(self.narrowing(simd, past), one),
             None => one,

@@ -5,6 +5,7 @@ use std::ops::Range;
 use crate::math::lanes::*;
 use crate::pipeline::gbuffer::GBuffer;
 use crate::pipeline::motion::MotionVectors;
+use crate::upscale::quads::window;
 
 /// For every pixel of a row, the motion vector of the nearest surface among the 3 × 3 pixels around it, so that the
 /// anti-aliased edge of an object moves with the object (Karis, 2014). Gives the vectors of the pixels that
@@ -103,16 +104,16 @@ impl DilatedVectors {
     /// surfaces that the previous frame does not show are not numbers.
     #[inline(always)]
     pub(in crate::upscale) fn load<S: Simd>(&self, simd: S, from: usize) -> [f32x16<S>; 2] {
-        let of = |numbers: &[f32], by: usize| f32x16::from_slice(simd, &numbers[from + by..][..WIDE]);
-        let mut distance = of(&self.distance, 1);
-        let [mut across_px, mut down_px] = [of(&self.across_px, 1), of(&self.down_px, 1)];
-        for by in [0, 2] {
-            let other = of(&self.distance, by);
-            let is_nearer = other.simd_lt(distance);
-            distance = is_nearer.select(other, distance);
-            across_px = is_nearer.select(of(&self.across_px, by), across_px);
-            down_px = is_nearer.select(of(&self.down_px, by), down_px);
+        let [left, mut nearest, right] = each!(by in [0, 1, 2] => {
+            each!(numbers in [&self.distance, &self.across_px, &self.down_px] => {
+                f32x16::load_array_ref(simd, window(numbers, from + by))
+            })
+        });
+        for other in [left, right] {
+            let is_nearer = other[0].simd_lt(nearest[0]);
+            nearest = each!(i in [0, 1, 2] => is_nearer.select(other[i], nearest[i]));
         }
+        let [_, across_px, down_px] = nearest;
         [across_px, down_px]
     }
 }

@@ -213,17 +213,16 @@ impl<'a> TaaFrame<'a> {
     #[inline(always)]
     fn block<S: Simd>(&self, simd: S, at: (usize, u32), scratch: &RowScratch) -> Blend<S> {
         let present = self.present(simd, at, scratch);
-        let past = self.history.as_ref().map(
-            #[inline(always)]
-            |(motion, history)| match motion.vectors {
-                None => self.past_of_still(simd, at, history),
-                Some(_) => self.past_of_moving(simd, at, scratch, history),
-            },
-        );
-        let past = past.map(
-            #[inline(always)]
-            |past| self.weighted(simd, &present, past),
-        );
+        // Not `Option::map`: the compiler would not compile the function that it calls for the instruction set.
+        let past = match &self.history {
+            None => None,
+            Some((Motion { vectors: None, .. }, history)) => Some(self.past_of_still(simd, at, history)),
+            Some((_, history)) => Some(self.past_of_moving(simd, at, scratch, history)),
+        };
+        let past = match past {
+            None => None,
+            Some(past) => Some(self.weighted(simd, &present, past)),
+        };
         Blend { present, past }
     }
 
