@@ -35,9 +35,62 @@ pub(super) fn whole_vectors(range: &Range<usize>) -> Range<usize> {
     range.start..range.start + range.len().next_multiple_of(4)
 }
 
+/// Combination of three numbers that stand in the same place of three runs of quads.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Combination {
+    /// Sum with these weights.
+    Weighted([f32; 3]),
+    Sum,
+    SumOfSquares,
+    Least,
+    Greatest,
+}
+
 /// Combines the numbers of three runs of quads. All must have the length of `to`, a multiple of four.
 #[inline(always)]
-pub(super) fn combine<S: Simd>(
+pub(super) fn combine<S: Simd>(simd: S, runs: [&[Quad]; 3], to: &mut [Quad], by: Combination) {
+    // One loop for each, with a closure that is compiled for the instruction set.
+    match by {
+        Combination::Weighted([u, v, w]) => combine_by(
+            simd,
+            runs,
+            to,
+            #[inline(always)]
+            |a, b, c| a * u + b * v + c * w,
+        ),
+        Combination::Sum => combine_by(
+            simd,
+            runs,
+            to,
+            #[inline(always)]
+            |a, b, c| a + b + c,
+        ),
+        Combination::SumOfSquares => combine_by(
+            simd,
+            runs,
+            to,
+            #[inline(always)]
+            |a, b, c| a * a + b * b + c * c,
+        ),
+        Combination::Least => combine_by(
+            simd,
+            runs,
+            to,
+            #[inline(always)]
+            |a, b, c| a.min(b).min(c),
+        ),
+        Combination::Greatest => combine_by(
+            simd,
+            runs,
+            to,
+            #[inline(always)]
+            |a, b, c| a.max(b).max(c),
+        ),
+    }
+}
+
+#[inline(always)]
+fn combine_by<S: Simd>(
     simd: S,
     [first, second, third]: [&[Quad]; 3],
     to: &mut [Quad],
@@ -54,16 +107,6 @@ pub(super) fn combine<S: Simd>(
 /// Returns the runs of quads that start one quad before a range, at it, and one quad behind its start.
 pub(super) fn around<'a>(row: &'a [Quad], range: &Range<usize>) -> [&'a [Quad]; 3] {
     [0, 1, 2].map(|by| &row[range.start + by - 1..range.end + by - 1])
-}
-
-#[inline(always)]
-pub(super) fn least<S: Simd>(a: f32x16<S>, b: f32x16<S>, c: f32x16<S>) -> f32x16<S> {
-    a.min(b).min(c)
-}
-
-#[inline(always)]
-pub(super) fn greatest<S: Simd>(a: f32x16<S>, b: f32x16<S>, c: f32x16<S>) -> f32x16<S> {
-    a.max(b).max(c)
 }
 
 /// Returns the `N` values from index `at` on.

@@ -105,13 +105,14 @@ impl GBuffer {
         if !(x >= 0.0 && y >= 0.0 && x < (width - 1) as f32 && y < (height - 1) as f32) {
             return None;
         }
-        let upper = y as usize * width as usize + x as usize;
-        let lower = upper + width as usize;
-        let (objects, distances) = (self.object.pixels(), self.distance.pixels());
-        if objects[upper..upper + 2] != [object; 2] || objects[lower..lower + 2] != [object; 2] {
-            return None;
-        }
-        Some([distances[upper], distances[upper + 1], distances[lower], distances[lower + 1]])
+        let width = width as usize;
+        let first = y as usize * width + x as usize;
+        let objects = &self.object.pixels()[first..][..width + 2];
+        let distances = &self.distance.pixels()[first..][..width + 2];
+        let [a, b, c, d] = [0, 1, width, width + 1].map(|at| u32::from_le_bytes(objects[at]));
+        let own = u32::from_le_bytes(object);
+        let differences = (a ^ own) | (b ^ own) | (c ^ own) | (d ^ own);
+        (differences == 0).then(|| [distances[0], distances[1], distances[width], distances[width + 1]])
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::super::quads::{self, Quad};
+use super::super::quads::{self, Combination, Quad};
 use super::super::sample_rows::padded_row;
 use super::locks::{self, Contrast};
 use crate::math::lanes::*;
@@ -46,15 +46,13 @@ impl Surroundings {
         if self.of.as_ref().is_some_and(|(held, read)| (*held, read) == (index, range)) {
             return;
         }
-        let Self { vertical: [least, greatest], range: [all_least, all_greatest], median, thin, .. } = self;
         let centers = range.start + 1..range.end - 1;
-        {
-            let (read, centers) = (quads::whole_vectors(range), quads::whole_vectors(&centers));
-            let rows = rows.map(|row| &row[read.clone()]);
-            quads::combine(simd, rows, &mut least[read.clone()], quads::least);
-            quads::combine(simd, rows, &mut greatest[read], quads::greatest);
-            quads::combine(simd, quads::around(least, &centers), &mut all_least[centers.clone()], quads::least);
-            quads::combine(simd, quads::around(greatest, &centers), &mut all_greatest[centers], quads::greatest);
+        let (read, around) = (quads::whole_vectors(range), quads::whole_vectors(&centers));
+        let runs = rows.map(|row| &row[read.clone()]);
+        for (number, by) in [Combination::Least, Combination::Greatest].into_iter().enumerate() {
+            let vertical = &mut self.vertical[number];
+            quads::combine(simd, runs, &mut vertical[read.clone()], by);
+            quads::combine(simd, quads::around(vertical, &around), &mut self.range[number][around.clone()], by);
         }
         for first in centers.step_by(WIDE) {
             let [above, at, below] = each!(row in [0, 1, 2] => each!(by in [0, 1, 2] => {
@@ -63,10 +61,10 @@ impl Surroundings {
             }));
             let [[a, b, c], [d, e, f], [g, h, i]] = [above, at, below];
             let luminances = [a, b, c, d, e, f, g, h, i];
-            locks::median(&luminances).store_slice(&mut median[first..first + WIDE]);
+            locks::median(&luminances).store_slice(&mut self.median[first..first + WIDE]);
             let is_thin = contrast.is_thin(simd, &luminances);
             let (one, zero) = (f32x16::splat(simd, 1.0), f32x16::splat(simd, 0.0));
-            is_thin.select(one, zero).store_slice(&mut thin[first..first + WIDE]);
+            is_thin.select(one, zero).store_slice(&mut self.thin[first..first + WIDE]);
         }
         self.of = Some((index, range.clone()));
     }

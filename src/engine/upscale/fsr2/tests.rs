@@ -96,14 +96,16 @@ fn rows_are_bit_identical_to_single_pixels() {
     for how in every() {
         let (columns, rows) = (how.lattice().samples(size.0), how.lattice().samples(size.1));
         let color = Image::from_fn(columns, rows, |_, _| std::array::from_fn(|_| random.u8(..)));
-        for frames in frames(size, 7) {
+        for (number, frames) in frames(size, 7).into_iter().enumerate() {
             let drawn = UpscaleInputs { color: &color, frame: Some(frames.seen()) };
             let mut full = Image::filled(size.0, size.1, [1, 2, 3, 4]);
             let history = FSR2.upscale_with_history(how, &drawn, &mut full, None).history.unwrap();
             let locks = history.locks.unwrap();
             let sharpened = how.with_sharpening(60).upscale(&drawn, size.0, size.1);
             let frame = Fsr2Frame::new(how, &drawn, size);
-            for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
+            // Every pixel is compared in some of the frames.
+            let pixels = (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y)));
+            for (x, y) in pixels.skip(number % 5).step_by(5) {
                 let row = (full.at(x, y), history.color.at(x, y).map(f32::to_bits), locks.at(x, y).map(f32::to_bits));
                 for lanes in Lanes::all() {
                     let alone = on_lanes!(lanes, simd => frame.finished(simd, &frame.alone(simd, (x, y))));

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::super::history::{DilatedVectors, PastPlaces, centers, sum_of_quads};
 use super::super::lattice::ThreeSamples;
-use super::super::quads::{self, Quad, window};
+use super::super::quads::{self, Combination, Quad, window};
 use super::super::sample_rows::{DecodedRows, PAD, padded_row};
 use super::super::ycocg::YCoCg;
 use super::super::{HistoryStep, Lattice, Motion, PastColor, Rejection, Scale, Tap, UpscaleInputs, Upscaling};
@@ -191,16 +191,9 @@ impl<'a> TaaFrame<'a> {
         }
         let rows = row.index.map(|index| samples.row(index));
         if self.scale != Scale::ONE {
-            let [a, b, c] = row.weight;
             let read = quads::whole_vectors(&read);
             let rows = rows.map(|row| &row[read.clone()]);
-            quads::combine(
-                simd,
-                rows,
-                &mut vertical[read],
-                #[inline(always)]
-                |above, at, below| above * a + at * b + below * c,
-            );
+            quads::combine(simd, rows, &mut vertical[read], Combination::Weighted(row.weight));
         }
         let motion = self.history.as_ref().and_then(|(motion, _)| motion.vectors);
         if let (Some(motion), Some(frame)) = (motion, self.drawn.frame) {

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::super::quads::{self, Quad};
+use super::super::quads::{self, Combination, Quad};
 use super::super::sample_rows::padded_row;
 use super::Rectification;
 use crate::math::lanes::*;
@@ -39,32 +39,20 @@ impl Statistics {
         if by == Rectification::None || self.of.as_ref().is_some_and(|(held, read)| (*held, read) == (index, range)) {
             return;
         }
-        let Self { vertical: [first, second], around: [first_around, second_around], .. } = self;
         let (read, centers) = (quads::whole_vectors(range), quads::whole_vectors(&(range.start + 1..range.end - 1)));
         let rows = rows.map(|row| &row[read.clone()]);
-        if by == Rectification::Variance {
-            quads::combine(simd, rows, &mut first[read.clone()], sum);
-            quads::combine(simd, rows, &mut second[read], sum_of_squares);
-            quads::combine(simd, quads::around(first, &centers), &mut first_around[centers.clone()], sum);
-            quads::combine(simd, quads::around(second, &centers), &mut second_around[centers], sum);
+        let (of_rows, of_columns) = if by == Rectification::Variance {
+            ([Combination::Sum, Combination::SumOfSquares], [Combination::Sum; 2])
         } else {
-            quads::combine(simd, rows, &mut first[read.clone()], quads::least);
-            quads::combine(simd, rows, &mut second[read], quads::greatest);
-            quads::combine(simd, quads::around(first, &centers), &mut first_around[centers.clone()], quads::least);
-            quads::combine(simd, quads::around(second, &centers), &mut second_around[centers], quads::greatest);
+            ([Combination::Least, Combination::Greatest], [Combination::Least, Combination::Greatest])
+        };
+        for number in [0, 1] {
+            let (vertical, around) = (&mut self.vertical[number], &mut self.around[number]);
+            quads::combine(simd, rows, &mut vertical[read.clone()], of_rows[number]);
+            quads::combine(simd, quads::around(vertical, &centers), &mut around[centers.clone()], of_columns[number]);
         }
         self.of = Some((index, range.clone()));
     }
-}
-
-#[inline(always)]
-fn sum<S: Simd>(a: f32x16<S>, b: f32x16<S>, c: f32x16<S>) -> f32x16<S> {
-    a + b + c
-}
-
-#[inline(always)]
-fn sum_of_squares<S: Simd>(a: f32x16<S>, b: f32x16<S>, c: f32x16<S>) -> f32x16<S> {
-    a * a + b * b + c * c
 }
 
 /// Nearest samples of sixteen pixels.

@@ -29,7 +29,7 @@ fn every() -> Vec<Upscaling> {
 fn rows_are_bit_identical_to_single_pixels() {
     let mut random = fastrand::Rng::with_seed(8);
     let size = (75, 9);
-    for how in every() {
+    for (number, how) in every().into_iter().enumerate() {
         let (columns, rows) = (how.lattice().samples(size.0), how.lattice().samples(size.1));
         let color = Image::from_fn(columns, rows, |_, _| std::array::from_fn(|_| random.u8(..)));
         for frames in frames(size, 7) {
@@ -37,7 +37,9 @@ fn rows_are_bit_identical_to_single_pixels() {
             let mut full = Image::filled(size.0, size.1, [1, 2, 3, 4]);
             let memory = TAA.upscale_with_history(how, &drawn, &mut full, None).history.unwrap().color;
             let frame = TaaFrame::new(how, &drawn, size);
-            for at in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
+            // Every pixel is compared with some of the options.
+            let pixels = (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y)));
+            for at in pixels.skip(number % 7).step_by(7) {
                 for lanes in Lanes::all() {
                     let (pixel, past) = on_lanes!(lanes, simd => frame.pixel(simd, at));
                     let bits = [past, memory.at(at.0, at.1)].map(|quad| quad.map(f32::to_bits));
