@@ -68,6 +68,8 @@ pub mod stages;
 
 pub mod statistics;
 
+pub mod temporal;
+
 pub mod trace;
 
 mod verdict;

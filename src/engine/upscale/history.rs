@@ -135,6 +135,25 @@ pub struct PastColor {
     pub rectified: [f32; 3],
 }
 
+/// Filter with which an upscaler reads its history between pixels, along one axis. Pixel 0 is the last one whose centre
+/// does not lie behind the position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum HistoryTaps {
+    /// Linear interpolation a + (b − a) · t of pixels 0 and 1, with t in [0, 1).
+    Linear(f32),
+    /// Weighted sum of pixels 0 and 1.
+    Two([f32; 2]),
+    /// Weighted sum of pixels −1 to 2.
+    Four([f32; 4]),
+    /// Weighted sum of pixels −1 to 2. The result of both axes is clamped to the range of the nearest 2 × 2 pixels.
+    FourClamped([f32; 4]),
+}
+
+/// Function that returns how pixels of one frame are blended with their history; see [`Upscaler::history_step`].
+///
+/// [`Upscaler::history_step`]: super::Upscaler::history_step
+pub type HistorySteps<'a> = Box<dyn Fn((u32, u32)) -> Option<HistoryStep> + Sync + 'a>;
+
 impl HistoryStep {
     /// Returns the colour of the pixel before it is encoded, with the arithmetic of the upscaler.
     pub fn blended(&self) -> [f32; 3] {
@@ -146,7 +165,12 @@ impl HistoryStep {
 
     /// Returns the sRGB codes of the pixel.
     pub fn codes(&self) -> [u8; 3] {
-        self.space.encoded(Tables::get(), self.blended())
+        self.encoded(self.blended())
+    }
+
+    /// Returns the sRGB codes of a colour in the space of this step.
+    pub(crate) fn encoded(&self, color: [f32; 3]) -> [u8; 3] {
+        self.space.encoded(Tables::get(), color)
     }
 }
 
@@ -241,7 +265,7 @@ impl Motion<'_> {
 /// Returns the index of the pixel whose centre lies at or before a position along an axis, and the distance from it, in
 /// [0, 1).
 #[inline(always)]
-pub(super) fn whole_and_fraction(place: f32) -> (i64, f32) {
+pub(crate) fn whole_and_fraction(place: f32) -> (i64, f32) {
     let from = place - 0.5;
     let floor = from.floor();
     (floor as i64, from - floor)

@@ -29,9 +29,10 @@ mod tests;
 use std::collections::BTreeMap;
 
 use self::frame::{Fsr2Frame, HistoryRow};
+use self::kernel::history_weights;
 use super::{
-    Accumulated, Anchor, FilterSpace, HistoryStep, Offers, Reads, Sampling, Scale, Tap, UpscaleInputs, Upscaled,
-    Upscaler, Upscaling, bands, fsr,
+    Accumulated, Anchor, FilterSpace, HistoryStep, HistorySteps, HistoryTaps, Offers, Reads, Sampling, Scale, Tap,
+    UpscaleInputs, Upscaled, Upscaler, Upscaling, bands, fsr,
 };
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
@@ -157,5 +158,14 @@ impl Upscaler for Fsr2 {
     /// Returns the blending before sharpening.
     fn history_step(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, at: (u32, u32)) -> Option<HistoryStep> {
         Some(Fsr2Frame::new(how, drawn, drawn.frame?.gbuffer.object.size()).step(at))
+    }
+
+    fn history_steps<'a>(&'a self, how: Upscaling, drawn: &'a UpscaleInputs<'a>) -> HistorySteps<'a> {
+        let frame = drawn.frame.map(|seen| Fsr2Frame::new(how, drawn, seen.gbuffer.object.size()));
+        Box::new(move |at| Some(frame.as_ref()?.step(at)))
+    }
+
+    fn history_taps(&self, _how: Upscaling, t: f32) -> HistoryTaps {
+        HistoryTaps::FourClamped(on_lanes!(Lanes::best(), simd => history_weights(simd, t)))
     }
 }

@@ -22,10 +22,10 @@ pub use options::HistoryFilter;
 pub use options::HistoryOptions;
 pub use options::Rectification;
 
-use self::blend::TaaFrame;
+use self::blend::{TaaFrame, catmull_rom};
 use super::{
-    Accumulated, Anchor, FilterSpace, HistoryStep, Offers, Reads, Sampling, Scale, Tap, UpscaleInputs, Upscaled,
-    Upscaler, Upscaling, bands,
+    Accumulated, Anchor, FilterSpace, HistoryStep, HistorySteps, HistoryTaps, Offers, Reads, Sampling, Scale, Tap,
+    UpscaleInputs, Upscaled, Upscaler, Upscaling, bands,
 };
 use crate::antialias::pattern::Pattern;
 use crate::image::{Image, Rgba8};
@@ -134,5 +134,20 @@ impl Upscaler for Taa {
     fn history_step(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, at: (u32, u32)) -> Option<HistoryStep> {
         let frame = TaaFrame::new(how, drawn, drawn.frame?.gbuffer.object.size());
         Some(on_lanes!(Lanes::best(), simd => frame.step(simd, at)))
+    }
+
+    fn history_steps<'a>(&'a self, how: Upscaling, drawn: &'a UpscaleInputs<'a>) -> HistorySteps<'a> {
+        let frame = drawn.frame.map(|seen| TaaFrame::new(how, drawn, seen.gbuffer.object.size()));
+        Box::new(move |at| {
+            let frame = frame.as_ref()?;
+            Some(on_lanes!(Lanes::best(), simd => frame.step(simd, at)))
+        })
+    }
+
+    fn history_taps(&self, how: Upscaling, t: f32) -> HistoryTaps {
+        match how.history().filter {
+            HistoryFilter::Bilinear => HistoryTaps::Two([1.0 - t, t]),
+            HistoryFilter::CatmullRom => HistoryTaps::Four(catmull_rom(t)),
+        }
     }
 }
