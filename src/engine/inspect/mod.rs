@@ -60,6 +60,8 @@ pub mod range;
 
 pub mod remedy;
 
+mod reprojection;
+
 pub mod scrub;
 
 pub mod selection;
