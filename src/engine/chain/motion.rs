@@ -10,7 +10,7 @@ use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::motion::{FrameBefore, FrameMotion, FrameView, MotionVectors};
 use crate::pipeline::viewport::Viewport;
 use crate::pipeline::{LastStage, prepare};
-use crate::scene::Scene;
+use crate::scene::{Camera, Scene};
 use crate::upscale::CENTRE;
 
 /// Motion of every pixel of a picture since the preceding frame.
@@ -69,13 +69,33 @@ impl Frame {
     /// Computes the motion of every rasterized pixel since [`Frame::before`], without jitter. `scene` must be the scene of
     /// the frame and `recipe` its recipe. Returns `None` if no view precedes or the depth test is off.
     pub fn motion(&self, scene: &Scene, recipe: &Recipe) -> Option<MotionBuffers> {
+        let [now, then] = self.motion_cameras(recipe)?;
+        let before = FrameView { scene: &self.before.as_ref()?.scene, camera: &then };
+        MotionBuffers::between(FrameView { scene, camera: &now }, before, recipe, self.raster)
+    }
+}
+
+impl Frame {
+    /// Returns the cameras of this view and of [`Frame::before`], with the jitter of this frame, which therefore does not
+    /// appear as motion. `recipe` must be the recipe of the frame. Returns `None` if no view precedes.
+    pub(crate) fn motion_cameras(&self, recipe: &Recipe) -> Option<[Camera; 2]> {
         let before = self.before.as_ref()?;
         let (_, place) = sampling_after(self.history.as_deref(), recipe);
-        // Both views have the jitter of this frame, which therefore does not appear as motion.
-        let [now, then] =
-            [&self.camera, &before.camera].map(|camera| raster_camera(camera, self.sampling, self.viewport, place));
-        let before = FrameView { scene: &before.scene, camera: &then };
-        MotionBuffers::between(FrameView { scene, camera: &now }, before, recipe, self.raster)
+        let jittered = |camera| raster_camera(camera, self.sampling, self.viewport, place);
+        Some([&self.camera, &before.camera].map(jittered))
+    }
+
+    /// Draws the colours of this view and of [`Frame::before`] without history, anti-aliasing and post filter. Both have
+    /// the size and the jitter of the rasterized picture. Returns `None` if no view precedes. The other parameters are as in
+    /// [`Frame::motion`].
+    pub(crate) fn colors_of_both(&self, scene: &Scene, recipe: &Recipe) -> Option<[Image<Rgba8>; 2]> {
+        let (before, [camera, camera_before]) = (self.before.as_ref()?, self.motion_cameras(recipe)?);
+        let shown = Recipe { pipeline: recipe.pipeline, ..Recipe::default() };
+        let color = |scene: &Scene, camera: &Camera| {
+            let geometry = prepare(scene, camera, &shown.pipeline, self.raster, &mut ());
+            draw_pixels(scene, &shown, &geometry, (SampleGrid::FULL, self.raster), LastStage::Shade, &mut ()).color
+        };
+        Some([color(scene, &camera), color(&before.scene, &camera_before)])
     }
 }
 

@@ -50,7 +50,7 @@ impl BufferSource<'_> {
     fn picture(&self) -> Picture {
         let buffers = super::capture(self.scene, self.recipe, self.frame);
         let buffers = buffers.completed_for(Buffer::Hits, self.scene, self.recipe, self.frame);
-        let buffers = buffers.completed_for(Buffer::MotionX, self.scene, self.recipe, self.frame);
+        let buffers = buffers.completed_for(Buffer::ReprojectionError, self.scene, self.recipe, self.frame);
         let mut surfaces = Surfaces::new(self);
         redraw(self.scene, self.recipe, self.frame, LastStage::Shade, &mut surfaces);
         let surfaces = surfaces.samples;
@@ -73,6 +73,12 @@ impl BufferSource<'_> {
             channels.number("motion.X", Buffer::MotionX);
             channels.number("motion.Y", Buffer::MotionY);
             channels.count("disocclusion", Buffer::Disocclusion);
+            channels.number("previous.X", Buffer::PreviousX);
+            channels.number("previous.Y", Buffer::PreviousY);
+            channels.number("reprojection.error", Buffer::ReprojectionError);
+            for (name, jitter) in ["jitter.X", "jitter.Y"].into_iter().zip(self.frame.jitter_px(self.recipe)) {
+                channels.floats(name, |_, _| Some(jitter as f32));
+            }
         }
         channels.object("id.object");
         channels.surface("distance", |surface| Some(surface.distance));

@@ -3,6 +3,7 @@
 //! An observer collects these quantities while the frame is drawn again; normal drawing has no overhead.
 
 use super::hits::Hits;
+use super::reprojection::errors;
 use crate::chain::{Frame, MotionBuffers, Recipe, redraw};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::LastStage;
@@ -34,6 +35,13 @@ choice! {
             also ["motion vector", "velocity", "optical flow"];
         Disocclusion = "disocclusion", "Disocclusion",
             "1 where the preceding frame does not show the surface: it was hidden, outside the picture or behind the eye.";
+        PreviousX = "previous-x", "Previous position: x",
+            "Position of the surface in the preceding frame, in px of that frame from the left.", also ["reprojection"];
+        PreviousY = "previous-y", "Previous position: y",
+            "Position of the surface in the preceding frame, in px of that frame from the top.", also ["reprojection"];
+        ReprojectionError = "reprojection-error", "Reprojection error",
+            "Largest difference of a channel, in sRGB codes, from the colour at the previous position. Both frames are drawn without history, anti-aliasing and post filter.",
+            also ["motion vector", "ghosting"];
         Hits = "hits", "Hit count", "Number of triangles that cover each sample, without depth test. Cracks along shared edges are blue, double hits orange.";
     }
 }
@@ -56,6 +64,9 @@ pub struct Buffers {
     pub shaded: Image<u32>,
     /// Motion since the preceding frame; `None` until it is displayed, or if there is none.
     pub motion: Option<MotionBuffers>,
+    /// Difference from the colour at the position in the preceding frame, in sRGB codes, of every rasterized pixel; NaN
+    /// outside that frame. `None` until it is displayed, or if there is no motion.
+    pub reprojection_error: Option<Image<f32>>,
     /// Hit counts, cracks and double hits; `None` until [`Buffer::Hits`] is displayed.
     pub hits: Option<Hits>,
 }
@@ -92,10 +103,26 @@ pub fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Buffers {
         overdraw: Image::filled(width, height, 0),
         shaded: Image::filled(width, height, 0),
         motion: None,
+        reprojection_error: None,
         hits: None,
     };
     redraw(scene, recipe, frame, LastStage::Shade, &mut buffers);
     buffers
+}
+
+impl Buffer {
+    /// Whether the buffer needs the motion since the preceding frame.
+    pub(super) fn is_motion(self) -> bool {
+        matches!(
+            self,
+            Self::MotionX
+                | Self::MotionY
+                | Self::Disocclusion
+                | Self::PreviousX
+                | Self::PreviousY
+                | Self::ReprojectionError
+        )
+    }
 }
 
 impl Buffers {
@@ -103,8 +130,9 @@ impl Buffers {
     pub fn is_complete_for(&self, buffer: Buffer, frame: &Frame) -> bool {
         match buffer {
             Buffer::Hits => self.hits.is_some(),
-            Buffer::MotionX | Buffer::MotionY | Buffer::Disocclusion => self.motion.is_some() || frame.before.is_none(),
-            _ => true,
+            _ if frame.before.is_none() => true,
+            Buffer::ReprojectionError => self.reprojection_error.is_some(),
+            _ => self.motion.is_some() || !buffer.is_motion(),
         }
     }
 
@@ -113,7 +141,14 @@ impl Buffers {
         match buffer {
             _ if self.is_complete_for(buffer, frame) => self,
             Buffer::Hits => Self { hits: Some(Hits::of(frame, &recipe.pipeline)), ..self },
-            _ => Self { motion: frame.motion(scene, recipe), ..self },
+            _ => {
+                let motion = self.motion.or_else(|| frame.motion(scene, recipe));
+                let reprojection_error = match (&motion, buffer) {
+                    (Some(motion), Buffer::ReprojectionError) => errors(scene, recipe, frame, motion),
+                    _ => self.reprojection_error,
+                };
+                Self { motion, reprojection_error, ..self }
+            }
         }
     }
 }

@@ -60,6 +60,8 @@ pub mod range;
 
 pub mod remedy;
 
+mod reprojection;
+
 pub mod scrub;
 
 pub mod selection;
@@ -67,6 +69,8 @@ pub mod selection;
 pub mod stages;
 
 pub mod statistics;
+
+pub mod temporal;
 
 pub mod trace;
 

@@ -9,6 +9,7 @@ use super::depth::DepthRecord;
 use super::history::{Absent, SampleState};
 use super::hits::{Fault, fault_at};
 use super::remedy::Remedy;
+use super::temporal::PixelHistory;
 use super::verdict::verdict;
 use crate::antialias::{post, resolve};
 use crate::chain::{Frame, Recipe, samples};
@@ -208,6 +209,9 @@ pub struct PixelReport {
     /// Blending of the pixel with the history; `None` if the upscaler reads no history for it. `sources` does not
     /// include the history.
     pub history: Option<HistoryStep>,
+    /// Contribution of earlier frames, as found by [`super::temporal::TemporalSearch`]; `None` until it is searched for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub temporal: Option<PixelHistory>,
     /// Colour of the pixel before the post filter; `None` without a post filter.
     pub unfiltered: Option<Rgba8>,
     /// Triangle whose edge the wireframe draws over this pixel, if any.
@@ -299,6 +303,7 @@ pub(super) fn replayed(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y:
         final_depth: final_depth.map(|depth| DepthRecord::new(depth, frame.depth_scale())),
         sources,
         history: upscaler.history_step(how, &frame.as_drawn(&frame.drawn.color), (x, y)),
+        temporal: None,
         unfiltered: filtered.map(|_| upscaled),
         wireframe,
         fault: fault_at(frame, &recipe.pipeline, drawn_at.0, drawn_at.1).filter(|_| frame.is_drawn(x, y)),

@@ -4,8 +4,9 @@ use serde::Serialize;
 
 use super::buffers::{Buffer, Buffers};
 use super::hits::FaultKind;
+use super::reprojection::previous_position_px;
 use super::stages::NOT_DRAWN;
-use crate::chain::{Frame, MotionBuffers};
+use crate::chain::Frame;
 use crate::image::color::quantize;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::shade::id_color;
@@ -106,31 +107,36 @@ pub fn value(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, x: u32, y
         Buffer::Overdraw => Value::Count(buffers.overdraw.at(column, row)),
         Buffer::Shaded => Value::Count(buffers.shaded.at(column, row)),
         Buffer::Hits => buffers.hits.as_ref().map_or(Value::Nothing, |hits| Value::Count(hits.counts.at(column, row))),
-        Buffer::MotionX | Buffer::MotionY | Buffer::Disocclusion => {
-            let at = frame.drawn.grid.pixel(column, row);
-            buffers.motion.as_ref().map_or(Value::Nothing, |motion| motion_value(buffer, motion, at))
-        }
+        _ if buffer.is_motion() => motion_value(buffer, buffers, frame.drawn.grid.pixel(column, row)),
         _ if id == TriangleId::NONE => Value::Nothing,
         Buffer::Lambda => Value::Weights(buffers.lambda.at(column, row)),
         Buffer::PerspectiveLambda => Value::Weights(buffers.perspective_lambda.at(column, row)),
-        Buffer::TriangleId | Buffer::Color | Buffer::Depth => Value::Triangle(id),
+        _ => Value::Triangle(id),
     }
 }
 
-fn motion_value(buffer: Buffer, motion: &MotionBuffers, (x, y): (u32, u32)) -> Value {
+/// Returns the value of a buffer that needs the motion, at a rasterized pixel.
+fn motion_value(buffer: Buffer, buffers: &Buffers, (x, y): (u32, u32)) -> Value {
+    let Some(motion) = &buffers.motion else { return Value::Nothing };
     let [across_px, down_px] = motion.vector_px(x, y);
+    let [previous_x, previous_y] = previous_position_px(motion, (x, y));
     match buffer {
         Buffer::MotionX => Value::Number(across_px),
         Buffer::MotionY => Value::Number(down_px),
+        Buffer::PreviousX => Value::Number(previous_x),
+        Buffer::PreviousY => Value::Number(previous_y),
+        Buffer::ReprojectionError => {
+            let error = buffers.reprojection_error.as_ref().map(|errors| errors.at(x, y));
+            error.filter(|error| !error.is_nan()).map_or(Value::Nothing, Value::Number)
+        }
         _ => Value::Count(u32::from(motion.is_disoccluded(x, y))),
     }
 }
 
 /// Returns the reason why a buffer has no values in this frame; `None` if it has values.
 pub fn absence(buffer: Buffer, frame: &Frame) -> Option<&'static str> {
-    let is_motion = matches!(buffer, Buffer::MotionX | Buffer::MotionY | Buffer::Disocclusion);
     match buffer {
-        _ if is_motion && frame.before.is_none() => Some("no motion: scene and camera are still"),
+        _ if buffer.is_motion() && frame.before.is_none() => Some("no motion: scene and camera are still"),
         Buffer::Depth if frame.drawn.depth.is_none() => Some("no depth buffer: the depth test is off"),
         _ => None,
     }
@@ -174,6 +180,12 @@ pub fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option
             let lengths = pixels.map(|(x, y)| motion.vector_px(x, y)[axis].abs()).filter(|length| length.is_finite());
             let most = lengths.fold(0.0, f32::max);
             Some(Range { low: -most, high: most })
+        }
+        Buffer::PreviousX => buffers?.motion.as_ref().map(|_| Range { low: 0.0, high: frame.raster.width as f32 }),
+        Buffer::PreviousY => buffers?.motion.as_ref().map(|_| Range { low: 0.0, high: frame.raster.height as f32 }),
+        Buffer::ReprojectionError => {
+            let errors = buffers?.reprojection_error.as_ref()?;
+            Range::fit(errors.pixels().iter().copied()).map(|range| Range { low: 0.0, ..range })
         }
         Buffer::Disocclusion => buffers?.motion.as_ref().map(|_| Range { low: 0.0, high: 1.0 }),
         Buffer::Overdraw | Buffer::Shaded => {

@@ -19,7 +19,7 @@ mod window;
 
 pub(super) use dilated::DilatedVectors;
 pub(super) use wide::{NOT_VISIBLE, VectorLanes, same_surface};
-pub(super) use window::{PastPlaces, centers, sum_of_quads};
+pub(super) use window::{PastPlaces, centers, inner_pair, sum_of_quads};
 
 /// History that an upscaler stores for its next frame, at full resolution.
 #[derive(Clone, Debug, PartialEq)]
@@ -139,6 +139,23 @@ pub struct PastColor {
     pub rectified: [f32; 3],
 }
 
+/// Filter with which an upscaler reads its history between pixels, along one axis. Pixel 0 is the last one whose centre
+/// does not lie behind the position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum HistoryTaps {
+    /// Linear interpolation a + (b − a) · t of pixels 0 and 1, with t in [0, 1): first along the rows, then between them.
+    Linear(f32),
+    /// Weighted sum of pixels −1 to 2: first along the columns, then (a + c) + (b + d) between them.
+    Four([f32; 4]),
+    /// Like [`HistoryTaps::Four`]. The result is then clamped to the range of the nearest 2 × 2 pixels.
+    FourClamped([f32; 4]),
+}
+
+/// Function that returns how pixels of one frame are blended with their history; see [`Upscaler::history_step`].
+///
+/// [`Upscaler::history_step`]: super::Upscaler::history_step
+pub type HistorySteps<'a> = Box<dyn Fn((u32, u32)) -> Option<HistoryStep> + Sync + 'a>;
+
 impl HistoryStep {
     /// Returns the colour of the pixel before it is encoded, with the arithmetic of the upscaler.
     pub fn blended(&self) -> [f32; 3] {
@@ -150,7 +167,12 @@ impl HistoryStep {
 
     /// Returns the sRGB codes of the pixel.
     pub fn codes(&self) -> [u8; 3] {
-        self.space.encoded(Tables::get(), self.blended())
+        self.encoded(self.blended())
+    }
+
+    /// Returns the sRGB codes of a colour in the space of this step.
+    pub(crate) fn encoded(&self, color: [f32; 3]) -> [u8; 3] {
+        self.space.encoded(Tables::get(), color)
     }
 }
 
@@ -240,6 +262,15 @@ impl Motion<'_> {
         let is_visible = vectors.visible.at(by.0, by.1) == MotionVectors::VISIBLE;
         is_visible.then_some(Reprojected { place, is_still: false }).ok_or(Rejection::Disoccluded)
     }
+}
+
+/// Returns the index of the pixel whose centre lies at or before a position along an axis, and the distance from it, in
+/// [0, 1).
+#[inline(always)]
+pub(crate) fn whole_and_fraction(place: f32) -> (i64, f32) {
+    let from = place - 0.5;
+    let floor = from.floor();
+    (floor as i64, from - floor)
 }
 
 /// Position of a pixel in the previous frame.

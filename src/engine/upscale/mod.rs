@@ -42,6 +42,7 @@ mod registry;
 mod sample_rows;
 mod scale;
 mod separable;
+mod spares;
 mod taa;
 mod ycocg;
 
@@ -63,10 +64,13 @@ pub use history::BlendSpace;
 pub(crate) use history::FrameInputs;
 pub(crate) use history::History;
 pub use history::HistoryStep;
+pub use history::HistorySteps;
+pub use history::HistoryTaps;
 pub(crate) use history::Motion;
 pub use history::PastColor;
 pub use history::Rejection;
 pub(crate) use history::Reprojected;
+pub(crate) use history::whole_and_fraction;
 pub(crate) use lanczos::LANCZOS2;
 pub(crate) use lanczos::LANCZOS3;
 pub use lattice::Anchor;
@@ -134,6 +138,17 @@ pub trait Upscaler: Sync {
     /// not a tap.
     fn history_step(&self, _how: Upscaling, _drawn: &UpscaleInputs<'_>, _at: (u32, u32)) -> Option<HistoryStep> {
         None
+    }
+
+    /// Returns [`Upscaler::history_step`] as a function that shares the preparation of the frame between pixels.
+    fn history_steps<'a>(&'a self, how: Upscaling, drawn: &'a UpscaleInputs<'a>) -> HistorySteps<'a> {
+        Box::new(move |at| self.history_step(how, drawn, at))
+    }
+
+    /// Returns the filter that reads the history at fraction `t`, in [0, 1), between two pixels of an axis. Only meaningful
+    /// for upscalers with [`Upscaler::history_step`].
+    fn history_taps(&self, _how: Upscaling, t: f32) -> HistoryTaps {
+        HistoryTaps::Linear(t)
     }
 
     /// Whether the whole picture is needed to know a pixel. If so, [`Upscaler::pixel`] and [`Upscaler::taps`] only

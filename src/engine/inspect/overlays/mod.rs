@@ -20,6 +20,8 @@ mod faults;
 
 mod fragments;
 
+mod history;
+
 mod junctions;
 
 mod layer;
@@ -52,6 +54,7 @@ pub use sheet::csv;
 use watch::FragmentStats;
 
 use super::normals::DEFAULT_LENGTH;
+use super::temporal::HistoryMask;
 use super::view::{Range, Value};
 use crate::chain::{Frame, Recipe};
 use crate::image::Image;
@@ -67,6 +70,9 @@ choice! {
         VertexNormals = "vertex-normals", "Vertex normals", "Normals of all vertices of rasterized triangles as lines, not hidden by surfaces.";
         FaceNormals = "face-normals", "Face normals", "Normals of all rasterized triangles as lines from their centroids, not hidden by surfaces.";
         Motion = "motion-vectors", "Motion vectors", "Lines from pixels on a grid to where their surfaces were in the preceding frame; red where that frame does not show them.";
+        RejectedHistory = "rejected-history", "Rejected history", "Pixels whose history the upscaler rejected, with precision and recall against the exact disocclusion.", also ["disocclusion mask", "ghosting"];
+        ClampedHistory = "clamped-history", "Clamped history", "Pixels whose history was changed to agree with the samples around them, with precision and recall against the exact disocclusion.", also ["rectified", "ghosting"];
+        LockedHistory = "locked-history", "Locked history", "Pixels whose history a lock protects from clamping, because they show a thin feature.", also ["locks"];
         Facing = "facing", "Facing", "Whether the visible triangle is front-facing or back-facing.";
         DepthTest = "depth-test", "Depth test", "Whether all, some or none of the fragments of a pixel passed the depth test when they were drawn.";
         Discarded = "discarded", "Discarded fragments", "The most frequent reason for discarding fragments of a pixel: depth test, alpha test, or face culling. Hover over a pixel to see the counts.";
@@ -177,6 +183,9 @@ impl Overlay {
             Self::Wireframe | Self::SnappedWireframe => edges::wireframe(self, context),
             Self::VertexNormals | Self::FaceNormals => normals::normals(self, DEFAULT_LENGTH, context),
             Self::Motion => motion::vectors(context),
+            Self::RejectedHistory => history::mask(self, HistoryMask::Rejected, context),
+            Self::ClampedHistory => history::mask(self, HistoryMask::Rectified, context),
+            Self::LockedHistory => history::mask(self, HistoryMask::Locked, context),
             Self::Facing => surfaces::facing(context),
             Self::DepthTest => fragments::depth_test(context),
             Self::Discarded => discarded::discarded(context),

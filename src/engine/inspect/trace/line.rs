@@ -21,6 +21,7 @@ choice! {
         Texture = "texture", "Texture", "The texels that are read, and their weights.";
         Light = "light", "Light", "The light that the surface receives.";
         Colour = "colour", "Colour", "Surface colour times light, encoded as bytes, and blended for transparency.";
+        Motion = "motion", "Motion", "The triangle in this frame and in the preceding one, and the motion vector of the pixel.";
         Resolve = "resolve", "Resolve", "The mean of the samples of the pixel.";
         Upscale = "upscale", "Upscale", "The pixel of the full picture, reconstructed from drawn samples.";
     }

@@ -18,6 +18,7 @@ mod depth;
 mod finish;
 mod geometry;
 mod line;
+mod motion;
 mod number;
 mod project;
 mod shade;
@@ -100,6 +101,7 @@ impl Trace {
                 texture::write(subject, &mut scribe);
                 shade::write(subject, &mut scribe);
             }
+            motion::write(subject, recipe, &mut scribe);
         }
         finish::write(recipe, frame, report, &mut scribe);
         let record = fragment.map(|index| &report.fragments[index]);

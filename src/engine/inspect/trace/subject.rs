@@ -25,6 +25,8 @@ pub(super) struct TracedFragment<'a> {
     pub(super) plan: &'a DrawPlan,
     pub(super) shader: Shader<'a>,
     pub(super) frame: &'a Frame,
+    /// Column and row of the fragment in the rasterized picture.
+    pub(super) pixel: (u32, u32),
     /// Camera used for rasterization, shifted by a subpixel offset if samples do not lie at the pixel centres of the
     /// full picture.
     pub(super) camera: Camera,
@@ -52,7 +54,7 @@ impl<'a> TracedFragment<'a> {
         let mesh = scene.library.mesh(instance.mesh);
         let first = scene.first_triangles().get(index)?.0;
         let corners = mesh.triangles.get((triangle.id.0 - first) as usize)?.map(|vertex| vertex as usize);
-        let pixel = report.drawn_at.into();
+        let pixel: (u32, u32) = report.drawn_at.into();
         let edges = AnyTriangle::new(settings.arithmetic, triangle.corners_px(), settings.fill_rule)?;
         let (column, row) = frame.drawn.grid.sample_at(report.drawn_at[0], report.drawn_at[1])?;
         let sample = RasterSample { column, row, ..edges.sample(pixel) };
@@ -67,6 +69,7 @@ impl<'a> TracedFragment<'a> {
             plan,
             shader,
             frame,
+            pixel,
             camera: frame.drawn_from(recipe),
             raster: frame.raster,
             steps: edges.steps(pixel),

@@ -77,7 +77,7 @@ impl<'a> Fsr2Frame<'a> {
 
     /// Computes one pixel of the picture without sharpening.
     pub(super) fn plain_pixel(&self, at: (u32, u32)) -> Rgba8 {
-        on_lanes!(Lanes::best(), simd => self.finished(simd, &self.alone(simd, at)).codes[0])
+        on_lanes!(Lanes::best(), simd => self.finished(simd, &self.alone(simd, at, &mut self.scratch())).codes[0])
     }
 
     /// Returns the samples around a pixel and their weights in its present colour, which sum to 1. Samples at the border
@@ -85,7 +85,7 @@ impl<'a> Fsr2Frame<'a> {
     pub(super) fn sample_weights(&self, at @ (x, y): (u32, u32)) -> impl Iterator<Item = ((u32, u32), f32)> {
         let (columns, rows) = (self.columns[x as usize].index, self.rows[y as usize].index);
         let weights = on_lanes!(Lanes::best(), simd => {
-            self.alone(simd, at).weights.map(|row| row.map(|weights| weights.to_array()[0]))
+            self.alone(simd, at, &mut self.scratch()).weights.map(|row| row.map(|weights| weights.to_array()[0]))
         });
         let row = move |(row, weights): (u32, [f32; 3])| {
             columns.into_iter().zip(weights).map(move |(column, weight)| ((column, row), weight))
@@ -94,8 +94,8 @@ impl<'a> Fsr2Frame<'a> {
     }
 
     /// Returns how one pixel is blended with its history, before sharpening.
-    pub(super) fn step(&self, at: (u32, u32)) -> HistoryStep {
-        on_lanes!(Lanes::best(), simd => self.step_of(&self.alone(simd, at), at))
+    pub(super) fn step(&self, at: (u32, u32), scratch: &mut RowScratch) -> HistoryStep {
+        on_lanes!(Lanes::best(), simd => self.step_of(&self.alone(simd, at, scratch), at))
     }
 
     /// Returns how the first of sixteen pixels is blended with its history.

@@ -31,10 +31,12 @@ mod tests;
 use std::collections::BTreeMap;
 
 use self::frame::Fsr2Frame;
+use self::kernel::history_weights;
 use self::rows::HistoryRow;
+use super::spares::Spares;
 use super::{
-    Accumulated, Anchor, FilterSpace, HistoryStep, Offers, Reads, Sampling, Scale, Tap, UpscaleInputs, Upscaled,
-    Upscaler, Upscaling, bands, fsr,
+    Accumulated, Anchor, FilterSpace, HistoryStep, HistorySteps, HistoryTaps, Offers, Reads, Sampling, Scale, Tap,
+    UpscaleInputs, Upscaled, Upscaler, Upscaling, bands, fsr,
 };
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
@@ -159,6 +161,22 @@ impl Upscaler for Fsr2 {
 
     /// Returns the blending before sharpening.
     fn history_step(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, at: (u32, u32)) -> Option<HistoryStep> {
-        Some(Fsr2Frame::new(how, drawn, drawn.frame?.gbuffer.object.size()).step(at))
+        let frame = Fsr2Frame::new(how, drawn, drawn.frame?.gbuffer.object.size());
+        Some(frame.step(at, &mut frame.scratch()))
+    }
+
+    fn history_steps<'a>(&'a self, how: Upscaling, drawn: &'a UpscaleInputs<'a>) -> HistorySteps<'a> {
+        let frame = drawn.frame.map(|seen| Fsr2Frame::new(how, drawn, seen.gbuffer.object.size()));
+        let spare = Spares::default();
+        Box::new(move |at| {
+            let frame = frame.as_ref()?;
+            Some(spare.with(|| frame.scratch(), |scratch| frame.step(at, scratch)))
+        })
+    }
+
+    fn history_taps(&self, _how: Upscaling, t: f32) -> HistoryTaps {
+        HistoryTaps::FourClamped(on_lanes!(Lanes::best(), simd => {
+            history_weights(f32x16::splat(simd, t)).map(|weights| weights.to_array()[0])
+        }))
     }
 }

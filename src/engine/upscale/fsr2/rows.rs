@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 
-use super::super::history::{PastPlaces, centers, sum_of_quads};
+use super::super::history::{PastPlaces, centers, inner_pair, sum_of_quads};
 use super::super::quads::{self, Quad, window};
 use super::super::{Accumulated, Motion};
 use super::frame::{Fsr2Frame, RowScratch};
-use super::kernel::{AxisSamples, Kernel, history_weights, lanczos2};
+use super::kernel::{AxisSamples, Kernel, history_weights};
 use super::locks::Locks;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
@@ -105,11 +105,10 @@ impl Fsr2Frame<'_> {
 
     /// Blends one pixel, the first of the result.
     #[inline(always)]
-    pub(super) fn alone<S: Simd>(&self, simd: S, (x, y): (u32, u32)) -> Blend<S> {
-        let mut scratch = self.scratch();
+    pub(super) fn alone<S: Simd>(&self, simd: S, (x, y): (u32, u32), scratch: &mut RowScratch) -> Blend<S> {
         let from = x as usize;
-        self.prepare(simd, (&(from..from + 1), y), &mut scratch);
-        self.block(simd, (from, y), &scratch)
+        self.prepare(simd, (&(from..from + 1), y), scratch);
+        self.block(simd, (from, y), scratch)
     }
 
     /// Prepares all inputs of a range of pixels of row `y`.
@@ -351,33 +350,18 @@ fn limit_of_weight<S: Simd>(speed_px: f32x16<S>, narrowing: f32x16<S>) -> f32x16
 /// Reads the history between its pixels, filtered by 4 × 4 pixels and clamped to the range of the nearest 2 × 2.
 #[inline(always)]
 fn read_colors<S: Simd>(simd: S, color: &Image<Quad>, places: &PastPlaces<S>, read: &mut [Quad; WIDE]) {
-    // Lane 4 i + k of a vector belongs to number k of quad i.
-    let from = f32x16::load_array(
-        simd,
-        each!(
-            lane in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => 1.0 - (lane / 4) as f32
-        ),
-    );
-    let down = history_weights(places.fraction[1]);
-    let vertical = each!(row in [0, 1, 2, 3] => down[row].to_array());
-    let across = places.fraction[0].to_array();
+    let [across, down] =
+        each!(axis in [0, 1] => history_weights(places.fraction[axis]));
+    let [across, down] = each!(weights in [across, down] => each!(i in [0, 1, 2, 3] => weights[i].to_array()));
     for lane in 0..WIDE {
         let Some(rows @ [first, second, third, fourth]) = places.window(simd, color, lane) else { continue };
-        let [a, b, c, d] = each!(row in [0, 1, 2, 3] => vertical[row][lane]);
+        let [a, b, c, d] = each!(row in [0, 1, 2, 3] => down[row][lane]);
         let column = first * a + second * b + third * c + fourth * d;
-        let distance = from + across[lane];
-        let horizontal = lanczos2(distance * distance);
-        let (sum, total) = (sum_of_quads(column * horizontal), sum_of_quads(horizontal));
+        let [a, b, c, d] = each!(column in [0, 1, 2, 3] => f32x4::splat(simd, across[column][lane]));
+        let sum = sum_of_quads(column * a.combine(b).combine(c.combine(d)));
         let [least, greatest] = [inner_pair(rows[1].min(rows[2])), inner_pair(rows[1].max(rows[2]))];
-        (sum / total).max(least[0].min(least[1])).min(greatest[0].max(greatest[1])).store_array(&mut read[lane]);
+        sum.max(least[0].min(least[1])).min(greatest[0].max(greatest[1])).store_array(&mut read[lane]);
     }
-}
-
-/// Returns the second and the third of four quads.
-#[inline(always)]
-fn inner_pair<S: Simd>(quads: f32x16<S>) -> [f32x4<S>; 2] {
-    let (low, high) = quads.split();
-    [low.split().1, high.split().0]
 }
 
 /// Reads the locks between their pixels bilinearly.

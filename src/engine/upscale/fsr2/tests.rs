@@ -108,7 +108,9 @@ fn rows_are_bit_identical_to_single_pixels() {
             for (x, y) in pixels.skip(number % 5).step_by(5) {
                 let row = (full.at(x, y), history.color.at(x, y).map(f32::to_bits), locks.at(x, y).map(f32::to_bits));
                 for lanes in Lanes::all() {
-                    let alone = on_lanes!(lanes, simd => frame.finished(simd, &frame.alone(simd, (x, y))));
+                    let alone = on_lanes!(lanes, simd => {
+                        frame.finished(simd, &frame.alone(simd, (x, y), &mut frame.scratch()))
+                    });
                     let bits = (alone.codes[0], alone.color[0].map(f32::to_bits), alone.locks[0].map(f32::to_bits));
                     assert_eq!(row, bits, "({x}, {y}) {}", how.label());
                 }

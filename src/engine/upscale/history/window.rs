@@ -121,3 +121,10 @@ pub(in crate::upscale) fn sum_of_quads<S: Simd>(quads: f32x16<S>) -> f32x4<S> {
     let (even, odd) = (first + last).split();
     even + odd
 }
+
+/// Returns the second and the third of four quads.
+#[inline(always)]
+pub(in crate::upscale) fn inner_pair<S: Simd>(quads: f32x16<S>) -> [f32x4<S>; 2] {
+    let (low, high) = quads.split();
+    [low.split().1, high.split().0]
+}

@@ -23,10 +23,11 @@ pub use options::HistoryFilter;
 pub use options::HistoryOptions;
 pub use options::Rectification;
 
-use self::rows::TaaFrame;
+use self::rows::{RowScratch, TaaFrame, catmull_rom};
+use super::spares::Spares;
 use super::{
-    Accumulated, Anchor, FilterSpace, HistoryStep, Offers, Reads, Sampling, Scale, Tap, UpscaleInputs, Upscaled,
-    Upscaler, Upscaling, bands,
+    Accumulated, Anchor, FilterSpace, HistoryStep, HistorySteps, HistoryTaps, Offers, Reads, Sampling, Scale, Tap,
+    UpscaleInputs, Upscaled, Upscaler, Upscaling, bands,
 };
 use crate::antialias::pattern::Pattern;
 use crate::image::{Image, Rgba8};
@@ -134,6 +135,25 @@ impl Upscaler for Taa {
 
     fn history_step(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, at: (u32, u32)) -> Option<HistoryStep> {
         let frame = TaaFrame::new(how, drawn, drawn.frame?.gbuffer.object.size());
-        Some(on_lanes!(Lanes::best(), simd => frame.step(simd, at)))
+        Some(on_lanes!(Lanes::best(), simd => frame.step(simd, at, &mut frame.scratch())))
+    }
+
+    fn history_steps<'a>(&'a self, how: Upscaling, drawn: &'a UpscaleInputs<'a>) -> HistorySteps<'a> {
+        let frame = drawn.frame.map(|seen| TaaFrame::new(how, drawn, seen.gbuffer.object.size()));
+        let spare = Spares::default();
+        Box::new(move |at| {
+            let frame = frame.as_ref()?;
+            let step = |scratch: &mut RowScratch| on_lanes!(Lanes::best(), simd => frame.step(simd, at, scratch));
+            Some(spare.with(|| frame.scratch(), step))
+        })
+    }
+
+    fn history_taps(&self, how: Upscaling, t: f32) -> HistoryTaps {
+        match how.history().filter {
+            HistoryFilter::Bilinear => HistoryTaps::Linear(t),
+            HistoryFilter::CatmullRom => HistoryTaps::Four(on_lanes!(Lanes::best(), simd => {
+                catmull_rom(f32x16::splat(simd, t)).map(|weights| weights.to_array()[0])
+            })),
+        }
     }
 }

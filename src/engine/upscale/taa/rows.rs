@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::super::history::{DilatedVectors, PastPlaces, centers, sum_of_quads};
+use super::super::history::{DilatedVectors, PastPlaces, centers, inner_pair, sum_of_quads};
 use super::super::lattice::ThreeSamples;
 use super::super::quads::{self, Combination, Quad, window};
 use super::super::sample_rows::{DecodedRows, PAD, padded_row};
@@ -149,15 +149,15 @@ impl<'a> TaaFrame<'a> {
     /// Computes one pixel of the picture and of the history for the next frame.
     #[inline(always)]
     pub(super) fn pixel<S: Simd>(&self, simd: S, at: (u32, u32)) -> (Rgba8, Quad) {
-        let ([codes, ..], [quad, ..]) = self.finished(simd, &self.alone(simd, at));
+        let ([codes, ..], [quad, ..]) = self.finished(simd, &self.alone(simd, at, &mut self.scratch()));
         (codes, quad)
     }
 
     /// Returns how one pixel is blended with its history.
     #[inline(always)]
-    pub(super) fn step<S: Simd>(&self, simd: S, at: (u32, u32)) -> HistoryStep {
+    pub(super) fn step<S: Simd>(&self, simd: S, at: (u32, u32), scratch: &mut RowScratch) -> HistoryStep {
         let first = |numbers: f32x16<S>| numbers.to_array()[0];
-        let Blend { present, past } = self.alone(simd, at);
+        let Blend { present, past } = self.alone(simd, at, scratch);
         let reprojected = self.drawn.frame.map_or(Err(Rejection::FirstFrame), |frame| frame.reproject_dilated(at));
         let past = past.ok_or(Rejection::FirstFrame).and_then(|past| reprojected.map(|_| past));
         let share = past.as_ref().map_or(1.0, |past| first(past.share));
@@ -172,11 +172,10 @@ impl<'a> TaaFrame<'a> {
 
     /// Blends one pixel, the first of the result.
     #[inline(always)]
-    fn alone<S: Simd>(&self, simd: S, (x, y): (u32, u32)) -> Blend<S> {
-        let mut scratch = self.scratch();
+    fn alone<S: Simd>(&self, simd: S, (x, y): (u32, u32), scratch: &mut RowScratch) -> Blend<S> {
         let from = x as usize;
-        self.prepare(simd, (&(from..from + 1), y), &mut scratch);
-        self.block(simd, (from, y), &scratch)
+        self.prepare(simd, (&(from..from + 1), y), scratch);
+        self.block(simd, (from, y), scratch)
     }
 
     /// Prepares all inputs of a range of pixels of row `y`.
@@ -395,12 +394,11 @@ fn cubic<S: Simd>(simd: S, history: &Image<Quad>, places: &PastPlaces<S>, read: 
 fn bilinear<S: Simd>(simd: S, history: &Image<Quad>, places: &PastPlaces<S>, read: &mut [Quad; WIDE]) {
     let [across, down] = each!(axis in [0, 1] => places.fraction[axis].to_array());
     for lane in 0..WIDE {
-        let Some([_, second, third, _]) = places.window(simd, history, lane) else { continue };
-        let column = second + (third - second) * down[lane];
-        let ((_, left), (right, _)) = {
-            let (low, high) = column.split();
-            (low.split(), high.split())
-        };
-        (left + (right - left) * across[lane]).store_array(&mut read[lane]);
+        let Some([_, upper, lower, _]) = places.window(simd, history, lane) else { continue };
+        let [above, below] = each!(row in [upper, lower] => {
+            let [left, right] = inner_pair(row);
+            left + (right - left) * across[lane]
+        });
+        (above + (below - above) * down[lane]).store_array(&mut read[lane]);
     }
 }
