@@ -1,6 +1,8 @@
 //! Settings of the pipeline as plain data: one enum per decision. Each variant has the name and the help text that
 //! menus, tooltips and the command line show.
 
+use std::ops::RangeInclusive;
+
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
@@ -291,6 +293,16 @@ choice! {
     }
 }
 
+impl TexelFilter {
+    /// Returns whether the filter reads mip levels, selected by the footprint of a pixel.
+    pub fn reads_mip_levels(self) -> bool {
+        self == Self::Trilinear
+    }
+}
+
+/// Range of [`Settings::mip_bias`], in mip levels.
+pub const MIP_BIAS: RangeInclusive<f32> = -4.0..=4.0;
+
 choice! {
     /// Treatment of alpha when a texture filter mixes texels.
     pub AlphaMode {
@@ -426,6 +438,10 @@ pub struct Settings {
     pub light: Light,
     /// Texture filter, which computes colours between texel centres.
     pub filter: TexelFilter,
+    /// Number added to the level of detail of mip-mapped textures, in levels, in [`MIP_BIAS`]. Negative values read finer
+    /// levels: sharper, but with moiré. Temporal upscalers, which see each surface at several sample positions, want
+    /// log₂(drawn width / full width) − 1.
+    pub mip_bias: f32,
     /// Addressing mode for texture coordinates outside of [0, 1].
     pub address: AddressMode,
     /// Treatment of alpha when a texture filter mixes texels.
@@ -459,6 +475,7 @@ impl Default for Settings {
             checker: Checker::default(),
             light: Light::default(),
             filter: TexelFilter::Bilinear,
+            mip_bias: 0.0,
             address: AddressMode::Repeat,
             alpha: AlphaMode::Straight,
             color_space: ColorSpace::Linear,

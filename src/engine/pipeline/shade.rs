@@ -23,6 +23,7 @@ pub(crate) use normal_map::NormalMap;
 pub(crate) use surface::PlacedMesh;
 
 use super::depth::depth_at;
+use super::footprint::MipFilter;
 use super::interpolate::{AttributeSelection, Fragment};
 use super::plan::{DrawPlan, PipelinePart};
 use super::sample::Sampler;
@@ -53,7 +54,8 @@ pub(crate) struct Readable<'a> {
     image: &'a Image<Rgba8>,
     /// Mip levels from level 1 on, each half as wide and high as the one before; empty unless the filter reads them.
     mip_levels: &'a [Image<Rgba8>],
-    mips: bool,
+    /// Rule that selects mip levels; `None` if the filter reads only the texture itself.
+    mip_filter: Option<MipFilter>,
     /// Whether colours are weighted by alpha when texels are mixed.
     premultiplied: bool,
 }
@@ -73,9 +75,9 @@ impl<'a> Readable<'a> {
     /// Creates a texture whose texels are mixed in the colour space `space` with straight alpha: alpha does not weight
     /// the colours.
     fn straight(texture: &'a Texture, settings: &Settings, space: ColorSpace) -> Self {
-        let mips = settings.filter == TexelFilter::Trilinear;
-        let mip_levels = if mips { texture.mip_levels(space == ColorSpace::Linear) } else { &[] };
-        Self { image: texture.image(), mip_levels, mips, premultiplied: false }
+        let mip_filter = MipFilter::new(settings);
+        let mip_levels = mip_filter.map_or(&[][..], |_| texture.mip_levels(space == ColorSpace::Linear));
+        Self { image: texture.image(), mip_levels, mip_filter, premultiplied: false }
     }
 
     /// Returns whether colours are weighted by alpha when texels are mixed.
@@ -87,7 +89,7 @@ impl<'a> Readable<'a> {
     /// result is black if all texels have alpha 0.
     #[cold]
     fn premultiplied_color(&self, sampler: Sampler, fragment: &Fragment) -> Vec3 {
-        let mixed = if self.mips {
+        let mixed = if self.mip_filter.is_some() {
             self.mixed(fragment, |image| sampler.sample_premultiplied(image, fragment.uv))
         } else {
             sampler.sample_premultiplied(self.image, fragment.uv)
@@ -103,10 +105,9 @@ impl<'a> Readable<'a> {
     /// Returns the mip levels that are read for a fragment, with their weights. Also returns how many entries of the
     /// array are used: 2 with mip-mapping, otherwise 1.
     pub(crate) fn levels(&self, fragment: &Fragment) -> ([(usize, f32); 2], usize) {
-        if self.mips {
-            (Sampler::levels(self.image.size(), self.mip_levels.len(), fragment.uv_gradient), 2)
-        } else {
-            ([(0, 1.0); 2], 1)
+        match self.mip_filter {
+            Some(filter) => (filter.levels(self.image.size(), self.mip_levels.len(), fragment.uv_gradient), 2),
+            None => ([(0, 1.0); 2], 1),
         }
     }
 
@@ -126,7 +127,7 @@ impl<'a> Readable<'a> {
         if self.premultiplied {
             return self.premultiplied_color(sampler, fragment);
         }
-        if self.mips {
+        if self.mip_filter.is_some() {
             return self.mixed(fragment, |image| sampler.sample(image, fragment.uv));
         }
         sampler.sample(self.image, fragment.uv)
@@ -134,7 +135,7 @@ impl<'a> Readable<'a> {
 
     #[inline(always)]
     fn alpha(&self, sampler: Sampler, fragment: &Fragment) -> f32 {
-        if self.mips {
+        if self.mip_filter.is_some() {
             return self.mixed(fragment, |image| sampler.alpha(image, fragment.uv));
         }
         sampler.alpha(self.image, fragment.uv)
@@ -142,7 +143,7 @@ impl<'a> Readable<'a> {
 
     #[inline(always)]
     fn color_and_alpha(&self, sampler: Sampler, fragment: &Fragment) -> (Vec3, f32) {
-        if self.mips || self.premultiplied {
+        if self.mip_filter.is_some() || self.premultiplied {
             return (self.color(sampler, fragment), self.alpha(sampler, fragment));
         }
         sampler.sample_with_alpha(self.image, fragment.uv)

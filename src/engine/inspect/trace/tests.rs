@@ -42,6 +42,7 @@ fn recipes() -> Vec<Recipe> {
             (r.pipeline.arithmetic, r.pipeline.rasterizer) = (Arithmetic::F64, Rasterizer::EdgeWalk);
             (r.pipeline.depth_format, r.pipeline.color_space) = (DepthFormat::Unorm24, ColorSpace::Bytes);
             (r.pipeline.filter, r.pipeline.address) = (TexelFilter::Trilinear, AddressMode::Mirror);
+            r.pipeline.mip_bias = -0.75;
         }),
         with(|r| {
             (r.pipeline.arithmetic, r.pipeline.fill_rule) = (Arithmetic::Exact, FillRule::BottomRight);

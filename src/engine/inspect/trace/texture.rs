@@ -16,8 +16,8 @@ pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     for &(level, share) in &levels[..count] {
         let image = texture.level(level);
         if count > 1 {
-            let words =
-                "from the base-2 logarithm, to five digits, of the longer side of a pixel's footprint in texels";
+            let words = "from the level of detail: the base-2 logarithm, to five digits, of the longer side of a \
+                         pixel's footprint in texels, plus the mip bias";
             scribe.read(format!("share of mip level {level}"), words, share);
         }
         let name = if count > 1 { format!("mip level {level} · ") } else { String::new() };

@@ -77,7 +77,7 @@ impl<'a> DrawShader<'a> {
         let on_lanes = has_lanes && shader.fits_lanes();
         let texture = texture
             .filter(|_| shader.texture.is_some())
-            .map(|texture| TextureReader::new(texture, shader.sampler(), settings.color_space));
+            .map(|texture| TextureReader::new(texture, shader.sampler(), settings));
         let light = match settings.shading {
             Shading::Gouraud => LightSource::Vertices,
             Shading::Lambert | Shading::BlinnPhong => LightSource::Normals,
@@ -85,7 +85,7 @@ impl<'a> DrawShader<'a> {
         };
         let plan = ShadingPlan {
             texture: texture.map(|texture: TextureReader<'_>| texture.layout),
-            mipmapped: texture.is_some() && settings.filter == TexelFilter::Trilinear,
+            mipmapped: texture.is_some() && settings.filter.reads_mip_levels(),
             light,
             tinted: shader.diffuse != Vec3::ONE,
             colored: shader.attributes().color,
