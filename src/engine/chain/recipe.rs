@@ -241,6 +241,7 @@ const SYNONYMS: &[(&str, &[&str])] = &[
     ("fill_rule=", &["top left rule"]),
     ("light.ambient", &["brightness"]),
     ("light.direction", &["sun"]),
+    ("max_anisotropy=", &["anisotropic filtering"]),
     ("mip_bias=", &["lod bias", "texture sharpness"]),
     ("rasterizer=", &["scanline"]),
     ("wireframe=true", &["wireframe", "wire", "lines"]),

@@ -98,7 +98,7 @@ impl Sampler {
         let weighted = |tap: &TexelTap| value(texture.at(tap.x, tap.y)) * tap.weight;
         match self.filter {
             TexelFilter::Point => weighted(&taps[0]),
-            TexelFilter::Bilinear | TexelFilter::Trilinear => {
+            TexelFilter::Bilinear | TexelFilter::Trilinear | TexelFilter::Anisotropic => {
                 weighted(&taps[0]) + weighted(&taps[1]) + weighted(&taps[2]) + weighted(&taps[3])
             }
         }
@@ -116,7 +116,7 @@ impl Sampler {
                 taps[0] = TexelTap { x, y, weight: 1.0 };
                 (taps, 1)
             }
-            TexelFilter::Bilinear | TexelFilter::Trilinear => {
+            TexelFilter::Bilinear | TexelFilter::Trilinear | TexelFilter::Anisotropic => {
                 let ((x0, x1), tx) = neighbours(u, width, self.address);
                 let ((y0, y1), ty) = neighbours(v, height, self.address);
                 taps[0] = TexelTap { x: x0, y: y0, weight: (1.0 - tx) * (1.0 - ty) };

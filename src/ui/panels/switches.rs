@@ -12,7 +12,7 @@ use crate::measure::noise::WITHIN;
 use crate::pipeline::background::Background;
 use crate::pipeline::observe::Fate;
 use crate::pipeline::plan::PipelinePart;
-use crate::pipeline::settings::{Choice as _, DepthTest, Execution, MIP_BIAS, Shading};
+use crate::pipeline::settings::{Choice as _, DepthTest, Execution, MIP_BIAS, Shading, TexelFilter};
 use crate::scene::obj::TrMeaning;
 use crate::scene::{Camera, DepthMapping, Projection, SceneFormat, SceneSource, UpAxis, builtin};
 use crate::ui::command::Command;
@@ -47,8 +47,8 @@ pub(crate) fn owner(key: &str) -> Option<Stage> {
         "execution" | "rasterizer" | "arithmetic" | "fill_rule" | "wireframe" => Stage::Rasterize,
         "depth_test" | "depth_format" | "depth_bias" => Stage::Depth,
         "interpolation" => Stage::Interpolate,
-        "shading" | "light" | "checker" | "filter" | "mip_bias" | "address" | "alpha" | "blending" | "background"
-        | "color_space" => Stage::Shade,
+        "shading" | "light" | "checker" | "filter" | "max_anisotropy" | "mip_bias" | "address" | "alpha"
+        | "blending" | "background" | "color_space" => Stage::Shade,
         "antialias" | "upscaler" | "post" => Stage::Upscale,
         _ => return None,
     })
@@ -365,6 +365,10 @@ fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     let Some(view) = &session.view else { return };
     if view.frame.plans.iter().any(|p| p.runs(PipelinePart::Texels)) {
         row(ui, "Filter", "Filter that samples a texture between texel centres", |ui| pick(ui, &mut settings.filter));
+        if settings.filter == TexelFilter::Anisotropic {
+            let help = "Maximum number of samples per pixel along the major axis of its footprint";
+            row(ui, "Max. anisotropy", help, |ui| pick(ui, &mut settings.max_anisotropy));
+        }
         if settings.filter.reads_mip_levels() {
             row(ui, "Mip bias", MIP_BIAS_HELP, |ui| slider(ui, &mut settings.mip_bias, MIP_BIAS, "", 2));
             if settings.mip_bias != recommended_mip_bias {

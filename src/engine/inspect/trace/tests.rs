@@ -49,6 +49,7 @@ fn recipes() -> Vec<Recipe> {
             (r.pipeline.depth_format, r.pipeline.shading) = (DepthFormat::WBuffer, Shading::Cel);
             (r.pipeline.filter, r.pipeline.address) = (TexelFilter::Point, AddressMode::Clamp);
         }),
+        with(|r| r.set_all(&["filter=anisotropic", "max_anisotropy=4", "alpha=premultiplied"]).unwrap()),
         with(|r| {
             (r.pipeline.interpolation, r.pipeline.shading) = (Interpolation::Published, Shading::Normals);
             r.pipeline.rasterizer = Rasterizer::BoundingBoxPublished;

@@ -71,13 +71,9 @@ impl<'a> TextureReader<'a> {
         let size @ (width, height) = texture.image().size();
         let layout = match (sampler.filter, sampler.address) {
             (TexelFilter::Point, _) => Layout::Single,
-            (TexelFilter::Bilinear | TexelFilter::Trilinear, AddressMode::Clamp | AddressMode::Mirror) => Layout::Four,
-            (TexelFilter::Bilinear | TexelFilter::Trilinear, AddressMode::Repeat)
-                if width.is_power_of_two() && height.is_power_of_two() =>
-            {
-                Layout::PowerOfTwoQuads
-            }
-            (TexelFilter::Bilinear | TexelFilter::Trilinear, AddressMode::Repeat) => Layout::Quads,
+            (_, AddressMode::Clamp | AddressMode::Mirror) => Layout::Four,
+            (_, AddressMode::Repeat) if width.is_power_of_two() && height.is_power_of_two() => Layout::PowerOfTwoQuads,
+            (_, AddressMode::Repeat) => Layout::Quads,
         };
         let (texels, linear, levels): (&[_], &[_], &[_]) = match (sampler.filter, settings.color_space) {
             (TexelFilter::Trilinear, ColorSpace::Bytes) => (&texture.levels().texels, &[], &texture.levels().locations),
