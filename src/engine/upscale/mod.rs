@@ -41,6 +41,7 @@ mod registry;
 mod sample_rows;
 mod scale;
 mod separable;
+mod sgsr2;
 mod taa;
 mod ycocg;
 
@@ -77,6 +78,7 @@ pub use registry::all;
 pub use registry::register;
 pub use registry::register_boxed;
 pub use scale::Scale;
+pub(crate) use sgsr2::SGSR2;
 pub use taa::HistoryFilter;
 pub use taa::HistoryOptions;
 pub use taa::Rectification;
@@ -306,6 +308,7 @@ pub static BUILT_IN: &[&dyn Upscaler] = &[
     &ACCUMULATION,
     &TAA,
     &FSR2,
+    &SGSR2,
 ];
 
 #[cfg(test)]
