@@ -59,6 +59,7 @@ fn switches() -> impl Iterator<Item = (String, Image<Rgba8>)> {
         ("chess", "interpolation=affine"),
         ("chess", "filter=point"),
         ("chess", "filter=trilinear"),
+        ("chess", "filter=anisotropic"),
         ("chess", "culling=front"),
         ("chess", "shading=gouraud"),
         ("chess", "shading=normals"),

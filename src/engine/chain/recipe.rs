@@ -5,9 +5,9 @@ use serde_json::Value;
 use thiserror::Error;
 
 use crate::antialias::settings::{Antialiasing, PostFilter, PostFilterKind, centred_in_5x5};
-use crate::pipeline::settings::{Choice, Execution, Light, Settings};
+use crate::pipeline::settings::{Choice, Execution, Light, MIP_BIAS, Settings};
 use crate::scene::Scene;
-use crate::upscale::{self, HistoryFilter, Offers, Rectification, Scale, Upscaler, Upscaling};
+use crate::upscale::{self, HistoryFilter, Offers, Rectification, Sampling, Scale, Upscaler, Upscaling};
 
 /// All settings that determine how a scene is drawn, as plain data. Panels edit them, the command line parses them, and
 /// reports vary them. Equal recipes and equal scenes give bit-identical frames.
@@ -187,6 +187,19 @@ impl Recipe {
         matching.flat_map(|(_, words)| words.iter().copied()).collect()
     }
 
+    /// Returns the mip bias that suits the upscaler, in levels to two decimals. For temporal upscalers that draw a
+    /// lower-resolution image, this is log₂(drawn width / full width) − 1 (AMD, FidelityFX Super Resolution 2
+    /// documentation, "Mipmap biasing"). For all others, it is 0.
+    pub fn recommended_mip_bias(&self) -> f32 {
+        let draws_less =
+            matches!(self.upscaler.sampling(), Sampling::Lattice(_)) && self.upscaler.scale() != Scale::ONE;
+        if !draws_less || !self.upscaler.upscaler().reads().history {
+            return 0.0;
+        }
+        let levels = -self.upscaler.scale().value().log2() - 1.0;
+        ((levels * 100.0).round() / 100.0) as f32
+    }
+
     /// Checks the numeric ranges that the types of the settings do not enforce. Returns an error message if a number is
     /// out of range.
     pub fn check(&self) -> Result<(), String> {
@@ -200,6 +213,11 @@ impl Recipe {
         let bias = &self.pipeline.depth_bias;
         if !bias.constant.is_finite() || !bias.slope.is_finite() {
             return Err("the depth bias must be finite".to_owned());
+        }
+        let mip_bias = self.pipeline.mip_bias;
+        if !MIP_BIAS.contains(&mip_bias) {
+            let (least, most) = MIP_BIAS.into_inner();
+            return Err(format!("the mip bias must lie in {least}…{most}, not {mip_bias}"));
         }
         let checker = &self.pipeline.checker;
         if !checker.squares.is_finite() || !checker.even.is_finite() || !checker.odd.is_finite() {
@@ -223,6 +241,8 @@ const SYNONYMS: &[(&str, &[&str])] = &[
     ("fill_rule=", &["top left rule"]),
     ("light.ambient", &["brightness"]),
     ("light.direction", &["sun"]),
+    ("max_anisotropy=", &["anisotropic filtering"]),
+    ("mip_bias=", &["lod bias", "texture sharpness"]),
     ("rasterizer=", &["scanline"]),
     ("wireframe=true", &["wireframe", "wire", "lines"]),
 ];
@@ -285,6 +305,10 @@ fn describe_values(key: &str, value: &Value) -> String {
         }
         Value::Bool(_) => "true, false".to_owned(),
         Value::Number(_) if key == "light.ambient" => "number, 0…1".to_owned(),
+        Value::Number(_) if key == "mip_bias" => {
+            let (least, most) = MIP_BIAS.into_inner();
+            format!("number, {least}…{most}")
+        }
         Value::Number(_) if key == STRENGTH_KEY => {
             let ranges =
                 PostFilterKind::ALL.iter().filter_map(|f| Some(format!(", 0…{} for {}", f.max_strength()?, f.id())));
@@ -375,6 +399,7 @@ mod tests {
             ("light.direction=0,0,0", "zero"),
             ("light.ambient=2", "0…1"),
             ("wireframe=maybe", "true"),
+            ("mip_bias=-4.5", "-4…4"),
             ("upscaler.method=dlss", "native"),
             ("upscaler.scale=3", "offers"),
         ] {
@@ -412,6 +437,16 @@ mod tests {
             let short = format!("{{\"method\":\"{}\",\"scale\":{}}}", upscaler.method(), upscaler.scale());
             let parsed = serde_json::from_str::<Upscaling>(&short).unwrap();
             assert_eq!(parsed, upscaler, "from a file without anchor and light");
+        }
+    }
+
+    #[test]
+    fn temporal_upscalers_of_fewer_samples_want_a_negative_mip_bias() {
+        for (method, scale, expected) in
+            [("fsr2", 2.0, -2.0), ("fsr2", 1.5, -1.58), ("taa", 1.0, 0.0), ("bicubic", 2.0, 0.0), ("native", 1.0, 0.0)]
+        {
+            let upscaler = Upscaling::new(method, scale).unwrap();
+            assert_eq!(Recipe { upscaler, ..Recipe::default() }.recommended_mip_bias(), expected, "{method} {scale}");
         }
     }
 

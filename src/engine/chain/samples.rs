@@ -183,7 +183,7 @@ impl ProgressiveRender {
     /// mip-mapping.
     pub(crate) fn new(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, viewport: Viewport, samples: u32) -> Self {
         let mut bare = Recipe { pipeline: recipe.pipeline, execution: recipe.execution, ..Recipe::default() };
-        if bare.pipeline.filter == TextureFilter::Trilinear {
+        if bare.pipeline.filter.reads_mip_levels() {
             bare.pipeline.filter = TextureFilter::Bilinear;
         }
         Self {

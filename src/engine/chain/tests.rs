@@ -75,8 +75,8 @@ fn in_motion_the_frame_before_helps_more_than_neighbours() {
 }
 
 /// Upscalers that read earlier frames, with scales.
-const MANY_FRAMES: [(&str, f64); 4] =
-    [("checkerboard-temporal", 1.0), ("accumulation", 1.0), ("accumulation", 2.0), ("fsr2", 1.5)];
+const MANY_FRAMES: [(&str, f64); 5] =
+    [("checkerboard-temporal", 1.0), ("accumulation", 1.0), ("accumulation", 2.0), ("fsr2", 1.5), ("sgsr2", 1.5)];
 
 #[test]
 fn a_settled_picture_changes_no_more() {

@@ -14,7 +14,7 @@ use glam::{Vec2, Vec3};
 
 use super::plan::{DrawPlan, PipelinePart};
 use super::raster::RasterSample;
-use super::settings::{Arithmetic, Interpolation, Settings, Shading, TexelFilter};
+use super::settings::{Arithmetic, Interpolation, Settings, Shading};
 use super::viewport::ScreenTriangle;
 use crate::scene::TriangleId;
 
@@ -121,7 +121,7 @@ impl AttributeSelection {
             color: plan.runs(PipelinePart::VertexColors),
             light: settings.shading == Shading::Gouraud,
             source_weights: settings.shading == Shading::Barycentric || plan.runs(PipelinePart::Highlight),
-            uv_gradient: (settings.filter == TexelFilter::Trilinear && plan.runs(PipelinePart::Texels))
+            uv_gradient: (settings.filter.reads_mip_levels() && plan.runs(PipelinePart::Texels))
                 .then_some(settings.arithmetic),
         }
     }

@@ -23,6 +23,8 @@ pub(crate) mod cull;
 
 pub mod depth;
 
+pub(crate) mod footprint;
+
 pub(crate) mod framebuffer;
 
 pub(crate) mod gbuffer;

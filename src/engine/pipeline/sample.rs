@@ -15,7 +15,6 @@ use super::settings::{AddressMode, ColorSpace, TexelFilter};
 use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
 use crate::math::floor;
-use crate::math::log2::log2;
 
 /// Texel that a texture sample reads, with its weight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -99,7 +98,7 @@ impl Sampler {
         let weighted = |tap: &TexelTap| value(texture.at(tap.x, tap.y)) * tap.weight;
         match self.filter {
             TexelFilter::Point => weighted(&taps[0]),
-            TexelFilter::Bilinear | TexelFilter::Trilinear => {
+            TexelFilter::Bilinear | TexelFilter::Trilinear | TexelFilter::Anisotropic => {
                 weighted(&taps[0]) + weighted(&taps[1]) + weighted(&taps[2]) + weighted(&taps[3])
             }
         }
@@ -117,7 +116,7 @@ impl Sampler {
                 taps[0] = TexelTap { x, y, weight: 1.0 };
                 (taps, 1)
             }
-            TexelFilter::Bilinear | TexelFilter::Trilinear => {
+            TexelFilter::Bilinear | TexelFilter::Trilinear | TexelFilter::Anisotropic => {
                 let ((x0, x1), tx) = neighbours(u, width, self.address);
                 let ((y0, y1), ty) = neighbours(v, height, self.address);
                 taps[0] = TexelTap { x: x0, y: y0, weight: (1.0 - tx) * (1.0 - ty) };
@@ -139,22 +138,6 @@ impl Sampler {
     /// `unit` is a coordinate from [`Sampler::unit`].
     pub(crate) fn share_of_next(self, unit: f64, size: u32) -> f32 {
         neighbours(unit, size, self.address).1
-    }
-
-    /// Returns the two mip levels that trilinear filtering reads for a pixel, with their weights. `uv_gradient` holds
-    /// the gradients of the texture coordinates: ∂(u, v)/∂x and ∂(u, v)/∂y, per pixel. Level 0 is the texture itself,
-    /// level `copies` the smallest. The ideal level is a fractional number. At this level, a texel is as long as the
-    /// longer side of the pixel's footprint, so no texel is missed. The result is the next finer and the next coarser
-    /// level, as far as they exist.
-    pub(crate) fn levels((width, height): (u32, u32), copies: usize, uv_gradient: [Vec2; 2]) -> [(usize, f32); 2] {
-        let squared_texels = |change: Vec2| (change * Vec2::new(width as f32, height as f32)).length_squared();
-        let [right, down] = uv_gradient.map(squared_texels);
-        let longest = if down > right { down } else { right };
-        // If the pixel's footprint is less than a texel long, or NaN, the texture itself is read.
-        let level = if longest > 1.0 { (0.5 * log2(longest)).min(copies as f32) } else { 0.0 };
-        let finer = level as usize;
-        let share = level - finer as f32;
-        [(finer, 1.0 - share), ((finer + 1).min(copies), share)]
     }
 
     /// Converts a colour of sRGB codes to the sampler's colour space, in [0, 1]: linear light or sRGB values.

@@ -1,6 +1,8 @@
 //! Settings of the pipeline as plain data: one enum per decision. Each variant has the name and the help text that
 //! menus, tooltips and the command line show.
 
+use std::ops::RangeInclusive;
+
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
@@ -288,8 +290,43 @@ choice! {
         Trilinear = "trilinear", "Trilinear, mip-mapped",
             "Blends bilinear samples of the two mip levels whose texels are nearest to a pixel's size: no moiré or \
              shimmer in the distance, but oblique surfaces blur.";
+        Anisotropic = "anisotropic", "Anisotropic, mip-mapped",
+            "Averages several trilinear samples along the major axis of a pixel's footprint: oblique surfaces stay \
+             sharp and free of moiré, but a pixel reads many texels.", also ["af"];
     }
 }
+
+impl TexelFilter {
+    /// Returns whether the filter reads mip levels, selected by the footprint of a pixel.
+    pub fn reads_mip_levels(self) -> bool {
+        matches!(self, Self::Trilinear | Self::Anisotropic)
+    }
+}
+
+choice! {
+    /// Maximum number of trilinear samples of the anisotropic texture filter in one pixel.
+    pub MaxAnisotropy {
+        Two = "2", "2×", "At most 2 samples: enough for surfaces that are tilted by 60°.";
+        Four = "4", "4×", "At most 4 samples: enough for surfaces that are tilted by 75°.";
+        Eight = "8", "8×", "At most 8 samples: enough for surfaces that are tilted by 82°.";
+        Sixteen = "16", "16×", "At most 16 samples: enough for surfaces that are tilted by 86°.";
+    }
+}
+
+impl MaxAnisotropy {
+    /// Returns the maximum number of samples.
+    pub fn samples(self) -> u32 {
+        match self {
+            Self::Two => 2,
+            Self::Four => 4,
+            Self::Eight => 8,
+            Self::Sixteen => 16,
+        }
+    }
+}
+
+/// Range of [`Settings::mip_bias`], in mip levels.
+pub const MIP_BIAS: RangeInclusive<f32> = -4.0..=4.0;
 
 choice! {
     /// Treatment of alpha when a texture filter mixes texels.
@@ -426,6 +463,12 @@ pub struct Settings {
     pub light: Light,
     /// Texture filter, which computes colours between texel centres.
     pub filter: TexelFilter,
+    /// Maximum number of samples per pixel of [`TexelFilter::Anisotropic`].
+    pub max_anisotropy: MaxAnisotropy,
+    /// Number added to the level of detail of mip-mapped textures, in levels, in [`MIP_BIAS`]. Negative values read finer
+    /// levels: sharper, but with moiré. Temporal upscalers, which see each surface at several sample positions, want
+    /// log₂(drawn width / full width) − 1.
+    pub mip_bias: f32,
     /// Addressing mode for texture coordinates outside of [0, 1].
     pub address: AddressMode,
     /// Treatment of alpha when a texture filter mixes texels.
@@ -459,6 +502,8 @@ impl Default for Settings {
             checker: Checker::default(),
             light: Light::default(),
             filter: TexelFilter::Bilinear,
+            max_anisotropy: MaxAnisotropy::Sixteen,
+            mip_bias: 0.0,
             address: AddressMode::Repeat,
             alpha: AlphaMode::Straight,
             color_space: ColorSpace::Linear,

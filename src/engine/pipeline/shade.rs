@@ -14,15 +14,16 @@ mod normal_map;
 
 mod surface;
 
-use std::ops::{Add, Mul};
+use std::ops::{Add, Div, Mul};
 
 pub(crate) use blinn_phong::Highlight;
 pub(crate) use blinn_phong::Viewpoint;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 pub(crate) use normal_map::NormalMap;
 pub(crate) use surface::PlacedMesh;
 
 use super::depth::depth_at;
+use super::footprint::{MipFilter, TextureReads};
 use super::interpolate::{AttributeSelection, Fragment};
 use super::plan::{DrawPlan, PipelinePart};
 use super::sample::Sampler;
@@ -53,7 +54,8 @@ pub(crate) struct Readable<'a> {
     image: &'a Image<Rgba8>,
     /// Mip levels from level 1 on, each half as wide and high as the one before; empty unless the filter reads them.
     mip_levels: &'a [Image<Rgba8>],
-    mips: bool,
+    /// Rule that selects mip levels; `None` if the filter reads only the texture itself.
+    mip_filter: Option<MipFilter>,
     /// Whether colours are weighted by alpha when texels are mixed.
     premultiplied: bool,
 }
@@ -73,9 +75,9 @@ impl<'a> Readable<'a> {
     /// Creates a texture whose texels are mixed in the colour space `space` with straight alpha: alpha does not weight
     /// the colours.
     fn straight(texture: &'a Texture, settings: &Settings, space: ColorSpace) -> Self {
-        let mips = settings.filter == TexelFilter::Trilinear;
-        let mip_levels = if mips { texture.mip_levels(space == ColorSpace::Linear) } else { &[] };
-        Self { image: texture.image(), mip_levels, mips, premultiplied: false }
+        let mip_filter = MipFilter::new(settings);
+        let mip_levels = mip_filter.map_or(&[][..], |_| texture.mip_levels(space == ColorSpace::Linear));
+        Self { image: texture.image(), mip_levels, mip_filter, premultiplied: false }
     }
 
     /// Returns whether colours are weighted by alpha when texels are mixed.
@@ -87,8 +89,8 @@ impl<'a> Readable<'a> {
     /// result is black if all texels have alpha 0.
     #[cold]
     fn premultiplied_color(&self, sampler: Sampler, fragment: &Fragment) -> Vec3 {
-        let mixed = if self.mips {
-            self.mixed(fragment, |image| sampler.sample_premultiplied(image, fragment.uv))
+        let mixed = if self.mip_filter.is_some() {
+            self.mixed(fragment, |image, uv| sampler.sample_premultiplied(image, uv))
         } else {
             sampler.sample_premultiplied(self.image, fragment.uv)
         };
@@ -100,25 +102,32 @@ impl<'a> Readable<'a> {
         level.checked_sub(1).and_then(|level| self.mip_levels.get(level)).unwrap_or(self.image)
     }
 
-    /// Returns the mip levels that are read for a fragment, with their weights. Also returns how many entries of the
-    /// array are used: 2 with mip-mapping, otherwise 1.
-    pub(crate) fn levels(&self, fragment: &Fragment) -> ([(usize, f32); 2], usize) {
-        if self.mips {
-            (Sampler::levels(self.image.size(), self.mip_levels.len(), fragment.uv_gradient), 2)
-        } else {
-            ([(0, 1.0); 2], 1)
+    /// Returns the mip levels and the positions at which they are read for a fragment.
+    pub(crate) fn reads(&self, fragment: &Fragment) -> TextureReads {
+        match self.mip_filter {
+            Some(filter) => filter.reads(self.image.size(), self.mip_levels.len(), fragment.uv_gradient),
+            None => TextureReads::WITHOUT_MIP_LEVELS,
         }
     }
 
-    /// Returns the weighted mean of `read` over the mip levels that are read for a fragment.
+    /// Returns the weighted mean of `read` over the mip levels and positions that are read for a fragment.
     #[cold]
-    fn mixed<T: Mul<f32, Output = T> + Add<Output = T>>(
+    fn mixed<T: Mul<f32, Output = T> + Div<f32, Output = T> + Add<Output = T>>(
         &self,
         fragment: &Fragment,
-        read: impl Fn(&Image<Rgba8>) -> T,
+        read: impl Fn(&Image<Rgba8>, Vec2) -> T,
     ) -> T {
-        let ([(fine, share), (coarse, rest)], _) = self.levels(fragment);
-        read(self.level(fine)) * share + read(self.level(coarse)) * rest
+        let reads = self.reads(fragment);
+        let [(fine, share), (coarse, rest)] = reads.levels;
+        let probe = |number: u32| {
+            let uv = reads.position(fragment.uv, number);
+            read(self.level(fine), uv) * share + read(self.level(coarse), uv) * rest
+        };
+        let first = probe(0);
+        match reads.probes {
+            1 => first,
+            probes => (1..probes).fold(first, |sum, number| sum + probe(number)) / probes as f32,
+        }
     }
 
     #[inline(always)] // One of several callers is the loop over opaque samples, where the cost of a call is measurable.
@@ -126,23 +135,23 @@ impl<'a> Readable<'a> {
         if self.premultiplied {
             return self.premultiplied_color(sampler, fragment);
         }
-        if self.mips {
-            return self.mixed(fragment, |image| sampler.sample(image, fragment.uv));
+        if self.mip_filter.is_some() {
+            return self.mixed(fragment, |image, uv| sampler.sample(image, uv));
         }
         sampler.sample(self.image, fragment.uv)
     }
 
     #[inline(always)]
     fn alpha(&self, sampler: Sampler, fragment: &Fragment) -> f32 {
-        if self.mips {
-            return self.mixed(fragment, |image| sampler.alpha(image, fragment.uv));
+        if self.mip_filter.is_some() {
+            return self.mixed(fragment, |image, uv| sampler.alpha(image, uv));
         }
         sampler.alpha(self.image, fragment.uv)
     }
 
     #[inline(always)]
     fn color_and_alpha(&self, sampler: Sampler, fragment: &Fragment) -> (Vec3, f32) {
-        if self.mips || self.premultiplied {
+        if self.mip_filter.is_some() || self.premultiplied {
             return (self.color(sampler, fragment), self.alpha(sampler, fragment));
         }
         sampler.sample_with_alpha(self.image, fragment.uv)
@@ -273,13 +282,14 @@ impl<'a> Shader<'a> {
     }
 
     /// Returns whether the SIMD kernels can shade the draw. They support neither emission, highlights, normal maps,
-    /// opacity maps nor premultiplied filtering.
+    /// opacity maps, premultiplied nor anisotropic filtering.
     pub(super) fn fits_lanes(&self) -> bool {
         let has_more = self.emission.is_some()
             || self.highlight.is_some()
             || self.normal_map.is_some()
             || self.alpha_texture.is_some()
-            || self.texture.is_some_and(|texture| texture.is_premultiplied());
+            || self.texture.is_some_and(|texture| texture.is_premultiplied())
+            || self.texture.is_some() && self.settings.filter == TexelFilter::Anisotropic;
         !has_more
     }
 

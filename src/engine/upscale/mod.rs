@@ -42,6 +42,7 @@ mod registry;
 mod sample_rows;
 mod scale;
 mod separable;
+mod sgsr2;
 mod spares;
 mod taa;
 mod ycocg;
@@ -82,6 +83,7 @@ pub use registry::all;
 pub use registry::register;
 pub use registry::register_boxed;
 pub use scale::Scale;
+pub(crate) use sgsr2::SGSR2;
 pub use taa::HistoryFilter;
 pub use taa::HistoryOptions;
 pub use taa::Rectification;
@@ -322,6 +324,7 @@ pub static BUILT_IN: &[&dyn Upscaler] = &[
     &ACCUMULATION,
     &TAA,
     &FSR2,
+    &SGSR2,
 ];
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use crate::measure::noise::WITHIN;
 use crate::pipeline::background::Background;
 use crate::pipeline::observe::Fate;
 use crate::pipeline::plan::PipelinePart;
-use crate::pipeline::settings::{Choice as _, DepthTest, Execution, Shading};
+use crate::pipeline::settings::{Choice as _, DepthTest, Execution, MIP_BIAS, Shading, TexelFilter};
 use crate::scene::obj::TrMeaning;
 use crate::scene::{Camera, DepthMapping, Projection, SceneFormat, SceneSource, UpAxis, builtin};
 use crate::ui::command::Command;
@@ -47,8 +47,8 @@ pub(crate) fn owner(key: &str) -> Option<Stage> {
         "execution" | "rasterizer" | "arithmetic" | "fill_rule" | "wireframe" => Stage::Rasterize,
         "depth_test" | "depth_format" | "depth_bias" => Stage::Depth,
         "interpolation" => Stage::Interpolate,
-        "shading" | "light" | "checker" | "filter" | "address" | "alpha" | "blending" | "background"
-        | "color_space" => Stage::Shade,
+        "shading" | "light" | "checker" | "filter" | "max_anisotropy" | "mip_bias" | "address" | "alpha"
+        | "blending" | "background" | "color_space" => Stage::Shade,
         "antialias" | "upscaler" | "post" => Stage::Upscale,
         _ => return None,
     })
@@ -334,7 +334,11 @@ fn interpolate(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     }
 }
 
+const MIP_BIAS_HELP: &str = "Added to the level of detail, in mip levels: negative values are sharper but show moiré. \
+                             Temporal upscalers that draw fewer pixels want log₂(drawn width / full width) − 1";
+
 fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
+    let recommended_mip_bias = recipe.recommended_mip_bias();
     let settings = &mut recipe.pipeline;
     let (offered, reason) = offered_shadings(session, settings.shading);
     row(ui, "Shading", "Source of the fragments' colour", |ui| choice(ui, &mut settings.shading, &offered));
@@ -361,6 +365,19 @@ fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     let Some(view) = &session.view else { return };
     if view.frame.plans.iter().any(|p| p.runs(PipelinePart::Texels)) {
         row(ui, "Filter", "Filter that samples a texture between texel centres", |ui| pick(ui, &mut settings.filter));
+        if settings.filter == TexelFilter::Anisotropic {
+            let help = "Maximum number of samples per pixel along the major axis of its footprint";
+            row(ui, "Max. anisotropy", help, |ui| pick(ui, &mut settings.max_anisotropy));
+        }
+        if settings.filter.reads_mip_levels() {
+            row(ui, "Mip bias", MIP_BIAS_HELP, |ui| slider(ui, &mut settings.mip_bias, MIP_BIAS, "", 2));
+            if settings.mip_bias != recommended_mip_bias {
+                let label = format!("Set mip bias to {}", format::fixed(recommended_mip_bias.into(), 2));
+                if ui.button(label).on_hover_text("Use the mip bias that suits the upscaler").clicked() {
+                    settings.mip_bias = recommended_mip_bias;
+                }
+            }
+        }
         row(ui, "Texture wrap", "Texels for texture coordinates outside 0…1", |ui| pick(ui, &mut settings.address));
         row(ui, "Alpha", "Treatment of alpha when the filter mixes texels", |ui| pick(ui, &mut settings.alpha));
     } else {

@@ -69,6 +69,18 @@ fn every_switch_gives_the_same_picture() {
     recipes.extend(with::<Culling>(default, |r, c| r.pipeline.culling = c));
     recipes.extend(with::<Interpolation>(default, |r, c| r.pipeline.interpolation = c));
     recipes.extend(with::<DisabledOptimisation>(default, |r, c| r.pipeline.force = c));
+    let more = [
+        &["mip_bias=-4"][..],
+        &["mip_bias=0.7"],
+        &["mip_bias=-1.58", "color_space=bytes"],
+        &["filter=anisotropic"],
+        &["filter=anisotropic", "max_anisotropy=2", "mip_bias=-1", "color_space=bytes"],
+    ];
+    for settings in more {
+        let mut recipe = mipmapped();
+        recipe.set_all(settings).unwrap();
+        recipes.push(recipe);
+    }
     recipes.extend(upscalers().into_iter().map(|upscaler| Recipe { upscaler, ..default[0] }));
     check_all(&recipes);
 }

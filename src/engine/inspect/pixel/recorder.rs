@@ -6,6 +6,7 @@ use crate::image::Rgba8;
 use crate::inspect::depth::DepthRecord;
 use crate::inspect::history::SampleState;
 use crate::pipeline::depth::{DepthComparison, clear_value, depth_at};
+use crate::pipeline::footprint::TextureRead;
 use crate::pipeline::interpolate::{Fragment, affine_weights, attribute_weights};
 use crate::pipeline::observe::{DepthOutcome, Observer};
 use crate::pipeline::plan::{DrawPlan, PipelinePart};
@@ -175,16 +176,16 @@ fn texture_of<'a>(map: TextureMap, shader: &Shader<'a>, fragment: &Fragment) -> 
 
 /// Returns the texels that the sampler reads from one map for a fragment, with their filter weights.
 fn texels_of(map: TextureMap, texture: Readable<'_>, sampler: Sampler, fragment: &Fragment) -> Vec<TexelRecord> {
-    let (levels, count) = texture.levels(fragment);
-    let of_level = |&(level, share): &(usize, f32)| {
+    let reads = texture.reads(fragment);
+    let of_read = |TextureRead { uv, level, share, .. }| {
         let image = texture.level(level);
-        let (taps, count) = sampler.taps(image.size(), fragment.uv);
+        let (taps, count) = sampler.taps(image.size(), uv);
         taps.into_iter().take(count).map(move |tap| {
-            let tap = TexelTap { weight: tap.weight * share, ..tap };
+            let tap = TexelTap { weight: tap.weight * share / reads.probes as f32, ..tap };
             TexelRecord { map, level, tap, color: image.at(tap.x, tap.y) }
         })
     };
-    levels[..count].iter().flat_map(of_level).collect()
+    reads.all(fragment.uv).flat_map(of_read).collect()
 }
 
 fn shading_record(shader: &Shader<'_>, plan: &DrawPlan, fragment: &Fragment, color: Rgba8) -> ShadingRecord {

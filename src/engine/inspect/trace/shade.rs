@@ -11,9 +11,10 @@ use super::texture::number_formula;
 use crate::image::Rgba8;
 use crate::inspect::intermediate::Intermediate;
 use crate::pipeline::depth::depth_at;
+use crate::pipeline::footprint::TextureRead;
 use crate::pipeline::plan::PipelinePart;
 use crate::pipeline::settings::{Choice as _, ColorSpace, Shading};
-use crate::pipeline::shade::{CEL_THRESHOLD, Highlight, NormalMap};
+use crate::pipeline::shade::{CEL_THRESHOLD, Highlight, NormalMap, Readable};
 use crate::scene::Transparency;
 
 /// Writes the trace lines for the fragment's lighting, opacity and colour.
@@ -158,31 +159,36 @@ pub(super) fn lambert_formula(normal: [f32; 3], direction: [f32; 3], ambient: f3
     share() + (whole("1", 1) - share()) * dot(normal, direction).max(whole("0", 0))
 }
 
+/// Returns the formula of the filtered alpha of a texture; `name` is the name of the alpha of one read.
+fn alpha_formula(subject: &TracedFragment<'_>, texture: Readable<'_>, name: &'static str) -> Formula {
+    mean_of_reads(subject, texture, |read| {
+        given(name, subject.shader.sampler().alpha(texture.level(read.level), read.uv))
+    })
+}
+
+/// Returns the formula of the weighted mean of `value` over all reads of a texture.
+fn mean_of_reads(
+    subject: &TracedFragment<'_>,
+    texture: Readable<'_>,
+    value: impl Fn(TextureRead) -> Formula,
+) -> Formula {
+    let reads = texture.reads(&subject.fragment);
+    let term = |read: TextureRead| {
+        if reads.level_count > 1 { value(read) * given("share", read.share) } else { value(read) }
+    };
+    let total = sum(reads.all(subject.fragment.uv).map(term));
+    if reads.probes > 1 { total / given("probes", reads.probes) } else { total }
+}
+
 /// Writes the trace lines for the fragment's alpha and the alpha test.
 fn opacity(subject: &TracedFragment<'_>, alpha: f32, scribe: &mut TraceRecorder) {
     let own = given("opacity", subject.shader.opacity());
     let formula = match subject.shader.texture_for(&subject.fragment) {
-        Some(texture) => {
-            let (levels, count) = texture.levels(&subject.fragment);
-            let term = |(level, share): (usize, f32)| {
-                let alpha = subject.shader.sampler().alpha(texture.level(level), subject.fragment.uv);
-                let alpha = given("texture alpha", alpha);
-                if count > 1 { alpha * given("share", share) } else { alpha }
-            };
-            own * sum(levels[..count].iter().copied().map(term))
-        }
+        Some(texture) => own * alpha_formula(subject, texture, "texture alpha"),
         None => own,
     };
     let formula = match subject.shader.alpha_texture() {
-        Some(texture) => {
-            let (levels, count) = texture.levels(&subject.fragment);
-            let term = |(level, share): (usize, f32)| {
-                let alpha = subject.shader.sampler().alpha(texture.level(level), subject.fragment.uv);
-                let alpha = given("opacity map", alpha);
-                if count > 1 { alpha * given("share", share) } else { alpha }
-            };
-            formula * sum(levels[..count].iter().copied().map(term))
-        }
+        Some(texture) => formula * alpha_formula(subject, texture, "opacity map"),
         None => formula,
     };
     scribe.compute("alpha", alpha, &formula).shown_by(Intermediate::Alpha);
@@ -271,32 +277,27 @@ fn behind_formula(subject: &TracedFragment<'_>, code: u8) -> Formula {
 /// Returns a function that maps a channel to the formula of its filtered texture colour; `None` if no texture is read.
 fn texture_color<'a>(subject: &'a TracedFragment<'_>) -> Option<impl Fn(usize) -> Formula + 'a> {
     let texture = subject.shader.texture_for(&subject.fragment)?;
-    let (levels, count) = texture.levels(&subject.fragment);
     Some(move |channel: usize| {
+        let sampler = subject.shader.sampler();
         if texture.is_premultiplied() {
-            let mixed =
-                |level: usize| subject.shader.sampler().sample_premultiplied(texture.level(level), subject.fragment.uv);
-            let part = |(level, share): (usize, f32), name: &'static str, part: usize| {
-                let value = given(name, mixed(level)[part]);
-                if count > 1 { value * given("share", share) } else { value }
+            let part = |name: &'static str, part: usize| {
+                mean_of_reads(subject, texture, |read| {
+                    given(name, sampler.sample_premultiplied(texture.level(read.level), read.uv)[part])
+                })
             };
-            let of = |name, at| sum(levels[..count].iter().map(|level| part(*level, name, at)));
-            let alpha = of("alpha code", 3);
+            let alpha = part("alpha code", 3);
             if alpha.evaluate().is_none_or(|exact| exact.value.is_zero()) {
                 return whole("0", 0);
             }
-            let quotient = of("texture × alpha", channel) / alpha;
+            let quotient = part("texture × alpha", channel) / alpha;
             return match subject.settings.color_space {
                 ColorSpace::Linear => quotient,
-                ColorSpace::Bytes => quotient * given("1/255", subject.shader.sampler().scale),
+                ColorSpace::Bytes => quotient * given("1/255", sampler.scale),
             };
         }
-        let term = |(level, share): (usize, f32)| {
-            let color = subject.shader.sampler().sample(texture.level(level), subject.fragment.uv);
-            let color = given("texture", color[channel]);
-            if count > 1 { color * given("share", share) } else { color }
-        };
-        sum(levels[..count].iter().copied().map(term))
+        mean_of_reads(subject, texture, |read| {
+            given("texture", sampler.sample(texture.level(read.level), read.uv)[channel])
+        })
     })
 }
 

@@ -42,12 +42,14 @@ fn recipes() -> Vec<Recipe> {
             (r.pipeline.arithmetic, r.pipeline.rasterizer) = (Arithmetic::F64, Rasterizer::EdgeWalk);
             (r.pipeline.depth_format, r.pipeline.color_space) = (DepthFormat::Unorm24, ColorSpace::Bytes);
             (r.pipeline.filter, r.pipeline.address) = (TexelFilter::Trilinear, AddressMode::Mirror);
+            r.pipeline.mip_bias = -0.75;
         }),
         with(|r| {
             (r.pipeline.arithmetic, r.pipeline.fill_rule) = (Arithmetic::Exact, FillRule::BottomRight);
             (r.pipeline.depth_format, r.pipeline.shading) = (DepthFormat::WBuffer, Shading::Cel);
             (r.pipeline.filter, r.pipeline.address) = (TexelFilter::Point, AddressMode::Clamp);
         }),
+        with(|r| r.set_all(&["filter=anisotropic", "max_anisotropy=4", "alpha=premultiplied"]).unwrap()),
         with(|r| {
             (r.pipeline.interpolation, r.pipeline.shading) = (Interpolation::Published, Shading::Normals);
             r.pipeline.rasterizer = Rasterizer::BoundingBoxPublished;

@@ -1,38 +1,75 @@
 //! Trace of the texels that a fragment reads, with their weights and weighted mean.
 
+use glam::Vec2;
+
 use super::attributes::CHANNELS;
 use super::formula::{Formula, Function, fraction, given, sum, whole};
 use super::line::{Notable, TraceRecorder, TraceStage};
 use super::subject::TracedFragment;
 use crate::image::{Image, Rgba8};
+use crate::pipeline::footprint::{TextureRead, TextureReads};
 use crate::pipeline::sample::TexelTap;
 use crate::pipeline::settings::{AddressMode, Choice as _, ColorSpace, TexelFilter};
 
-/// Writes the trace lines for the texels read from each mip level. Writes none if no texture is read.
+/// One mip level of the texture, as read for one probe.
+struct TracedRead<'a> {
+    image: &'a Image<Rgba8>,
+    is_premultiplied: bool,
+    uv: Vec2,
+    /// Beginning of the names of the lines: probe and mip level, if there are several.
+    name: String,
+}
+
+/// Writes the trace lines for the texels read by each probe from each mip level. Writes none if no texture is read.
 pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Texture);
     let Some(texture) = subject.shader.texture_for(&subject.fragment) else { return };
-    let (levels, count) = texture.levels(&subject.fragment);
-    for &(level, share) in &levels[..count] {
-        let image = texture.level(level);
-        if count > 1 {
-            let words =
-                "from the base-2 logarithm, to five digits, of the longer side of a pixel's footprint in texels";
-            scribe.read(format!("share of mip level {level}"), words, share);
+    let reads = texture.reads(&subject.fragment);
+    let shares = reads.levels.iter().take(reads.level_count).filter(|_| reads.level_count > 1);
+    for (level, share) in shares {
+        let words = "from the level of detail: the base-2 logarithm, to five digits, of the part of a pixel's footprint \
+                     that a probe covers, in texels, plus the mip bias";
+        scribe.read(format!("share of mip level {level}"), words, *share);
+    }
+    if reads.probes > 1 {
+        axis(&reads, scribe);
+    }
+    let mut last_probe = None;
+    for TextureRead { probe, uv, level, .. } in reads.all(subject.fragment.uv) {
+        let of_probe = if reads.probes > 1 { format!("probe {probe} · ") } else { String::new() };
+        if reads.probes > 1 && last_probe.replace(probe) != Some(probe) {
+            position(subject, &reads, probe, scribe);
         }
-        let name = if count > 1 { format!("mip level {level} · ") } else { String::new() };
-        read(subject, (image, texture.is_premultiplied()), &name, scribe);
+        let of_level = if reads.level_count > 1 { format!("mip level {level} · ") } else { String::new() };
+        let image = texture.level(level);
+        let name = of_probe + &of_level;
+        read(subject, &TracedRead { image, is_premultiplied: texture.is_premultiplied(), uv, name }, scribe);
     }
 }
 
-/// Writes the trace lines for the addressing, weights and texels of one mip level.
-fn read(
-    subject: &TracedFragment<'_>,
-    (image, is_premultiplied): (&Image<Rgba8>, bool),
-    name: &str,
-    scribe: &mut TraceRecorder,
-) {
-    let (sampler, uv, size) = (subject.shader.sampler(), subject.fragment.uv, image.size());
+/// Writes the trace lines for the number of probes and the major axis of the footprint.
+fn axis(reads: &TextureReads, scribe: &mut TraceRecorder) {
+    let words = "ratio of the axes of a pixel's footprint, rounded up, at most the maximum anisotropy";
+    scribe.read("probes", words, reads.probes);
+    for (axis, part) in ["u", "v"].into_iter().enumerate() {
+        let words = "longest axis of the ellipse that is a pixel's footprint";
+        scribe.read(format!("major axis {part}"), words, reads.major_axis[axis]);
+    }
+}
+
+/// Writes the trace lines for the texture coordinates of a probe.
+fn position(subject: &TracedFragment<'_>, reads: &TextureReads, probe: u32, scribe: &mut TraceRecorder) {
+    let uv = reads.position(subject.fragment.uv, probe);
+    for (axis, part) in ["u", "v"].into_iter().enumerate() {
+        let along = given("major axis", reads.major_axis[axis]) * given("place on the axis", reads.offset(probe));
+        scribe.compute(format!("probe {probe} · {part}"), uv[axis], &(given(part, subject.fragment.uv[axis]) + along));
+    }
+}
+
+/// Writes the trace lines for the addressing, weights and texels of one read.
+fn read(subject: &TracedFragment<'_>, traced: &TracedRead<'_>, scribe: &mut TraceRecorder) {
+    let TracedRead { image, uv, ref name, .. } = *traced;
+    let (sampler, size) = (subject.shader.sampler(), image.size());
     let unit = sampler.unit(uv);
     let lengths = [size.0, size.1];
     let mut shares = [0.0; 2];
@@ -56,7 +93,7 @@ fn read(
     for (place, tap) in taps[..count].iter().enumerate() {
         weight(tap, place, (shares, count), name, scribe);
     }
-    colors(subject, (image, is_premultiplied), &taps[..count], name, scribe);
+    colors(subject, traced, &taps[..count], scribe);
 }
 
 /// Returns the formula by which the address mode maps a texture coordinate to [0, 1].
@@ -103,13 +140,8 @@ fn weight(tap: &TexelTap, place: usize, (shares, count): ([f32; 2], usize), name
 }
 
 /// Writes the trace lines for the texels' codes, their decoded values, and the weighted mean.
-fn colors(
-    subject: &TracedFragment<'_>,
-    (image, is_premultiplied): (&Image<Rgba8>, bool),
-    taps: &[TexelTap],
-    name: &str,
-    scribe: &mut TraceRecorder,
-) {
+fn colors(subject: &TracedFragment<'_>, traced: &TracedRead<'_>, taps: &[TexelTap], scribe: &mut TraceRecorder) {
+    let TracedRead { image, is_premultiplied, uv, ref name } = *traced;
     let sampler = subject.shader.sampler();
     let space = subject.settings.color_space;
     for (channel, channel_name) in CHANNELS.into_iter().enumerate() {
@@ -129,25 +161,25 @@ fn colors(
                 let number = given("texel", sampler.number_of(texel)[channel]);
                 number * given("alpha", texel[3]) * given("weight", tap.weight)
             };
-            let value = sampler.sample_premultiplied(image, subject.fragment.uv)[channel];
+            let value = sampler.sample_premultiplied(image, uv)[channel];
             let formula = sum(taps.iter().map(term));
             scribe.compute(format!("{name}texture {channel_name} × alpha"), value, &formula);
             continue;
         }
         let mean = sum(taps.iter().map(term));
         let formula = if space == ColorSpace::Bytes { mean * given("1/255", sampler.scale) } else { mean };
-        let value = sampler.sample(image, subject.fragment.uv)[channel];
+        let value = sampler.sample(image, uv)[channel];
         scribe.compute(format!("{name}texture {channel_name}"), value, &formula);
     }
     if is_premultiplied {
         let term = |tap: &TexelTap| given("alpha", image.at(tap.x, tap.y)[3]) * given("weight", tap.weight);
-        let value = sampler.sample_premultiplied(image, subject.fragment.uv).w;
+        let value = sampler.sample_premultiplied(image, uv).w;
         scribe.compute(format!("{name}texture alpha code"), value, &sum(taps.iter().map(term)));
     }
     if subject.record.alpha.is_some() {
         let term = |tap: &TexelTap| given("alpha", image.at(tap.x, tap.y)[3]) * given("weight", tap.weight);
         let formula = sum(taps.iter().map(term)) / whole("255", 255);
-        let value = sampler.alpha(image, subject.fragment.uv);
+        let value = sampler.alpha(image, uv);
         scribe.compute(format!("{name}texture alpha"), value, &formula);
     }
     if sampler.filter != TexelFilter::Point {

@@ -1,10 +1,10 @@
 //! SIMD reads of mip-mapped textures for sixteen samples: the two mip levels that each sample reads, and the texels in
-//! both. The arithmetic is the same as in [`weight_gradient`], [`uv_gradient`] and [`Sampler::levels`], operation by
+//! both. The arithmetic is the same as in [`weight_gradient`], [`uv_gradient`] and [`MipFilter::levels`], operation by
 //! operation.
 //!
 //! [`weight_gradient`]: crate::pipeline::interpolate::weight_gradient
 //! [`uv_gradient`]: crate::pipeline::interpolate::uv_gradient
-//! [`Sampler::levels`]: crate::pipeline::sample::Sampler::levels
+//! [`MipFilter::levels`]: crate::pipeline::footprint::MipFilter::levels
 
 use super::axis::{TexelAxis, below_repeated};
 use super::gather::Taps;
@@ -13,6 +13,7 @@ use super::record::TriangleSource;
 use super::texture::{Images, Layout, TextureReader};
 use crate::math::lanes::*;
 use crate::math::log2::log2_lanes;
+use crate::pipeline::footprint::LEAST_SQUARED_LENGTH;
 
 /// Texture taps of sixteen samples in the coarser of their two mip levels.
 #[derive(Clone, Debug, Default)]
@@ -88,11 +89,11 @@ impl TextureReader<'_> {
             x * x + y * y
         });
         let longest = down.simd_gt(right).select(down, right);
-        let one = f32x16::splat(simd, 1.0);
-        // A gradient of at most one texel per pixel gives an LOD of exactly 0, because the logarithm of one is exactly
-        // zero.
-        let longest = longest.simd_gt(one).select(longest, one);
-        (log2_lanes(longest) * 0.5).min((self.levels.len() - 1) as f32)
+        let least = f32x16::splat(simd, LEAST_SQUARED_LENGTH);
+        let longest = longest.simd_gt(least).select(longest, least);
+        let level = log2_lanes(longest) * 0.5 + self.mip_bias;
+        let zero = f32x16::splat(simd, 0.0);
+        level.simd_gt(zero).select(level, zero).min((self.levels.len() - 1) as f32)
     }
 
     /// Returns the mip levels with these indices, and the next coarser levels. The coarsest level is its own successor.

@@ -63,7 +63,7 @@ pub(super) struct DrawShader<'a> {
     /// Whether a SIMD kernel supports the shading.
     pub(super) on_lanes: bool,
     /// Number of texels read per sample. For mip-mapped shading with SIMD, only the texels of the finer level are
-    /// counted.
+    /// counted; for anisotropic filtering, those of one probe.
     pub(super) texels_per_sample: u64,
 }
 
@@ -76,8 +76,8 @@ impl<'a> DrawShader<'a> {
             matches!(settings.shading, Shading::Texture | Shading::Gouraud | Shading::Lambert | Shading::BlinnPhong);
         let on_lanes = has_lanes && shader.fits_lanes();
         let texture = texture
-            .filter(|_| shader.texture.is_some())
-            .map(|texture| TextureReader::new(texture, shader.sampler(), settings.color_space));
+            .filter(|_| on_lanes && shader.texture.is_some())
+            .map(|texture| TextureReader::new(texture, shader.sampler(), settings));
         let light = match settings.shading {
             Shading::Gouraud => LightSource::Vertices,
             Shading::Lambert | Shading::BlinnPhong => LightSource::Normals,
@@ -85,7 +85,7 @@ impl<'a> DrawShader<'a> {
         };
         let plan = ShadingPlan {
             texture: texture.map(|texture: TextureReader<'_>| texture.layout),
-            mipmapped: texture.is_some() && settings.filter == TexelFilter::Trilinear,
+            mipmapped: texture.is_some() && settings.filter.reads_mip_levels(),
             light,
             tinted: shader.diffuse != Vec3::ONE,
             colored: shader.attributes().color,
@@ -96,7 +96,7 @@ impl<'a> DrawShader<'a> {
             TexelFilter::Point => 1,
             TexelFilter::Bilinear => TEXELS_AROUND,
             TexelFilter::Trilinear if on_lanes => TEXELS_AROUND,
-            TexelFilter::Trilinear => 2 * TEXELS_AROUND,
+            TexelFilter::Trilinear | TexelFilter::Anisotropic => 2 * TEXELS_AROUND,
         };
         let texels_per_sample = shader.texture_count() * texels_per_texture;
         Self { shader, divides_by_w, texture, plan, on_lanes, texels_per_sample }

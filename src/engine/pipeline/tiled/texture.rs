@@ -5,7 +5,7 @@ use super::gather::{Taps, gather, quads};
 use crate::math::lanes::*;
 use crate::math::prefetch::prefetch;
 use crate::pipeline::sample::{ALPHA_SCALE, Sampler};
-use crate::pipeline::settings::{AddressMode, ColorSpace, TexelFilter};
+use crate::pipeline::settings::{AddressMode, ColorSpace, Settings, TexelFilter};
 use crate::scene::{LevelLocation, Texture};
 
 /// Memory layout of the texels that a sample reads.
@@ -38,6 +38,8 @@ pub(super) struct TextureReader<'a> {
     /// Width and height of the texture in texels, as floats.
     pub(super) extent: [f32; 2],
     pub(super) sampler: Sampler,
+    /// Number added to the level of detail.
+    pub(super) mip_bias: f32,
     /// Whether texels are read with hardware gather instructions.
     pub(super) gathers: bool,
 }
@@ -65,19 +67,15 @@ pub(super) struct Images<S: Simd> {
 }
 
 impl<'a> TextureReader<'a> {
-    pub(super) fn new(texture: &'a Texture, sampler: Sampler, space: ColorSpace) -> Self {
+    pub(super) fn new(texture: &'a Texture, sampler: Sampler, settings: &Settings) -> Self {
         let size @ (width, height) = texture.image().size();
         let layout = match (sampler.filter, sampler.address) {
             (TexelFilter::Point, _) => Layout::Single,
-            (TexelFilter::Bilinear | TexelFilter::Trilinear, AddressMode::Clamp | AddressMode::Mirror) => Layout::Four,
-            (TexelFilter::Bilinear | TexelFilter::Trilinear, AddressMode::Repeat)
-                if width.is_power_of_two() && height.is_power_of_two() =>
-            {
-                Layout::PowerOfTwoQuads
-            }
-            (TexelFilter::Bilinear | TexelFilter::Trilinear, AddressMode::Repeat) => Layout::Quads,
+            (_, AddressMode::Clamp | AddressMode::Mirror) => Layout::Four,
+            (_, AddressMode::Repeat) if width.is_power_of_two() && height.is_power_of_two() => Layout::PowerOfTwoQuads,
+            (_, AddressMode::Repeat) => Layout::Quads,
         };
-        let (texels, linear, levels): (&[_], &[_], &[_]) = match (sampler.filter, space) {
+        let (texels, linear, levels): (&[_], &[_], &[_]) = match (sampler.filter, settings.color_space) {
             (TexelFilter::Trilinear, ColorSpace::Bytes) => (&texture.levels().texels, &[], &texture.levels().locations),
             (TexelFilter::Trilinear, ColorSpace::Linear) => {
                 (&[], &texture.levels_linear().texels, &texture.levels_linear().locations)
@@ -97,6 +95,7 @@ impl<'a> TextureReader<'a> {
             size,
             extent,
             sampler,
+            mip_bias: settings.mip_bias,
             gathers: gathers_are_fast(),
         }
     }
@@ -404,7 +403,8 @@ mod tests {
         for size in [(1, 1), (2, 64), (1024, 16), (256, 512)] {
             let texture = Texture::new(Image::from_fn(size.0, size.1, |_, _| [0; 4])).expect("it has texels");
             let sampler = Sampler::new(TexelFilter::Bilinear, AddressMode::Repeat, ColorSpace::Bytes);
-            let reader = TextureReader::new(&texture, sampler, ColorSpace::Bytes);
+            let settings = Settings { color_space: ColorSpace::Bytes, ..Settings::default() };
+            let reader = TextureReader::new(&texture, sampler, &settings);
             assert_eq!(reader.layout, Layout::PowerOfTwoQuads);
             for round in 0..2000 {
                 // Most rounds use coordinates of one kind, so that all paths are taken.

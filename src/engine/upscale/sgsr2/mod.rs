@@ -1,0 +1,138 @@
+//! Snapdragon Game Super Resolution 2 (SGSR 2), two-pass variant: temporal upscaling for mobile processors, with a
+//! short Lanczos-like kernel, a bilinear history, and a depth clip instead of locks.
+//!
+//! ```text
+//! convert, per sample:  distances of 4 × 4 samples ─┬─► nearest of 3 × 3: motion vector
+//!                                                   └─► depth clip: share of depth edges
+//! upscale, per pixel:   3 × 3 samples ─┬─► kernel ─► present colour, weight ───────────┐
+//!                                      └─► box of colours ─► rectified history ────────┴─► blend ─► picture, history
+//! ```
+//!
+//! Steps and constants follow the published shaders (Qualcomm, “Snapdragon Game Super Resolution 2”, 2024, folder
+//! `sgsr/v2` of the repository `SnapdragonStudios/snapdragon-gsr`, two-pass variants). Differences:
+//!
+//! - Disocclusion and still views are known exactly. SGSR 2 relies on the depth clip, which weakens the history beside
+//!   every depth edge.
+//! - The history stores the accumulated weight of each pixel. SGSR 2 assumes the maximum, so that a disoccluded pixel
+//!   accepts new samples slowly and a still view never stops changing.
+//! - The depth clip compares distances along the view axis. In a perspective view with a distant far plane, the ratio of
+//!   two distances equals the published ratio of depths. The field of view counts as 90°.
+//! - The vector of a pixel is that of the sample nearest to it. SGSR 2 interpolates vectors, also across edges.
+//! - Weights of the box are interpolated between those of a still and a fast pixel, instead of their exponents.
+
+mod convert;
+mod frame;
+mod kernel;
+#[cfg(test)]
+mod tests;
+
+use self::frame::{RowBuffers, Sgsr2Frame};
+use super::{
+    Accumulated, Anchor, FilterSpace, HistoryStep, Offers, Reads, Sampling, Scale, Tap, UpscaleInputs, Upscaled,
+    Upscaler, Upscaling, bands,
+};
+use crate::antialias::pattern::Pattern;
+use crate::image::{Image, Rgba8};
+use crate::math::lanes::*;
+
+/// SGSR 2-class temporal upscaling.
+pub(crate) static SGSR2: Sgsr2 = Sgsr2;
+
+/// [`Upscaler`] implementation of [`SGSR2`].
+pub(crate) struct Sgsr2;
+
+/// Returns the number of jitter positions, one per frame: 8 for each pixel of the area of a sample.
+fn jitter_positions(scale: Scale) -> u32 {
+    (8.0 * scale.value() * scale.value()).ceil() as u32
+}
+
+/// Returns the jitter position within a sample's area, in [0, 1]², after `frames` earlier frames.
+fn jitter(scale: Scale, frames: u32) -> [f64; 2] {
+    let count = jitter_positions(scale);
+    Pattern::LowDiscrepancy { count }.offsets(0, 0)[(frames % count) as usize]
+}
+
+impl Upscaler for Sgsr2 {
+    fn id(&self) -> &'static str {
+        "sgsr2"
+    }
+
+    fn name(&self) -> &'static str {
+        "SGSR 2"
+    }
+
+    fn help(&self) -> &'static str {
+        "Jitters the samples and blends them with the history, which motion vectors reproject and a box of the 3×3 \
+         samples rectifies. Depth edges weaken the history. Still views regain fine detail; in motion the picture \
+         softens, because the history is read bilinearly, thin objects fade, and the surroundings of moving edges \
+         shimmer. Source: Qualcomm Snapdragon Game Super Resolution 2, two passes (2024)."
+    }
+
+    fn offers(&self) -> Offers {
+        Offers {
+            scales: &[Scale::ONE_AND_A_HALF, Scale::TWO, Scale::THREE],
+            anchors: &[Anchor::Centre],
+            lights: &[FilterSpace::Linear, FilterSpace::Bytes],
+            deringing: false,
+            sharpening: false,
+            history: false,
+        }
+    }
+
+    fn reads(&self) -> Reads {
+        Reads { gbuffer: true, history: true }
+    }
+
+    fn converges_after(&self, how: Upscaling) -> u32 {
+        jitter_positions(how.scale())
+    }
+
+    fn sampling(&self, how: Upscaling) -> Sampling {
+        Sampling::Lattice(how.lattice())
+    }
+
+    fn frame_sampling(&self, how: Upscaling, frames: u32) -> (Sampling, [f64; 2]) {
+        (self.sampling(how), jitter(how.scale(), frames))
+    }
+
+    fn upscale(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Image<Rgba8>) {
+        self.upscale_with_history(how, drawn, full, None);
+    }
+
+    fn upscale_with_history(
+        &self,
+        how: Upscaling,
+        drawn: &UpscaleInputs<'_>,
+        full: &mut Image<Rgba8>,
+        memory: Option<Accumulated>,
+    ) -> Upscaled {
+        let size @ (width, _) = full.size();
+        let mut memory = Accumulated::reusing(memory, size);
+        let frame = Sgsr2Frame::new(how, drawn, size);
+        let lanes = Lanes::best();
+        bands::fill_both(full, &mut memory.color, |first, full, memory| {
+            let rows = full.chunks_exact_mut(width as usize).zip(memory.chunks_exact_mut(width as usize));
+            let mut buffers = RowBuffers::new(&frame);
+            for (y, (row, memory)) in (first..).zip(rows) {
+                on_lanes!(lanes, simd => frame.row(simd, y, &mut buffers, (row, memory)));
+            }
+        });
+        Upscaled { history: Some(memory), ..Upscaled::default() }
+    }
+
+    fn pixel(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
+        let frame = Sgsr2Frame::new(how, drawn, size);
+        on_lanes!(Lanes::best(), simd => frame.pixel(simd, at).0)
+    }
+
+    /// Returns the samples of this frame only; history contributes no taps.
+    fn taps(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
+        let frame = Sgsr2Frame::new(how, drawn, size);
+        on_lanes!(Lanes::best(), simd => frame.taps(simd, at))
+    }
+
+    fn history_step(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, at: (u32, u32)) -> Option<HistoryStep> {
+        let frame = Sgsr2Frame::new(how, drawn, drawn.frame?.gbuffer.object.size());
+        Some(on_lanes!(Lanes::best(), simd => frame.step(simd, at)))
+    }
+}

@@ -1,0 +1,215 @@
+use std::sync::Arc;
+
+use super::kernel::{Axis, Position, Shape};
+use super::*;
+use crate::pipeline::gbuffer::GBuffer;
+use crate::pipeline::motion::MotionVectors;
+use crate::scene::Scene;
+use crate::upscale::history::tests::frames;
+use crate::upscale::{FrameInputs, History, Rejection};
+
+fn how(scale: Scale) -> Upscaling {
+    Upscaling::new("sgsr2", scale).unwrap()
+}
+
+/// Returns SGSR 2 at every scale, in both colour spaces.
+fn every() -> impl Iterator<Item = Upscaling> {
+    let offers = SGSR2.offers();
+    let lit = |scale| offers.lights.iter().map(move |light| how(scale).with_light(*light));
+    offers.scales.iter().flat_map(move |scale| lit(*scale))
+}
+
+#[test]
+fn rows_are_bit_identical_to_single_pixels_and_steps() {
+    let mut random = fastrand::Rng::with_seed(8);
+    let size = (45, 9);
+    for how in every() {
+        let (columns, rows) = (how.lattice().samples(size.0), how.lattice().samples(size.1));
+        let color = Image::from_fn(columns, rows, |_, _| std::array::from_fn(|_| random.u8(..)));
+        for frames in frames(size, 7) {
+            let drawn = UpscaleInputs { color: &color, frame: Some(frames.seen()) };
+            let mut full = Image::filled(size.0, size.1, [1, 2, 3, 4]);
+            let history = SGSR2.upscale_with_history(how, &drawn, &mut full, None).history.unwrap();
+            let frame = Sgsr2Frame::new(how, &drawn, size);
+            for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
+                let row = (full.at(x, y), history.color.at(x, y).map(f32::to_bits));
+                for lanes in Lanes::all() {
+                    let (codes, memory) = on_lanes!(lanes, simd => frame.pixel(simd, (x, y)));
+                    assert_eq!(row, (codes, memory.map(f32::to_bits)), "({x}, {y}) {}", how.label());
+                }
+                let step = SGSR2.history_step(how, &drawn, (x, y)).unwrap();
+                assert_eq!(row.0.first_chunk(), Some(&step.codes()), "({x}, {y}) {}", how.label());
+            }
+        }
+    }
+}
+
+#[test]
+fn weights_are_the_published_polynomial_of_the_squared_distance() {
+    let how = how(Scale::TWO);
+    for place in [[0.5, 0.5], [0.1, 0.7], [0.9, 0.3]] {
+        let [columns, rows] = place.map(|place| Axis::new(how.lattice(), place, 24, 12));
+        for (at, narrowing) in [((8, 8), 1.0_f32), ((9, 10), 0.7), ((11, 7), 0.25)] {
+            let distance = |index: u32, place: f64, at: u32| f64::from(index) + place - (f64::from(at) + 0.5) / 2.0;
+            for (row, column) in (0..3).flat_map(|row| (0..3).map(move |column| (row, column))) {
+                let (x, y) = (columns.index[at.0][column], rows.index[at.1][row]);
+                let squared = distance(x, place[0], at.0 as u32).powi(2) + distance(y, place[1], at.1 as u32).powi(2);
+                let end = (squared * f64::from(narrowing)).min(1.0);
+                let expected = (end - 1.0).powi(3) * (end - 0.25);
+                let found = on_lanes!(Lanes::baseline(), simd => {
+                    let position = Position { columns: columns.splat(simd, at.0), rows: rows.splat(simd, at.1) };
+                    let shape = Shape { narrowing: F32::splat(simd, narrowing), fast: F32::splat(simd, 0.0) };
+                    position.weight(simd, shape, (row, column)).to_array()[0]
+                });
+                assert!((f64::from(found) - expected).abs() < 1e-5, "{at:?} {row} {column}: {found} {expected}");
+            }
+        }
+    }
+}
+
+/// Sequence of frames that SGSR 2 draws of an analytic grey picture on a flat surface.
+struct Sequence {
+    how: Upscaling,
+    size: (u32, u32),
+    scene: Arc<Scene>,
+    surfaces: Arc<GBuffer>,
+    /// Motion per frame in pixels, to the right; `None` in a still view.
+    motion_px: Option<f32>,
+    history: Option<History>,
+}
+
+impl Sequence {
+    fn new(how: Upscaling, size @ (width, height): (u32, u32), motion_px: Option<f32>) -> Self {
+        let object = Image::filled(width, height, [0; 4]);
+        let surfaces = Arc::new(GBuffer { object, distance: Image::filled(width, height, 1.0) });
+        let scene = Arc::new(crate::scene::builtin::ALL[0].build());
+        Self { how, size, scene, surfaces, motion_px, history: None }
+    }
+
+    fn vectors(&self, visible: u8) -> MotionVectors {
+        let (width, height) = self.size;
+        MotionVectors {
+            across_px: Image::filled(width, height, -self.motion_px.unwrap_or(0.0)),
+            down_px: Image::filled(width, height, 0.0),
+            visible: Image::filled(width, height, visible),
+        }
+    }
+
+    /// Returns the number of earlier frames.
+    fn number(&self) -> u32 {
+        self.history.as_ref().map_or(0, |past| past.frames + 1)
+    }
+
+    /// Draws one sample per lattice position, at the jitter position of the next frame. `code` is the code at a position
+    /// on the surface, in pixels.
+    fn samples(&self, code: impl Fn([f64; 2]) -> u8) -> Image<Rgba8> {
+        let (lattice, place) = (self.how.lattice(), jitter(self.how.scale(), self.number()));
+        let moved = f64::from(self.motion_px.unwrap_or(0.0)) * f64::from(self.number());
+        let position = |index: u32, place: f64| (f64::from(index) + place) * lattice.scale.value();
+        Image::from_fn(lattice.samples(self.size.0), lattice.samples(self.size.1), |x, y| {
+            let code = code([position(x, place[0]) - moved, position(y, place[1])]);
+            [code, code, code, 255]
+        })
+    }
+
+    /// Draws the next frame.
+    fn frame(&mut self, code: impl Fn([f64; 2]) -> u8) -> Image<Rgba8> {
+        let color = self.samples(code);
+        let vectors = self.vectors(MotionVectors::VISIBLE);
+        let is_moving = self.motion_px.is_some();
+        let motion = (is_moving && self.history.is_some()).then_some(&vectors);
+        let frame = FrameInputs { gbuffer: &self.surfaces, motion, history: self.history.as_ref() };
+        let mut full = Image::filled(self.size.0, self.size.1, [0; 4]);
+        let drawn = UpscaleInputs { color: &color, frame: Some(frame) };
+        let accumulated = SGSR2.upscale_with_history(self.how, &drawn, &mut full, None).history;
+        let past = self.history.take();
+        let still_frames = if is_moving { 0 } else { past.as_ref().map_or(0, |past| past.still_frames) };
+        self.history = Some(History {
+            picture: None,
+            accumulated,
+            surfaces: Arc::clone(&self.surfaces),
+            scene: Arc::clone(&self.scene),
+            camera: self.scene.home,
+            frames: past.map_or(0, |past| past.frames + 1),
+            still_frames: still_frames + 1,
+        });
+        full
+    }
+}
+
+/// Returns the root mean square of the differences from the box-filtered picture, two pixels from the border.
+fn rms(picture: &Image<Rgba8>, code: impl Fn([f64; 2]) -> u8) -> f64 {
+    const STEPS: u32 = 12;
+    let offset = |step: u32| (f64::from(step) + 0.5) / f64::from(STEPS);
+    let places = || (0..STEPS).flat_map(|i| (0..STEPS).map(move |j| [offset(i), offset(j)]));
+    let mean = |x: u32, y: u32| {
+        let codes = places().map(|[dx, dy]| f64::from(code([f64::from(x) + dx, f64::from(y) + dy])));
+        codes.sum::<f64>() / f64::from(STEPS * STEPS)
+    };
+    let pixels = (2..picture.height() - 2).flat_map(|y| (2..picture.width() - 2).map(move |x| (x, y)));
+    let squares: Vec<f64> = pixels.map(|(x, y)| (f64::from(picture.at(x, y)[0]) - mean(x, y)).powi(2)).collect();
+    (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+}
+
+/// Slanted edge beside fine stripes.
+fn detail([x, y]: [f64; 2]) -> u8 {
+    let is_light = if x < 16.0 { x + 0.4 * y < 12.0 } else { (x * 0.9 + 0.3 * y).sin() > 0.0 };
+    if is_light { 220 } else { 40 }
+}
+
+#[test]
+fn a_still_view_settles_near_the_mean_of_all_samples() {
+    for scale in [Scale::ONE_AND_A_HALF, Scale::TWO, Scale::THREE] {
+        let how = how(scale).with_light(FilterSpace::Bytes);
+        let mut sequence = Sequence::new(how, (32, 16), None);
+        let drawn: Vec<_> = (0..SGSR2.converges_after(how) + 4).map(|_| sequence.frame(detail)).collect();
+        let settled = &drawn[SGSR2.converges_after(how) as usize - 1];
+        assert!(drawn.iter().rev().take(5).all(|picture| picture == settled), "×{scale}");
+        let (first, last) = (rms(&drawn[0], detail), rms(settled, detail));
+        assert!(last < 16.0 && last < first / 2.0, "×{scale}: {last} {first}");
+    }
+}
+
+#[test]
+fn history_improves_moving_edges() {
+    let how = how(Scale::TWO).with_light(FilterSpace::Bytes);
+    // A quarter of a pixel per frame, and sixteen frames: the picture has moved by whole pixels.
+    let edge = |[x, y]: [f64; 2]| if x + 0.4 * y < 12.0 { 220 } else { 40 };
+    let mut sequence = Sequence::new(how, (32, 16), Some(0.25));
+    let drawn: Vec<_> = (0..17).map(|_| sequence.frame(edge)).collect();
+    let (first, last) = (rms(&drawn[0], edge), rms(&drawn[16], |[x, y]| edge([x - 4.0, y])));
+    assert!(last < 0.7 * first, "{last} {first}");
+}
+
+#[test]
+fn disoccluded_pixels_show_the_present_only() {
+    for how in every() {
+        let mut sequence = Sequence::new(how, (24, 10), Some(0.0));
+        for _ in 0..3 {
+            sequence.frame(|_| 200);
+        }
+        let color = sequence.samples(|[x, _]| if x < 11.0 { 30 } else { 90 });
+        let vectors = sequence.vectors(0);
+        let past = sequence.history.as_ref();
+        let frame = FrameInputs { gbuffer: &sequence.surfaces, motion: Some(&vectors), history: past };
+        let drawn = UpscaleInputs { color: &color, frame: Some(frame) };
+        let hidden = how.upscale(&drawn, 24, 10);
+        // The present may leave the range of the samples by a little.
+        assert!(hidden.pixels().iter().all(|[r, ..]| *r <= 120), "{}", how.label());
+        let step = SGSR2.history_step(how, &drawn, (3, 4)).unwrap();
+        assert_eq!((step.share, step.past), (1.0, Err(Rejection::Disoccluded)));
+    }
+}
+
+#[test]
+fn a_picture_of_one_colour_stays_so_in_all_frames() {
+    for how in every() {
+        for motion_px in [None, Some(0.0), Some(1.7)] {
+            let mut sequence = Sequence::new(how, (20, 11), motion_px);
+            for frame in 0..8 {
+                let picture = sequence.frame(|_| 87);
+                assert!(picture.pixels().iter().all(|codes| *codes == [87, 87, 87, 255]), "{} {frame}", how.label());
+            }
+        }
+    }
+}
