@@ -38,6 +38,7 @@ mod nearest;
 mod nearest_avx2;
 pub mod process;
 mod registry;
+mod runs;
 mod sample_rows;
 mod scale;
 mod separable;
