@@ -25,6 +25,7 @@ mod bilinear;
 mod checkerboard;
 mod choice;
 mod cubic;
+mod ewa;
 mod fsr;
 mod fsr2;
 mod history;
@@ -56,6 +57,7 @@ pub use choice::FilterSpace;
 pub use choice::Upscaling;
 pub(crate) use cubic::CATMULL_ROM;
 pub(crate) use cubic::MITCHELL;
+pub(crate) use ewa::EWA_LANCZOS;
 pub(crate) use fsr::FSR1;
 pub(crate) use fsr2::FSR2;
 pub use history::Accumulated;
@@ -303,6 +305,7 @@ pub static BUILT_IN: &[&dyn Upscaler] = &[
     &MITCHELL,
     &LANCZOS2,
     &LANCZOS3,
+    &EWA_LANCZOS,
     &FSR1,
     &ACCUMULATION,
     &TAA,
