@@ -37,6 +37,7 @@ mod native;
 mod nearest;
 #[cfg(target_arch = "x86_64")]
 mod nearest_avx2;
+mod nis;
 pub mod process;
 mod registry;
 mod runs;
@@ -75,6 +76,7 @@ pub use lattice::Anchor;
 pub(crate) use lattice::Lattice;
 pub(crate) use native::NATIVE;
 pub(crate) use nearest::NEAREST;
+pub(crate) use nis::NIS;
 pub use registry::RegisterError;
 pub use registry::all;
 pub use registry::register;
@@ -307,6 +309,7 @@ pub static BUILT_IN: &[&dyn Upscaler] = &[
     &LANCZOS3,
     &EWA_LANCZOS,
     &FSR1,
+    &NIS,
     &ACCUMULATION,
     &TAA,
     &FSR2,
