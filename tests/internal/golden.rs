@@ -71,6 +71,7 @@ fn switches() -> impl Iterator<Item = (String, Image<Rgba8>)> {
         ("chess", "antialias.method=low-discrepancy"),
         ("chess", "antialias.method=multisample"),
         ("chess", "post.filter=fxaa"),
+        ("chess", "post.filter=smaa"),
         ("chess", "post.filter=gaussian"),
         ("chess", "post.filter=sharpen"),
         ("cel", "shading=cel"),

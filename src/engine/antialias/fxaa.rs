@@ -38,7 +38,7 @@ const MIN_SHARE: f32 = 1.0 / 256.0;
 pub(crate) const SEARCH_PX: u32 = 16;
 
 /// Number of pixels filtered together, one per 16-bit SIMD lane.
-const BLOCK: usize = 32;
+pub(super) const BLOCK: usize = 32;
 
 /// Number of additional rows and columns of luma on each side of a band of rows. The edge search reads luma up to this
 /// distance from a pixel.
@@ -122,7 +122,7 @@ fn fill_luma<S: Simd>(simd: S, pixels: &[Rgba8], luma: &mut [i16]) {
 /// Computes the luma of pixels: (54 r + 183 g + 19 b + 128) / 256, rounded down. The factors are the Rec. 709 weights
 /// in units of 1/256.
 #[inline(always)]
-fn luma_of_block<S: Simd>(simd: S, pixels: &[Rgba8; BLOCK]) -> i16x32<S> {
+pub(super) fn luma_of_block<S: Simd>(simd: S, pixels: &[Rgba8; BLOCK]) -> i16x32<S> {
     let halves = pixels.as_chunks::<WIDE>().0;
     let [low, high] = each!(half in [&halves[0], &halves[1]] => {
         let codes = u8x64::from_slice(simd, half.as_flattened()).bitcast::<u32x16<S>>();

@@ -14,4 +14,6 @@ pub(crate) mod resolve;
 
 pub mod settings;
 
+pub(crate) mod smaa;
+
 pub(crate) mod weight;

@@ -3,23 +3,26 @@
 use super::fxaa;
 use super::mask;
 use super::settings::{PostFilter, PostFilterKind};
+use super::smaa;
 use crate::flat2d::convolve::Mask;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::ColorSpace;
 
-/// Returns the filtered picture, or `None` if there is no filter to apply. FXAA reuses the buffer `memory`.
+/// Returns the filtered picture, or `None` if there is no filter to apply. FXAA and SMAA reuse
+/// the buffer `memory`.
 pub(crate) fn apply(filter: &PostFilter, picture: &Image<Rgba8>, memory: Option<Image<Rgba8>>) -> Option<Image<Rgba8>> {
     let linear = filter.light == ColorSpace::Linear;
-    if filter.filter == PostFilterKind::Fxaa {
-        return Some(fxaa::apply(picture, linear, memory));
+    match filter.filter {
+        PostFilterKind::Fxaa => Some(fxaa::apply(picture, linear, memory)),
+        PostFilterKind::Smaa => Some(smaa::apply(picture, linear, memory)),
+        _ => mask_of(filter).map(|mask| mask::apply(&mask, picture, linear)),
     }
-    mask_of(filter).map(|mask| mask::apply(&mask, picture, linear))
 }
 
 /// Returns the convolution mask of a filter, or `None` if the filter is not a convolution.
 pub(crate) fn mask_of(filter: &PostFilter) -> Option<Mask> {
     match filter.filter {
-        PostFilterKind::None | PostFilterKind::Fxaa => None,
+        PostFilterKind::None | PostFilterKind::Fxaa | PostFilterKind::Smaa => None,
         PostFilterKind::Blur => Some(Mask::blur(filter.strength.round() as usize)),
         PostFilterKind::Gaussian => Some(Mask::gaussian(filter.strength)),
         PostFilterKind::Sharpen => Some(Mask::sharpen(filter.strength)),
@@ -33,6 +36,7 @@ pub(crate) fn mask_of(filter: &PostFilter) -> Option<Mask> {
 pub(crate) fn reach(filter: &PostFilter) -> Option<u32> {
     match filter.filter {
         PostFilterKind::Fxaa => Some(fxaa::SEARCH_PX),
+        PostFilterKind::Smaa => Some(smaa::REACH_PX),
         _ => mask_of(filter).map(|mask| mask.reach()),
     }
 }

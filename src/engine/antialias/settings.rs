@@ -132,6 +132,12 @@ choice! {
              that of triangles: 1.4 to 3.8 ms at 1920 × 1080 px with two threads (Zen 4), 23 to 84 % of the frame \
              without it on cel, stained-glass, chess and cubes. Texture detail and text soften too, and thin lines \
              stay broken (after T. Lottes, FXAA, 2009).";
+        Smaa = "smaa", "Edges (SMAA)",
+            "Finds edges by their contrast in luma relative to their surroundings, follows each to the edges that cross \
+             its ends, and blends by the exact areas that a line between them cuts off: stairs of slanted edges become \
+             ramps, and single pixels and corners stay sharper than with FXAA. Diagonal and corner patterns are left \
+             out; thin lines stay broken (after Jimenez, Echevarria, Sousa and Gutierrez, SMAA: Enhanced Subpixel \
+             Morphological Antialiasing, 2012).";
         Blur = "blur", "Blur", "Mean of 3 × 3 or more pixels: blurs everything, not only edges.";
         Gaussian = "gaussian", "Gaussian blur",
             "Gaussian-weighted mean: softer than the plain mean, without its box artefacts.";
@@ -149,7 +155,7 @@ impl PostFilterKind {
     pub fn max_strength(self) -> Option<f32> {
         let reach = MAX_REACH as f32;
         match self {
-            Self::None | Self::Fxaa | Self::Custom => None,
+            Self::None | Self::Fxaa | Self::Smaa | Self::Custom => None,
             Self::Blur => Some(reach),
             Self::Gaussian => Some(reach / GAUSSIAN_CUTOFF),
             Self::Sharpen => Some(5.0),
@@ -182,7 +188,7 @@ pub struct PostFilter {
     /// Weights of a custom mask of 5 × 5 pixels, row by row from the top. A 3 × 3 mask lies in the centre, surrounded
     /// by zeros.
     pub mask: MaskWeights,
-    /// Colour space in which the filter works. FXAA always finds edges in sRGB codes.
+    /// Colour space in which the filter works. FXAA and SMAA always find edges in sRGB codes.
     pub light: ColorSpace,
 }
 

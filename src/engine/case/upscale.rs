@@ -14,7 +14,7 @@ pub struct Upscale {
     /// Samples of the picture as 8-bit codes, row by row from the top.
     #[serde(deserialize_with = "json::rows")]
     pub(crate) image: Image<Real>,
-    /// Scale factor per axis: a whole number or 1.5.
+    /// Scale factor per axis, such as 1.3, 1.5 or 2.
     pub(crate) scale: Real,
     /// Name of the filter kernel, such as `lanczos2`.
     pub(crate) kernel: String,

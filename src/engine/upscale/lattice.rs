@@ -21,8 +21,8 @@ choice! {
         Corner = "corner", "Corner",
             "The sample lies on the first pixel of its block, which interpolating filters leave unchanged.";
         Centre = "centre", "Centre",
-            "The sample lies at the centre of its block, as in image resizers: nothing moves, but at ×1.5, ×2 and ×4 \
-             no pixel coincides with a sample.";
+            "The sample lies at the centre of its block, as in image resizers: nothing moves, but a pixel coincides \
+             with a sample only at ×3.";
     }
 }
 
@@ -108,9 +108,12 @@ impl Lattice {
 
     /// Returns the position of sample `index` in the full image, in pixels.
     pub(crate) fn position_px(self, index: u32) -> f64 {
+        let (pixels, samples) = self.scale.ratio();
+        let (pixels, samples) = (f64::from(pixels), f64::from(samples));
+        // Numerators are exact, so the position is rounded only once.
         match self.anchor {
-            Anchor::Corner => f64::from(index) * self.scale.value() + 0.5,
-            Anchor::Centre => (f64::from(index) + 0.5) * self.scale.value(),
+            Anchor::Corner => f64::from(index) * pixels / samples + 0.5,
+            Anchor::Centre => (f64::from(index) + 0.5) * pixels / samples,
         }
     }
 
@@ -160,22 +163,29 @@ pub(super) mod tests {
 
     /// Returns all lattices, one for each scale and anchor.
     pub(in crate::upscale) fn every() -> impl Iterator<Item = Lattice> {
-        let scales = [Scale::ONE, Scale::ONE_AND_A_HALF, Scale::TWO, Scale::THREE, Scale::FOUR];
-        scales.into_iter().flat_map(|scale| Anchor::ALL.iter().map(move |anchor| Lattice { scale, anchor: *anchor }))
+        let tenths = [10, 13, 15, 17, 20, 26, 30, 40].map(|tenths| Scale::from(f64::from(tenths) / 10.0));
+        tenths.into_iter().flat_map(|scale| Anchor::ALL.iter().map(move |anchor| Lattice { scale, anchor: *anchor }))
     }
 
     #[test]
-    fn places_agree_with_the_positions_of_samples() {
+    fn places_equal_rational_arithmetic() {
         for lattice in every() {
-            for at in 0..50 {
+            let (pixels, samples) = lattice.scale.ratio();
+            let (pixels, samples) = (i64::from(pixels), i64::from(samples));
+            // All positions are multiples of 1 / (2 · samples) px.
+            let sample_at = |index: i64| match lattice.anchor {
+                Anchor::Corner => 2 * index * pixels + samples,
+                Anchor::Centre => (2 * index + 1) * pixels,
+            };
+            for at in 0..200 {
                 let LatticePosition { cell, phase } = lattice.place(at);
-                let origin = lattice.position_px(0);
-                let place = (f64::from(at) + 0.5 - origin) / lattice.scale.value();
-                let computed = f64::from(cell) + f64::from(phase) / f64::from(lattice.phases());
-                assert!(
-                    (place - computed).abs() < 1e-12 && phase < lattice.phases(),
-                    "{lattice:?} {at}: {computed}, not {place}"
-                );
+                let (one, next) = (sample_at(cell.into()), sample_at(i64::from(cell) + 1));
+                let pixel = (2 * i64::from(at) + 1) * samples;
+                assert!(one <= pixel && pixel < next, "{lattice:?} {at} lies in cell {cell}");
+                let (phase, phases) = (i64::from(phase), i64::from(lattice.phases()));
+                assert_eq!((pixel - one) * phases, phase * (next - one), "{lattice:?} {at}: {phase} / {phases}");
+                let position = lattice.position_px(at) * 2.0 * samples as f64;
+                assert!((position - sample_at(at.into()) as f64).abs() < 1e-9, "{lattice:?} {at}");
             }
         }
     }

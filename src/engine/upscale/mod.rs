@@ -25,6 +25,7 @@ mod bilinear;
 mod checkerboard;
 mod choice;
 mod cubic;
+mod ewa;
 mod fsr;
 mod fsr2;
 mod history;
@@ -36,9 +37,11 @@ mod native;
 mod nearest;
 #[cfg(target_arch = "x86_64")]
 mod nearest_avx2;
+mod nis;
 pub mod process;
 mod quads;
 mod registry;
+mod runs;
 mod sample_rows;
 mod scale;
 mod separable;
@@ -58,6 +61,7 @@ pub use choice::FilterSpace;
 pub use choice::Upscaling;
 pub(crate) use cubic::CATMULL_ROM;
 pub(crate) use cubic::MITCHELL;
+pub(crate) use ewa::EWA_LANCZOS;
 pub(crate) use fsr::FSR1;
 pub(crate) use fsr2::FSR2;
 pub use history::Accumulated;
@@ -78,6 +82,7 @@ pub use lattice::Anchor;
 pub(crate) use lattice::Lattice;
 pub(crate) use native::NATIVE;
 pub(crate) use nearest::NEAREST;
+pub(crate) use nis::NIS;
 pub use registry::RegisterError;
 pub use registry::all;
 pub use registry::register;
@@ -320,7 +325,9 @@ pub static BUILT_IN: &[&dyn Upscaler] = &[
     &MITCHELL,
     &LANCZOS2,
     &LANCZOS3,
+    &EWA_LANCZOS,
     &FSR1,
+    &NIS,
     &ACCUMULATION,
     &TAA,
     &FSR2,

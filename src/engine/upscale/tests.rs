@@ -121,7 +121,7 @@ fn a_pixel_needs_no_other_samples_than_its_taps() {
 #[test]
 fn every_pixel_is_the_sum_of_its_taps_but_for_rounding() {
     for_every_method_and_size(|how, full, _, drawn| {
-        if how.light() == FilterSpace::Linear || how.deringing() || ["fsr1", "fsr2", "sgsr2"].contains(&how.method()) {
+        if how.light() == FilterSpace::Linear || how.deringing() || ["fsr1", "nis", "fsr2", "sgsr2"].contains(&how.method()) {
             return;
         }
         let sampled = |tap: &Tap| how.grid().sample_at(tap.x, tap.y).map(|(column, row)| drawn.color.at(column, row));
@@ -147,7 +147,7 @@ fn every_pixel_is_the_sum_of_its_taps_but_for_rounding() {
 fn drawn_pixels_come_out_unchanged() {
     for_every_method_and_size(|how, full, native, _| {
         let Sampling::Grid(grid) = how.sampling() else { return };
-        if ["mitchell", "fsr1"].contains(&how.method()) {
+        if ["mitchell", "ewa-lanczos", "fsr1", "nis"].contains(&how.method()) {
             return;
         }
         for (x, y) in places(full).filter(|(x, y)| grid.sample_at(*x, *y).is_some()) {

@@ -120,7 +120,7 @@ pub(super) fn post(ui: &mut Ui, post: &mut PostFilter) {
             Some(("Amount", "Fraction of a pixel's difference from its neighbours that is added to it", "", 2))
         }
         PostFilterKind::Motion => Some(("Distance", "Length of the motion blur", " px", 1)),
-        PostFilterKind::None | PostFilterKind::Fxaa | PostFilterKind::Custom => None,
+        PostFilterKind::None | PostFilterKind::Fxaa | PostFilterKind::Smaa | PostFilterKind::Custom => None,
     };
     if let Some(((label, help, unit, decimals), most)) = strength.zip(post.filter.max_strength()) {
         row(ui, label, help, |ui| slider(ui, &mut post.strength, 0.0..=most, unit, decimals));

@@ -14,7 +14,7 @@ use crate::report::plot::{
 };
 
 /// Number of colours in the style sheet; the first one belongs to native rendering.
-const COLORS: usize = 17;
+const COLORS: usize = 19;
 
 /// Returns the colour index of a row's method. If there are more methods than colours, colours repeat.
 pub(super) fn color(row: &UpscalingRow) -> usize {

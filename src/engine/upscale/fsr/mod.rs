@@ -16,6 +16,10 @@ use super::{Anchor, FilterSpace, Offers, Sampling, Scale, Tap, UpscaleInputs, Up
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::Lanes;
 
+/// Scales of the publication's quality modes.
+pub(super) const SCALES: &[Scale] =
+    &[Scale::ONE_AND_THREE_TENTHS, Scale::ONE_AND_A_HALF, Scale::ONE_AND_SEVEN_TENTHS, Scale::TWO];
+
 /// Edge-adaptive upscaling with optional sharpening.
 pub(crate) static FSR1: Fsr1 = Fsr1;
 
@@ -93,7 +97,7 @@ impl Upscaler for Fsr1 {
 
     fn offers(&self) -> Offers {
         Offers {
-            scales: &[Scale::ONE_AND_A_HALF, Scale::TWO],
+            scales: SCALES,
             anchors: &[Anchor::Centre, Anchor::Corner],
             lights: &[FilterSpace::Bytes],
             deringing: false,
@@ -149,42 +153,50 @@ thread_local! {
 
 fn fill(lanes: Lanes, how: Upscaling, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>) {
     let (width, height) = (full.width() as usize, full.height() as usize);
+    let job = FillJob { lanes, how, drawn, phases: easu::phases(lanes, how.lattice()), width, height };
     bands::fill(full, Scale::ONE, |band, _, pixels| {
-        SCRATCH
-            .with_borrow_mut(|scratch| fill_band(lanes, how, drawn, (band as usize, width, height), pixels, scratch));
+        SCRATCH.with_borrow_mut(|scratch| job.fill_band(band as usize, pixels, scratch));
     });
 }
 
-/// Fills the rows of a band, strip by strip. The first of them is row `band` of the image.
-fn fill_band(
+/// Inputs of an image to fill, shared by its bands.
+struct FillJob<'a> {
     lanes: Lanes,
     how: Upscaling,
-    drawn: &Image<Rgba8>,
-    (band, width, height): (usize, usize, usize),
-    pixels: &mut [Rgba8],
-    StripScratch { easu, enlarged }: &mut StripScratch,
-) {
-    if how.sharpening() == 0 {
-        for (strip, rows) in pixels.chunks_mut(STRIP * width).enumerate() {
-            easu::fill(lanes, drawn, how.lattice(), ((band + strip * STRIP) as u32, width), rows, easu);
+    drawn: &'a Image<Rgba8>,
+    phases: easu::Phases,
+    /// Size of the image in pixels.
+    width: usize,
+    height: usize,
+}
+
+impl FillJob<'_> {
+    /// Fills the rows of a band, strip by strip. The first of them is row `band` of the image.
+    fn fill_band(&self, band: usize, pixels: &mut [Rgba8], StripScratch { easu, enlarged }: &mut StripScratch) {
+        let Self { lanes, drawn, phases, width, .. } = self;
+        let (lanes, width) = (*lanes, *width);
+        if self.how.sharpening() == 0 {
+            for (strip, rows) in pixels.chunks_mut(STRIP * width).enumerate() {
+                easu::fill(drawn, phases, ((band + strip * STRIP) as u32, width), rows, easu);
+            }
+            return;
         }
-        return;
-    }
-    if enlarged.len() < (STRIP + 2) * width {
-        enlarged.resize((STRIP + 2) * width, [0; 4]);
-    }
-    let mut made = 0;
-    for (strip, rows) in pixels.chunks_mut(STRIP * width).enumerate() {
-        let (first, count) = (band + strip * STRIP, rows.len() / width);
-        // Sharpening also reads the row above and the row below each row. The previous strip has already computed two
-        // of the rows needed here.
-        let (above, below) = (usize::from(first > 0), usize::from(first + count < height));
-        let known = if strip == 0 { 0 } else { above + 1 };
-        enlarged.copy_within((made - known) * width..made * width, 0);
-        made = above + count + below;
-        let place = ((first - above + known) as u32, width);
-        easu::fill(lanes, drawn, how.lattice(), place, &mut enlarged[known * width..made * width], easu);
-        rcas::fill(lanes, (&enlarged[..made * width], width), above, strength(how), rows);
+        if enlarged.len() < (STRIP + 2) * width {
+            enlarged.resize((STRIP + 2) * width, [0; 4]);
+        }
+        let mut made = 0;
+        for (strip, rows) in pixels.chunks_mut(STRIP * width).enumerate() {
+            let (first, count) = (band + strip * STRIP, rows.len() / width);
+            // Sharpening also reads the row above and the row below each row. The previous strip has already computed
+            // two of the rows needed here.
+            let (above, below) = (usize::from(first > 0), usize::from(first + count < self.height));
+            let known = if strip == 0 { 0 } else { above + 1 };
+            enlarged.copy_within((made - known) * width..made * width, 0);
+            made = above + count + below;
+            let place = ((first - above + known) as u32, width);
+            easu::fill(drawn, phases, place, &mut enlarged[known * width..made * width], easu);
+            rcas::fill(lanes, (&enlarged[..made * width], width), above, strength(self.how), rows);
+        }
     }
 }
 

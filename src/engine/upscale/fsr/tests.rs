@@ -72,9 +72,9 @@ fn published(drawn: &Image<Rgba8>, scale: f64, (x, y): (u32, u32)) -> [f64; 3] {
 #[test]
 fn enlarging_agrees_with_the_published_steps() {
     let drawn = noise(40, 31);
-    for scale in [Scale::ONE_AND_A_HALF, Scale::TWO] {
+    for scale in SCALES {
         let size = ((40.0 * scale.value()) as u32, (31.0 * scale.value()) as u32);
-        let full = filled(Lanes::best(), how(scale, Anchor::Centre, 0), &drawn, size);
+        let full = filled(Lanes::best(), how(*scale, Anchor::Centre, 0), &drawn, size);
         let (mut all, mut nearest) = (0, 0);
         for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
             let exact = published(&drawn, scale.value(), (x, y));
@@ -129,7 +129,7 @@ fn wide_lanes_agree_with_plain_code_bit_for_bit() {
             drawn.pixels_mut().iter_mut().for_each(|pixel| pixel[3] = 255);
         }
         for anchor in Anchor::ALL {
-            for (scale, sharpening) in [(Scale::ONE_AND_A_HALF, 0), (Scale::TWO, 0), (Scale::TWO, 80)] {
+            for (scale, sharpening) in SCALES.iter().map(|scale| (*scale, 0)).chain([(Scale::TWO, 80)]) {
                 let how = how(scale, *anchor, sharpening);
                 let size = ((f64::from(width) * scale.value()) as u32, (f64::from(height) * scale.value()) as u32);
                 let plain = filled(Lanes::baseline(), how, &drawn, size);
@@ -144,7 +144,9 @@ fn wide_lanes_agree_with_plain_code_bit_for_bit() {
 #[test]
 fn sharpened_images_equal_single_pixels_for_all_strips_and_lanes() {
     let drawn = noise(22, 50);
-    for (scale, size) in [(Scale::ONE_AND_A_HALF, (33, 75)), (Scale::TWO, (44, 100))] {
+    for (scale, size) in
+        [(Scale::ONE_AND_A_HALF, (33, 75)), (Scale::ONE_AND_SEVEN_TENTHS, (37, 85)), (Scale::TWO, (44, 100))]
+    {
         let how = how(scale, Anchor::Centre, 80);
         let full = filled(Lanes::best(), how, &drawn, size);
         for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
@@ -164,7 +166,7 @@ fn partly_plain(width: u32, height: u32) -> Image<Rgba8> {
 fn rows_of_many_tiles_equal_single_pixels_even_after_a_wider_image() {
     // The first is wider than a tile, and leaves buffers longer than the second needs.
     for (drawn, rows) in [(partly_plain(300, 12), 9..14), (noise(20, 12), 0..24), (noise(300, 12), 23..24)] {
-        for (scale, sharpening) in [(Scale::TWO, 80), (Scale::TWO, 0), (Scale::ONE_AND_A_HALF, 0)] {
+        for (scale, sharpening) in SCALES.iter().map(|scale| (*scale, 0)).chain([(Scale::TWO, 80)]) {
             let how = how(scale, Anchor::Centre, sharpening);
             let [width, height] = [drawn.width(), drawn.height()].map(|side| (f64::from(side) * scale.value()) as u32);
             let rows = rows.start.min(height - 1)..rows.end.min(height);

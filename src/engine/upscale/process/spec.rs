@@ -87,7 +87,7 @@ impl FromStr for ProcessSpec {
 fn scale(option: &str) -> Result<Scale, String> {
     let factor = option.parse::<f64>().ok().filter(|factor| *factor > 1.0);
     factor.filter(|factor| Scale::from(*factor).value() == *factor).map(Scale::from).ok_or_else(|| {
-        format!("`{option}` is neither a scale (a multiple of 0.5 above 1 and up to 4) nor `f32` nor `depth`")
+        format!("`{option}` is neither a scale (a multiple of 0.1 above 1 and up to 4) nor `f32` nor `depth`")
     })
 }
 

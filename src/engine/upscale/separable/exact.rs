@@ -1,10 +1,15 @@
 //! Linear interpolation of 8-bit values, exact in integers and rounded once.
 //!
-//! With D ≤ 8 phase steps between samples, the value at steps (i, j) between four samples is a multiple of 1 / D². As
-//! an integer in this unit, it is at most 255 · 64, which fits in 16 bits. Halves are rounded up.
+//! With D phase steps between samples, the value at steps (i, j) between four samples is a multiple of 1 / D². As an
+//! integer in this unit, it is at most 255 · D². Halves are rounded up.
+//!
+//! The quotient by D² is computed by a multiplication of floats, which is exact for D ≤ 80: numerators are below 2²² and
+//! a multiple of ½, no quotient is closer than 1 / (4 D²) to an integer, and rounding changes it by less than
+//! 255 · 2⁻²³.
 
 use super::cells::Pass;
 use crate::image::Rgba8;
+use crate::math::lanes::{Lanes, on_lanes};
 use crate::upscale::lattice::LatticePosition;
 
 /// Scalar version of the horizontal and the vertical pass of exact linear interpolation.
@@ -31,15 +36,22 @@ impl Pass for ExactScalar {
     }
 
     fn mix(&self, around: &[&Self::Row], phases: &[u32], rows: &mut [Rgba8]) {
-        let one = u32::from(self.steps * self.steps);
+        let [above, below] = [around[0], around[1]].map(|row| row.as_flattened());
         for (row, phase) in rows.chunks_exact_mut(self.columns.len()).zip(phases) {
-            for ((pixel, above), below) in row.iter_mut().zip(around[0]).zip(around[1]) {
-                *pixel = std::array::from_fn(|channel| {
-                    let sum =
-                        u32::from(above[channel]) * (u32::from(self.steps) - phase) + u32::from(below[channel]) * phase;
-                    ((2 * sum + one) / (2 * one)) as u8
-                });
-            }
+            on_lanes!(Lanes::best(), _simd => mix_row([above, below], self.steps, *phase as u16, row.as_flattened_mut()));
         }
+    }
+}
+
+/// Interpolates `phase` of `steps` steps between the values of two widened rows.
+#[inline(always)]
+fn mix_row([above, below]: [&[u16]; 2], steps: u16, phase: u16, codes: &mut [u8]) {
+    let one = u32::from(steps) * u32::from(steps);
+    let inverse = 1.0 / (2 * one) as f32;
+    for ((code, above), below) in codes.iter_mut().zip(above).zip(below) {
+        let sum = u32::from(*above) * u32::from(steps - phase) + u32::from(*below) * u32::from(phase);
+        // The added half keeps the quotient away from integers.
+        let doubled = (2 * sum + one) as i32 as f32 + 0.5;
+        *code = (doubled * inverse) as u8;
     }
 }

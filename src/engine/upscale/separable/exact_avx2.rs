@@ -20,6 +20,9 @@ use crate::upscale::lanes::{
 };
 use crate::upscale::lattice::{Lattice, LatticePosition};
 
+/// Maximum number of phase steps between samples: sums then fit in 16 bits, and a period has at most three blocks.
+pub(super) const MAX_PHASES: u32 = 8;
+
 /// Number of pixels in a block.
 const BLOCK: usize = 8;
 

@@ -18,13 +18,14 @@ use fearless_simd::{Avx2, kernel};
 
 use super::cells::Pass;
 use super::fixed::{BIAS, POINT, PhaseWeights, value_of};
+use super::gather_avx2::{self, GatherTable};
 use crate::image::Rgba8;
 use crate::upscale::Upscaling;
 use crate::upscale::lanes::{Blocks, MAX_ROWS, SplitRows, load, load_bytes, of_one_length, store, store_codes, window};
 use crate::upscale::lattice::Lattice;
 
 /// Number of pixels in a block.
-const BLOCK: usize = 8;
+pub(super) const BLOCK: usize = 8;
 
 /// Number of samples widened at a time.
 const GROUP: usize = 4;
@@ -33,7 +34,7 @@ const GROUP: usize = 4;
 const WINDOW: usize = 4 * (6 + GROUP);
 
 /// Eight pixels in two registers, in the order of a widened row.
-type Block = [[i16; 16]; 2];
+pub(super) type Block = [[i16; 16]; 2];
 
 /// Horizontal and vertical pass for images on a lattice, with `H` pairs of taps along each axis.
 pub(super) struct FixedAvx2<'a, const H: usize> {
@@ -48,6 +49,8 @@ pub(super) struct FixedAvx2<'a, const H: usize> {
     skipped: usize,
     /// For each pixel of a period, its cell relative to the first cell of the period, and its phase.
     period: Vec<(usize, u32)>,
+    /// Table for the horizontal pass if a group of samples has no whole number of periods.
+    gathered: Option<GatherTable<H>>,
 }
 
 /// A widened row, and the padded samples it was computed from.
@@ -79,16 +82,21 @@ impl<'a, const H: usize> FixedAvx2<'a, H> {
             skipped = wanted;
         }
         let places = (0..i64::from(pixels)).map(|at| lattice.place_beyond(at - skipped as i64));
-        let period = places.map(|place| ((place.cell - first_cell) as usize, place.phase)).collect();
+        let period: Vec<_> = places.map(|place| ((place.cell - first_cell) as usize, place.phase)).collect();
         let (deringing, width) = (how.deringing(), width as usize);
-        Self { avx2, phases, lattice, deringing, width, first_cell, skipped, period }
+        let gathered = (!GROUP.is_multiple_of(samples as usize)).then(|| {
+            let period: Vec<_> = period.iter().map(|(cell, at)| (*cell, &phases[*at as usize])).collect();
+            GatherTable::new(&period, samples as usize, deringing)
+        });
+        Self { avx2, phases, lattice, deringing, width, first_cell, skipped, period, gathered }
     }
 
     /// Converts samples to fixed point and pads them with copies of the border samples.
     fn pad(&self, samples: &[Rgba8], padded: &mut Vec<i16>) {
         let before = (H as i32 - 1 - self.first_cell) as usize;
         let cells = self.groups() * GROUP;
-        padded.resize((before + cells).max(before + samples.len()) * 4 + WINDOW, 0);
+        // The last block may read samples beyond the last group.
+        padded.resize((before + cells + BLOCK).max(before + samples.len()) * 4 + WINDOW, 0);
         let (left, rest) = padded.as_chunks_mut::<4>().0.split_at_mut(before);
         let (middle, right) = rest.split_at_mut(samples.len());
         left.fill(samples[0].map(value_of));
@@ -388,7 +396,7 @@ fn place<const H: usize>(phase: &PhaseWeights<H>, around: &TapPairs<H>, deringin
 
 /// Returns the storage location of pixel `at` in a widened row: block, register, and index of its first value.
 #[inline]
-fn slot(at: usize) -> (usize, usize, usize) {
+pub(super) fn slot(at: usize) -> (usize, usize, usize) {
     (at / BLOCK, at / 2 % 2, at / 4 % 2 * 8 + at % 2 * 4)
 }
 
@@ -428,6 +436,18 @@ fn widen<const H: usize>(avx2: Avx2, padded: &[i16], widening: &Widening<'_, H>,
             with_shape!(shape, widen_cells::<H>(avx2, padded, &weights, wide));
         }
         None => widen_any(avx2, padded, widening, wide),
+    }
+}
+
+kernel! {
+    fn gather_by_four(avx2: Avx2, padded: &[i16], table: &GatherTable<2>, wide: &mut [Block]) {
+        gather_avx2::widen(avx2, padded, table, wide);
+    }
+}
+
+kernel! {
+    fn gather_by_six(avx2: Avx2, padded: &[i16], table: &GatherTable<3>, wide: &mut [Block]) {
+        gather_avx2::widen(avx2, padded, table, wide);
     }
 }
 
@@ -520,7 +540,7 @@ kernel! {
 
 /// Implements the passes for each number of taps, because functions of `kernel!` take no type parameters.
 macro_rules! passes {
-    ($h:literal, $widen:ident, $mix:ident) => {
+    ($h:literal, $gather:ident, $widen:ident, $mix:ident) => {
         impl Pass for FixedAvx2<'_, $h> {
             type Row = Row;
 
@@ -528,6 +548,10 @@ macro_rules! passes {
 
             fn widen(&self, samples: &[Rgba8], row: &mut Row) {
                 self.pad(samples, &mut row.padded);
+                if let Some(table) = &self.gathered {
+                    row.wide.resize((self.skipped + self.width).div_ceil(BLOCK), Block::default());
+                    return $gather(self.avx2, &row.padded, table, &mut row.wide);
+                }
                 let (_, samples_per_period) = self.lattice.scale.ratio();
                 let period: Vec<_> = self.period.iter().map(|(cell, at)| (*cell, &self.phases[*at as usize])).collect();
                 let pixels = self.groups() * GROUP / samples_per_period as usize * period.len();
@@ -548,5 +572,5 @@ macro_rules! passes {
     };
 }
 
-passes!(2, widen_by_four, mix_four);
-passes!(3, widen_by_six, mix_six);
+passes!(2, gather_by_four, widen_by_four, mix_four);
+passes!(3, gather_by_six, widen_by_six, mix_six);

@@ -10,6 +10,8 @@ mod exact_avx2;
 mod fixed;
 #[cfg(target_arch = "x86_64")]
 mod fixed_avx2;
+#[cfg(target_arch = "x86_64")]
+mod gather_avx2;
 mod light;
 #[cfg(test)]
 mod tests;
@@ -132,7 +134,7 @@ fn fill_linear<const N: usize>(
 
 fn fill_exact(level: Level, lattice: Lattice, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>) {
     #[cfg(target_arch = "x86_64")]
-    if let Some(avx2) = level.as_avx2() {
+    if let Some(avx2) = level.as_avx2().filter(|_| lattice.phases() <= exact_avx2::MAX_PHASES) {
         let pass = exact_avx2::ExactAvx2::new(avx2, lattice, full.width(), pixels_to_alignment(full.pixels()));
         return fill(&pass, drawn, lattice, full);
     }
@@ -233,7 +235,14 @@ impl Upscaler for Separable {
 }
 
 /// Scales that all separable upscalers offer.
-pub(super) const SCALES: &[Scale] = &[Scale::ONE_AND_A_HALF, Scale::TWO, Scale::THREE, Scale::FOUR];
+pub(super) const SCALES: &[Scale] = &[
+    Scale::ONE_AND_THREE_TENTHS,
+    Scale::ONE_AND_A_HALF,
+    Scale::ONE_AND_SEVEN_TENTHS,
+    Scale::TWO,
+    Scale::THREE,
+    Scale::FOUR,
+];
 
 /// Returns the distinct samples that contribute to output pixel `at` along one axis, with their weights.
 fn axis_taps(weights: KernelWeights, lattice: Lattice, at: u32, samples: u32) -> Vec<(u32, f64)> {

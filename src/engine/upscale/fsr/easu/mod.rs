@@ -27,6 +27,7 @@
 //! This file contains the scalar version for one pixel. [`wide`] is the SIMD version; it reads the per-sample data of
 //! [`source`] and uses the operations of [`super::words`].
 
+mod phases;
 mod source;
 mod wide;
 
@@ -34,6 +35,7 @@ use super::words::times_one;
 use crate::image::{Image, Rgba8};
 use crate::upscale::lattice::{Lattice, LatticePosition};
 
+pub(super) use phases::{Phases, phases};
 pub(super) use wide::{EasuScratch, fill};
 
 /// Squared luma slope below which no edge direction is computed. Luma ranges from 0 to 510. The slope itself is 255 /

@@ -5,17 +5,10 @@ use std::ops::Range;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 use crate::upscale::lattice::{Lattice, LatticePosition};
+use crate::upscale::runs::{BEYOND, MARGIN};
 
-/// Number of output pixels whose kernels are computed together. They have the same phase and lie in adjacent cells, one
-/// pixel per cell. The pixels are then filtered [`WIDE`] at a time.
+/// Number of adjacent output pixels whose kernels are computed together. They are then filtered [`WIDE`] at a time.
 pub(super) const AHEAD: usize = 4 * WIDE;
-
-/// Number of cells in a tile, small enough that the data of its samples stays in the L1 cache from row to row.
-pub(super) const TILE: usize = 4 * AHEAD;
-
-/// Number of border samples added on each side. It is larger than the kernel and the slopes need, so that cells start
-/// at cache-line boundaries.
-pub(super) const MARGIN: usize = WIDE;
 
 /// Number of channel planes per row. Each value of a plane packs two adjacent samples; see [`pair`].
 const CHANNELS: usize = 4;
@@ -35,7 +28,7 @@ const TWO_LINES: usize = 2 * WIDE;
 
 /// Returns the stride of a plane in values, for rows of `samples` samples.
 fn stride_of(samples: usize) -> usize {
-    ((samples + 2 * MARGIN + AHEAD + WIDE).div_ceil(TWO_LINES) | 1) * TWO_LINES
+    ((samples + 2 * MARGIN + BEYOND + WIDE).div_ceil(TWO_LINES) | 1) * TWO_LINES
 }
 
 /// Reusable buffer whose values start at a cache-line boundary.
@@ -122,7 +115,7 @@ impl SourceRows {
     fn spread<S: Simd>(&mut self, simd: S, samples: &[Rgba8], row: usize) -> bool {
         let end = MARGIN + samples.len();
         // Values beyond this index are never read.
-        let last = end + AHEAD + WIDE;
+        let last = end + BEYOND + WIDE;
         let luma = |[r, g, b, _]: Rgba8| 0.5 * (f32::from(r) + f32::from(b)) + f32::from(g);
         let (left, right) = (samples[0], samples[samples.len() - 1]);
         for channel in 0..CHANNELS {
@@ -225,8 +218,8 @@ fn slopes<S: Simd>(simd: S, before: f32x16<S>, at: f32x16<S>, after: f32x16<S>) 
 #[derive(Default)]
 pub(super) struct CellRow {
     stride: usize,
-    /// Index of the first cell of the tile.
-    from: usize,
+    /// Indices of the cells of the tile in the rows, and of one more.
+    range: Range<usize>,
     cell: Option<i32>,
     /// Per channel, the minimum and maximum of the four samples at the corners of each cell, indexed by the first of
     /// these samples. The last rows hold horizontal slope, vertical slope and straightness of each sample column,
@@ -246,9 +239,9 @@ impl CellRow {
         self.rows.reserve(source.stride * (MIXED + SLOPES.len()));
     }
 
-    /// Starts a tile whose first cell is `from`.
-    pub(super) fn begin(&mut self, from: usize) {
-        (self.from, self.cell) = (from, None);
+    /// Starts a tile that reads these columns of the rows of [`SourceRows`].
+    pub(super) fn begin(&mut self, range: Range<usize>) {
+        (self.range, self.cell) = (range, None);
     }
 
     /// Returns the minimum and the maximum of a channel in each cell.
@@ -266,8 +259,7 @@ impl CellRow {
     /// Computes the data for an output row at vertical position `place`.
     #[inline(always)]
     pub(super) fn find<S: Simd>(&mut self, simd: S, source: &SourceRows, lattice: Lattice, place: LatticePosition) {
-        let range = self.from + MARGIN - WIDE..self.from + MARGIN + TILE + WIDE;
-        let range = range.start..range.end.min(source.stride - WIDE);
+        let range = self.range.clone();
         let below = place.phase as f32 / lattice.phases() as f32;
         for which in 0..SLOPES.len() {
             let [upper, lower] = source.slopes(which, place.cell);

@@ -1,88 +1,50 @@
-//! SIMD version of [`super`] for 16 pixels at a time: pixels of one phase in adjacent cells, which read adjacent
-//! samples. Floats are added in the same order, and integer sums are exact, so results are bit-identical.
+//! SIMD version of [`super`] for 16 adjacent output pixels at a time. Floats are added in the same order, and integer sums
+//! are exact, so results are bit-identical.
 //!
 //! The code avoids closures: a closure called by the standard library would be compiled without the CPU features of the
 //! wide lanes.
 
-use super::source::{AHEAD, CellRow, MARGIN, SourceRows, TILE, values};
-use super::{Distances, EDGE_LOBE, FACTOR, MIN_SLOPE, ONE, ONE_DOUBLED, ONE_SQUARED, Spot, WHOLE};
+use super::phases::{Phases, RunPhase, WideDistances};
+use super::source::{AHEAD, CellRow, SourceRows, values};
+use super::{EDGE_LOBE, FACTOR, MIN_SLOPE, ONE, ONE_DOUBLED, ONE_SQUARED, WHOLE};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 use crate::upscale::fsr::words::{pairs, rounded, times};
-use crate::upscale::lanes::window;
-use crate::upscale::lattice::{Lattice, LatticePosition};
+use crate::upscale::lattice::LatticePosition;
+use crate::upscale::runs::{Runs, column_of};
 
-/// Number of sample columns read by a run, which is [`WIDE`] pixels of one phase in adjacent cells.
-const RUN: usize = WIDE + 3;
-
-/// Number of runs whose computation is interleaved.
+/// Number of runs, of [`WIDE`] pixels each, whose computation is interleaved.
 const RUNS: usize = AHEAD / WIDE;
 
-/// Number of sample columns read by [`RUNS`] runs.
-const SPAN: usize = AHEAD + 3;
+/// Number of pixels in a tile, small enough that the data of its samples stays in the L1 cache from row to row.
+const TILE: usize = 6 * AHEAD;
 
 /// Upscales a non-empty image of samples into `rows` of `width` px. The first of these is row `first` of the full
 /// image.
 pub(in super::super) fn fill(
-    lanes: Lanes,
     drawn: &Image<Rgba8>,
-    lattice: Lattice,
+    phases: &Phases,
     (first, width): (u32, usize),
     rows: &mut [Rgba8],
     scratch: &mut EasuScratch,
 ) {
+    let (lanes, lattice) = (phases.lanes, phases.lattice);
     let places: Vec<_> = lattice.places_from(first).take(rows.len() / width).collect();
     let [Some(top), Some(bottom)] = [places.first(), places.last()] else { return };
-    let EasuScratch { source, cell_row: row_of_cells, runs } = scratch;
+    let EasuScratch { source, cell_row, runs } = scratch;
     source.read(lanes, drawn, top.cell - 1..bottom.cell + 3);
-    let phases = Phases::new(lattice);
-    let cells = width.div_ceil(phases.pixels) * phases.samples;
-    row_of_cells.prepare(source);
-    let mut codes = [[0; TILE]; 3];
-    for from in (0..cells).step_by(TILE) {
-        row_of_cells.begin(from);
+    cell_row.prepare(source);
+    for from in (0..width).step_by(TILE) {
+        let end = width.min(from + TILE);
+        let [low, high] = [from, end - 1].map(|at| column_of(lattice.place(at as u32).cell));
+        cell_row.begin(low..high + 2);
         for ((row, place), y) in rows.chunks_exact_mut(width).zip(&places).zip(first..) {
             on_lanes!(lanes, simd => {
-                row_of_cells.find(simd, source, lattice, *place);
-                let of = RowInputs::new(source, row_of_cells, *place);
-                let row = &mut row[from / phases.samples * phases.pixels..];
-                fill_tile(simd, &of, (&phases, y), (from, cells.min(from + TILE)), (runs, &mut codes), row);
+                cell_row.find(simd, source, lattice, *place);
+                let of = RowInputs::new(source, cell_row, *place);
+                fill_tile(simd, &of, phases.runs(from, y), runs, &mut row[from..end]);
             });
         }
-    }
-}
-
-/// Data shared by all pixels of a phase.
-struct PixelPhase {
-    /// Horizontal index of the cell that contains the first pixel of the phase.
-    cell: i32,
-    spot: Spot,
-    distances: WideDistances,
-}
-
-/// All phases of a lattice. Along each axis, a period has `pixels` output pixels and `samples` samples.
-struct Phases {
-    pixels: usize,
-    samples: usize,
-    /// Phases in row-major order.
-    all: Vec<PixelPhase>,
-}
-
-impl Phases {
-    fn new(lattice: Lattice) -> Self {
-        let (pixels, samples) = lattice.scale.ratio();
-        let phase = |(row, column): (u32, u32)| {
-            let (column, row) = (lattice.place(column), lattice.place(row));
-            let spot = Spot::new(lattice, column.phase, row.phase);
-            PixelPhase { cell: column.cell, spot, distances: WideDistances::new(Distances::new(spot)) }
-        };
-        let all = (0..pixels).flat_map(|row| (0..pixels).map(move |column| (row, column))).map(phase).collect();
-        Self { pixels: pixels as usize, samples: samples as usize, all }
-    }
-
-    /// Returns the phases of the pixels in output row `row`.
-    fn of_row(&self, row: u32) -> &[PixelPhase] {
-        &self.all[row as usize % self.pixels * self.pixels..][..self.pixels]
     }
 }
 
@@ -119,182 +81,125 @@ impl<'a> RowInputs<'a> {
         Self { samples, of_cells, opaque: source.opaque }
     }
 
-    /// Returns the inputs of [`RUNS`] adjacent runs of cells, of which the first starts at index `at` of the rows.
+    /// Whether the four nearest samples are equal in every cell of a run, and in some cells after it, so that its pixels
+    /// need no filtering.
     #[inline(always)]
-    fn part(&self, at: usize) -> RunInputs<'a> {
-        let [red, green, blue, alpha] = each!(channel in [0, 1, 2, 3] => {
-            let [least, greatest] = self.of_cells.bounds(channel);
-            ChannelRows {
-                samples: each!(row in [0, 1, 2, 3] => window(self.samples[channel][row], at - 1)),
-                least: window(least, at),
-                greatest: window(greatest, at),
-            }
-        });
-        RunInputs {
-            slopes: each!(of in [0, 1, 2] => window(self.of_cells.slopes(of), at)),
-            colors: [red, green, blue],
-            alpha: if self.opaque { None } else { Some(alpha) },
-        }
-    }
-}
-
-/// Inputs of [`RUNS`] adjacent runs.
-struct RunInputs<'a> {
-    slopes: [&'a [f32; AHEAD + 1]; 3],
-    colors: [ChannelRows<'a>; 3],
-    /// Alpha channel; `None` if all samples are opaque.
-    alpha: Option<ChannelRows<'a>>,
-}
-
-impl RunInputs<'_> {
-    /// Whether the four nearest samples are equal in every cell of a run, so that its pixels need no filtering.
-    #[inline(always)]
-    fn is_plain<S: Simd>(&self, simd: S, at: usize) -> bool {
-        let [red, green, blue] = each!(channel in [0, 1, 2] => self.colors[channel].is_plain(simd, at));
+    fn is_plain<S: Simd>(&self, simd: S, phase: &RunPhase, offset: isize) -> bool {
+        let at = phase.cells.first().wrapping_add_signed(offset);
+        let [red, green, blue] = each!(channel in [0, 1, 2] => self.is_plain_in(simd, channel, at));
         let plain = red & green & blue;
-        match &self.alpha {
-            None => plain.all_true(),
-            Some(alpha) => (plain & alpha.is_plain(simd, at)).all_true(),
-        }
+        if self.opaque { plain.all_true() } else { (plain & self.is_plain_in(simd, 3, at)).all_true() }
+    }
+
+    #[inline(always)]
+    fn is_plain_in<S: Simd>(&self, simd: S, channel: usize, at: usize) -> mask32x16<S> {
+        let [least, greatest] = self.of_cells.bounds(channel);
+        values(simd, least, at).simd_eq(values(simd, greatest, at))
     }
 
     /// Returns the colours of a run in which every cell is uniform; see [`Self::is_plain`].
     #[inline(always)]
-    fn plain<S: Simd>(&self, simd: S, at: usize) -> u32x16<S> {
-        let [red, green, blue] =
-            each!(channel in [0, 1, 2] => whole_part(values(simd, self.colors[channel].least, at)));
-        let alpha = match &self.alpha {
-            None => u32x16::splat(simd, 255),
-            Some(alpha) => whole_part(values(simd, alpha.least, at)),
+    fn plain<S: Simd>(&self, simd: S, phase: &RunPhase, offset: isize) -> u32x16<S> {
+        let [red, green, blue] = each!(channel in [0, 1, 2] => {
+            whole_part(phase.cells.pick(simd, self.of_cells.bounds(channel)[0], offset))
+        });
+        let alpha = if self.opaque {
+            u32x16::splat(simd, 255)
+        } else {
+            whole_part(phase.cells.pick(simd, self.of_cells.bounds(3)[0], offset))
         };
         red | green << 8 | blue << 16 | alpha << 24
     }
 
     /// Computes the colours of a run with the given sample weights.
     #[inline(always)]
-    fn codes<S: Simd>(&self, simd: S, at: usize, weights: &TapWeights<S>) -> u32x16<S> {
-        let [red, green, blue] = each!(channel in [0, 1, 2] => self.colors[channel].codes(simd, at, weights));
+    fn codes<S: Simd>(&self, simd: S, (phase, offset): (&RunPhase, isize), weights: &TapWeights<S>) -> u32x16<S> {
+        let [red, green, blue] = each!(channel in [0, 1, 2] => self.channel(simd, channel, (phase, offset), weights));
         // Besides the low byte, each value has bits only in its top byte. Those of green and blue are shifted out;
         // alpha replaces those of red.
         let color = red | green << 8 | blue << 16;
-        match &self.alpha {
-            None => color | 0xff00_0000,
-            Some(alpha) => (color & 0x00ff_ffff) | alpha.codes(simd, at, weights) << 24,
+        if self.opaque {
+            return color | 0xff00_0000;
         }
-    }
-}
-
-/// Inputs of one channel: pairs of adjacent samples, starting one sample before the first cell, and the minimum and
-/// maximum in each cell.
-struct ChannelRows<'a> {
-    samples: [&'a [u32; SPAN]; 4],
-    least: &'a [f32; AHEAD],
-    greatest: &'a [f32; AHEAD],
-}
-
-/// Fills the pixels of a row from cell `from` to cell `end`, phase by phase. `codes` is scratch space for the packed
-/// RGBA pixels of each phase, cell by cell, with red in the lowest byte.
-#[inline(always)]
-fn fill_tile<S: Simd>(
-    simd: S,
-    of: &RowInputs<'_>,
-    (phases, y): (&Phases, u32),
-    (from, end): (usize, usize),
-    (work, codes): (&mut [PixelRun; RUNS], &mut [[u32; TILE]; 3]),
-    row: &mut [Rgba8],
-) {
-    let parts = (end - from).div_ceil(AHEAD);
-    let (pixels, samples) = (phases.pixels, phases.samples);
-    for (phase, codes) in phases.of_row(y).iter().zip(codes.iter_mut()) {
-        let mut at = from + (phase.cell + MARGIN as i32) as usize;
-        for codes in codes.as_chunks_mut::<AHEAD>().0.iter_mut().take(parts) {
-            fill_runs(simd, &of.part(at), phase, work, codes);
-            at += AHEAD;
-        }
-    }
-    let length = row.len().min((end - from) / samples * pixels);
-    let row = &mut row[..length];
-    if (pixels, samples) == (2, 1) {
-        let [even, odd, _] = codes;
-        let (pairs, last) = row.as_chunks_mut::<2>();
-        for (pair, (even, odd)) in pairs.iter_mut().zip(even.iter().zip(odd.iter())) {
-            *pair = [even.to_le_bytes(), odd.to_le_bytes()];
-        }
-        for pixel in last {
-            *pixel = even[pairs.len()].to_le_bytes();
-        }
-        return;
-    }
-    for (first, codes) in codes[..pixels.min(length)].iter().enumerate() {
-        for (pixel, code) in row[first..].iter_mut().step_by(pixels).zip(codes.iter().step_by(samples)) {
-            *pixel = code.to_le_bytes();
-        }
-    }
-}
-
-/// Computes the pixels of [`RUNS`] runs, and performs each step for all runs before the next step. A step is a
-/// dependency chain that contains a division or a square root; interleaving runs hides its latency.
-#[inline(always)]
-fn fill_runs<S: Simd>(
-    simd: S,
-    of: &RunInputs<'_>,
-    phase: &PixelPhase,
-    runs: &mut [PixelRun; RUNS],
-    codes: &mut [u32; AHEAD],
-) {
-    for (index, run) in runs.iter_mut().enumerate() {
-        run.is_plain = of.is_plain(simd, index * WIDE);
-        if !run.is_plain {
-            let [across, down, straightness] =
-                each!(slopes in [0, 1, 2] => mixed(simd, of.slopes[slopes], index * WIDE, phase.spot));
-            EdgeDirection::new(simd, across, down, straightness).store(&mut run.direction);
-        }
-    }
-    for run in runs.iter_mut() {
-        if !run.is_plain {
-            EasuKernelLanes::new(simd, EdgeDirection::load(simd, &run.direction)).store(&mut run.shape);
-        }
-    }
-    for (index, run) in runs.iter().enumerate() {
-        let color = if run.is_plain {
-            of.plain(simd, index * WIDE)
-        } else {
-            of.codes(simd, index * WIDE, &TapWeights::new(simd, &run.shape, &phase.distances))
-        };
-        color.store_slice(&mut codes[index * WIDE..][..WIDE]);
-    }
-}
-
-/// Interpolates 16 pixels horizontally between vertically interpolated values, as in [`Spot::mix`].
-#[inline(always)]
-fn mixed<S: Simd>(simd: S, row: &[f32], at: usize, spot: Spot) -> f32x16<S> {
-    values(simd, row, at) * (1.0 - spot.x) + values(simd, row, at + 1) * spot.x
-}
-
-impl ChannelRows<'_> {
-    #[inline(always)]
-    fn is_plain<S: Simd>(&self, simd: S, at: usize) -> mask32x16<S> {
-        values(simd, self.least, at).simd_eq(values(simd, self.greatest, at))
+        (color & 0x00ff_ffff) | self.channel(simd, 3, (phase, offset), weights) << 24
     }
 
     /// Computes one channel of 16 pixels; see [`super::code`]. Returns the bits of floats whose low byte is the 8-bit
     /// value.
     #[inline(always)]
-    fn codes<S: Simd>(&self, simd: S, at: usize, weights: &TapWeights<S>) -> u32x16<S> {
-        let [above, upper, lower, below]: [&[u32; RUN]; 4] =
-            each!(row in [0, 1, 2, 3] => window(self.samples[row], at));
-        let [low, high] = each!((half, pixels) in [(0, 0), (1, LANES)] => {
+    fn channel<S: Simd>(
+        &self,
+        simd: S,
+        channel: usize,
+        (phase, offset): (&RunPhase, isize),
+        weights: &TapWeights<S>,
+    ) -> u32x16<S> {
+        let [above, upper, lower, below] = self.samples[channel];
+        let [low, high] = each!(half in [0, 1] => {
             let [bc, ef, gh, ij, kl, no] = each!(
                 (pair, row, column) in [(0, above, 1), (1, upper, 0), (2, upper, 2), (3, lower, 0), (4, lower, 2), (5, below, 1)] => {
-                    let samples = u32x8::from_slice(simd, &row[column + pixels..column + pixels + LANES]);
+                    let samples = phase.cells.pick_words(simd, half, row, offset + column - 1);
                     weights.pairs[pair][half].pairwise_dot_product(samples.bitcast::<i16x16<S>>())
                 }
             );
             ((bc + no) + (ef + gh)) + (ij + kl)
         });
+        let [least, greatest] = self.of_cells.bounds(channel);
+        let [least, greatest] = each!(bound in [least, greatest] => phase.cells.pick(simd, bound, offset));
         let value = low.combine(high).to_float::<f32x16<S>>() * weights.share;
-        let value = value.max(values(simd, self.least, at)).min(values(simd, self.greatest, at));
-        (value + WHOLE).bitcast()
+        (value.max(least).min(greatest) + WHOLE).bitcast()
+    }
+}
+
+/// Fills the pixels of a row.
+#[inline(always)]
+fn fill_tile<S: Simd>(
+    simd: S,
+    of: &RowInputs<'_>,
+    mut runs: Runs<'_, RunPhase>,
+    work: &mut [PixelRun; RUNS],
+    row: &mut [Rgba8],
+) {
+    let mut codes = [0; AHEAD];
+    for pixels in row.chunks_mut(AHEAD) {
+        fill_runs(simd, of, &mut runs, work, &mut codes);
+        for (pixel, code) in pixels.iter_mut().zip(&codes) {
+            *pixel = code.to_le_bytes();
+        }
+    }
+}
+
+/// Computes the pixels of the next [`RUNS`] runs, and performs each step for all runs before the next step. A step is a
+/// dependency chain that contains a division or a square root; interleaving runs hides its latency.
+#[inline(always)]
+fn fill_runs<S: Simd>(
+    simd: S,
+    of: &RowInputs<'_>,
+    runs: &mut Runs<'_, RunPhase>,
+    work: &mut [PixelRun; RUNS],
+    codes: &mut [u32; AHEAD],
+) {
+    let places = each!(_ in [0, 1, 2, 3] => runs.advance());
+    for ((phase, offset), run) in places.iter().zip(work.iter_mut()) {
+        run.is_plain = of.is_plain(simd, phase, *offset);
+        if !run.is_plain {
+            let [across, down, straightness] =
+                each!(which in [0, 1, 2] => phase.mixed(simd, of.of_cells.slopes(which), *offset));
+            EdgeDirection::new(simd, across, down, straightness).store(&mut run.direction);
+        }
+    }
+    for run in work.iter_mut() {
+        if !run.is_plain {
+            EasuKernelLanes::new(simd, EdgeDirection::load(simd, &run.direction)).store(&mut run.shape);
+        }
+    }
+    for (index, ((phase, offset), run)) in places.iter().zip(work.iter()).enumerate() {
+        let color = if run.is_plain {
+            of.plain(simd, phase, *offset)
+        } else {
+            of.codes(simd, (phase, *offset), &TapWeights::new(simd, &run.shape, &phase.distances))
+        };
+        color.store_slice(&mut codes[index * WIDE..][..WIDE]);
     }
 }
 
@@ -375,19 +280,6 @@ impl<S: Simd> EasuKernelLanes<S> {
         rounded(self.yy).store_array(yy);
         rounded(self.slope).store_array(slope);
         rounded(self.rest).store_array(rest);
-    }
-}
-
-/// Offsets of the samples from a pixel, each repeated for 16 pixels; see [`Distances`].
-struct WideDistances {
-    xx: [[i16; WIDE]; 4],
-    yy: [[i16; WIDE]; 4],
-    xy: [[i16; WIDE]; 12],
-}
-
-impl WideDistances {
-    fn new(Distances { xx, yy, xy }: Distances) -> Self {
-        Self { xx: xx.map(|of| [of; WIDE]), yy: yy.map(|of| [of; WIDE]), xy: xy.map(|of| [of; WIDE]) }
     }
 }
 

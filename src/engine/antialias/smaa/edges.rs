@@ -1,0 +1,186 @@
+//! Edge detection, and rows and columns of edges as bits.
+
+use rayon::prelude::*;
+
+use crate::antialias::fxaa::{BLOCK, luma_of_block};
+use crate::image::{Image, Rgba8};
+use crate::math::lanes::*;
+
+/// Minimum luma difference of an edge, in 8-bit codes: 0.1 of the range.
+const MIN_DIFFERENCE: i16 = 26;
+
+/// Number of bits before the first pixel of a row or column, and after the last one. A line is followed over fewer.
+pub(super) const MARGIN: usize = 64;
+
+/// Number of rows and columns around the picture in which edges are found. The picture continues there with its border
+/// pixels.
+const AROUND: usize = 40;
+
+/// Number of lumas before those of the bits of a row, and after them.
+const LUMA_MARGIN: usize = 8;
+
+/// Number of rows whose edges are found together.
+const BAND: usize = 32;
+
+/// A bit for every pixel of a picture with margins, row by row or column by column.
+pub(super) struct BitRows {
+    /// Number of words per row.
+    words: usize,
+    bits: Vec<u64>,
+}
+
+impl BitRows {
+    /// Returns rows of zeros for `width` × `height` px.
+    fn new(width: usize, height: usize) -> Self {
+        let words = (width + 2 * MARGIN).div_ceil(64);
+        Self { words, bits: vec![0; words * (height + 2 * MARGIN)] }
+    }
+
+    /// Returns row `y`, which may lie in the margin, as words. Bit [`MARGIN`] belongs to the first pixel.
+    pub(super) fn row(&self, y: isize) -> &[u64] {
+        &self.bits[y.wrapping_add_unsigned(MARGIN) as usize * self.words..][..self.words]
+    }
+
+    /// Returns the same bits column by column, for a picture of `width` × `height` px.
+    fn transposed(&self, width: usize, height: usize) -> Self {
+        let mut columns = Self::new(height, width);
+        let rows = height + 2 * MARGIN;
+        let count = columns.words;
+        columns.bits.par_chunks_mut(64 * count).enumerate().for_each(|(word, columns)| {
+            for (part, first) in (0..rows).step_by(64).enumerate() {
+                let mut block: [u64; 64] = std::array::from_fn(|row| {
+                    self.bits.get((first + row) * self.words + word).copied().unwrap_or_default()
+                });
+                if block.iter().all(|row| *row == 0) {
+                    continue;
+                }
+                transpose(&mut block);
+                for (column, bits) in columns.chunks_exact_mut(count).zip(block) {
+                    column[part] = bits;
+                }
+            }
+        });
+        columns
+    }
+}
+
+/// Transposes a matrix of 64 × 64 bits, by swapping halves of ever smaller blocks.
+fn transpose(rows: &mut [u64; 64]) {
+    let (mut size, mut mask) = (32, 0xffff_ffff_u64);
+    while size > 0 {
+        for row in (0..64).filter(|row| row & size == 0) {
+            let swapped = (rows[row] >> size ^ rows[row + size]) & mask;
+            rows[row] ^= swapped << size;
+            rows[row + size] ^= swapped;
+        }
+        size /= 2;
+        mask ^= mask << size;
+    }
+}
+
+/// Edges above and to the left of every pixel, by rows and by columns.
+pub(super) struct Edges {
+    pub(super) top: BitRows,
+    pub(super) left: BitRows,
+    pub(super) top_columns: BitRows,
+    pub(super) left_columns: BitRows,
+}
+
+impl Edges {
+    /// Finds the edges of a picture.
+    pub(super) fn find(lanes: Lanes, picture: &Image<Rgba8>) -> Self {
+        let (width, height) = (picture.width() as usize, picture.height() as usize);
+        let (mut top, mut left) = (BitRows::new(width, height), BitRows::new(width, height));
+        let words = top.words;
+        let skipped = (MARGIN - AROUND) * words;
+        let used = (height + 2 * AROUND) * words;
+        let bands = top.bits[skipped..][..used].par_chunks_mut(BAND * words);
+        let bands = bands.zip(left.bits[skipped..][..used].par_chunks_mut(BAND * words)).enumerate();
+        bands.for_each_init(Vec::new, |luma, (band, (top, left))| {
+            let first = (band * BAND) as i64 - AROUND as i64;
+            on_lanes!(lanes, simd => find_in_band(simd, (picture, first), luma, top.chunks_exact_mut(words).zip(left.chunks_exact_mut(words))));
+        });
+        let (top_columns, left_columns) = (top.transposed(width, height), left.transposed(width, height));
+        Self { top, left, top_columns, left_columns }
+    }
+}
+
+/// Finds the edges of consecutive rows, of which the first is row `first` of the picture.
+#[inline(always)]
+fn find_in_band<'a, S: Simd>(
+    simd: S,
+    (picture, first): (&Image<Rgba8>, i64),
+    luma: &mut Vec<i16>,
+    rows: impl ExactSizeIterator<Item = (&'a mut [u64], &'a mut [u64])>,
+) {
+    let last = i64::from(picture.height()) - 1;
+    let width = (picture.width() as usize + 2 * MARGIN).next_multiple_of(64);
+    let stride = width + 2 * LUMA_MARGIN;
+    luma.resize((rows.len() + 3) * stride, 0);
+    for (row, y) in luma.chunks_exact_mut(stride).zip(first - 2..) {
+        fill_luma(simd, picture.row(y.clamp(0, last) as u32), row);
+    }
+    for (index, (top, left)) in rows.enumerate() {
+        let own = (index + 2) * stride + LUMA_MARGIN;
+        for word in 0..top.len() {
+            let halves = each!(half in [0, BLOCK] => edges_of_block(simd, luma, own + word * 64 + half, stride));
+            let bits = |which: usize| u64::from(halves[0][which]) | u64::from(halves[1][which]) << BLOCK;
+            (top[word], left[word]) = (bits(0), bits(1));
+        }
+    }
+}
+
+/// Finds the edges above and to the left of [`BLOCK`] pixels, as bits. An edge is dropped if a neighbouring difference is
+/// more than twice as large, because that edge is the visible one.
+#[inline(always)]
+fn edges_of_block<S: Simd>(simd: S, luma: &[i16], at: usize, stride: usize) -> [u32; 2] {
+    let row = |from: usize| i16x32::from_slice(simd, &luma[from..from + BLOCK]);
+    let own = row(at);
+    let (above, before) = (row(at - stride), row(at - 1));
+    let (top, left) = ((own - above).abs(), (own - before).abs());
+    let is_edge = top.max(left).simd_ge(MIN_DIFFERENCE);
+    if !is_edge.any_true() {
+        return [0; 2];
+    }
+    let (bottom, right) = ((own - row(at + stride)).abs(), (own - row(at + 1)).abs());
+    let (top_of_above, left_of_before) = ((above - row(at - 2 * stride)).abs(), (before - row(at - 2)).abs());
+    let most = top.max(left).max(bottom.max(right)).max(top_of_above.max(left_of_before));
+    each!(difference in [top, left] => {
+        (difference.simd_ge(MIN_DIFFERENCE) & (difference * 2).simd_ge(most)).to_bitmask() as u32
+    })
+}
+
+/// Computes the luma of a row, and repeats its first and last values in the margins.
+#[inline(always)]
+fn fill_luma<S: Simd>(simd: S, pixels: &[Rgba8], luma: &mut [i16]) {
+    const BEFORE: usize = LUMA_MARGIN + MARGIN;
+    let within = &mut luma[BEFORE..];
+    let (blocks, rest) = pixels.as_chunks::<BLOCK>();
+    for (block, luma) in blocks.iter().zip(within.as_chunks_mut::<BLOCK>().0) {
+        luma_of_block(simd, block).store_array(luma);
+    }
+    if !rest.is_empty() {
+        let mut block = [[0; 4]; BLOCK];
+        block[..rest.len()].copy_from_slice(rest);
+        luma_of_block(simd, &block).store_slice(&mut within[blocks.len() * BLOCK..][..BLOCK]);
+    }
+    let (left, right) = (luma[BEFORE], luma[BEFORE + pixels.len() - 1]);
+    luma[..BEFORE].fill(left);
+    luma[BEFORE + pixels.len()..].fill(right);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn transposing_exchanges_rows_and_columns() {
+        let mut random = fastrand::Rng::with_seed(2);
+        let rows: [u64; 64] = std::array::from_fn(|_| random.u64(..));
+        let mut columns = rows;
+        transpose(&mut columns);
+        for (row, column) in (0..64).flat_map(|row| (0..64).map(move |column| (row, column))) {
+            assert_eq!(rows[row] >> column & 1, columns[column] >> row & 1, "{row} {column}");
+        }
+    }
+}

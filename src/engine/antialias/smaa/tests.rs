@@ -1,0 +1,106 @@
+use super::*;
+
+/// Returns a picture that is white below the line y = x / `run` + 6 and black above, from the colours of pixel centres
+/// or, if `by_area` is `true`, from the areas of pixels.
+fn slanted(run: u32, by_area: bool) -> Image<Rgba8> {
+    Image::from_fn(90, 40, |x, y| {
+        let inside = f64::from(y) + 0.5 - (f64::from(x) + 0.5) / f64::from(run) - 6.0;
+        let share = if by_area { (inside + 0.5).clamp(0.0, 1.0) } else { f64::from(u8::from(inside > 0.0)) };
+        [(share * 255.0).round() as u8; 4]
+    })
+}
+
+fn noise(width: u32, height: u32) -> Image<Rgba8> {
+    let mut random = fastrand::Rng::with_seed(11);
+    Image::from_fn(width, height, |x, y| match (x / 9 + y / 6) % 3 {
+        0 => [random.u8(..), random.u8(..), random.u8(..), 255],
+        1 => [(x * 5) as u8, 90, 30, 255],
+        _ => [230, 200, (y * 3) as u8, 40],
+    })
+}
+
+fn flipped(picture: &Image<Rgba8>, [across, down]: [bool; 2]) -> Image<Rgba8> {
+    let (width, height) = picture.size();
+    Image::from_fn(width, height, |x, y| {
+        picture.at(if across { width - 1 - x } else { x }, if down { height - 1 - y } else { y })
+    })
+}
+
+#[test]
+fn stairs_of_a_slanted_edge_become_the_covered_area() {
+    // An odd run puts the middle of each step on a pixel centre, so the smoothed edge is the line itself.
+    for run in [3, 5, 9, 15] {
+        let (smoothed, truth) = (apply(&slanted(run, false), false, None), slanted(run, true));
+        // Beyond one step from the border, every step has both ends.
+        for (x, y) in (0..40).flat_map(|y| (2 * run..90 - 2 * run).map(move |x| (x, y))) {
+            let (code, exact) = (smoothed.at(x, y)[0], truth.at(x, y)[0]);
+            assert!(code.abs_diff(exact) <= 1, "1 / {run} ({x}, {y}): {code}, not {exact}");
+        }
+    }
+}
+
+#[test]
+fn plain_pictures_soft_slopes_and_level_edges_stay() {
+    let plain = Image::filled(70, 7, [3, 200, 90, 17]);
+    let slope = Image::from_fn(40, 9, |x, _| [(x * 3) as u8, (x * 3) as u8, (x * 3) as u8, 255]);
+    let level = Image::from_fn(100, 12, |_, y| if y < 6 { [0, 0, 0, 255] } else { [255; 4] });
+    let one = Image::filled(1, 1, [9, 99, 199, 255]);
+    for picture in [plain, slope, level, one] {
+        assert_eq!(apply(&picture, true, None), picture);
+    }
+}
+
+#[test]
+fn mirroring_the_picture_mirrors_the_result() {
+    for run in [3, 6, 20] {
+        let stairs = slanted(run, false);
+        let smoothed = apply(&stairs, false, None);
+        for flips in [[true, false], [false, true], [true, true]] {
+            let other = flipped(&apply(&flipped(&stairs, flips), false, None), flips);
+            for (one, other) in smoothed.pixels().iter().zip(other.pixels()) {
+                assert!(one[0].abs_diff(other[0]) <= 1, "1 / {run} {flips:?}");
+            }
+        }
+        let turned =
+            |picture: &Image<Rgba8>| Image::from_fn(picture.height(), picture.width(), |x, y| picture.at(y, x));
+        let other = turned(&apply(&turned(&stairs), false, None));
+        for (one, other) in smoothed.pixels().iter().zip(other.pixels()) {
+            assert!(one[0].abs_diff(other[0]) <= 1, "1 / {run} turned");
+        }
+    }
+}
+
+#[test]
+fn neighbours_within_reach_determine_a_pixel() {
+    // Long lines, and lines of all lengths.
+    let lines =
+        Image::from_fn(150, 60, |x, y| if 2 * y > 40 + x / (10 + y / 4) { [20; 4] } else { [220, 220, 220, 255] });
+    for picture in [noise(150, 50), lines] {
+        let (full, reach) = (apply(&picture, true, None), i64::from(REACH_PX));
+        let side = 2 * REACH_PX + 1;
+        for (x, y) in
+            (0..i64::from(picture.height())).step_by(7).flat_map(|y| (0..150).step_by(13).map(move |x| (x, y)))
+        {
+            let patch = Image::from_fn(side, side, |column, row| {
+                picture.at_clamped(x - reach + i64::from(column), y - reach + i64::from(row))
+            });
+            let alone = apply(&patch, true, None).at(REACH_PX, REACH_PX);
+            assert_eq!(full.at(x as u32, y as u32), alone, "({x}, {y})");
+        }
+    }
+}
+
+#[test]
+fn threads_lanes_and_reused_memory_change_nothing() {
+    for picture in [noise(131, 97), slanted(7, false)] {
+        let plain = apply_on(Lanes::baseline(), &picture, true, None);
+        for lanes in Lanes::all() {
+            for threads in [1, 3] {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                let used = Image::filled(20, 30, [9; 4]);
+                let other = pool.install(|| apply_on(lanes, &picture, true, Some(used)));
+                assert!(other == plain, "{} {threads}", lanes.name());
+            }
+        }
+    }
+}
