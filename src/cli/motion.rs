@@ -42,7 +42,7 @@ pub(crate) struct MotionArgs {
     #[arg(long, value_name = "SCALE", default_value_t = 2.0)]
     scale: f64,
 
-    /// HTML page to write, besides the table
+    /// HTML page to write, besides the table: errors over time, and pictures of every frame
     #[arg(short, long, value_name = "FILE.html")]
     output: Option<PathBuf>,
 
@@ -81,6 +81,7 @@ pub(crate) fn run(args: &MotionArgs) -> Result<(), Failure> {
         frames: args.frames,
         samples: args.samples,
         pixels_per_degree: args.ppd,
+        keeps_pictures: args.output.is_some(),
     };
     let (line, stop) = (ProgressLine::new(), interrupt::flag());
     let report = measure(&plan, &mut |done, total| {
@@ -88,6 +89,8 @@ pub(crate) fn run(args: &MotionArgs) -> Result<(), Failure> {
         !stop.load(Ordering::Relaxed)
     });
     drop(line);
+    let report =
+        report.map_err(|source| Failure::ResultFile { path: args.output.clone().unwrap_or_default(), source })?;
     let report = report.ok_or_else(interrupt::nothing)?;
     if let Some(page) = &args.output {
         output::write_page(page, Ok(report.html(&output::command_line())))?;
@@ -113,6 +116,9 @@ fn table(report: &MotionReport) -> String {
             text.push_str(&padded);
         }
         text.push('\n');
+    }
+    if let Some(noise) = &report.noise {
+        text.push_str(&format!("noise floor of the times: {}\n", noise.words()));
     }
     text
 }
