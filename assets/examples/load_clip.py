@@ -7,7 +7,8 @@ def frames(folder):
     folder = pathlib.Path(folder)
     for frame in json.loads((folder / "clip.json").read_text())["frames"]:
         for entry in (frame["input"], frame["reference"]):
-            assert hashlib.sha256((folder / entry["file"]).read_bytes()).hexdigest() == entry["sha256"], entry["file"]
+            if hashlib.sha256((folder / entry["file"]).read_bytes()).hexdigest() != entry["sha256"]:
+                sys.exit(f"{folder / entry['file']}: its SHA-256 is not the one in clip.json")
         read = lambda kind: {n: c.pixels for n, c in OpenEXR.File(str(folder / frame[kind]["file"]), separate_channels=True).channels().items()}
         yield frame["number"], frame["jitter_px"], read("input"), read("reference")
 

@@ -1,8 +1,11 @@
 //! `rasterscope motion`: measures upscalers over the frames of a clip, as a table, a page or JSON.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
+use crate::chain::Recipe;
+use crate::pipeline::settings::Choice as _;
+use crate::report::animation::{AnimatedMethod, AnimationFormat, AnimationPlan, Arrangement, animate};
 use crate::report::motion::{MotionPlan, MotionReport, measure};
 use crate::upscale::{Scale, Upscaling};
 use clap::Args;
@@ -11,7 +14,7 @@ use super::failure::Failure;
 use super::progress::ProgressLine;
 use super::scene_args::FrameArgs;
 use super::sequence_args::ShotArgs;
-use super::{interrupt, output};
+use super::{interrupt, output, parse};
 
 /// Options of the command `motion`.
 #[derive(Args, Debug)]
@@ -42,9 +45,18 @@ pub(crate) struct MotionArgs {
     #[arg(long, value_name = "SCALE", default_value_t = 2.0)]
     scale: f64,
 
-    /// HTML page to write, besides the table
+    /// HTML page to write, besides the table: errors over time, and pictures of every frame
     #[arg(short, long, value_name = "FILE.html")]
     output: Option<PathBuf>,
+
+    /// Animated picture to write, besides the table: a GIF file, or a PNG file (APNG) with exact colours
+    #[arg(long, value_name = "FILE.gif|FILE.png")]
+    animation: Option<PathBuf>,
+
+    /// Arrangement of the methods in the animated picture
+    #[arg(long, value_name = "ARRANGEMENT", default_value = "side-by-side", requires = "animation",
+          value_parser = parse::choice::<Arrangement>())]
+    arrangement: Arrangement,
 
     /// Print JSON instead of a table
     #[arg(long)]
@@ -64,6 +76,30 @@ impl MotionArgs {
         }
         Ok(chosen)
     }
+
+    /// Returns the animated picture of the measured methods.
+    fn animation(&self, plan: &MotionPlan, path: &Path) -> Result<AnimationPlan, Failure> {
+        let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+        let format = AnimationFormat::ALL.iter().find(|format| extension.as_deref() == Some(format.id()));
+        let format = format.ok_or_else(|| {
+            Failure::Usage(format!("--animation {}: the name must end in .gif or .png", output::display(path)))
+        })?;
+        let method = |upscaler: &Upscaling| AnimatedMethod {
+            label: upscaler.label(),
+            recipe: Recipe { upscaler: *upscaler, ..plan.recipe },
+        };
+        let animation = AnimationPlan {
+            shot: plan.shot.clone(),
+            methods: plan.upscalers.iter().map(method).collect(),
+            viewport: plan.viewport,
+            frames: plan.frames,
+            arrangement: self.arrangement,
+            format: *format,
+        };
+        animation.check().map_err(|reason| Failure::Usage(format!("--animation: {reason}")))?;
+        output::check_writable(path)?;
+        Ok(animation)
+    }
 }
 
 /// Runs `motion`: measures the clip, prints the table and writes the page.
@@ -81,13 +117,18 @@ pub(crate) fn run(args: &MotionArgs) -> Result<(), Failure> {
         frames: args.frames,
         samples: args.samples,
         pixels_per_degree: args.ppd,
+        keeps_pictures: args.output.is_some(),
     };
+    let animation = args.animation.as_deref().map(|path| Ok::<_, Failure>((path, args.animation(&plan, path)?)));
+    let animation = animation.transpose()?;
     let (line, stop) = (ProgressLine::new(), interrupt::flag());
     let report = measure(&plan, &mut |done, total| {
         line.show(&format!("frame {done} of {total}"));
         !stop.load(Ordering::Relaxed)
     });
     drop(line);
+    let report =
+        report.map_err(|source| Failure::ResultFile { path: args.output.clone().unwrap_or_default(), source })?;
     let report = report.ok_or_else(interrupt::nothing)?;
     if let Some(page) = &args.output {
         output::write_page(page, Ok(report.html(&output::command_line())))?;
@@ -97,7 +138,21 @@ pub(crate) fn run(args: &MotionArgs) -> Result<(), Failure> {
     } else {
         output::print(&table(&report))?;
     }
-    interrupt::outcome(report.partial)
+    interrupt::outcome(report.partial)?;
+    animation.map_or(Ok(()), |(path, animation)| write_animation(path, &animation))
+}
+
+/// Draws and writes an animated picture.
+fn write_animation(path: &Path, animation: &AnimationPlan) -> Result<(), Failure> {
+    let (line, stop) = (ProgressLine::new(), interrupt::flag());
+    let bytes = animate(animation, &mut |done, total| {
+        line.show(&format!("animation: frame {done} of {total}"));
+        !stop.load(Ordering::Relaxed)
+    });
+    drop(line);
+    let bytes = bytes.map_err(|source| Failure::ResultFile { path: path.to_owned(), source })?;
+    let bytes = bytes.ok_or_else(interrupt::nothing)?;
+    output::write_bytes(path, &bytes)
 }
 
 /// Returns the table as text with aligned columns.
@@ -113,6 +168,9 @@ fn table(report: &MotionReport) -> String {
             text.push_str(&padded);
         }
         text.push('\n');
+    }
+    if let Some(noise) = &report.noise {
+        text.push_str(&format!("noise floor of the times: {}\n", noise.words()));
     }
     text
 }

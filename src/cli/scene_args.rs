@@ -181,7 +181,7 @@ impl SceneArgs {
         if let Up::Axis(up) = self.up {
             scene.home = scene.first_view(up);
         }
-        let scene = self.posed(Arc::new(scene));
+        let scene = self.posed(Arc::new(scene), state.as_ref().map_or(0.0, |state| state.time_s));
         let mut recipe = Recipe::default();
         recipe.take_light(&scene, None);
         recipe = state.as_ref().map_or(recipe, |state| state.recipe);
@@ -200,13 +200,12 @@ impl SceneArgs {
         })
     }
 
-    /// Returns the scene at the time of the options.
-    fn posed(&self, scene: Arc<Scene>) -> Arc<Scene> {
-        let Some(time_s) = self.time else { return scene };
-        if scene.animation.is_none() {
+    /// Returns the scene at the time of the options, or else at the time that its project stores, in seconds.
+    fn posed(&self, scene: Arc<Scene>, stored_s: f64) -> Arc<Scene> {
+        if self.time.is_some() && scene.animation.is_none() {
             output::report("note", "the scene does not move: --time has no effect");
         }
-        scene.at(time_s)
+        scene.at(self.time.unwrap_or(stored_s))
     }
 
     /// Reads the project file that the options name; returns `None` if they name something else.
@@ -297,7 +296,8 @@ pub(crate) fn named_scene(name: Option<&Path>, memory: MemoryArgs) -> Result<Nam
         return Ok(NamedScene { camera: scene.home, scene, recipe, size: None });
     };
     let state = project.state();
-    let scene = if state.mirrored { scene.mirrored_z() } else { scene };
+    let scene = Arc::new(if state.mirrored { scene.mirrored_z() } else { scene }).at(state.time_s);
+    let scene = Arc::unwrap_or_clone(scene);
     Ok(NamedScene { scene, camera: state.camera, recipe: state.recipe, size: Some(project.size()) })
 }
 

@@ -29,6 +29,7 @@ fn arrive(line: &str) -> InspectionState {
     InspectionState {
         scene: view.source.name(),
         mirrored: view.mirrored,
+        time_s: view.scene.time_s(),
         camera: view.camera,
         recipe: view.recipe,
         picture: args.seen.picture.map(|size| (size.width, size.height)),
@@ -54,6 +55,7 @@ fn places() -> Vec<InspectionState> {
     let plain = InspectionState {
         scene: "cubes".into(),
         mirrored: false,
+        time_s: 0.0,
         camera,
         recipe: crate::chain::Recipe::default(),
         picture: Some((320, 200)),
@@ -91,7 +93,9 @@ fn places() -> Vec<InspectionState> {
         ..plain.clone()
     });
     let numbers: Vec<_> = numbers.collect();
-    [plain, turned, flat].into_iter().chain(numbers).collect()
+    let home = SceneSource::named("chess-motion".into()).load().unwrap().scene.home;
+    let posed = InspectionState { scene: "chess-motion".into(), camera: home, time_s: 0.1, ..plain.clone() };
+    [plain, turned, flat, posed].into_iter().chain(numbers).collect()
 }
 
 #[test]

@@ -38,6 +38,7 @@ use super::explaining;
 use super::fates::finder;
 use super::manual::ManualWindow;
 use super::onboarding::Observed;
+use super::over_time;
 use super::panels::dialogs::Dialog;
 use super::panels::{menu, message};
 use super::range;
@@ -155,6 +156,7 @@ impl Workbench {
         self.send_filmstrip_request(ui);
         let is_synchronous = self.widgets.is_synchronous;
         checks::step(&mut self.session, ui.ctx(), is_synchronous);
+        over_time::step(&mut self.session, ui.ctx(), is_synchronous);
         explaining::step(&mut self.session, ui.ctx(), is_synchronous);
         let shows_fates = self.docks.shows(workspace::Panel::TriangleFates);
         finder::update(ui, &mut self.session, shows_fates, is_synchronous);

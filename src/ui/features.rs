@@ -77,6 +77,10 @@ macro_rules! with_features {
             sequences: $crate::ui::sequences::Sequences => Sequence,
             /// Time of an animated scene, and its playback.
             scene_time: $crate::ui::scene_time::SceneTime => SceneTime,
+            /// Recorded camera path.
+            camera_path: $crate::ui::camera_path::RecordedPath => CameraPath,
+            /// Errors over time of the compared upscalers.
+            over_time: $crate::ui::over_time::OverTime => OverTime,
             /// Filmstrip of all upscaling methods below a comparison.
             filmstrip: $crate::ui::filmstrip::Filmstrip => Filmstrip,
             /// Start card, coach and lessons for new users.

@@ -89,6 +89,7 @@ impl Topic {
             | Command::Orbit(..)
             | Command::FitCamera
             | Command::SceneTime(_)
+            | Command::CameraPath(_)
             | Command::MeshView(_) => Self::Scene,
             Command::Undo | Command::Redo | Command::ChooseUpscaler(_) | Command::SetRecipe(_) => Self::Settings,
             Command::Place(_) | Command::Dialog(DialogCommand::Palette) | Command::Dialog(DialogCommand::GoTo) => {

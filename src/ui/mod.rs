@@ -16,6 +16,8 @@ pub(crate) mod fates;
 
 pub(crate) mod scrub;
 
+pub(crate) mod camera_path;
+pub(crate) mod over_time;
 pub(crate) mod scene_time;
 pub(crate) mod sequences;
 

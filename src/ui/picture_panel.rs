@@ -57,7 +57,7 @@ fn ui(ui: &mut Ui, cx: &mut PanelContext<'_>) {
             scrub::transport::ui(ui, session, commands);
         });
     }
-    if session.scene.animation.is_some() && session.features.case.is_none() {
+    if session.scene_frame_count().is_some() && session.features.case.is_none() {
         Panel::bottom("scene time").frame(frame).show(ui, |ui| scene_time::strip::ui(ui, session, commands));
     }
     if compares && session.sequence_range().is_some() {

@@ -20,6 +20,8 @@ use super::engine::Request;
 use super::look::Look;
 use super::worker::{MeasureRequest, MethodError};
 use crate::chain::Recipe;
+use crate::measure::against::ErrorMetrics;
+use crate::measure::metric::Metric;
 use crate::measure::motion::Turn;
 use crate::measure::noise::Noise;
 use crate::measure::other_programs::DISTURBING_SHARE;
@@ -68,6 +70,8 @@ pub(crate) struct Timings {
     recent_request: Option<Request>,
     /// Camera motion over the frames of the next measurement.
     pub(crate) turn: Turn,
+    /// Metric that the user chose to rank the upscalers.
+    pub(crate) metric: Metric,
     measured: BTreeMap<Upscaling, Vec<f64>>,
     errors: BTreeMap<Upscaling, MethodError>,
     noise: Option<Noise>,
@@ -90,6 +94,7 @@ impl Default for Timings {
             slowest: Vec::new(),
             recent_request: None,
             turn: Turn::default(),
+            metric: Metric::Flip,
             measured: BTreeMap::new(),
             errors: BTreeMap::new(),
             noise: None,
@@ -107,12 +112,26 @@ pub(crate) struct TradeOff {
     pub(crate) upscaling: Upscaling,
     /// Statistics of the frame times, in milliseconds.
     pub(crate) ms: Summary,
-    /// Error against the reference of the measurement. Upscalers are ranked by the error in motion.
+    /// Error against the reference of the measurement.
     pub(crate) error: MethodError,
-    /// Position relative to the Pareto front of frame time and FLIP error in motion.
+    /// Metric by which upscalers are ranked.
+    pub(crate) metric: Metric,
+    /// Position relative to the Pareto front of frame time and mean error.
     pub(crate) standing: Standing<Upscaling>,
     /// Whether the frame time differs from that of native rendering by no more than the noise.
     pub(crate) native_within_noise: bool,
+}
+
+impl TradeOff {
+    /// Returns the mean value of the metric over the frames in motion.
+    pub(crate) fn mean(&self) -> f64 {
+        self.error.motion.mean.value(self.metric)
+    }
+
+    /// Returns the mean error in motion by the metric: 0 for pictures that equal the reference.
+    pub(crate) fn mean_error(&self) -> f64 {
+        self.metric.error(self.mean())
+    }
 }
 
 impl Timings {
@@ -235,16 +254,26 @@ impl Timings {
             .iter()
             .filter_map(|(upscaling, error)| Some((*upscaling, summarize(self.measured.get(upscaling)?)?, *error)));
         let known: Vec<_> = known.collect();
-        let points: Vec<_> = known.iter().map(|(_, ms, error)| (ms.median, error.motion.mean.flip)).collect();
+        let metric = self.metric_in_use();
+        let points: Vec<_> = known.iter().map(|(_, ms, error)| (ms.median, mean_error(error, metric))).collect();
         let point =
             |((upscaling, ms, error), standing): (&(Upscaling, Summary, MethodError), Standing<usize>)| TradeOff {
                 upscaling: *upscaling,
                 ms: *ms,
                 error: *error,
+                metric,
                 standing: standing.map(|other| known[other].0),
                 native_within_noise: self.is_within_noise_of_native(*upscaling),
             };
         known.iter().zip(standings(&points, &noise)).map(point).collect()
+    }
+
+    /// Returns the metric that ranks the upscalers: the chosen one, or FLIP if the measurement lacks it.
+    pub(crate) fn metric_in_use(&self) -> Metric {
+        let is_requested = self.measurement_request.as_ref().is_none_or(|request| request.metric == self.metric);
+        let is_known = |error: &MethodError| mean_error(error, self.metric).is_finite();
+        let is_measured = ErrorMetrics::always_has(self.metric) || is_requested;
+        if is_measured && self.errors.values().all(is_known) { self.metric } else { Metric::Flip }
     }
 
     /// Returns the time budget in milliseconds: the one that the user has set, or about half of the median time of
@@ -278,8 +307,8 @@ impl Timings {
 
     /// Discards all recorded times.
     pub(crate) fn clear(&mut self) {
-        let Self { view, paused, automatic, turn, list, window, .. } = std::mem::take(self);
-        *self = Self { view, paused, automatic, turn, list, window, ..Self::default() };
+        let Self { view, paused, automatic, turn, metric, list, window, .. } = std::mem::take(self);
+        *self = Self { view, paused, automatic, turn, metric, list, window, ..Self::default() };
     }
 
     /// Whether there is a running or complete measurement to show.
@@ -342,6 +371,7 @@ impl Feature for Timings {
             TimingsChange::Hover(tab, upscaling) => timings.list.set_hovered(tab, upscaling),
             TimingsChange::Budget(ms) => timings.list.budget_ms = Some(budget::rounded(ms)),
             TimingsChange::Turn(turn) => timings.turn = turn,
+            TimingsChange::Metric(metric) => timings.metric = metric,
             TimingsChange::TogglePaused => timings.paused ^= true,
             TimingsChange::Export => return Some(WindowTask::Save(SaveItem::FrameTimes)),
             TimingsChange::Clear => {
@@ -355,6 +385,11 @@ impl Feature for Timings {
     fn leave_scene(&mut self) {
         self.clear();
     }
+}
+
+/// Returns the mean error of an upscaler in motion by a metric.
+fn mean_error(error: &MethodError, metric: Metric) -> f64 {
+    metric.error(error.motion.mean.value(metric))
 }
 
 /// Copies the frame times of every upscaler into a list, oldest first.
@@ -396,7 +431,8 @@ mod tests {
     }
 
     fn measurement(of: Request) -> MeasureRequest {
-        MeasureRequest { number: 1, of, reference: Reference::Native, turn: Turn::default() }
+        let (reference, metric) = (Reference::Native, Metric::Flip);
+        MeasureRequest { number: 1, of, reference, turn: Turn::default(), metric }
     }
 
     #[test]
@@ -427,6 +463,11 @@ mod tests {
         assert!(!timings.is_within_noise_of_native(nearest));
         timings.record_noise(Noise { pairs: 25, p90: 0.001 });
         assert_eq!(standing(&timings, temporal), Some(Standing::Front));
+        // SSIM against black is smaller for the brighter picture, too; a metric that was not measured is not used.
+        timings.metric = Metric::Ssim;
+        assert!(timings.tradeoff().iter().all(|point| point.metric == Metric::Ssim && point.mean() <= 1.0));
+        timings.metric = Metric::Ssimulacra2;
+        assert_eq!(timings.metric_in_use(), Metric::Flip);
         timings.record_noise(Noise { pairs: 25, p90: 0.5 });
         assert!(timings.is_within_noise_of_native(nearest) && !timings.is_within_noise_of_native(Upscaling::NATIVE));
         timings.begin_measurement(measurement(request()));

@@ -21,6 +21,7 @@ use crate::chain::Recipe;
 use crate::inspect::Stage;
 use crate::inspect::overlays::Overlay;
 use crate::lab::Page;
+use crate::measure::metric::Metric;
 use crate::measure::motion::Turn;
 use crate::measure::reference::Reference;
 use crate::measure::timing::{Summary, summarize};
@@ -155,7 +156,13 @@ fn plot_something(app: &mut Workbench) {
     let request = app.session().request();
     let timings = &mut app.session_mut().features.timings;
     let reference = Reference::Native;
-    timings.begin_measurement(MeasureRequest { number: 0, of: request, reference, turn: Turn::default() });
+    timings.begin_measurement(MeasureRequest {
+        number: 0,
+        of: request,
+        reference,
+        turn: Turn::default(),
+        metric: Metric::Flip,
+    });
     for (place, upscaling) in Upscaling::every().enumerate() {
         for frame in 0..PLOTTED_FRAMES {
             timings.record_measured(upscaling, (1 + place + frame % 5) as f64);

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use rasterscope::chain::{Recipe, run};
 use rasterscope::inspect::Buffer;
+use rasterscope::measure::metric::Metric;
 use rasterscope::measure::motion::Turn;
 use rasterscope::measure::reference::Reference;
 use rasterscope::pipeline::viewport::Viewport;
@@ -39,7 +40,13 @@ fn show(request: &Request) -> WorkerRequest {
 }
 
 fn measure(of: Request, turn: Turn) -> WorkerRequest {
-    WorkerRequest::Measure(Box::new(MeasureRequest { number: 1, of, reference: Reference::Native, turn }))
+    WorkerRequest::Measure(Box::new(MeasureRequest {
+        number: 1,
+        of,
+        reference: Reference::Native,
+        turn,
+        metric: Metric::Flip,
+    }))
 }
 
 /// Returns the answers up to and including the first that `last` accepts. Panics after [`TIMEOUT`].

@@ -145,6 +145,7 @@ fn a_copied_view_names_the_process() {
     let state = InspectionState {
         scene: "cubes".into(),
         mirrored: false,
+        time_s: 0.0,
         camera: scene.home,
         recipe,
         picture: None,

@@ -28,6 +28,9 @@ pub struct InspectionState {
     pub scene: PathBuf,
     /// Whether the scene is mirrored in z. `camera` views the mirrored scene.
     pub mirrored: bool,
+    /// Time of the pose of an animated scene, in seconds; finite.
+    #[serde(default)]
+    pub time_s: f64,
     /// Camera of the view.
     pub camera: Camera,
     /// Recipe for drawing the frame.
@@ -62,6 +65,9 @@ impl InspectionState {
     pub fn check(&self) -> Result<(), String> {
         self.recipe.check()?;
         self.camera.check()?;
+        if !self.time_s.is_finite() {
+            return Err(format!("the time of the scene must be finite, not {}", self.time_s));
+        }
         self.picture.map_or(Ok(()), |(width, height)| Viewport { width, height }.check())
     }
 
@@ -79,6 +85,9 @@ impl InspectionState {
         let mut words = vec!["rasterscope".to_owned(), command.to_owned(), scene];
         words.extend(self.mirrored.then(|| "--mirror-z".to_owned()));
         let mut option = |name: &str, value: String| words.extend([format!("--{name}"), value]);
+        if self.time_s != 0.0 {
+            option("time", self.time_s.to_string());
+        }
         option("camera", camera_file::text(&self.camera));
         if let Some(process) = self.recipe.upscaler.upscaler().process() {
             option("upscaler-process", process.to_owned());
@@ -136,6 +145,7 @@ mod tests {
         InspectionState {
             scene: "triangle".into(),
             mirrored: false,
+            time_s: 0.0,
             camera: builtin::by_id("triangle").unwrap().build().home,
             recipe: Recipe::default(),
             picture: None,
@@ -159,11 +169,12 @@ mod tests {
         place.recipe.set("culling=none").unwrap();
         (place.pixel, place.buffer, place.triangles) = (Some((3, 4)), Buffer::Depth, Some(7));
         (place.picture, place.mirrored, place.fragments) = (Some((320, 200)), true, Some(8));
+        place.time_s = 0.1;
         place.display = "map=magma,reversed".parse().unwrap();
         place.overlays = vec!["facing=0.25".parse().unwrap(), "wireframe".parse().unwrap()];
         let line = place.command_line();
         for part in [
-            "--mirror-z",
+            "--mirror-z --time 0.1 --camera ",
             "--set culling=none",
             "--picture 320x200",
             "--buffer depth --look map=magma,reversed --overlay facing=0.25 --overlay wireframe",
@@ -180,7 +191,9 @@ mod tests {
         assert_eq!(place.check(), Ok(()));
         place.picture = Some((1 << 20, 1 << 20));
         assert!(place.check().is_err());
-        (place.picture, place.camera.near) = (None, f32::NAN);
+        (place.picture, place.time_s) = (None, f64::INFINITY);
+        assert!(place.check().is_err());
+        (place.time_s, place.camera.near) = (0.0, f32::NAN);
         assert!(place.check().is_err());
     }
 }

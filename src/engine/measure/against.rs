@@ -24,7 +24,7 @@ pub struct ErrorMetrics {
 
 impl ErrorMetrics {
     /// Whether a metric is measured without being selected.
-    pub(crate) fn always_has(metric: Metric) -> bool {
+    pub fn always_has(metric: Metric) -> bool {
         !matches!(metric, Metric::MsSsim | Metric::Ssimulacra2 | Metric::Jod | Metric::RelativeMse)
     }
 

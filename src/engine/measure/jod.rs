@@ -226,6 +226,8 @@ mod pooling {
 
 #[cfg(test)]
 mod tests {
+    use colorvideovdp::TemporalPadding;
+
     use super::*;
 
     const SIZE: (u32, u32) = (32, 24);
@@ -268,6 +270,48 @@ mod tests {
         let pixel_m = 30.0 * 0.0254 * 16.0 / 337_f64.sqrt() / 3840.0;
         let expected = 1.0 / (2.0 * (0.5 * pixel_m / 0.7472).atan().to_degrees());
         assert!((display.geometry.pixels_per_degree() - expected).abs() < 1e-9 && (75.3..75.5).contains(&expected));
+    }
+
+    /// Returns the picture of the authors' program for whose frames its values were published: smooth waves that move to
+    /// the left.
+    fn waves(width: usize, height: usize, frame: usize) -> Vec<[f32; 3]> {
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x as f64 + 0.7 * frame as f64, y as f64)));
+        let color = |(x, y): (f64, f64)| {
+            let red = 0.48 + 0.25 * (x * 0.19).sin() * (y * 0.13).cos();
+            [red, 0.48 + 0.24 * (x * 0.11 + y * 0.15).cos(), 0.48 + 0.24 * (x * 0.07 - y * 0.17).sin()]
+        };
+        pixels.map(|place| color(place).map(|value| value as f32)).collect()
+    }
+
+    fn image((width, height): (usize, usize), pixels: &[[f32; 3]]) -> colorvideovdp::Image {
+        colorvideovdp::Image::new(width, height, 3, pixels.as_flattened().to_vec()).unwrap()
+    }
+
+    /// The values are those of the authors' PyTorch program at revision 2a268bc (version 0.5.7), as published in
+    /// `tests/data/oracle.json` of <https://github.com/Tavrin/colorvideovdp-rs>; the pictures follow the formulas in its
+    /// `parity/reference.py`.
+    #[test]
+    fn values_are_those_of_the_authors_program() {
+        let display = DisplayModel::from_name("standard_4k").unwrap();
+        let viewing = Viewing { pixels_per_degree: display.geometry.pixels_per_degree(), frames_per_second: 29.97 };
+        let reference = waves(16, 16, 0);
+        let block = |index: usize| reference[index / 64 * 64 + index % 16 / 4 * 4];
+        let blocks: Vec<_> = (0..256).map(|index| block(index).map(|v| (v * 24.0).round_ties_even() / 24.0)).collect();
+        let [test, reference] = [&blocks, &reference].map(|pixels| image((16, 16), pixels));
+        let still = viewing.evaluator().unwrap().predict_image(&test, &reference, Color::Srgb).unwrap().jod;
+        assert!((still - 8.836_058_6).abs() < 1e-4, "{still}");
+
+        let options = Options::default().with_temporal_padding(TemporalPadding::Symmetric);
+        let references: Vec<_> = (0..8).map(|frame| waves(17, 16, frame)).collect();
+        let flickering = references.iter().zip([1.055, 0.945].into_iter().cycle());
+        let flickering = flickering.map(|(pixels, factor): (&Vec<[f32; 3]>, f32)| {
+            pixels.iter().map(|color| color.map(|value| value * factor)).collect::<Vec<_>>()
+        });
+        let tests: Vec<_> = flickering.map(|pixels| image((17, 16), &pixels)).collect();
+        let references: Vec<_> = references.iter().map(|pixels| image((17, 16), pixels)).collect();
+        let evaluator = Cvvdp::new(display, options).unwrap();
+        let flicker = evaluator.predict_video(&tests, &references, 29.97, Color::Srgb).unwrap().jod;
+        assert!((flicker - 7.745_632_2).abs() < 1e-4, "{flicker}");
     }
 
     #[test]

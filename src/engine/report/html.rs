@@ -97,7 +97,7 @@ impl FittedPictures {
 }
 
 /// Returns a picture with its sides divided by `factor` and rounded up; each pixel is a mean of the covered pixels.
-fn reduced(picture: &Image<Rgba8>, factor: u32) -> Cow<'_, Image<Rgba8>> {
+pub(super) fn reduced(picture: &Image<Rgba8>, factor: u32) -> Cow<'_, Image<Rgba8>> {
     let (width, height) = picture.size();
     let source = RgbaImage::from_raw(width, height, picture.as_bytes().to_vec());
     match source.filter(|_| factor > 1) {

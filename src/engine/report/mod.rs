@@ -1,5 +1,7 @@
 //! Reports that assess the engine or describe its work, for the command line and for the window.
 
+pub mod animation;
+
 pub mod clip;
 
 pub mod comparison;

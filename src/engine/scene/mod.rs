@@ -48,7 +48,7 @@ pub use animation::SceneMotion;
 pub use camera::Camera;
 pub use camera::Projection;
 pub use camera::SubView;
-pub use camera_path::CameraPath;
+pub use camera_path::{CameraPath, KeyView};
 pub use depth_mapping::DepthMapping;
 pub use error::SceneError;
 pub use error::Warning;

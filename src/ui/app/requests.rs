@@ -155,6 +155,7 @@ impl Workbench {
             of: request,
             reference: self.session.features.comparison.reference,
             turn: self.session.features.timings.turn,
+            metric: self.session.features.timings.metric,
         };
         self.session.features.timings.begin_measurement(request.clone());
         self.session.features.tasks.measuring = Some(Measuring { progress: 0.0 });

@@ -19,6 +19,7 @@ use crate::lab::Lesson;
 use crate::lab::drawing::encode_recording;
 use crate::lab::page::LabPage;
 use crate::pipeline::settings::Choice as _;
+use crate::report::animation::animate;
 use crate::report::pixel::{PixelPage, explain_fully};
 use crate::text::shell_line;
 use crate::ui::compare::export::comparison_page;
@@ -115,9 +116,11 @@ impl Workbench {
     /// if there is nothing to save.
     pub(super) fn ask_where_to_save(&mut self, ui: &Ui, item: SaveItem) {
         let savable = match item {
-            SaveItem::Case => self.minimal_case().map(drop),
-            SaveItem::Comparison => comparison_page(&self.session).map(drop),
-            SaveItem::Pixel => self.picked_pixel().map(drop),
+            SaveItem::Case => self.minimal_case().map(drop).map_err(str::to_owned),
+            SaveItem::Comparison => comparison_page(&self.session).map(drop).map_err(str::to_owned),
+            SaveItem::Pixel => self.picked_pixel().map(drop).map_err(str::to_owned),
+            SaveItem::CameraPath => self.camera_path().map(drop),
+            SaveItem::Animation(format) => self.session.animation(format).map(drop),
             _ => Ok(()),
         };
         match savable {
@@ -182,6 +185,20 @@ impl Workbench {
                 }
                 Err(reason) => self.session.report(Severity::Error, reason),
             },
+            SaveItem::CameraPath => match self.camera_path() {
+                Ok(encoded) => self.save(ui, file, || Ok(encoded)),
+                Err(reason) => self.session.report(Severity::Error, reason),
+            },
+            SaveItem::Animation(format) => match self.session.animation(format) {
+                Ok(plan) => self.save_cancellable(ui, file, move |progress, cancel| {
+                    let encoded = animate(&plan, &mut |done, of| {
+                        progress(done as f32 / of.max(1) as f32);
+                        !cancel.load(Ordering::Relaxed)
+                    });
+                    encoded.map_err(|error| error.to_string()).transpose()
+                }),
+                Err(reason) => self.session.report(Severity::Error, reason),
+            },
             SaveItem::FrameTimes => {
                 let table = self.session.features.timings.csv();
                 self.save(ui, file, move || Ok(table.into_bytes()));
@@ -209,6 +226,16 @@ impl Workbench {
         let settings = &view.request.recipe.pipeline;
         let triangle = &view.frame.geometry.triangles[submission];
         Ok(MinimalCase::new(triangle, (x, y), view.frame.raster, settings, &view.request.scene.name))
+    }
+
+    /// Returns the recorded camera path as a file.
+    ///
+    /// # Errors
+    /// Returns an error if there is no key view.
+    fn camera_path(&self) -> Result<Vec<u8>, String> {
+        let path = self.session.features.camera_path.path();
+        let encoded = path.map(|path| path.encode()).transpose().map_err(|error| error.to_string())?;
+        encoded.flatten().ok_or_else(|| "No camera path to save: add a key view first".to_owned())
     }
 
     /// Returns the view on the canvas and the picked pixel.

@@ -11,6 +11,7 @@ use crate::inspect::{Buffer, Intermediate, Stage, fields, lesson};
 use crate::pipeline::settings::Choice as _;
 use crate::scene::{SceneSource, builtin};
 use crate::ui::appearance::AppearanceChange;
+use crate::ui::camera_path::CameraPathChange;
 use crate::ui::command::{BINDINGS, Command};
 use crate::ui::compare::files::PictureRole;
 use crate::ui::compare::{CompareChange, Mode};
@@ -21,6 +22,7 @@ use crate::ui::key_sheet::key_name;
 use crate::ui::legend_strip;
 use crate::ui::long_tasks::MeasureCommand;
 use crate::ui::onboarding::OnboardingChange;
+use crate::ui::over_time::OverTimeChange;
 use crate::ui::overlays::OverlayChange;
 use crate::ui::panels::switches;
 use crate::ui::place;
@@ -257,6 +259,14 @@ fn commands() -> Vec<PaletteEntry> {
             "blinking",
             "smooth scrolling",
         ]),
+        keyless("Add key view to the camera path", Command::CameraPath(CameraPathChange::Add)).also([
+            "record",
+            "keyframe",
+            "animation",
+        ]),
+        keyless("Remove key view of the camera path", Command::CameraPath(CameraPathChange::Remove)),
+        keyless("Remove the camera path", Command::CameraPath(CameraPathChange::Clear)),
+        keyless("Measure errors over time", Command::OverTime(OverTimeChange::Measure)).also(["flicker", "motion"]),
         keyless("Manage bookmarks", Command::Dialog(DialogCommand::Bookmarks)),
         keyless("Compare all upscalers in tiles", Command::Compare(CompareChange::Every(None))),
         keyless("Filmstrip of all upscaling methods", Command::Filmstrip(FilmstripChange::Toggle)).also(["thumbnails"]),

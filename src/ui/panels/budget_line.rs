@@ -45,7 +45,7 @@ pub(super) fn line(ui: &Ui, plot: Rect, x: f32) -> Option<f32> {
 /// shifted where it would extend beyond `area`.
 pub(super) fn label(ui: &Ui, session: &Session, area: Rect, x: f32) {
     let winner = session.features.timings.budget_winner();
-    let words = winner.words(session.features.timings.budget_ms());
+    let words = winner.words(session.features.timings.metric_in_use(), session.features.timings.budget_ms());
     let star = if winner.best().is_some() { STAR + space::XS } else { 0.0 };
     let galley = ui.painter().layout_no_wrap(words.clone(), FontId::proportional(font_size::SMALL), tokens(ui).text);
     let width = star + galley.size().x;
@@ -59,5 +59,5 @@ pub(super) fn label(ui: &Ui, session: &Session, area: Rect, x: f32) {
     ui.painter().galley(corner, galley, tokens(ui).text);
     let response = ui.interact(place, ui.scope_id().with("budget label"), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &words));
-    response.on_hover_text("Lowest mean FLIP error among the methods whose median time is within the budget");
+    response.on_hover_text("Lowest mean error among the methods whose median time is within the budget");
 }

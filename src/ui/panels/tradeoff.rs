@@ -13,6 +13,7 @@ use egui_plot::{GridMark, HoverPosition, Line, Plot, PlotPoint, PlotPoints, Plot
 use super::budget_line;
 use crate::chain::Recipe;
 use crate::manual::Chapter;
+use crate::measure::metric::Metric;
 use crate::measure::motion::Turn;
 use crate::pipeline::settings::Choice as _;
 use crate::report::upscaling::tradeoff::Standing;
@@ -26,7 +27,7 @@ use crate::ui::session::Session;
 use crate::ui::theme::{Icon, font_size, tokens};
 use crate::ui::ticks::log_marks;
 use crate::ui::timings::{TimingsChange, TradeOff};
-use crate::ui::widgets::empty_state;
+use crate::ui::widgets::{combo, empty_state};
 use crate::ui::workspace::{Panel, PanelSpec};
 use crate::upscale::Upscaling;
 
@@ -35,7 +36,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     id: "error-time",
     name: "Error vs time",
     help: "Error and time of each upscaler; click a point to compare that upscaler",
-    synonyms: &["pareto", "quality", "psnr", "ssim", "flip"],
+    synonyms: &["pareto", "quality", "psnr", "ssim", "flip", "metric"],
     chapter: Chapter::ErrorAgainstTime,
     grows: true,
     titled: true,
@@ -80,9 +81,14 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         commands.extend(chosen.map(Command::Compare));
         motion_switch(ui, session.features.timings.turn, commands);
     }
+    commands.extend(metric_list(ui, session.features.timings.metric).map(Command::Timings));
     let viewport = session.viewport();
     let fits = session.features.timings.measurement_fits(&session.request());
     let text = match (session.features.timings.measurement_request(), fits) {
+        (Some(_), true) if session.features.timings.metric_in_use() != session.features.timings.metric => format!(
+            "{} is not in this measurement, FLIP is shown; measure again to add it",
+            session.features.timings.metric.name()
+        ),
         (None, _) => "Click a point to show it as picture B, Shift+click to show it as A".to_owned(),
         (Some(measured), true) => format!(
             "Reference: {} · {} · {} × {} px · {}{} · Click a point: show as B, Shift+click: as A",
@@ -103,6 +109,20 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         }
     };
     ui.add(egui::Label::new(RichText::new(text).color(tokens(ui).text_weak)).truncate());
+}
+
+/// Draws the list of metrics. Returns the change if another one is chosen.
+fn metric_list(ui: &mut Ui, present: Metric) -> Option<TimingsChange> {
+    let mut metric = present;
+    let list = ui.name_inputs("Metric", |ui| {
+        combo("metric of errors", present.name(), 120.0).show_ui(ui, |ui| {
+            for option in Metric::ALL {
+                ui.selectable_value(&mut metric, *option, option.name()).on_hover_text(option.help());
+            }
+        })
+    });
+    list.response.on_hover_text(format!("Metric of the errors in plot and table. {}", present.help()));
+    (metric != present).then_some(TimingsChange::Metric(metric))
 }
 
 /// Draws the switch that selects whether the next measurement moves the camera or keeps it still.
@@ -170,15 +190,22 @@ pub(crate) fn choose(session: &Session, tile: usize, upscaling: Upscaling, comma
     }
 }
 
-/// Returns the mean FLIP error over the frames of the camera motion. It is plotted, and the table is sorted by it.
-fn flip(point: &TradeOff) -> f64 {
-    point.error.motion.mean.flip
+/// Formats a value of a metric for the table, without its unit.
+fn value_text(metric: Metric, value: f64) -> String {
+    let digits = match metric {
+        Metric::Psnr if value.is_infinite() => return "identical".to_owned(),
+        Metric::Max | Metric::Changed => 0,
+        Metric::Psnr | Metric::Ssimulacra2 | Metric::Mse => 2,
+        Metric::Jod => 3,
+        Metric::Ssim | Metric::MsSsim | Metric::Flip | Metric::RelativeMse => 4,
+    };
+    format::fixed(value, digits)
 }
 
 /// Returns the plot position of an upscaler: the base-10 logarithms of its time in milliseconds and of its error. An
 /// error of 0 is plotted at `lane`.
 fn place(point: &TradeOff, lane: f64) -> [f64; 2] {
-    let error = flip(point);
+    let error = point.mean_error();
     [point.ms.median.max(f64::MIN_POSITIVE).log10(), if error > 0.0 { error.log10() } else { lane }]
 }
 
@@ -191,20 +218,22 @@ fn plot(
     session: &Session,
     commands: &mut Vec<Command>,
 ) -> Option<Upscaling> {
-    let least = points.iter().map(flip).filter(|error| *error > 0.0).fold(1.0, f64::min);
-    let lane = least.log10() - LANE;
+    let least = points.iter().map(TradeOff::mean_error).filter(|error| *error > 0.0).reduce(f64::min);
+    let lane = least.unwrap_or(1.0).log10() - LANE;
     let (header, _) = ui.allocate_exact_size(egui::vec2(size.x, budget_line::LABEL_HEIGHT), Sense::hover());
     let below = egui::vec2(size.x, size.y - budget_line::LABEL_HEIGHT - ui.spacing().item_spacing.y);
     let colors: Vec<Color32> = points.iter().map(|point| color(ui, point)).collect();
     let front_color = tokens(ui).text_weak;
-    let response = empty_plot(lane, is_in_motion(session), below).grid_color(tokens(ui).border).show(ui, |plot| {
-        for step in front(points, lane) {
-            plot.line(step.color(front_color).width(1.0));
-        }
-        for (point, color) in points.iter().zip(&colors) {
-            draw(plot, point, lane, *color);
-        }
-    });
+    let metric = session.features.timings.metric_in_use();
+    let response =
+        empty_plot(metric, lane, is_in_motion(session), below).grid_color(tokens(ui).border).show(ui, |plot| {
+            for step in front(points, lane) {
+                plot.line(step.color(front_color).width(1.0));
+            }
+            for (point, color) in points.iter().zip(&colors) {
+                draw(plot, point, lane, *color);
+            }
+        });
     let placed = |point| {
         let [x, y] = place(point, lane);
         PlacedPoint { point, at: response.transform.position_from_point(&PlotPoint::new(x, y)) }
@@ -238,14 +267,16 @@ fn color(ui: &Ui, point: &TradeOff) -> Color32 {
 }
 
 /// Returns the plot with its axes, but without points.
-fn empty_plot(lane: f64, in_motion: bool, size: egui::Vec2) -> Plot<'static> {
+fn empty_plot(metric: Metric, lane: f64, in_motion: bool, size: egui::Vec2) -> Plot<'static> {
+    let name = metric.error_name();
+    let axis = if in_motion { format!("{name} in motion") } else { name.clone() };
     let number =
         |value: f64| format!("{:.2}", 10_f64.powf(value)).trim_end_matches('0').trim_end_matches('.').to_owned();
     Plot::new("error against time of upscalers")
         .width(size.x)
         .height(size.y)
         .x_axis_label("Median frame time (ms)")
-        .y_axis_label(if in_motion { "FLIP in motion" } else { "FLIP" })
+        .y_axis_label(axis)
         .allow_scroll(false)
         .x_grid_spacer(|input| log_marks(&input))
         .y_grid_spacer(move |input| {
@@ -261,7 +292,7 @@ fn empty_plot(lane: f64, in_motion: bool, size: egui::Vec2) -> Plot<'static> {
         .label_formatter(move |position| match position {
             HoverPosition::NearDataPoint { plot_name, position, .. } => {
                 let error = if position.y <= lane + 1e-9 { 0.0 } else { 10_f64.powf(position.y) };
-                Some(format!("{plot_name}: {}, FLIP {error:.4}", format::ms(10_f64.powf(position.x))))
+                Some(format!("{plot_name}: {}, {name} {error:.4}", format::ms(10_f64.powf(position.x))))
             }
             HoverPosition::Elsewhere { .. } => None,
         })
@@ -314,7 +345,8 @@ fn clicked_point(ui: &Ui, points: &[PlacedPoint<'_>]) -> Option<Upscaling> {
         let rect = Rect::from_center_size(*at, egui::Vec2::splat(NEAR_POINTS));
         let label = point.upscaling.label();
         let node = ui.interact(rect, ui.scope_id().with(&label), Sense::click());
-        let words = format!("Point: {label}, {}, FLIP {}", format::ms(point.ms.median), format::fixed(flip(point), 4));
+        let (metric, value) = (point.metric.name(), value_text(point.metric, point.mean()));
+        let words = format!("Point: {label}, {}, {metric} {value}", format::ms(point.ms.median));
         node.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &words));
         clicked = clicked.or(node.clicked().then_some(point.upscaling));
     }

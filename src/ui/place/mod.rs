@@ -136,6 +136,7 @@ impl Session {
                 SceneSource::File(path, _) => std::path::absolute(path).unwrap_or_else(|_| path.clone()),
             },
             mirrored: self.mirrored,
+            time_s: self.scene.time_s(),
             camera: self.state.camera,
             recipe: self.state.recipe,
             picture: match self.state.size {
@@ -183,12 +184,12 @@ impl Session {
             PlaceChange::Go(place) => return self.go(*place),
             PlaceChange::Back | PlaceChange::Forward => {
                 if let Some(visit) = self.features.places.visits.travel(change == PlaceChange::Back) {
-                    // Back and forward keep recipe, picture size, display settings and overlays. Undo covers the recipe
-                    // and the picture size.
+                    // Back and forward keep recipe, picture size, display settings, overlays and the time of the scene.
+                    // Undo covers the recipe and the picture size.
                     let here = self.place();
                     let display = self.features.range.setting(shown_at(&visit)).display;
-                    let InspectionState { recipe, picture, overlays, .. } = here;
-                    return self.go(InspectionState { recipe, picture, overlays, display, ..visit });
+                    let InspectionState { recipe, picture, overlays, time_s, .. } = here;
+                    return self.go(InspectionState { recipe, picture, overlays, display, time_s, ..visit });
                 }
             }
             PlaceChange::Copy => {
@@ -284,6 +285,10 @@ impl Session {
     fn stand_at(&mut self, place: &InspectionState) {
         if place.mirrored != self.mirrored {
             self.mirror_z();
+        }
+        if place.time_s != self.scene.time_s() {
+            self.features.scene_time.is_playing = false;
+            self.scene = self.scene.at(place.time_s);
         }
         self.state.camera = place.camera;
         self.state.recipe = place.recipe;

@@ -81,12 +81,14 @@ impl Visits {
     }
 }
 
-/// Whether two inspection states are equal, ignoring recipe, picture size, display settings and overlays.
+/// Whether two inspection states are equal, ignoring recipe, picture size, display settings, overlays and the time of the
+/// scene, which playback changes.
 fn same_sight(a: &InspectionState, b: &InspectionState) -> bool {
     InspectionState {
         recipe: b.recipe,
         picture: b.picture,
         display: b.display,
+        time_s: b.time_s,
         overlays: b.overlays.clone(),
         ..a.clone()
     } == *b
@@ -103,6 +105,7 @@ mod tests {
         InspectionState {
             scene: "triangle".into(),
             mirrored: false,
+            time_s: 0.0,
             camera: builtin::by_id("triangle").map(|scene| scene.build().home).unwrap(),
             recipe: Recipe::default(),
             picture: None,

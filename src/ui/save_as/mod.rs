@@ -11,6 +11,7 @@ use super::session::Session;
 use crate::inspect::outline::OutlineKind;
 use crate::inspect::project;
 use crate::pipeline::settings::Choice as _;
+use crate::report::animation::AnimationFormat;
 
 /// Content that the window can save to a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,11 +38,15 @@ pub(crate) enum SaveItem {
     LabRun,
     /// State of the window, as a project file.
     Project,
+    /// Recorded camera path, as JSON.
+    CameraPath,
+    /// Compared methods over the frames of the scene, as an animated picture with this file name extension.
+    Animation(AnimationFormat),
 }
 
 impl SaveItem {
     /// Items with an entry “Save … as…” in the menu “File” and in the palette.
-    pub(crate) const LISTED: [Self; 9] = [
+    pub(crate) const LISTED: [Self; 12] = [
         Self::Project,
         Self::Picture,
         Self::Values,
@@ -51,6 +56,9 @@ impl SaveItem {
         Self::Comparison,
         Self::FrameTimes,
         Self::LabRun,
+        Self::CameraPath,
+        Self::Animation(AnimationFormat::Gif),
+        Self::Animation(AnimationFormat::Apng),
     ];
 
     /// Whether the item exists now. Items whose absence has a reason to report always count as present.
@@ -58,6 +66,8 @@ impl SaveItem {
         match self {
             Self::Comparison => session.features.comparison.is_on(),
             Self::LabRun => session.features.lab.open,
+            Self::CameraPath => !session.features.camera_path.keys.is_empty(),
+            Self::Animation(_) => session.scene_frame_count().is_some(),
             _ => true,
         }
     }
@@ -75,6 +85,9 @@ impl SaveItem {
             Self::FrameTimes => "frame times (CSV)",
             Self::LabRun => "2D lab run (HTML)",
             Self::Project => "project",
+            Self::CameraPath => "camera path (JSON)",
+            Self::Animation(AnimationFormat::Gif) => "animation (GIF)",
+            Self::Animation(AnimationFormat::Apng) => "animation (APNG)",
         }
     }
 
@@ -85,7 +98,8 @@ impl SaveItem {
             Self::Values => "pfm",
             Self::Buffers => "exr",
             Self::Outline(_, extension) | Self::LabDrawing(extension) => extension,
-            Self::Case => "json",
+            Self::Case | Self::CameraPath => "json",
+            Self::Animation(format) => format.id(),
             Self::Comparison | Self::Pixel | Self::LabRun => "html",
             Self::Project => project::EXTENSION,
             Self::FrameTimes => "csv",
@@ -107,6 +121,8 @@ impl SaveItem {
             Self::Pixel => "pixel",
             Self::Case => "triangle",
             Self::Comparison => "comparison",
+            Self::CameraPath => "camera-path",
+            Self::Animation(_) => "animation",
             Self::FrameTimes => "frame-times",
             Self::LabDrawing(_) | Self::LabRun => session.features.lab.page.id(),
         }

@@ -7,6 +7,7 @@ pub(crate) mod strip;
 
 use std::sync::Arc;
 
+use super::engine::Request;
 use super::features::Feature;
 use super::session::Session;
 use super::window_task::WindowTask;
@@ -100,21 +101,25 @@ impl Feature for SceneTime {
 }
 
 impl Session {
-    /// Returns the number of the frame that the animated scene shows, counted from time 0.
+    /// Returns the number of the frame that is shown, counted from time 0.
     pub(crate) fn scene_frame(&self) -> i64 {
-        (self.scene.time_s() * f64::from(self.features.scene_time.frames_per_second)).round() as i64
+        (self.shown_time_s() * f64::from(self.features.scene_time.frames_per_second)).round() as i64
     }
 
-    /// Returns the number of frames of one loop of the scene's motion, at least 1; `None` for a still scene.
+    /// Returns the number of frames of one loop of the scene's motion, or of the recorded camera path if it is longer, at
+    /// least 1; `None` for a still scene without a path.
     pub(crate) fn scene_frame_count(&self) -> Option<i64> {
-        let motion = self.scene.animation.as_ref()?;
-        let frames = motion.duration_s() * f64::from(self.features.scene_time.frames_per_second);
-        Some((frames.round() as i64).max(1))
+        let frames =
+            |duration_s: f64| (duration_s * f64::from(self.features.scene_time.frames_per_second)).round() as i64;
+        let of_scene = self.scene.animation.as_ref().map(|motion| frames(motion.duration_s()).max(1));
+        // A loop of the scene ends before its first pose appears again, a path ends with its last view.
+        let of_path = self.features.camera_path.duration_s().map(|duration_s| frames(duration_s) + 1);
+        of_scene.max(of_path)
     }
 
-    /// Poses the scene at the time of a frame.
+    /// Shows the time of a frame.
     fn show_scene_frame(&mut self, frame: i64) {
-        self.scene = self.scene.at(self.time_of_frame_s(frame));
+        self.show_time(self.time_of_frame_s(frame));
     }
 
     fn time_of_frame_s(&self, frame: i64) -> f64 {
@@ -134,6 +139,8 @@ impl Session {
                 let tiles = compared.tiles.len() == compared.request.recipes.len();
                 tiles && Arc::ptr_eq(&compared.request.scene, &self.scene)
             });
-        is_compared && self.view.as_ref().is_some_and(|view| Arc::ptr_eq(&view.request.scene, &self.scene))
+        let is_shown =
+            |request: &Request| Arc::ptr_eq(&request.scene, &self.scene) && request.camera == self.state.camera;
+        is_compared && self.view.as_ref().is_some_and(|view| is_shown(&view.request))
     }
 }

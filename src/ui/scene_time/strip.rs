@@ -1,20 +1,21 @@
-//! The strip below the picture of an animated scene: playback controls, time, speed and frame rate.
+//! The strip below the picture of an animated scene or of a camera path: playback controls, time, speed and frame rate.
 
 use eframe::egui::{RichText, Slider, Ui};
 
 use super::{FRAME_RATES, SPEEDS, SceneTimeChange};
+use crate::ui::camera_path;
 use crate::ui::command::Command;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, tokens};
 use crate::ui::widgets::{combo, icon_button};
 
-/// Draws the strip; nothing for a still scene.
+/// Draws the strip; nothing for a still scene without a camera path.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let Some(count) = session.scene_frame_count() else { return };
     let time = &session.features.scene_time;
     let before = commands.len();
-    let mut change = |change| commands.push(Command::SceneTime(change));
     ui.horizontal_wrapped(|ui| {
+        let mut change = |change| commands.push(Command::SceneTime(change));
         ui.label(RichText::new("Scene").color(tokens(ui).text_weak));
         if icon_button(ui, Icon::ChevronFirst, "Go to the first frame").clicked() {
             change(SceneTimeChange::Go(0));
@@ -41,8 +42,8 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         if frame != shown {
             change(SceneTimeChange::Go(frame));
         }
-        let seconds = format!("{:.2} s", session.scene.time_s());
-        ui.label(RichText::new(seconds).monospace()).on_hover_text("Time of the pose");
+        let seconds = format!("{:.2} s", session.shown_time_s());
+        ui.label(RichText::new(seconds).monospace()).on_hover_text("Shown time");
         let mut speed = time.speed;
         let list = combo("scene speed", &format!("×{speed}"), 56.0).show_ui(ui, |ui| {
             for choice in SPEEDS {
@@ -69,6 +70,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         if loops != time.loops {
             change(SceneTimeChange::Loop(loops));
         }
+        camera_path::strip::ui(ui, session, commands);
     });
     if time.is_playing && commands.len() == before {
         commands.push(Command::SceneTime(SceneTimeChange::Tick(ui.input(|i| i.stable_dt))));

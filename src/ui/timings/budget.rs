@@ -1,6 +1,8 @@
 //! Time budget of a frame, and the method with the lowest error within it.
 
 use super::TradeOff;
+use crate::measure::metric::Metric;
+use crate::pipeline::settings::Choice as _;
 use crate::ui::format;
 use crate::upscale::Upscaling;
 
@@ -16,7 +18,7 @@ pub(crate) const MAX_MS: f64 = 10_000.0;
 /// Method with the lowest error among those within the time budget.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum BudgetWinner {
-    /// Upscaler with the lowest FLIP error; of several with the same error, the fastest.
+    /// Upscaler with the lowest error by the metric in use; of several with the same error, the fastest.
     Best(Upscaling),
     /// The median times of all methods exceed the budget.
     NothingFits,
@@ -30,11 +32,11 @@ impl BudgetWinner {
         if methods.is_empty() {
             return Self::NoErrors;
         }
-        let rank = |method: &TradeOff| (method.error.motion.mean.flip, method.ms.median);
+        let rank = |method: &TradeOff| (method.mean_error(), method.ms.median);
         let within = methods.iter().filter(|method| method.ms.median <= budget_ms);
         let best = within.min_by(|a, b| {
-            let ((a_flip, a_ms), (b_flip, b_ms)) = (rank(a), rank(b));
-            a_flip.total_cmp(&b_flip).then(a_ms.total_cmp(&b_ms))
+            let ((a_error, a_ms), (b_error, b_ms)) = (rank(a), rank(b));
+            a_error.total_cmp(&b_error).then(a_ms.total_cmp(&b_ms))
         });
         best.map_or(Self::NothingFits, |method| Self::Best(method.upscaling))
     }
@@ -47,15 +49,21 @@ impl BudgetWinner {
         }
     }
 
-    /// Describes the winner for a budget in milliseconds, for example “Lanczos 2 ×2: lowest FLIP within 2.0 ms”.
-    pub(crate) fn words(self, budget_ms: f64) -> String {
+    /// Describes the winner by a metric for a budget in milliseconds, for example “Lanczos 2 ×2: lowest FLIP within
+    /// 2.0 ms”.
+    pub(crate) fn words(self, metric: Metric, budget_ms: f64) -> String {
         let budget = text(budget_ms);
         match self {
-            Self::Best(upscaling) => format!("{}: lowest FLIP within {budget}", upscaling.label()),
+            Self::Best(upscaling) => format!("{}: {} within {budget}", upscaling.label(), best_words(metric)),
             Self::NothingFits => format!("No method within {budget}"),
             Self::NoErrors => format!("Budget {budget}: errors not measured"),
         }
     }
+}
+
+/// Describes the best value of a metric: “lowest FLIP” or “highest PSNR”.
+pub(crate) fn best_words(metric: Metric) -> String {
+    format!("{} {}", if metric.is_larger_better() { "highest" } else { "lowest" }, metric.name())
 }
 
 /// Returns the default budget for a median time of native rendering, both in milliseconds: about half of it, as 1, 2 or
@@ -102,6 +110,7 @@ mod tests {
             ms: summarize(&[ms]).unwrap(),
             error: MethodError { still, motion: MotionError::of(&[still]).unwrap() },
             standing: Standing::Front,
+            metric: Metric::Flip,
             native_within_noise: false,
         }
     }
@@ -121,7 +130,8 @@ mod tests {
         assert_eq!(winner(2.0), best("bilinear"), "the faster of two with the same error");
         assert_eq!(winner(9.0), best("native"));
         assert_eq!(BudgetWinner::of(&[], 2.0), BudgetWinner::NoErrors);
-        assert_eq!(winner(2.0).words(2.0), "Bilinear ×2: lowest FLIP within 2.0\u{2009}ms");
+        assert_eq!(winner(2.0).words(Metric::Flip, 2.0), "Bilinear ×2: lowest FLIP within 2.0\u{2009}ms");
+        assert_eq!(winner(2.0).words(Metric::Ssim, 2.0), "Bilinear ×2: highest SSIM within 2.0\u{2009}ms");
     }
 
     #[test]

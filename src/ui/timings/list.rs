@@ -4,6 +4,7 @@
 use std::collections::{BTreeSet, VecDeque};
 
 use super::TimingsView;
+use crate::measure::metric::Metric;
 use crate::measure::motion::Turn;
 use crate::ui::workspace::Panel;
 use crate::upscale::{Scale, Upscaling};
@@ -51,6 +52,8 @@ pub(crate) enum TimingsChange {
     Budget(f64),
     /// Sets the camera motion for the next measurement of the upscalers.
     Turn(Turn),
+    /// Sets the metric that ranks the upscalers.
+    Metric(Metric),
     /// Pauses or resumes the recording of recent frame times.
     TogglePaused,
     /// Exports all frame times to a CSV file.

@@ -4,6 +4,7 @@
 use super::WorkerResponse;
 use crate::chain::Recipe;
 use crate::measure::against::ErrorMetrics;
+use crate::measure::metric::Metric;
 use crate::measure::motion::{ErrorMeasurement, FrameSequence, MotionError, Turn};
 use crate::measure::reference::Reference;
 use crate::measure::rounds::RoundTimer;
@@ -24,6 +25,8 @@ pub(crate) struct MeasureRequest {
     pub(crate) reference: Reference,
     /// Motion of the camera over the measured frames.
     pub(crate) turn: Turn,
+    /// Metric to measure besides those of every measurement.
+    pub(crate) metric: Metric,
 }
 
 /// Error of an upscaler over the frames measured so far.
@@ -54,7 +57,8 @@ impl Measurement {
         let recipe = request.of.recipe;
         let timed: Vec<_> = methods.iter().map(|upscaler| Recipe { upscaler: *upscaler, ..recipe }).collect();
         let judge = || {
-            ErrorMeasurement::new(request.reference, timed.iter().map(|recipe| Recipe { wireframe: false, ..*recipe }))
+            let drawn = timed.iter().map(|recipe| Recipe { wireframe: false, ..*recipe });
+            ErrorMeasurement::new(request.reference, drawn).selecting(request.metric)
         };
         Self {
             timer: RoundTimer::new(&timed, MEASURE_ROUNDS),

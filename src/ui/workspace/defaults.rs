@@ -52,15 +52,20 @@ impl Workspace {
                 part(
                     Layout::Column(vec![
                         part(Layout::Panel(Panel::Picture), REST),
-                        part(tabs(&[Panel::FilterTaps]), BELOW_HEIGHT),
+                        part(tabs(&[Panel::FilterTaps, Panel::OverTime]), BELOW_HEIGHT),
                     ]),
                     REST,
                 ),
                 part(tabs(&[Panel::Stages, Panel::Pixel, Panel::PictureFiles, Panel::OtherRenderer]), COMPARED_WIDTH),
             ]),
-            Self::Measure => {
-                tabs(&[Panel::FrameTime, Panel::ErrorTime, Panel::Scaling, Panel::SkippedWork, Panel::Log])
-            }
+            Self::Measure => tabs(&[
+                Panel::FrameTime,
+                Panel::ErrorTime,
+                Panel::OverTime,
+                Panel::Scaling,
+                Panel::SkippedWork,
+                Panel::Log,
+            ]),
             Self::Robustness => Layout::Row(vec![
                 part(tabs(&[Panel::Stability, Panel::Probe, Panel::Assertions]), REST),
                 part(

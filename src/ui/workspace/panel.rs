@@ -17,7 +17,8 @@ use crate::ui::panels::inspector::Inspector;
 use crate::ui::session::Session;
 use crate::ui::thumbnails::Thumbnails;
 use crate::ui::{
-    checks, compare, explaining, fates, lab, mesh_view, panels, picture_panel, probe, range, trace, vertices, watch,
+    checks, compare, explaining, fates, lab, mesh_view, over_time, panels, picture_panel, probe, range, trace,
+    vertices, watch,
 };
 
 /// Description of a panel, declared in the file of the panel.
@@ -148,6 +149,8 @@ panels! {
     FrameTime = panels::frame_times::PANEL,
     /// Error against time of each upscaler.
     ErrorTime = panels::tradeoff::PANEL,
+    /// Errors of the compared upscalers in every frame.
+    OverTime = over_time::panel::PANEL,
     /// Frame time against triangles, pixels, layers and threads.
     Scaling = panels::scaling::PANEL,
     /// Parts of the pipeline that each draw runs or skips.

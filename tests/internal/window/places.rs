@@ -4,7 +4,9 @@ use eframe::egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use rasterscope::inspect::{Buffer, Stage};
 use rasterscope::pipeline::settings::{Choice as _, DepthFormat};
+use rasterscope::ui::command::Command;
 use rasterscope::ui::engine::Shown;
+use rasterscope::ui::scene_time::SceneTimeChange;
 
 use super::bench::Bench;
 
@@ -30,6 +32,23 @@ fn a_bookmark_is_set_and_opened_by_keys() {
     assert_eq!((bench.session().pick, bench.session().shown), (pick, shown));
     assert_eq!(bench.image(), image);
     assert_eq!(pick, Some((40, 30)));
+}
+
+#[test]
+fn a_bookmark_has_the_time_of_the_scene_and_the_history_does_not() {
+    let mut bench = Bench::small("chess-motion");
+    let go = |bench: &mut Bench, frame| {
+        bench.session_mut().apply(Command::SceneTime(SceneTimeChange::Go(frame)));
+        bench.rest();
+    };
+    go(&mut bench, 12);
+    let image = bench.image();
+    bench.press_with(Modifiers::COMMAND, Key::B);
+    go(&mut bench, 40);
+    assert!(bench.image() != image && !bench.session().features.places.visits.can_go_back());
+    bench.press_with(Modifiers::ALT, Key::Num1);
+    assert_eq!(bench.session().scene_frame(), 12);
+    assert!(bench.image() == image);
 }
 
 #[test]

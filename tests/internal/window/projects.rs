@@ -16,6 +16,7 @@ use super::bench::Bench;
 use crate::ui::compare::files::{PictureLook, PictureRole};
 use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::files::FileCommand;
+use crate::ui::scene_time::SceneTimeChange;
 use crate::ui::sequences::SequenceChange;
 use crate::ui::session::Severity;
 
@@ -50,6 +51,19 @@ fn reopened(scene: &str, project: &Path) -> Bench {
     bench.drop_file(project);
     bench.rest();
     bench
+}
+
+#[test]
+fn the_time_of_the_scene_comes_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("time.rasterscope");
+    let mut first = Bench::small("chess-motion");
+    first.session_mut().apply(Command::SceneTime(SceneTimeChange::Go(17)));
+    first.rest();
+    save(&mut first, &path);
+    let second = reopened("triangle", &path);
+    assert_eq!(second.session().scene_frame(), 17);
+    assert_eq!(second.image(), first.image());
 }
 
 #[test]

@@ -15,6 +15,7 @@ use rasterscope::ui::command::Command;
 use rasterscope::ui::save_as::SaveItem;
 
 use super::bench::Bench;
+use crate::ui::camera_path::CameraPathChange;
 use crate::ui::files::FileCommand;
 use crate::ui::lab::LabChange;
 
@@ -50,6 +51,7 @@ fn every_item_suggests_a_name_and_is_saved() {
     let folder = tempfile::tempdir().unwrap();
     let mut bench = Bench::small("triangle");
     bench.session_mut().features.files.folder = folder.path().to_owned();
+    bench.session_mut().apply(Command::CameraPath(CameraPathChange::Add));
     bench.press(Key::T);
     for item in SaveItem::LISTED {
         bench.window.state_mut().queue(vec![Command::File(FileCommand::SaveAs(item))]);

@@ -4,6 +4,7 @@ use eframe::egui::{Event, Key, Modifiers, Role};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use rasterscope::inspect::Buffer;
 use rasterscope::inspect::overlays::Overlay;
+use rasterscope::measure::metric::Metric;
 use rasterscope::pipeline::settings::{Choice as _, FillRule};
 use rasterscope::scene::Camera;
 use rasterscope::ui::engine::Shown;
@@ -177,7 +178,7 @@ fn upscalers_are_measured_and_compared_by_keys() {
     user.type_text("2");
     user.press(Key::Enter);
     assert_eq!(user.bench.session().features.timings.budget_ms(), 2.0);
-    let winner = user.bench.session().features.timings.budget_winner().words(2.0);
+    let winner = user.bench.session().features.timings.budget_winner().words(Metric::Flip, 2.0);
     assert!(user.bench.says(&winner), "{winner}");
     user.took(3);
 

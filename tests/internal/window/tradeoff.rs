@@ -3,10 +3,13 @@
 use eframe::egui::{Modifiers, Pos2, Role, Vec2};
 use egui_kittest::kittest::Queryable as _;
 use rasterscope::measure::against::figures;
+use rasterscope::measure::metric::Metric;
 use rasterscope::measure::motion::Turn;
 use rasterscope::report::upscaling::tradeoff::Standing;
+use rasterscope::ui::command::Command;
 use rasterscope::ui::compare::Mode;
 use rasterscope::ui::session::PictureSize;
+use rasterscope::ui::timings::TimingsChange;
 use rasterscope::ui::workspace::Panel;
 use rasterscope::upscale::Upscaling;
 
@@ -40,6 +43,29 @@ fn every_upscaler_becomes_a_point_with_its_error_against_native() {
     let (expected, _) = figures(&bench.image(), &before).expect("same size");
     let point = points.iter().find(|point| point.upscaling == wanted).expect("it is measured");
     assert_eq!((point.error.still, point.error.motion.mean), (expected, expected));
+}
+
+#[test]
+fn any_metric_ranks_the_upscalers_and_slow_ones_need_a_measurement() {
+    let mut bench = Bench::small("triangle");
+    bench.show_panel(Panel::ErrorTime);
+    bench.click("Measure error and time");
+    let choose = |bench: &mut Bench, metric: Metric| {
+        bench.session_mut().apply(Command::Timings(TimingsChange::Metric(metric)));
+        bench.rest();
+    };
+    choose(&mut bench, Metric::Psnr);
+    for point in bench.session().features.timings.tradeoff() {
+        assert_eq!((point.metric, point.mean()), (Metric::Psnr, point.error.motion.mean.codes.psnr_db));
+        let label = format!("Point: {},", point.upscaling.label());
+        assert!(bench.mentions(&label), "{label}");
+    }
+    assert!(bench.mentions("highest PSNR within"));
+    choose(&mut bench, Metric::Ssimulacra2);
+    assert!(bench.mentions("SSIMULACRA2 is not in this measurement, FLIP is shown"));
+    bench.click("Measure error and time");
+    let points = bench.session().features.timings.tradeoff();
+    assert!(points.iter().all(|point| point.metric == Metric::Ssimulacra2 && point.mean() <= 100.0));
 }
 
 #[test]

@@ -62,6 +62,9 @@ pub struct Project {
     /// Whether the scene is mirrored in z. `camera` views the mirrored scene.
     #[serde(default)]
     mirrored: bool,
+    /// Time of the pose of an animated scene, in seconds.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    time_s: f64,
     /// Camera of the view.
     #[serde(with = "camera_file")]
     camera: Camera,
@@ -103,6 +106,10 @@ pub struct Project {
     pub probe: Option<Probe>,
 }
 
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
 fn color() -> Buffer {
     Buffer::Color
 }
@@ -126,6 +133,7 @@ impl Project {
             fingerprint: None,
             tr,
             mirrored: state.mirrored,
+            time_s: state.time_s,
             camera: state.camera,
             settings: state.recipe,
             size: (size.width, size.height),
@@ -220,6 +228,7 @@ impl Project {
         InspectionState {
             scene: self.scene.clone(),
             mirrored: self.mirrored,
+            time_s: self.time_s,
             camera: self.camera,
             recipe: self.settings,
             picture: Some(self.size),

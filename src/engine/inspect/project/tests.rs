@@ -17,6 +17,7 @@ fn project() -> Project {
     let state = InspectionState {
         scene: "chess".into(),
         mirrored: true,
+        time_s: 0.7,
         camera: Camera { eye: home.eye * 1.1, near: 0.1 + 0.2, ..home },
         recipe,
         picture: None,
@@ -76,6 +77,18 @@ fn a_project_comes_back_as_it_was_saved() {
     assert_eq!(project, saved);
     assert!(warnings.is_empty(), "{warnings:?}");
     assert!(bytes.len() < 4000, "{}", String::from_utf8_lossy(&bytes));
+}
+
+#[test]
+fn the_time_is_stored_unless_it_is_zero_and_old_projects_show_time_zero() {
+    let text = |time_s: f64| {
+        let mut project = project();
+        project.time_s = time_s;
+        String::from_utf8(project.encode(Path::new("/projects")).unwrap()).unwrap()
+    };
+    assert!(text(0.1).contains("\"time_s\": 0.1") && !text(0.0).contains("time_s"));
+    assert_eq!(read(text(0.0).as_bytes()).unwrap().project.state().time_s, 0.0);
+    assert_eq!(read(text(0.1).as_bytes()).unwrap().project.state().time_s, 0.1);
 }
 
 #[test]

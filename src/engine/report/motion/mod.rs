@@ -7,6 +7,9 @@
 
 mod page;
 
+mod sheet;
+
+use std::io;
 use std::sync::Arc;
 
 use serde::Serialize;
@@ -17,6 +20,7 @@ use crate::measure::against::{ErrorMetrics, PreparedReference};
 use crate::measure::jod::{SequenceJod, Viewing};
 use crate::measure::machine::Machine;
 use crate::measure::motion::{MotionError, Turn};
+use crate::measure::noise::{Noise, Pairs};
 use crate::measure::reference::ProgressiveRender;
 use crate::measure::shot::Shot;
 use crate::measure::temporal::MotionField;
@@ -27,6 +31,7 @@ use crate::measure::timing::{Summary, summarize};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 use crate::upscale::Upscaling;
+use sheet::{FrameSheet, SheetRow};
 
 /// Number of frames after a disocclusion in which an error counts as ghosting.
 pub const GHOST_FRAMES: u32 = 4;
@@ -48,6 +53,8 @@ pub struct MotionPlan {
     pub samples: u32,
     /// Pixels per degree of visual angle, for ColorVideoVDP.
     pub pixels_per_degree: f64,
+    /// Whether to keep small pictures of every method and frame for the page.
+    pub keeps_pictures: bool,
 }
 
 /// Errors and times of all methods over a clip.
@@ -67,12 +74,17 @@ pub struct MotionReport {
     pub pixels_per_degree: f64,
     /// Fraction of the pixels that are disoccluded, mean over the frames, in [0, 1].
     pub disoccluded_share: f64,
+    /// Noise floor of the times, from neighbouring frames of the same method; `None` if there are too few.
+    pub noise: Option<Noise>,
     /// Processor, threads and load of the machine during the measurement.
     pub machine: Machine,
     /// Results of each method, in the order of the plan.
     pub methods: Vec<MethodInMotion>,
     /// Whether the measurement was cancelled before the last frame.
     pub partial: bool,
+    /// Contact sheets of the frames, if the plan keeps pictures.
+    #[serde(skip)]
+    sheets: Vec<FrameSheet>,
 }
 
 /// Errors and times of one method over a clip.
@@ -104,13 +116,16 @@ pub type Progress<'a> = &'a mut dyn FnMut(u32, u32) -> bool;
 
 /// Measures a clip. `go_on` receives the number of drawn frames and their total, and returns whether to continue. Returns
 /// `None` if cancelled before two frames were measured.
-pub fn measure(plan: &MotionPlan, go_on: Progress<'_>) -> Option<MotionReport> {
+///
+/// # Errors
+/// Returns an error if a picture of the page cannot be encoded.
+pub fn measure(plan: &MotionPlan, go_on: Progress<'_>) -> io::Result<Option<MotionReport>> {
     let machine = Machine::at_start();
     let viewing = Viewing { pixels_per_degree: plan.pixels_per_degree, frames_per_second: plan.shot.frames_per_second };
     let mut methods: Vec<_> = plan.upscalers.iter().map(|upscaler| Method::new(plan, *upscaler, viewing)).collect();
     let total = plan.frames + Turn::WARM_UP;
     let mut before: Option<FrameReference> = None;
-    let (mut measured, mut disoccluded_share) = (0, 0.0);
+    let (mut measured, mut disoccluded_share, mut sheets) = (0, 0.0, Vec::new());
     for number in -i64::from(Turn::WARM_UP)..i64::from(plan.frames) {
         if !go_on((number + i64::from(Turn::WARM_UP)) as u32, total) {
             break;
@@ -124,17 +139,25 @@ pub fn measure(plan: &MotionPlan, go_on: Progress<'_>) -> Option<MotionReport> {
         }
         let reference = FrameReference::new(plan, (scene, camera), before.as_ref());
         disoccluded_share += reference.disoccluded_share();
+        let mut rows = plan.has_sheet(measured).then(|| vec![reference.row()]);
         for method in &mut methods {
             let picture = method.draw(&reference.scene, &reference.camera, plan.viewport);
-            method.judge(picture, &reference, before.as_ref())?;
+            let Some(flip) = method.judge(&picture, &reference, before.as_ref()) else { return Ok(None) };
+            if let Some(rows) = &mut rows {
+                rows.push(SheetRow::of_method(&picture, &flip));
+            }
+            method.before = Some(picture);
+        }
+        if let Some(rows) = rows {
+            sheets.push(FrameSheet::new(measured, &rows, sheet::bytes_per_sheet(plan.frames))?);
         }
         before = Some(reference);
         measured += 1;
     }
     if measured < 2 {
-        return None;
+        return Ok(None);
     }
-    Some(MotionReport {
+    Ok(Some(MotionReport {
         scene: plan.shot.scene.name.clone(),
         size_px: [plan.viewport.width, plan.viewport.height],
         frames: measured,
@@ -142,10 +165,26 @@ pub fn measure(plan: &MotionPlan, go_on: Progress<'_>) -> Option<MotionReport> {
         samples_per_pixel: plan.samples,
         pixels_per_degree: plan.pixels_per_degree,
         disoccluded_share: disoccluded_share / f64::from(measured - 1),
+        noise: noise(&methods),
         machine: machine.at_end(),
         methods: methods.into_iter().filter_map(Method::finish).collect(),
         partial: measured < plan.frames,
-    })
+        sheets,
+    }))
+}
+
+/// Returns the noise floor of the times of all methods.
+fn noise(methods: &[Method]) -> Option<Noise> {
+    let mut pairs = Pairs::default();
+    methods.iter().for_each(|method| pairs.add_alternating(method.measured_ms()));
+    pairs.noise()
+}
+
+impl MotionPlan {
+    /// Whether the page has pictures of a frame.
+    fn has_sheet(&self, frame: u32) -> bool {
+        self.keeps_pictures && frame.is_multiple_of(sheet::step(self.frames))
+    }
 }
 
 /// Reference of a frame, and its motion since the preceding frame.
@@ -187,6 +226,12 @@ impl FrameReference {
             picture,
             motion,
         }
+    }
+
+    /// Returns the row of the contact sheet.
+    fn row(&self) -> SheetRow {
+        let is_disoccluded = |x, y| self.motion.as_ref().is_some_and(|motion| motion.at(x, y)[0].is_nan());
+        SheetRow::of_reference(&self.picture, is_disoccluded)
     }
 
     fn disoccluded_share(&self) -> f64 {
@@ -235,37 +280,38 @@ impl Method {
         picture
     }
 
-    /// Compares a picture with the reference of its frame. Returns `None` if the sizes differ.
+    /// Compares a picture with the reference of its frame, and returns the FLIP error of every pixel. Returns `None` if
+    /// the sizes differ.
     fn judge(
         &mut self,
-        picture: Image<Rgba8>,
+        picture: &Image<Rgba8>,
         reference: &FrameReference,
         before: Option<&FrameReference>,
-    ) -> Option<()> {
-        let (metrics, flip) = reference.prepared.figures(&picture)?;
+    ) -> Option<Image<f32>> {
+        let (metrics, flip) = reference.prepared.figures(picture)?;
         self.errors.push(metrics);
-        self.jod = self.jod.take().and_then(|mut jod| jod.add(&picture, &reference.picture).map(|()| jod));
+        self.jod = self.jod.take().and_then(|mut jod| jod.add(picture, &reference.picture).map(|()| jod));
         if let (Some(motion), Some(before), Some(picture_before)) = (&reference.motion, before, &self.before) {
-            let frames = FramePair {
-                picture: &picture,
-                picture_before,
-                reference: &reference.picture,
-                reference_before: &before.picture,
-            };
+            let frames =
+                FramePair { picture, picture_before, reference: &reference.picture, reference_before: &before.picture };
             self.flicker.extend(Flicker::of(&frames, motion));
             self.ghosting.extend(Ghosting::of(&flip, &reference.visibility.recently_disoccluded(GHOST_FRAMES)));
-            self.lag.extend(Lag::of(&picture, &reference.picture, motion));
+            self.lag.extend(Lag::of(picture, &reference.picture, motion));
         }
-        self.before = Some(picture);
-        Some(())
+        Some(flip)
+    }
+
+    /// Returns the times of the measured frames in milliseconds, without those of warm-up frames.
+    fn measured_ms(&self) -> &[f64] {
+        &self.times_ms[self.times_ms.len().saturating_sub(self.errors.len())..]
     }
 
     fn finish(self) -> Option<MethodInMotion> {
-        let measured = self.times_ms.len().saturating_sub(self.errors.len());
+        let frame_ms = summarize(self.measured_ms())?;
         Some(MethodInMotion {
             label: self.recipe.upscaler.label(),
             upscaler: self.recipe.upscaler,
-            frame_ms: summarize(&self.times_ms[measured..])?,
+            frame_ms,
             jod: self.jod.and_then(SequenceJod::finish),
             error: MotionError::of(&self.errors)?,
             flicker: Flicker::over(&self.flicker),
@@ -278,8 +324,19 @@ impl Method {
 
 impl MotionReport {
     /// Names of the columns of [`Self::rows`].
-    pub const HEADS: [&'static str; 9] =
-        ["method", "ms, median", "JOD", "PSNR, dB", "SSIM", "FLIP, mean", "FLIP, worst", "flicker", "ghosting"];
+    pub const HEADS: [&'static str; 11] = [
+        "method",
+        "ms, median",
+        "ms, p10–p90",
+        "JOD",
+        "PSNR, dB",
+        "SSIM",
+        "FLIP, mean",
+        "FLIP, worst",
+        "flicker",
+        "ghosting",
+        "lag, frames",
+    ];
 
     /// Returns the cells of the table, one row per method, in the order of the plan.
     pub fn rows(&self) -> Vec<Vec<String>> {
@@ -290,6 +347,7 @@ impl MotionReport {
             vec![
                 method.label.clone(),
                 format!("{:.2}", method.frame_ms.median),
+                format!("{:.2}–{:.2}", method.frame_ms.p10, method.frame_ms.p90),
                 optional(method.jod, 3),
                 format!("{:.2}", method.error.mean.codes.psnr_db),
                 format!("{:.4}", method.error.mean.codes.ssim),
@@ -297,6 +355,7 @@ impl MotionReport {
                 format!("{:.4}", method.error.worst.flip),
                 optional(method.flicker.map(|flicker| flicker.flicker), 3),
                 optional(method.ghosting.map(|ghosting| ghosting.ghosting), 4),
+                optional(method.lag.map(|lag| lag.frames), 2),
             ]
         };
         self.methods.iter().map(row).collect()
@@ -311,6 +370,7 @@ impl MotionReport {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::html::MAX_PAGE_BYTES;
     use crate::scene::builtin;
 
     fn report(scene: &str, upscalers: &[(&str, u32)]) -> MotionReport {
@@ -323,8 +383,9 @@ mod tests {
             frames: 3,
             samples: 8,
             pixels_per_degree: 67.0,
+            keeps_pictures: true,
         };
-        measure(&plan, &mut |_, _| true).unwrap()
+        measure(&plan, &mut |_, _| true).unwrap().unwrap()
     }
 
     #[test]
@@ -340,8 +401,23 @@ mod tests {
         assert!(nearest.error.mean.flip > 2.0 * native.error.mean.flip);
         assert!(nearest.jod < native.jod && nearest.jod < taa.jod);
         assert!(report.disoccluded_share > 0.0 && report.disoccluded_share < 0.2, "{}", report.disoccluded_share);
-        assert!(report.html("command").contains("TAA"));
         assert_eq!(report.rows()[0].len(), MotionReport::HEADS.len());
+        assert!(report.noise.is_some());
+    }
+
+    #[test]
+    fn the_page_has_the_pictures_of_every_frame_and_loads_nothing() {
+        let report = report("chess-motion", &[("native", 1), ("taa", 1)]);
+        let html = report.html("command");
+        assert!(html.len() <= MAX_PAGE_BYTES && !html.contains("<script"), "{}", html.len());
+        for frame in 0..3 {
+            assert!(html.contains(&format!("<section class=\"frame\" id=\"frame-{frame}\"")), "frame {frame}");
+            assert!(html.contains(&format!("href=\"#frame-{frame}\"")), "a link to frame {frame}");
+        }
+        assert_eq!(html.matches("data:image/jpeg").count(), 3, "one sheet per frame");
+        assert_eq!(html.matches("class=\"strip\"").count(), 3 * 3, "reference and two methods");
+        let addresses = html.matches("http").count() - html.matches("http-equiv").count();
+        assert_eq!(addresses, 0, "no address of another file");
     }
 
     #[test]

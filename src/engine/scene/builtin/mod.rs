@@ -26,6 +26,7 @@ mod textures;
 mod triangles;
 mod walker;
 mod wheels;
+mod wheels_motion;
 pub(crate) mod workload;
 mod z_fighting;
 
@@ -70,6 +71,7 @@ pub const ALL: &[Builtin] = &[
     walker::WALKER,
     leaves::LEAVES,
     blinking::BLINKING,
+    wheels_motion::WHEELS_MOTION,
     black::BACK_FACING,
     black::NEAR_CLIPPED,
     black::Z_FOUGHT,

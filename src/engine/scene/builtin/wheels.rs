@@ -21,7 +21,7 @@ pub(super) const WHEELS: Builtin = Builtin {
 };
 
 /// Number of spokes of the wheel. Apart from the painted spoke, the wheel looks the same after a twelfth of a turn.
-const SPOKES: u32 = 12;
+pub(super) const SPOKES: u32 = 12;
 
 /// Clockwise rotation of the wheel per frame, in degrees.
 const TURN_DEGREES: f32 = 27.0;
@@ -52,7 +52,7 @@ fn draft() -> SceneDraft {
 }
 
 /// Returns the rim of a wheel: a ring from radius 0.88 to 1.
-fn rim() -> MeshData {
+pub(super) fn rim() -> MeshData {
     const SEGMENTS: u32 = 72;
     let mut mesh = MeshData { name: "rim".to_owned(), ..MeshData::default() };
     for segment in 0..SEGMENTS {
@@ -67,7 +67,7 @@ fn rim() -> MeshData {
 }
 
 /// Returns a mesh of the spokes with indices in `which`. Each spoke is a bar from the hub to the rim.
-fn spokes(which: std::ops::Range<u32>) -> MeshData {
+pub(super) fn spokes(which: std::ops::Range<u32>) -> MeshData {
     const HALF_WIDTH: f32 = 0.035;
     let mut mesh = MeshData { name: format!("spokes {} to {}", which.start + 1, which.end), ..MeshData::default() };
     for spoke in which {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeSeed, Error, MapAccess, SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::KeyView;
 use crate::scene::{Camera, Projection, SceneError, camera_file};
@@ -27,12 +27,19 @@ struct PathFile {
     keys: Vec<KeyView>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 struct FileKey {
     time_s: f64,
     #[serde(with = "camera_file")]
     camera: Camera,
+}
+
+/// Written form of a path.
+#[derive(Serialize)]
+struct WrittenPath {
+    version: u32,
+    keys: Vec<FileKey>,
 }
 
 fn known_version<'de, D: Deserializer<'de>>(from: D) -> Result<u32, D::Error> {
@@ -95,8 +102,8 @@ impl<'de> Visitor<'de> for KeyAfter {
 }
 
 /// Checks a key view against the one before it.
-fn check(time_s: f64, camera: &Camera, before: Option<KeyView>) -> Result<(), String> {
-    if time_s < 0.0 {
+pub(super) fn check(time_s: f64, camera: &Camera, before: Option<KeyView>) -> Result<(), String> {
+    if time_s.is_nan() || time_s < 0.0 {
         return Err(format!("time_s must be at least 0, not {time_s}"));
     }
     let Some(before) = before else { return Ok(()) };
@@ -108,6 +115,14 @@ fn check(time_s: f64, camera: &Camera, before: Option<KeyView>) -> Result<(), St
         return Err("perspective and orthographic key views are mixed".to_owned());
     }
     Ok(())
+}
+
+/// Encodes key views as a file.
+pub(super) fn encode(keys: &[KeyView]) -> serde_json::Result<Vec<u8>> {
+    let keys = keys.iter().map(|KeyView { time_s, camera }| FileKey { time_s: *time_s, camera: *camera }).collect();
+    let mut bytes = serde_json::to_vec_pretty(&WrittenPath { version: VERSION, keys })?;
+    bytes.push(b'\n');
+    Ok(bytes)
 }
 
 /// Reads the key views of a file.

@@ -24,9 +24,11 @@ enum Motion {
 
 /// View of a camera path at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct KeyView {
-    time_s: f64,
-    camera: Camera,
+pub struct KeyView {
+    /// Time in seconds, at least 0.
+    pub time_s: f64,
+    /// View at this time.
+    pub camera: Camera,
 }
 
 impl CameraPath {
@@ -49,6 +51,44 @@ impl CameraPath {
     /// do not ascend, or if perspective and orthographic views are mixed.
     pub fn read(path: &Path) -> Result<Self, SceneError> {
         file::read(path).map(|keys| Self(Motion::Keys(keys)))
+    }
+
+    /// Creates a path through key views in ascending order of their times.
+    ///
+    /// # Errors
+    /// Returns the reason if there is no key view, if a time is negative or does not ascend, if a camera is invalid, or if
+    /// perspective and orthographic views are mixed.
+    ///
+    /// # Examples
+    /// ```
+    /// use rasterscope_engine::scene::{Camera, CameraPath, KeyView};
+    ///
+    /// let camera = Camera::look_at(glam::Vec3::Z, glam::Vec3::ZERO);
+    /// let keys = [0.0, 2.0].map(|time_s| KeyView { time_s, camera });
+    /// assert_eq!(CameraPath::through(keys.to_vec()).unwrap().duration_s(), 2.0);
+    /// assert!(CameraPath::through(Vec::new()).is_err());
+    /// ```
+    pub fn through(keys: Vec<KeyView>) -> Result<Self, String> {
+        if keys.is_empty() {
+            return Err("a path has at least one key view".to_owned());
+        }
+        let mut before = None;
+        for key in &keys {
+            key.camera.check()?;
+            file::check(key.time_s, &key.camera, before.replace(*key))?;
+        }
+        Ok(Self(Motion::Keys(keys)))
+    }
+
+    /// Encodes the path as a JSON file that [`Self::read`] restores bit for bit. Returns `None` for a preset.
+    ///
+    /// # Errors
+    /// Returns an error if a number has no representation in JSON.
+    pub fn encode(&self) -> serde_json::Result<Option<Vec<u8>>> {
+        match &self.0 {
+            Motion::Preset(_) => Ok(None),
+            Motion::Keys(keys) => file::encode(keys).map(Some),
+        }
     }
 
     /// Returns the length of the path in seconds. Presets repeat after it; at the end of a file, the camera stops.

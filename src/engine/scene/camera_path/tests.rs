@@ -124,3 +124,32 @@ fn a_file_is_read_and_errors_name_line_and_cause() {
         assert!(error.starts_with(message), "{error} instead of {message}");
     }
 }
+
+#[test]
+fn a_written_path_comes_back_bit_for_bit() {
+    let keys = [key(0.0, Vec3::new(0.1, 1.0, 7.3), 0.7), key(1.0 / 3.0, Vec3::new(3.3, -1.0, 4.1), 0.9)];
+    let path = CameraPath::through(keys.to_vec()).unwrap();
+    let text = String::from_utf8(path.encode().unwrap().unwrap()).unwrap();
+    assert_eq!(read(&text), Ok(path));
+    assert_eq!(CameraPath::preset("shake").unwrap().encode().unwrap(), None);
+}
+
+#[test]
+fn key_views_that_no_file_may_have_are_refused() {
+    let flat = |time_s: f64| {
+        let mut key = key(time_s, Vec3::Z, 0.7);
+        key.camera.projection = Projection::Orthographic { height: 2.0 };
+        key
+    };
+    let at = |time_s: f64| key(time_s, Vec3::Z, 0.7);
+    for keys in [
+        vec![],
+        vec![at(-1.0)],
+        vec![at(1.0), at(1.0)],
+        vec![at(2.0), at(1.0)],
+        vec![at(0.0), flat(1.0)],
+        vec![at(f64::NAN)],
+    ] {
+        assert!(CameraPath::through(keys.clone()).is_err(), "{keys:?}");
+    }
+}

@@ -15,7 +15,8 @@ pub(super) fn ui(ui: &mut Ui, row: &MethodRow, session: &Session) {
     ui.strong(row.upscaling.label());
     if session.features.timings.budget_winner().best() == Some(row.upscaling) {
         ui.label(format!(
-            "Best within the budget: lowest FLIP within {}",
+            "Best within the budget: {} within {}",
+            budget::best_words(session.features.timings.metric_in_use()),
             budget::text(session.features.timings.budget_ms())
         ));
     }

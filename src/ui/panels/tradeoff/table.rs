@@ -2,9 +2,10 @@
 
 use eframe::egui::{self, Grid, Rect, RichText, Sense, Ui, vec2};
 
-use super::{choose, color, flip};
-use crate::measure::motion::MotionError;
+use super::{choose, color, value_text};
+use crate::measure::metric::Metric;
 use crate::measure::noise::WITHIN;
+use crate::pipeline::settings::Choice as _;
 use crate::report::upscaling::tradeoff::Standing;
 use crate::ui::command::Command;
 use crate::ui::format;
@@ -17,15 +18,22 @@ use crate::upscale::Upscaling;
 /// Width of a column of the table, in points.
 const FIGURE_POINTS: f32 = 62.0;
 
-/// Headings of the numeric columns of the table, with their tooltips.
-const HEADINGS: [(&str, &str); 6] = [
-    ("ms", "Median frame time"),
-    ("FLIP", "Mean FLIP error over the frames, which ranks the upscalers"),
-    ("worst", "FLIP error of the worst frame"),
-    ("at rest", "FLIP error of the still view after it has converged"),
-    ("PSNR dB", "PSNR computed from the mean squared error over all frames"),
-    ("SSIM", "Mean SSIM over the frames"),
-];
+/// Metrics that the table shows besides the one that ranks the upscalers.
+const FURTHER: [Metric; 3] = [Metric::Flip, Metric::Psnr, Metric::Ssim];
+
+/// Returns the headings of the numeric columns, with their tooltips.
+fn headings(metric: Metric) -> Vec<(String, String)> {
+    let name = metric.name();
+    let further = FURTHER.into_iter().filter(|further| *further != metric);
+    let ranked = [
+        ("ms".to_owned(), "Median frame time".to_owned()),
+        (name.to_owned(), format!("Mean {name} over the frames, which ranks the upscalers")),
+        ("worst".to_owned(), format!("{name} of the frame with the largest FLIP error")),
+        ("at rest".to_owned(), format!("{name} of the still view after it has converged")),
+    ];
+    let further = further.map(|metric| (metric.name().to_owned(), format!("Mean over the frames. {}", metric.help())));
+    ranked.into_iter().chain(further).collect()
+}
 
 /// Size of the dot and of the star in the column of names, in points.
 const MARK: f32 = 12.0;
@@ -49,13 +57,14 @@ pub(super) fn ui(
     commands: &mut Vec<Command>,
 ) -> Option<Upscaling> {
     let mut order: Vec<_> = points.iter().collect();
-    order.sort_by(|a, b| flip(a).total_cmp(&flip(b)));
+    order.sort_by(|a, b| a.mean_error().total_cmp(&b.mean_error()));
     let best = session.features.timings.budget_winner().best();
     let mut hovered = None;
-    Grid::new("tradeoff").num_columns(2 + HEADINGS.len()).striped(true).spacing([10.0, 3.0]).show(ui, |ui| {
+    let headings = headings(session.features.timings.metric_in_use());
+    Grid::new("tradeoff").num_columns(2 + headings.len()).striped(true).spacing([10.0, 3.0]).show(ui, |ui| {
         ui.label("");
         ui.label(RichText::new("Upscaler").small().color(tokens(ui).text_weak));
-        for (heading, help) in HEADINGS {
+        for (heading, help) in &headings {
             figure(ui, heading, FIGURE_POINTS, tokens(ui).text_weak).on_hover_text(help);
         }
         ui.end_row();
@@ -107,7 +116,8 @@ fn name(ui: &mut Ui, point: &TradeOff, session: &Session, is_best: bool) {
         if is_best {
             theme::paint_icon(ui.painter(), mark.center(), Icon::Star, MARK, tokens(ui).accent);
             let budget = budget::text(session.features.timings.budget_ms());
-            response.on_hover_text(format!("Best within the budget: lowest FLIP within {budget}"));
+            response
+                .on_hover_text(format!("Best within the budget: {} within {budget}", budget::best_words(point.metric)));
         } else {
             ui.painter().circle_filled(mark.center(), MARK / 3.0, color(ui, point));
         }
@@ -124,10 +134,11 @@ fn numbers(ui: &mut Ui, point: &TradeOff) -> Rect {
     } else {
         figure(ui, &ms, FIGURE_POINTS, strength).rect
     };
-    let MotionError { mean, worst, .. } = point.error.motion;
-    let psnr = if mean.codes.mse == 0.0 { "identical".to_owned() } else { format::fixed(mean.codes.psnr_db, 2) };
-    let [mean_flip, worst, still] = [mean.flip, worst.flip, point.error.still.flip].map(|flip| format::fixed(flip, 4));
-    for text in [mean_flip, worst, still, psnr, format::fixed(mean.codes.ssim, 4)] {
+    let (motion, metric) = (point.error.motion, point.metric);
+    let ranked = [motion.mean, motion.worst, point.error.still].map(|error| value_text(metric, error.value(metric)));
+    let further = FURTHER.into_iter().filter(|further| *further != metric);
+    let further = further.map(|metric| value_text(metric, motion.mean.value(metric)));
+    for text in ranked.into_iter().chain(further) {
         row = row.union(figure(ui, &text, FIGURE_POINTS, strength).rect);
     }
     row
