@@ -77,6 +77,8 @@ macro_rules! with_features {
             sequences: $crate::ui::sequences::Sequences => Sequence,
             /// Time of an animated scene, and its playback.
             scene_time: $crate::ui::scene_time::SceneTime => SceneTime,
+            /// Earlier frames of the picked pixel.
+            temporal: $crate::ui::temporal::TemporalView => Temporal,
             /// Filmstrip of all upscaling methods below a comparison.
             filmstrip: $crate::ui::filmstrip::Filmstrip => Filmstrip,
             /// Start card, coach and lessons for new users.

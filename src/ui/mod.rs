@@ -135,6 +135,8 @@ pub(crate) mod store;
 
 pub(crate) mod filmstrip;
 
+pub(crate) mod temporal;
+
 pub(crate) mod window_time;
 
 pub(crate) mod answer_time;
