@@ -2,16 +2,20 @@
 
 use std::hint::black_box;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
 
 use crate::inspect::Trace;
+use crate::inspect::temporal::{ClipView, HistoryClip, PixelHistory, TemporalSearch};
 use crate::measure::timing::summarize;
+use crate::pipeline::viewport::Viewport;
 use crate::report::pixel::{PixelPage, describe, explain_fully};
 use clap::Args;
 
 use super::failure::Failure;
 use super::scene_args::{DrawnFrame, FrameArgs};
 use super::seen_args::moment;
+use super::sequence_args::{SequenceRenderer, ShotArgs};
 use super::{output, parse};
 
 /// Arguments of `pixel`.
@@ -23,6 +27,14 @@ pub(crate) struct PixelArgs {
     /// Column and row of the pixel, counted from 0 at the top left [default: the picked pixel of the project]
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = parse::pixel)]
     at: Option<(u32, u32)>,
+
+    /// Number of the frame of a sequence in which the pixel is explained, with the history of all frames from frame 0 on.
+    /// Frame k shows the time k divided by --fps [default: a still view at --time, whose history has converged]
+    #[arg(long = "frame", value_name = "N", conflicts_with_all = ["time", "triangles"])]
+    number: Option<u32>,
+
+    #[command(flatten)]
+    shot: ShotArgs,
 
     /// Number of rasterized triangles to draw before the pixel is explained; all if omitted
     #[arg(long, value_name = "N")]
@@ -78,11 +90,13 @@ pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
     if x >= picture.width || y >= picture.height {
         return Err(outside());
     }
-    let DrawnFrame { scene, recipe, frame, .. } = args.frame.draw(moment(args.triangles, args.fragments))?;
+    let (DrawnFrame { scene, recipe, frame, .. }, clip) = draw(args, picture)?;
     let is_whole = args.triangles.is_none();
-    let report = explain_fully(&scene, &recipe, &frame, (x, y), is_whole).ok_or_else(outside)?;
+    let mut report = explain_fully(&scene, &recipe, &frame, (x, y), is_whole).ok_or_else(outside)?;
     if !args.trace && args.html.is_none() {
-        return if args.json { output::print_json(&report) } else { output::print(&describe(&report)) };
+        report.temporal = clip.and_then(|clip| pixel_history(clip, (x, y)));
+        let text = || describe(&report) + &report.temporal.as_ref().map(PixelHistory::describe).unwrap_or_default();
+        return if args.json { output::print_json(&report) } else { output::print(&text()) };
     }
     let fragment = args.fragment.map(|number| number as usize - 1);
     if let Some(number) = args.fragment.filter(|number| *number as usize > report.fragments.len()) {
@@ -107,6 +121,34 @@ pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
         output::print(&trace.to_string())?;
     }
     args.times.map_or(Ok(()), |times| print_time(times, make))
+}
+
+/// Draws the frame of the options. Returns it with the frames that share its history; those of a frame that is drawn only
+/// up to a triangle are unknown.
+fn draw(args: &PixelArgs, size: Viewport) -> Result<(DrawnFrame, Option<HistoryClip>), Failure> {
+    let (drawn, view, last) = match args.number {
+        Some(number) => {
+            let view = args.frame.view()?;
+            let shot = args.shot.shot(&view)?;
+            let drawn = SequenceRenderer::new(shot.clone(), view.recipe, size).draw(number, None);
+            (drawn, ClipView::Moving(shot), number)
+        }
+        None => {
+            let drawn = args.frame.draw(moment(args.triangles, args.fragments))?;
+            let view = ClipView::Still { scene: Arc::clone(&drawn.scene), camera: drawn.camera };
+            let how = drawn.recipe.upscaler;
+            (drawn, view, how.upscaler().converges_after(how).saturating_sub(1))
+        }
+    };
+    let recipe = drawn.recipe;
+    Ok((drawn, args.triangles.is_none().then_some(HistoryClip { view, recipe, viewport: size, last })))
+}
+
+/// Finds the contribution of earlier frames to a pixel; `None` if the upscaler reads no history.
+fn pixel_history(clip: HistoryClip, pixel: (u32, u32)) -> Option<PixelHistory> {
+    let mut search = TemporalSearch::new(clip, pixel)?;
+    while search.step() {}
+    Some(search.finish())
 }
 
 /// Computes the same trace `times` times and prints the median time.

@@ -162,6 +162,7 @@ impl Workbench {
         finder::update(ui, &mut self.session, shows_fates, is_synchronous);
         self.send_what_if_request(ui);
         self.send_watch_request(ui);
+        self.send_temporal_request(ui);
         self.measure_when_idle(ui);
     }
 

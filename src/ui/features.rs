@@ -81,6 +81,8 @@ macro_rules! with_features {
             camera_path: $crate::ui::camera_path::RecordedPath => CameraPath,
             /// Errors over time of the compared upscalers.
             over_time: $crate::ui::over_time::OverTime => OverTime,
+            /// Earlier frames of the picked pixel.
+            temporal: $crate::ui::temporal::TemporalView => Temporal,
             /// Filmstrip of all upscaling methods below a comparison.
             filmstrip: $crate::ui::filmstrip::Filmstrip => Filmstrip,
             /// Start card, coach and lessons for new users.

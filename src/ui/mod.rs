@@ -137,6 +137,8 @@ pub(crate) mod store;
 
 pub(crate) mod filmstrip;
 
+pub(crate) mod temporal;
+
 pub(crate) mod window_time;
 
 pub(crate) mod answer_time;

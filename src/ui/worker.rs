@@ -13,8 +13,11 @@ use std::time::Duration;
 use super::compare::compute::{CompareRequest, Compared, Comparer};
 use super::engine::{Engine, RenderedView, Request, StageFigures, StageMeasurement};
 use super::filmstrip::drawer::FilmstripDrawer;
+use super::temporal::TemporalRequest;
+use super::temporal::searcher::TemporalSearcher;
 use super::watch::watcher::PixelWatcher;
 use super::what_if::drawer::{Drawer, WhatIfRequest, WhatIfResults};
+use crate::inspect::temporal::PixelHistory;
 use crate::inspect::watch::WatchedPixel;
 use crate::measure::noise::Noise;
 use crate::upscale::Upscaling;
@@ -37,6 +40,8 @@ pub(crate) enum WorkerRequest {
     Compare(Option<Box<CompareRequest>>),
     /// Draws the pictures of the filmstrip; `None` cancels them.
     Filmstrip(Option<Box<CompareRequest>>),
+    /// Finds the history of a pixel; `None` cancels the search.
+    Temporal(Option<Box<TemporalRequest>>),
     /// Computes the effect of a settings change; `None` cancels the computation.
     WhatIf(Option<Box<WhatIfRequest>>),
     /// Sets the watched pixels, whose values are reported for every new frame.
@@ -56,6 +61,13 @@ pub(crate) enum WorkerResponse {
     Compared(Box<Compared>),
     /// Pictures of the filmstrip so far.
     Filmstrip(Box<Compared>),
+    /// History of a pixel.
+    Temporal {
+        /// Request that the history belongs to.
+        request: Box<TemporalRequest>,
+        /// Contribution of earlier frames.
+        history: Box<PixelHistory>,
+    },
     /// Values of the newest frame at the watched pixels.
     Watched(Vec<WatchedPixel>),
     /// Results of the what-if comparison so far.
@@ -158,6 +170,7 @@ pub(crate) struct RenderWorker {
     to_compare: Option<Box<CompareRequest>>,
     drawer: Drawer,
     filmstrip: FilmstripDrawer,
+    temporal: TemporalSearcher,
     watcher: PixelWatcher,
     to_evaluate: Option<Box<WhatIfRequest>>,
     /// Current request, if one more frame would improve its view.
@@ -207,11 +220,15 @@ impl RenderWorker {
         }
         let figuring = self.to_time.as_ref();
         let is_complete = self.to_complete.is_none();
-        let has_work = self.comparer.has_work() || self.drawer.has_work() || self.filmstrip.has_work();
+        let has_work =
+            self.comparer.has_work() || self.drawer.has_work() || self.filmstrip.has_work() || self.temporal.has_work();
         if figuring.is_none() && is_complete && !has_work {
             return inbox.recv().map(Some);
         }
-        let has_begun = self.comparer.has_begun() || self.drawer.has_begun() || self.filmstrip.has_begun();
+        let has_begun = self.comparer.has_begun()
+            || self.drawer.has_begun()
+            || self.filmstrip.has_begun()
+            || self.temporal.has_begun();
         if has_begun || figuring.is_some_and(|figuring| figuring.has_begun()) {
             return Ok(None);
         }
@@ -238,6 +255,7 @@ impl RenderWorker {
                 self.to_evaluate = request;
             }
             WorkerRequest::Filmstrip(request) => self.filmstrip.set(request.map(|request| *request)),
+            WorkerRequest::Temporal(request) => self.temporal.set(request.map(|request| *request)),
             WorkerRequest::Measure(request) => self.measurement = Some(Measurement::new(request)),
             WorkerRequest::CancelMeasure => self.measurement = None,
         }
@@ -262,6 +280,8 @@ impl RenderWorker {
             self.evaluate_change(|drawer| drawer.step().cloned());
         } else if self.filmstrip.has_work() {
             self.draw_filmstrip();
+        } else if self.temporal.has_work() {
+            self.search_history();
         } else if let Some(mut figuring) = self.to_time.take() {
             match catch_unwind(AssertUnwindSafe(|| figuring.step())) {
                 Ok(Some(figures)) => self.done.push_back(WorkerResponse::Stages(Box::new(figures))),
@@ -309,6 +329,21 @@ impl RenderWorker {
             Ok(drawn) => self.done.extend(drawn.map(|drawn| WorkerResponse::Filmstrip(Box::new(drawn)))),
             Err(panic) => {
                 self.filmstrip = FilmstripDrawer::default();
+                self.done.push_back(WorkerResponse::Panicked(panic_text(&*panic)));
+            }
+        }
+    }
+
+    /// Runs one step of the search for the history of a pixel and queues its result. A panic ends it.
+    fn search_history(&mut self) {
+        let temporal = &mut self.temporal;
+        match catch_unwind(AssertUnwindSafe(|| temporal.step())) {
+            Ok(found) => self.done.extend(found.map(|(request, history)| WorkerResponse::Temporal {
+                request: Box::new(request),
+                history: Box::new(history),
+            })),
+            Err(panic) => {
+                self.temporal = TemporalSearcher::default();
                 self.done.push_back(WorkerResponse::Panicked(panic_text(&*panic)));
             }
         }

@@ -493,6 +493,29 @@ fn the_fragments_of_a_pixel_are_explained_as_text() {
 }
 
 #[test]
+fn the_earlier_frames_of_a_pixel_are_listed_with_their_shares() {
+    let folder = folder();
+    let frames = ["chess-motion", "--size", "96x54", "--set", "upscaler.method=taa"];
+    assert_success(&run(&folder, &[&["render", "-o", "f.png", "--frames", "5..6"], &frames[..]].concat()));
+    let [r, g, b, _] = picture(&folder, "f.0005.png").at(48, 27);
+    let pixel = [&["pixel", "--at", "48,27", "--frame", "5"], &frames[..]].concat();
+    let json = run(&folder, &[&pixel[..], &["--json"]].concat());
+    assert_success(&json);
+    let report: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
+    let history = &report["temporal"];
+    assert_eq!(history["pixel_frames"][5]["result"], serde_json::json!([r, g, b]));
+    let past = &history["past_frames"];
+    assert_eq!((&past["is_reproduced"], &past["frames"][0]["frame"]), (&true.into(), &5.into()));
+    let shares: f64 = past["frames"].as_array().unwrap().iter().map(|frame| frame["share"].as_f64().unwrap()).sum();
+    assert!((shares + past["rest"].as_f64().unwrap() - 1.0).abs() < 1e-4, "{past}");
+    let text = run(&folder, &pixel);
+    let text = stdout(&text);
+    for part in ["contribution of every frame", "frame    5", "gives the bits of the pixel", "Rejected history: "] {
+        assert!(text.contains(part), "no `{part}` in:\n{text}");
+    }
+}
+
+#[test]
 fn the_trace_of_a_pixel_ends_in_its_colour_in_words_and_as_json() {
     let folder = folder();
     let options = ["interpenetrating", "--size", "64x48"];

@@ -69,6 +69,13 @@ impl YCoCg {
         codes
     }
 
+    /// Returns the codes of a colour with the given alpha, an 8-bit value. Ignores the fourth number.
+    #[inline(always)]
+    pub(super) fn encoded(self, [y, co, cg, _]: Quad, alpha: f32) -> Rgba8 {
+        let [r, g, b] = self.space().encoded(self.tables, [y, co, cg]);
+        [r, g, b, (alpha + 0.5) as u8]
+    }
+
     /// Returns the space of the colours.
     pub(super) fn space(self) -> BlendSpace {
         BlendSpace::YCoCg(self.light)

@@ -11,6 +11,7 @@ use crate::ui::engine::Request;
 use crate::ui::long_tasks::Measuring;
 use crate::ui::session::Severity;
 use crate::ui::task::BackgroundTask;
+use crate::ui::temporal::TemporalRequest;
 use crate::ui::worker::{MeasureRequest, WorkerRequest, WorkerResponse};
 use crate::ui::workspace::Panel;
 use crate::upscale::process;
@@ -21,6 +22,7 @@ pub(super) struct SentRequests {
     view: Option<Request>,
     comparison: Option<CompareRequest>,
     filmstrip: Option<CompareRequest>,
+    temporal: Option<TemporalRequest>,
     watched: Vec<(u32, u32)>,
 }
 
@@ -61,6 +63,12 @@ impl Workbench {
             }
             WorkerResponse::Compared(compared) => self.session.features.comparison.compared = Some(*compared),
             WorkerResponse::Filmstrip(drawn) => self.session.features.filmstrip.drawn = Some(*drawn),
+            WorkerResponse::Temporal { request, history } => {
+                // Discards a late answer to an earlier request.
+                if self.sent.temporal.as_ref().is_some_and(|sent| sent.is_same(&request)) {
+                    self.session.features.temporal.store_history(*history);
+                }
+            }
             WorkerResponse::Watched(rows) => self.session.features.watch.store_values(rows),
             WorkerResponse::WhatIf(found) => self.session.features.what_if.found = Some(*found),
             WorkerResponse::Stages(figures) => self.session.features.stages.figures = Some(*figures),
@@ -128,6 +136,15 @@ impl Workbench {
         let request = self.session.filmstrip_request().filter(|_| self.session.has_size());
         if CompareRequest::replace(&mut self.sent.filmstrip, request.as_ref()) {
             self.send(ui, WorkerRequest::Filmstrip(request.map(Box::new)));
+        }
+    }
+
+    /// Sends a request for the history of the picked pixel if it differs from the last one.
+    pub(super) fn send_temporal_request(&mut self, ui: &Ui) {
+        let request = self.session.temporal_request().filter(|_| self.session.has_size());
+        if TemporalRequest::replace(&mut self.sent.temporal, request.as_ref()) {
+            self.session.features.temporal.expect(request.as_ref());
+            self.send(ui, WorkerRequest::Temporal(request.map(Box::new)));
         }
     }
 

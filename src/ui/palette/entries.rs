@@ -29,6 +29,7 @@ use crate::ui::place;
 use crate::ui::save_as::SaveItem;
 use crate::ui::session::{PictureSize, Session};
 use crate::ui::stages::StageChange;
+use crate::ui::temporal::TemporalChange;
 use crate::ui::timings::TimingsChange;
 use crate::ui::what_if;
 use crate::ui::window_task::DialogCommand;
@@ -269,6 +270,11 @@ fn commands() -> Vec<PaletteEntry> {
         keyless("Measure errors over time", Command::OverTime(OverTimeChange::Measure)).also(["flicker", "motion"]),
         keyless("Manage bookmarks", Command::Dialog(DialogCommand::Bookmarks)),
         keyless("Compare all upscalers in tiles", Command::Compare(CompareChange::Every(None))),
+        keyless("Earlier frames of the picked pixel", Command::Temporal(TemporalChange::Toggle)).also([
+            "history",
+            "ghosting",
+            "contribution",
+        ]),
         keyless("Filmstrip of all upscaling methods", Command::Filmstrip(FilmstripChange::Toggle)).also(["thumbnails"]),
         keyless(
             "Pin the current settings as A and compare later changes with them",

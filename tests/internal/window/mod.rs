@@ -33,6 +33,7 @@ mod settings;
 mod stepping;
 mod strip;
 mod tasks;
+mod temporal;
 mod tradeoff;
 mod watching;
 mod what_if;

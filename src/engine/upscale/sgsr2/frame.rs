@@ -1,6 +1,7 @@
 //! Second pass: blending of the samples of a frame with its history, eight pixels at a time.
 
-use super::super::ycocg::{Quad, YCoCg};
+use super::super::quads::Quad;
+use super::super::ycocg::YCoCg;
 use super::super::{CENTRE, HistoryStep, Motion, PastColor, Rejection, Reprojected, Tap, UpscaleInputs, Upscaling};
 use super::convert::{Convert, Converted};
 use super::kernel::{Around, Axis, Position, Shape, is_near};

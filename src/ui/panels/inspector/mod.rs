@@ -25,6 +25,7 @@ use crate::ui::format;
 use crate::ui::overlays;
 use crate::ui::picked_point::PointVisibility;
 use crate::ui::session::Session;
+use crate::ui::temporal;
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::trace;
 use crate::ui::watch;
@@ -113,6 +114,7 @@ impl Inspector {
             if let Some(fragment) = fragment {
                 arithmetic_button(ui, report, fragment, commands);
             }
+            temporal::panel::ui(ui, session, commands);
             samples(ui, report);
             sources(ui, report, commands);
             if let Some(absent) = absent {
