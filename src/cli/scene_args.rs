@@ -181,7 +181,7 @@ impl SceneArgs {
         if let Up::Axis(up) = self.up {
             scene.home = scene.first_view(up);
         }
-        let scene = self.posed(Arc::new(scene), state.as_ref().map_or(0.0, |state| state.time_s));
+        let scene = self.posed(&Arc::new(scene), state.as_ref().map_or(0.0, |state| state.time_s));
         let mut recipe = Recipe::default();
         recipe.take_light(&scene, None);
         recipe = state.as_ref().map_or(recipe, |state| state.recipe);
@@ -201,7 +201,7 @@ impl SceneArgs {
     }
 
     /// Returns the scene at the time of the options, or else at the time that its project stores, in seconds.
-    fn posed(&self, scene: Arc<Scene>, stored_s: f64) -> Arc<Scene> {
+    fn posed(&self, scene: &Arc<Scene>, stored_s: f64) -> Arc<Scene> {
         if self.time.is_some() && scene.animation.is_none() {
             output::report("note", "the scene does not move: --time has no effect");
         }

@@ -129,7 +129,8 @@ impl Recipe {
             changed.upscaler = chosen.unwrap_or(changed.upscaler);
         }
         changed.check().map_err(bad)?;
-        if key.starts_with(UPSCALER_KEYS) && json(&changed).pointer(&pointer) != Some(&wanted) {
+        if key.starts_with(UPSCALER_KEYS) && !json(&changed).pointer(&pointer).is_some_and(|set| is_equal(set, &wanted))
+        {
             let method = changed.upscaler.method();
             return Err(bad(format!("`{method}` offers {}", offered(&key, &[changed.upscaler.upscaler()]))));
         }
@@ -282,6 +283,14 @@ fn parse_like(like: &Value, text: &str) -> Result<Value, String> {
             }
         }
         _ => Ok(text.replace('_', "-").into()),
+    }
+}
+
+/// Whether a setting has the value that was wanted. Numbers are compared as `f32`, as [`parse_like`] reads them.
+fn is_equal(set: &Value, wanted: &Value) -> bool {
+    match (set.as_f64(), wanted.as_f64()) {
+        (Some(set), Some(wanted)) => set as f32 == wanted as f32,
+        _ => set == wanted,
     }
 }
 

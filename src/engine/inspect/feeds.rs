@@ -128,7 +128,7 @@ mod tests {
             for at in [(0, 0), (60, 46), (30, 22), (17, 40)] {
                 let mixture = Mixture::of(&frame, how, at).unwrap();
                 assert!((mixture.weight - 1.0).abs() < 1e-5, "{} {at:?}: {}", how.label(), mixture.weight);
-                if ["fsr1", "fsr2", "sgsr2"].contains(&how.method()) {
+                if ["fsr1", "nis", "fsr2", "sgsr2"].contains(&how.method()) {
                     continue;
                 }
                 for (code, made) in mixture.clamped().iter().zip(mixture.pixel) {

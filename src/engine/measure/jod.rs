@@ -299,7 +299,7 @@ mod tests {
         let blocks: Vec<_> = (0..256).map(|index| block(index).map(|v| (v * 24.0).round_ties_even() / 24.0)).collect();
         let [test, reference] = [&blocks, &reference].map(|pixels| image((16, 16), pixels));
         let still = viewing.evaluator().unwrap().predict_image(&test, &reference, Color::Srgb).unwrap().jod;
-        assert!((still - 8.836_058_6).abs() < 1e-4, "{still}");
+        assert!((still - 8.836_059).abs() < 1e-4, "{still}");
 
         let options = Options::default().with_temporal_padding(TemporalPadding::Symmetric);
         let references: Vec<_> = (0..8).map(|frame| waves(17, 16, frame)).collect();
@@ -311,7 +311,7 @@ mod tests {
         let references: Vec<_> = references.iter().map(|pixels| image((17, 16), pixels)).collect();
         let evaluator = Cvvdp::new(display, options).unwrap();
         let flicker = evaluator.predict_video(&tests, &references, 29.97, Color::Srgb).unwrap().jod;
-        assert!((flicker - 7.745_632_2).abs() < 1e-4, "{flicker}");
+        assert!((flicker - 7.745_632).abs() < 1e-4, "{flicker}");
     }
 
     #[test]

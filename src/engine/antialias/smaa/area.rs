@@ -126,11 +126,13 @@ mod tests {
         areas
     }
 
+    /// Height of a line over a position from 0 to 1 along it.
+    type Height = fn(f64) -> f64;
+
     #[test]
     fn areas_are_integrals_of_the_smoothed_edge() {
         use LineEnd::{After, Before, Both, Open};
-        // Height at a position from 0 to 1 along the line.
-        let cases: [([LineEnd; 2], fn(f64) -> f64); 7] = [
+        let cases: [([LineEnd; 2], Height); 7] = [
             ([After, Before], |at| 0.5 - at),
             ([Before, After], |at| at - 0.5),
             ([After, Both], |at| 0.5 - at),

@@ -127,7 +127,8 @@ impl<'a> Lines<'a> {
 
     /// Returns the kind of end that the line has at the left side of bit `at`.
     fn end(&self, at: usize) -> LineEnd {
-        let is_set = |row: &[u64]| row[at / 64] >> (at % 64) & 1 != 0;
+        // A line that leaves the margin has no end there; it is too far away to matter.
+        let is_set = |row: &[u64]| row.get(at / 64).is_some_and(|word| word >> (at % 64) & 1 != 0);
         LineEnd::new(is_set(self.before), is_set(self.after))
     }
 

@@ -91,8 +91,8 @@ fn every_link_of_the_chain_has_the_bits_of_the_upscaler() {
 #[test]
 fn samples_changes_and_rest_add_up_to_the_pixel() {
     for how in methods() {
-        for pixel in [(20, 14), (31, 9), (25, 20)] {
-            let Some(past) = found(clip("chess-motion", how, 6), pixel).past_frames else { continue };
+        for pixel in [(31, 9), (25, 20)] {
+            let Some(past) = found(clip("chess-motion", how, 4), pixel).past_frames else { continue };
             assert!(past.is_reproduced, "{} {pixel:?}", how.label());
             let shares: f64 = past.frames.iter().map(|frame| frame.share).sum();
             assert!((shares + past.rest - 1.0).abs() < 1e-5, "{} {pixel:?}: {shares}", how.label());

@@ -206,8 +206,9 @@ mod tests {
                     continue;
                 }
                 let trace = Trace::of(&second, &recipe, &frame, &report, None);
-                let number =
-                    |name: &str| trace.lines.iter().find(|line| line.what == name).and_then(|line| line.number());
+                let number = |name: &str| {
+                    trace.lines.iter().find(|line| line.what == name).and_then(super::super::line::TraceLine::number)
+                };
                 let vector = motion.vector_px(x, y);
                 if number(MOTION[0]).is_none() {
                     assert_eq!(vector, [0.0; 2], "({x}, {y})");

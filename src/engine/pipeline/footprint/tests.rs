@@ -60,7 +60,7 @@ fn probes_lie_along_the_major_axis_of_the_ellipse_and_share_its_length() {
     let texels = Vec2::new(64.0, 32.0);
     let mut anisotropic = 0;
     for gradient in gradients() {
-        let [right, down] = gradient.map(|g| g.as_dvec2());
+        let [right, down] = gradient.map(glam::Vec2::as_dvec2);
         // The longest of many radii of the ellipse, in f64.
         let radius = |step: u32| {
             let angle = DVec2::from_angle(std::f64::consts::PI * f64::from(step) / 4096.0);
@@ -134,7 +134,7 @@ fn squared_error(texture: &Texture, gradient: [Vec2; 2], max_probes: u32) -> f64
 
 #[test]
 fn more_probes_come_nearer_to_the_mean_over_the_footprint_of_a_slanted_plane() {
-    let board = |x: u32, y: u32| -> Rgba8 { [if (x / 16 + y / 16) % 2 == 0 { 230 } else { 30 }; 4] };
+    let board = |x: u32, y: u32| -> Rgba8 { [if (x / 16 + y / 16).is_multiple_of(2) { 230 } else { 30 }; 4] };
     let texture = Texture::new(Image::from_fn(128, 128, board)).expect("it has texels");
     for angle in [0.0, 30.0_f32, 45.0] {
         let turn = Vec2::from_angle(angle.to_radians());

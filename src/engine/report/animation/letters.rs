@@ -90,7 +90,7 @@ impl Lettering<'_> {
             for (row, bits) in (0..).zip(rows) {
                 let columns = (0..5).filter(|column| bits >> (4 - column) & 1 == 1);
                 columns.for_each(|column| {
-                    self.fill(picture, [left + column * self.size, self.corner[1] + row * self.size])
+                    self.fill(picture, [left + column * self.size, self.corner[1] + row * self.size]);
                 });
             }
         }

@@ -134,10 +134,10 @@ impl Fsr2Frame<'_> {
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
         let columns: &[AxisSamples; WIDE] = window(&self.columns, at.0);
         // Not `Option::map`: the compiler would not compile the function that it calls for the instruction set.
-        let past = match &self.history {
-            None => None,
-            Some((motion, history)) => Some(self.past(simd, at, (motion, history), scratch)),
-        };
+        let mut past = None;
+        if let Some((motion, history)) = &self.history {
+            past = Some(self.past(simd, at, (motion, history), scratch));
+        }
         let narrowing = match &past {
             Some(past) => past.is_known.select(self.narrowing(simd, past), one),
             None => one,
@@ -350,8 +350,7 @@ fn limit_of_weight<S: Simd>(speed_px: f32x16<S>, narrowing: f32x16<S>) -> f32x16
 /// Reads the history between its pixels, filtered by 4 × 4 pixels and clamped to the range of the nearest 2 × 2.
 #[inline(always)]
 fn read_colors<S: Simd>(simd: S, color: &Image<Quad>, places: &PastPlaces<S>, read: &mut [Quad; WIDE]) {
-    let [across, down] =
-        each!(axis in [0, 1] => history_weights(places.fraction[axis]));
+    let [across, down] = each!(axis in [0, 1] => history_weights(places.fraction[axis]));
     let [across, down] = each!(weights in [across, down] => each!(i in [0, 1, 2, 3] => weights[i].to_array()));
     for lane in 0..WIDE {
         let Some(rows @ [first, second, third, fourth]) = places.window(simd, color, lane) else { continue };

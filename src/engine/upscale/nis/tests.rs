@@ -152,9 +152,8 @@ fn pixels_agree_with_the_published_steps() {
 #[test]
 fn an_edge_in_each_direction_has_its_filter() {
     let luma_of = |is_bright: bool| if is_bright { 0.8 } else { 0.2 };
-    let edges: [(&dyn Fn(i64, i64) -> bool, usize); 4] =
-        [(&|_, y| y > 0, 0), (&|x, _| x > 0, 1), (&|x, y| x + y > 0, 2), (&|x, y| x > y, 3)];
-    for (is_bright, direction) in edges {
+    let is_bright: [fn(i64, i64) -> bool; 4] = [|_, y| y > 0, |x, _| x > 0, |x, y| x + y > 0, |x, y| x > y];
+    for (direction, is_bright) in is_bright.into_iter().enumerate() {
         let around = [-1, 0, 1].map(|y| [-1, 0, 1].map(|x| luma_of(is_bright(x, y))));
         let weights = on_lanes!(Lanes::best(), simd => {
             kernel::edges(simd, around.map(|row| row.map(|luma| f32x16::splat(simd, luma)))).map(|by| by.to_array()[0])

@@ -206,15 +206,14 @@ impl<'a> TaaFrame<'a> {
     fn block<S: Simd>(&self, simd: S, at: (usize, u32), scratch: &RowScratch) -> Blend<S> {
         let present = self.present(simd, at, scratch);
         // Not `Option::map`: the compiler would not compile the function that it calls for the instruction set.
-        let past = match &self.history {
-            None => None,
-            Some((Motion { vectors: None, .. }, history)) => Some(self.past_of_still(simd, at, history)),
-            Some((_, history)) => Some(self.past_of_moving(simd, at, scratch, history)),
-        };
-        let past = match past {
-            None => None,
-            Some(past) => Some(self.weighted(simd, &present, past)),
-        };
+        let mut past = None;
+        if let Some((motion, history)) = &self.history {
+            let read = match motion.vectors {
+                None => self.past_of_still(simd, at, history),
+                Some(_) => self.past_of_moving(simd, at, scratch, history),
+            };
+            past = Some(self.weighted(simd, &present, read));
+        }
         Blend { present, past }
     }
 
@@ -291,7 +290,7 @@ impl<'a> TaaFrame<'a> {
 
     /// Returns the history with the weights and shares of the blending.
     #[inline(always)]
-    fn weighted<S: Simd>(&self, simd: S, present: &Present<S>, past: Past<S>) -> Past<S> {
+    fn weighted<S: Simd>(&self, simd: S, present: &Present<S>, mut past: Past<S>) -> Past<S> {
         let zero = f32x16::splat(simd, 0.0);
         let weight = past.read[3].max(zero).min(self.most_weight);
         let mut share = if self.is_settled { zero } else { present.confidence / (weight + present.confidence) };
@@ -299,7 +298,8 @@ impl<'a> TaaFrame<'a> {
             let [now, then] = each!(y in [present.color[0], past.rectified[0]] => self.luminance_weight(simd, y));
             share = share * now / (share * now + (f32x16::splat(simd, 1.0) - share) * then);
         }
-        Past { weight, share, ..past }
+        (past.weight, past.share) = (weight, share);
+        past
     }
 
     /// Returns the weights of colours of luminance `y`: 1 / (1 + y), with y in [0, 1].
