@@ -99,7 +99,7 @@ fn help_names_every_setting() {
 fn help_lists_ranges_and_exit_codes() {
     let folder = folder();
     let help = |args: &[&str]| stdout(&run(&folder, &[args, &["--help"]].concat())).to_owned();
-    for (key, values) in [("light.ambient", "number, 0…1"), ("upscaler.scale", "1.5, 2, 3, 4")] {
+    for (key, values) in [("light.ambient", "number, 0…1"), ("upscaler.scale", "1.3, 1.5, 1.7, 2, 3, 4")] {
         assert!(help(&["render"]).contains(&format!("{key}: {values}")), "{key}");
     }
     for command in COMMANDS_WITH_SETTINGS.into_iter().chain([&["scenes"][..], &["stability"]]) {

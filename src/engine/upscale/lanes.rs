@@ -50,16 +50,6 @@ pub(super) fn store_codes(avx2: Avx2, register: __m256i, codes: &mut [u8; 32]) {
     u8x32::simd_from(avx2, register).store_array(codes);
 }
 
-/// Returns the window of `N` values that starts at index `at`.
-///
-/// # Panics
-///
-/// Panics if fewer than `N` values remain.
-#[inline(always)]
-pub(super) fn window<const N: usize, T>(values: &[T], at: usize) -> &[T; N] {
-    values.get(at..).and_then(<[T]>::first_chunk).unwrap_or_else(|| panic!("fewer than {N} values remain"))
-}
-
 /// Maximum number of rows that a kernel writes at once.
 pub(super) const MAX_ROWS: usize = 4;
 

@@ -10,7 +10,8 @@ use std::arch::x86_64::_mm256_permutevar8x32_epi32;
 
 use fearless_simd::{Avx2, kernel};
 
-use super::lanes::{Blocks, MAX_ROWS, SplitRows, load_codes, load_words, of_one_length, store_codes, window};
+use super::lanes::{Blocks, MAX_ROWS, SplitRows, load_codes, load_words, of_one_length, store_codes};
+use super::quads::window;
 use crate::image::Rgba8;
 
 /// Number of pixels in a block, and maximum number of samples that a block reads.

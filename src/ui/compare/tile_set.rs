@@ -5,10 +5,8 @@ use std::path::{Path, PathBuf};
 use super::files::PictureRole;
 use super::methods;
 use crate::chain::Recipe;
+pub(crate) use crate::inspect::project::MAX_TILES;
 use crate::upscale::Upscaling;
-
-/// Maximum number of tiles.
-pub(crate) const MAX_TILES: usize = 16;
 
 /// Content of a tile.
 #[derive(Clone, Debug, PartialEq)]

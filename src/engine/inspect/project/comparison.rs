@@ -15,8 +15,8 @@ use crate::text;
 /// Largest shift of a sequence, in frames.
 pub const MAX_SHIFT: i64 = 1_000_000;
 
-/// Maximum number of compared pictures.
-const MAX_TILES: usize = 16;
+/// Maximum number of compared pictures: more than there are built-in upscalers.
+pub const MAX_TILES: usize = 20;
 
 /// Largest playback speed, in frames per second.
 const MAX_SPEED: f32 = 1000.0;

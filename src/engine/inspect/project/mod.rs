@@ -30,7 +30,7 @@ use crate::scene::obj::TrMeaning;
 use crate::scene::{Camera, SceneError, SceneSource, Warning, camera_file};
 use crate::text;
 
-pub use comparison::{ComparedFile, ComparedTile, Comparison, ComparisonView, FilePlayback, MAX_SHIFT};
+pub use comparison::{ComparedFile, ComparedTile, Comparison, ComparisonView, FilePlayback, MAX_SHIFT, MAX_TILES};
 
 /// File name extension, in lower case and without the dot.
 pub const EXTENSION: &str = "rasterscope";

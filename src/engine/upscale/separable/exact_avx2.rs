@@ -16,9 +16,10 @@ use fearless_simd::{Avx2, kernel};
 use super::cells::Pass;
 use crate::image::Rgba8;
 use crate::upscale::lanes::{
-    Blocks, MAX_ROWS, SplitRows, load, load_codes, load_words, of_one_length, store, store_codes, window,
+    Blocks, MAX_ROWS, SplitRows, load, load_codes, load_words, of_one_length, store, store_codes,
 };
 use crate::upscale::lattice::{Lattice, LatticePosition};
+use crate::upscale::quads::window;
 
 /// Maximum number of phase steps between samples: sums then fit in 16 bits, and a period has at most three blocks.
 pub(super) const MAX_PHASES: u32 = 8;

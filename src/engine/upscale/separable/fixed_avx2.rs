@@ -21,8 +21,9 @@ use super::fixed::{BIAS, POINT, PhaseWeights, value_of};
 use super::gather_avx2::{self, GatherTable};
 use crate::image::Rgba8;
 use crate::upscale::Upscaling;
-use crate::upscale::lanes::{Blocks, MAX_ROWS, SplitRows, load, load_bytes, of_one_length, store, store_codes, window};
+use crate::upscale::lanes::{Blocks, MAX_ROWS, SplitRows, load, load_bytes, of_one_length, store, store_codes};
 use crate::upscale::lattice::Lattice;
+use crate::upscale::quads::window;
 
 /// Number of pixels in a block.
 pub(super) const BLOCK: usize = 8;
