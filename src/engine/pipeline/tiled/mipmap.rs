@@ -1,10 +1,10 @@
 //! SIMD reads of mip-mapped textures for sixteen samples: the two mip levels that each sample reads, and the texels in
-//! both. The arithmetic is the same as in [`weight_gradient`], [`uv_gradient`] and [`MipFilter::levels`], operation by
+//! both. The arithmetic is the same as in [`weight_gradient`], [`uv_gradient`] and [`MipFilter::reads`], operation by
 //! operation.
 //!
 //! [`weight_gradient`]: crate::pipeline::interpolate::weight_gradient
 //! [`uv_gradient`]: crate::pipeline::interpolate::uv_gradient
-//! [`MipFilter::levels`]: crate::pipeline::footprint::MipFilter::levels
+//! [`MipFilter::reads`]: crate::pipeline::footprint::MipFilter::reads
 
 use super::axis::{TexelAxis, below_repeated};
 use super::gather::Taps;

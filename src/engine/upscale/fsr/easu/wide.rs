@@ -59,7 +59,7 @@ pub(in super::super) struct EasuScratch {
 /// Intermediate values of a run of pixels.
 #[derive(Default)]
 struct PixelRun {
-    /// Whether the pixels need no filtering; see [`RunInputs::is_plain`].
+    /// Whether the pixels need no filtering; see [`RowInputs::is_plain`].
     is_plain: bool,
     /// [`EdgeDirection`] of the pixels, stored field by field.
     direction: [[f32; WIDE]; 4],
