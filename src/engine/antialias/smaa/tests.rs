@@ -1,11 +1,14 @@
 use super::*;
 
-/// Returns a picture that is white below the line y = x / `run` + 6 and black above, from the colours of pixel centres
-/// or, if `by_area` is `true`, from the areas of pixels.
+/// Returns a picture that is white below the line y = (x + ½) / `run` + 6 and black above, from the colours of pixel
+/// centres or, if `by_area` is `true`, from the areas of pixels.
 fn slanted(run: u32, by_area: bool) -> Image<Rgba8> {
     Image::from_fn(90, 40, |x, y| {
-        let inside = f64::from(y) + 0.5 - (f64::from(x) + 0.5) / f64::from(run) - 6.0;
-        let share = if by_area { (inside + 0.5).clamp(0.0, 1.0) } else { f64::from(u8::from(inside > 0.0)) };
+        // Distance of the pixel's centre below the line at a position from 0 to 1 across the pixel.
+        let inside = |at: f64| f64::from(y) + 0.5 - (f64::from(x) + at + 0.5) / f64::from(run) - 6.0;
+        let covered = |step: u32| (inside((f64::from(step) + 0.5) / 64.0) + 0.5).clamp(0.0, 1.0);
+        let share =
+            if by_area { (0..64).map(covered).sum::<f64>() / 64.0 } else { f64::from(u8::from(inside(0.5) > 0.0)) };
         [(share * 255.0).round() as u8; 4]
     })
 }
