@@ -90,22 +90,22 @@ fn fill_band<S: Simd>(simd: S, source: FxaaInput<'_>, luma: &mut Vec<i16>, first
     luma.resize((band.len() / width + 2 * MARGIN) * stride, 0);
     let row_at = |row: usize| picture.row((first + row).saturating_sub(MARGIN).min(last) as u32);
     for (row, luma) in luma.chunks_exact_mut(stride).take(2 * MARGIN).enumerate() {
-        fill_luma(simd, row_at(row), luma);
+        fill_luma(simd, row_at(row), MARGIN, luma);
     }
     for (row, result) in band.chunks_exact_mut(width).enumerate() {
         let ahead = row + 2 * MARGIN;
-        fill_luma(simd, row_at(ahead), &mut luma[ahead * stride..][..stride]);
+        fill_luma(simd, row_at(ahead), MARGIN, &mut luma[ahead * stride..][..stride]);
         result.copy_from_slice(picture.row((first + row) as u32));
         let edges = Neighbourhood { luma, stride, place: (row + MARGIN) * stride + MARGIN };
         filter_row(simd, source, &edges, (first + row) * width, result);
     }
 }
 
-/// Computes the luma of a row, and repeats its first and last values in the margins.
+/// Computes the luma of a row, which starts at index `before`, and repeats its first and last values in the margins.
 #[inline(always)]
-fn fill_luma<S: Simd>(simd: S, pixels: &[Rgba8], luma: &mut [i16]) {
+pub(super) fn fill_luma<S: Simd>(simd: S, pixels: &[Rgba8], before: usize, luma: &mut [i16]) {
     let (blocks, rest) = pixels.as_chunks::<BLOCK>();
-    let within = &mut luma[MARGIN..];
+    let within = &mut luma[before..];
     for (block, luma) in blocks.iter().zip(within.as_chunks_mut::<BLOCK>().0) {
         luma_of_block(simd, block).store_array(luma);
     }
@@ -114,15 +114,15 @@ fn fill_luma<S: Simd>(simd: S, pixels: &[Rgba8], luma: &mut [i16]) {
         block[..rest.len()].copy_from_slice(rest);
         luma_of_block(simd, &block).store_slice(&mut within[blocks.len() * BLOCK..][..BLOCK]);
     }
-    let (left, right) = (luma[MARGIN], luma[MARGIN + pixels.len() - 1]);
-    luma[..MARGIN].fill(left);
-    luma[MARGIN + pixels.len()..].fill(right);
+    let (left, right) = (luma[before], luma[before + pixels.len() - 1]);
+    luma[..before].fill(left);
+    luma[before + pixels.len()..].fill(right);
 }
 
 /// Computes the luma of pixels: (54 r + 183 g + 19 b + 128) / 256, rounded down. The factors are the Rec. 709 weights
 /// in units of 1/256.
 #[inline(always)]
-pub(super) fn luma_of_block<S: Simd>(simd: S, pixels: &[Rgba8; BLOCK]) -> i16x32<S> {
+fn luma_of_block<S: Simd>(simd: S, pixels: &[Rgba8; BLOCK]) -> i16x32<S> {
     let halves = pixels.as_chunks::<WIDE>().0;
     let [low, high] = each!(half in [&halves[0], &halves[1]] => {
         let codes = u8x64::from_slice(simd, half.as_flattened()).bitcast::<u32x16<S>>();

@@ -13,11 +13,11 @@ use std::ops::Range;
 
 use arrayvec::ArrayVec;
 
+use super::jitter::Continuation;
 use super::{
-    Accumulated, Anchor, BlendSpace, FilterSpace, HistoryStep, Lattice, Motion, Offers, PastColor, Reads, Rejection,
-    Sampling, Scale, Tap, UpscaleInputs, Upscaled, Upscaler, Upscaling,
+    Accumulated, Anchor, BlendSpace, FilterSpace, HistoryStep, Jitter, Lattice, Motion, Offers, PastColor, Reads,
+    Rejection, Sampling, Scale, Tap, UpscaleInputs, Upscaled, Upscaler, Upscaling,
 };
-use crate::antialias::pattern::Pattern;
 use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::Lanes;
@@ -32,6 +32,11 @@ pub(crate) struct Accumulation;
 
 /// Number of jitter positions per pixel, one per frame.
 const JITTER_POSITIONS: u32 = 16;
+
+/// Returns the jitter of the samples.
+fn jitter() -> Jitter {
+    Jitter::low_discrepancy(JITTER_POSITIONS)
+}
 
 /// Weight of an interpolated colour in the accumulation, relative to 1 for a sample inside the pixel.
 const INTERPOLATED: f32 = 0.05;
@@ -68,16 +73,12 @@ impl Upscaler for Accumulation {
         Reads { gbuffer: true, history: true }
     }
 
-    fn converges_after(&self, _how: Upscaling) -> u32 {
-        JITTER_POSITIONS
+    fn jitter(&self, _how: Upscaling) -> Option<Jitter> {
+        Some(jitter())
     }
 
     fn sampling(&self, how: Upscaling) -> Sampling {
         Sampling::Lattice(how.lattice())
-    }
-
-    fn frame_sampling(&self, how: Upscaling, frames: u32) -> (Sampling, [f64; 2]) {
-        (self.sampling(how), place(frames))
     }
 
     fn upscale(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Image<Rgba8>) {
@@ -122,12 +123,6 @@ impl Upscaler for Accumulation {
     }
 }
 
-/// Returns the jitter position within a pixel, in [0, 1]², after `frames` earlier frames.
-fn place(frames: u32) -> [f64; 2] {
-    let places = Pattern::LowDiscrepancy { count: JITTER_POSITIONS }.offsets(0, 0);
-    places[(frames % JITTER_POSITIONS) as usize]
-}
-
 /// Frame to upscale, with its history.
 struct FrameContext<'a> {
     light: FilterSpace,
@@ -146,12 +141,7 @@ struct FrameContext<'a> {
 
 impl<'a> FrameContext<'a> {
     fn new(how: Upscaling, drawn: &'a UpscaleInputs<'a>, size: (u32, u32)) -> Self {
-        let place = drawn.frame.map_or(super::CENTRE, |seen| place(seen.frames()));
-        let history: Option<(Motion<'_>, _)> =
-            drawn.frame.and_then(|seen| Some((seen.reprojection()?, &seen.history?.accumulated.as_ref()?.color)));
-        let is_settled = history
-            .as_ref()
-            .is_some_and(|(motion, _)| motion.is_still() && motion.history.still_frames >= JITTER_POSITIONS);
+        let Continuation { place, history, is_settled } = Continuation::new(drawn, jitter());
         Self {
             light: how.light(),
             lattice: how.lattice(),
@@ -159,7 +149,7 @@ impl<'a> FrameContext<'a> {
             size,
             place,
             is_settled,
-            history,
+            history: history.map(|(motion, accumulated)| (motion, &accumulated.color)),
             tables: Tables::get(),
         }
     }

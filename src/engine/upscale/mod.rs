@@ -29,6 +29,7 @@ mod ewa;
 mod fsr;
 mod fsr2;
 mod history;
+mod jitter;
 mod lanczos;
 #[cfg(target_arch = "x86_64")]
 mod lanes;
@@ -76,6 +77,7 @@ pub use history::PastColor;
 pub use history::Rejection;
 pub(crate) use history::Reprojected;
 pub(crate) use history::whole_and_fraction;
+pub use jitter::Jitter;
 pub(crate) use lanczos::LANCZOS2;
 pub(crate) use lanczos::LANCZOS3;
 pub use lattice::Anchor;
@@ -113,9 +115,15 @@ pub trait Upscaler: Sync {
         Reads { gbuffer: false, history: false }
     }
 
+    /// Returns the positions of the samples within their areas, one per frame; `None` if the samples stay where
+    /// [`Upscaler::sampling`] puts them.
+    fn jitter(&self, _how: Upscaling) -> Option<Jitter> {
+        None
+    }
+
     /// Returns the number of frames of a still view after which the image no longer changes.
-    fn converges_after(&self, _how: Upscaling) -> u32 {
-        1
+    fn converges_after(&self, how: Upscaling) -> u32 {
+        self.jitter(how).map_or(1, Jitter::positions)
     }
 
     /// Returns the samples to draw. For upscalers with history, these are the samples of the first frame.
@@ -123,8 +131,8 @@ pub trait Upscaler: Sync {
 
     /// Returns the samples to draw after `frames` consecutive earlier frames, and their position within a pixel, in
     /// [0, 1]².
-    fn frame_sampling(&self, how: Upscaling, _frames: u32) -> (Sampling, [f64; 2]) {
-        (self.sampling(how), CENTRE)
+    fn frame_sampling(&self, how: Upscaling, frames: u32) -> (Sampling, [f64; 2]) {
+        (self.sampling(how), self.jitter(how).map_or(CENTRE, |jitter| jitter.place(frames)))
     }
 
     /// Upscales the drawn samples into `full`, overwriting it.
@@ -334,5 +342,7 @@ pub static BUILT_IN: &[&dyn Upscaler] = &[
     &SGSR2,
 ];
 
+#[cfg(test)]
+mod test_sequence;
 #[cfg(test)]
 mod tests;

@@ -10,7 +10,7 @@ use crate::ui::session::Session;
 use crate::ui::theme::{Icon, tokens};
 use crate::ui::widgets::icon_button;
 
-/// Draws the controls.
+/// Draws the controls that record key views and follow the path.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let path = &session.features.camera_path;
     let mut change = |change| commands.push(Command::CameraPath(change));

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::antialias::fxaa::{BLOCK, luma_of_block};
+use crate::antialias::fxaa::{BLOCK, fill_luma};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 
@@ -118,7 +118,7 @@ fn find_in_band<'a, S: Simd>(
     let stride = width + 2 * LUMA_MARGIN;
     luma.resize((rows.len() + 3) * stride, 0);
     for (row, y) in luma.chunks_exact_mut(stride).zip(first - 2..) {
-        fill_luma(simd, picture.row(y.clamp(0, last) as u32), row);
+        fill_luma(simd, picture.row(y.clamp(0, last) as u32), LUMA_MARGIN + MARGIN, row);
     }
     for (index, (top, left)) in rows.enumerate() {
         let own = (index + 2) * stride + LUMA_MARGIN;
@@ -148,25 +148,6 @@ fn edges_of_block<S: Simd>(simd: S, luma: &[i16], at: usize, stride: usize) -> [
     each!(difference in [top, left] => {
         (difference.simd_ge(MIN_DIFFERENCE) & (difference * 2).simd_ge(most)).to_bitmask() as u32
     })
-}
-
-/// Computes the luma of a row, and repeats its first and last values in the margins.
-#[inline(always)]
-fn fill_luma<S: Simd>(simd: S, pixels: &[Rgba8], luma: &mut [i16]) {
-    const BEFORE: usize = LUMA_MARGIN + MARGIN;
-    let within = &mut luma[BEFORE..];
-    let (blocks, rest) = pixels.as_chunks::<BLOCK>();
-    for (block, luma) in blocks.iter().zip(within.as_chunks_mut::<BLOCK>().0) {
-        luma_of_block(simd, block).store_array(luma);
-    }
-    if !rest.is_empty() {
-        let mut block = [[0; 4]; BLOCK];
-        block[..rest.len()].copy_from_slice(rest);
-        luma_of_block(simd, &block).store_slice(&mut within[blocks.len() * BLOCK..][..BLOCK]);
-    }
-    let (left, right) = (luma[BEFORE], luma[BEFORE + pixels.len() - 1]);
-    luma[..BEFORE].fill(left);
-    luma[BEFORE + pixels.len()..].fill(right);
 }
 
 #[cfg(test)]

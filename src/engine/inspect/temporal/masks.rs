@@ -11,7 +11,7 @@ use crate::pipeline::settings::{Choice, choice};
 use crate::upscale::FrameInputs;
 
 choice! {
-    /// What an upscaler did with the history of a pixel.
+    /// Set of pixels whose history an upscaler rejected, changed or protected.
     pub HistoryMask {
         Rejected = "rejected-history", "Rejected history", "Pixels whose history was rejected, so that only samples of this frame remain.";
         Rectified = "clamped-history", "Clamped history", "Pixels whose history was changed to agree with the samples around them.";
@@ -31,7 +31,7 @@ pub struct HistoryMasks {
 /// Agreement of a mask with the exact disocclusion: the pixels whose surface the previous frame does not show.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct MaskScore {
-    /// Mask.
+    /// Mask that is compared with the disocclusion.
     pub mask: HistoryMask,
     /// Number of pixels in the mask.
     pub marked: u32,

@@ -63,7 +63,7 @@ impl Encoder {
         }
     }
 
-    /// Adds a frame.
+    /// Encodes a frame after the earlier ones. All frames must have the size that the encoder was created with.
     pub(super) fn add(&mut self, frame: &Image<Rgba8>) -> io::Result<()> {
         match self {
             Self::Gif(gif) => {

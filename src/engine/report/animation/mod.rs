@@ -23,7 +23,7 @@ const GAP_PX: u32 = 4;
 /// Background of names and gaps.
 const BACKGROUND: Rgba8 = [24, 24, 24, 255];
 
-/// Colour of names.
+/// Colour of the letters that name a method.
 const INK: Rgba8 = [240, 240, 240, 255];
 
 /// Largest number of pixels of all frames of an animation. GIF and APNG have no means to store more in a file of sensible
@@ -68,7 +68,7 @@ pub struct AnimationPlan {
     pub frames: u32,
     /// Arrangement of the methods.
     pub arrangement: Arrangement,
-    /// File format.
+    /// Format in which the animation is written.
     pub format: AnimationFormat,
 }
 

@@ -1,14 +1,15 @@
 //! A frame to upscale, and its results for single pixels.
 
 use super::super::history::DilatedVectors;
+use super::super::jitter::Continuation;
 use super::super::sample_rows::DecodedRows;
 use super::super::ycocg::YCoCg;
-use super::super::{Accumulated, CENTRE, HistoryStep, Motion, PastColor, Rejection, UpscaleInputs, Upscaling};
+use super::super::{Accumulated, HistoryStep, Motion, PastColor, Rejection, UpscaleInputs, Upscaling};
+use super::jitter_of;
 use super::kernel::AxisSamples;
 use super::locks::Contrast;
 use super::rows::Blend;
 use super::surroundings::Surroundings;
-use super::{jitter, jitter_positions};
 use crate::image::Rgba8;
 use crate::math::lanes::*;
 
@@ -40,17 +41,15 @@ pub(super) struct RowScratch {
 impl<'a> Fsr2Frame<'a> {
     pub(super) fn new(how: Upscaling, drawn: &'a UpscaleInputs<'a>, size: (u32, u32)) -> Self {
         let scale = how.scale();
-        let place = drawn.frame.map_or(CENTRE, |seen| jitter(scale, seen.frames()));
-        let history: Option<(Motion<'_>, _)> =
-            drawn.frame.and_then(|seen| Some((seen.reprojection()?, seen.history?.accumulated.as_ref()?)));
-        let (positions, samples) = (jitter_positions(scale), drawn.color.size());
+        let jitter = jitter_of(scale);
+        let (Continuation { place, history, is_settled }, samples) =
+            (Continuation::new(drawn, jitter), drawn.color.size());
         let axis = |place: f64, (length, samples): (u32, u32), spare: usize| {
             let own = (0..length).map(|at| AxisSamples::new(how.lattice(), place, at, samples));
             let mut all: Vec<_> = own.collect();
             all.extend(all.last().copied().into_iter().cycle().take(spare));
             all
         };
-        let is_settled = |motion: &Motion<'_>| motion.is_still() && motion.history.still_frames >= positions;
         let colors = YCoCg::new(how.light());
         Self {
             colors,
@@ -58,11 +57,11 @@ impl<'a> Fsr2Frame<'a> {
             drawn,
             size,
             scale: scale.value() as f32,
-            positions,
+            positions: jitter.positions(),
             columns: axis(place[0], (size.0, samples.0), WIDE),
             rows: axis(place[1], (size.1, samples.1), 0),
             history,
-            is_settled: history.as_ref().is_some_and(|(motion, _)| is_settled(motion)),
+            is_settled,
         }
     }
 

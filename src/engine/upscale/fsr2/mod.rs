@@ -35,8 +35,8 @@ use self::kernel::history_weights;
 use self::rows::HistoryRow;
 use super::spares::Spares;
 use super::{
-    Accumulated, Anchor, FilterSpace, HistoryStep, HistorySteps, HistoryTaps, Offers, Reads, Sampling, Scale, Tap,
-    UpscaleInputs, Upscaled, Upscaler, Upscaling, bands, fsr,
+    Accumulated, Anchor, FilterSpace, HistoryStep, HistorySteps, HistoryTaps, Jitter, Offers, Reads, Sampling, Scale,
+    Tap, UpscaleInputs, Upscaled, Upscaler, Upscaling, bands, fsr,
 };
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
@@ -47,27 +47,9 @@ pub(crate) static FSR2: Fsr2 = Fsr2;
 /// [`Upscaler`] implementation of [`FSR2`].
 pub(crate) struct Fsr2;
 
-/// Returns the number of jitter positions, one per frame: 8 for each pixel of the area of a sample.
-fn jitter_positions(scale: Scale) -> u32 {
-    (8.0 * scale.value() * scale.value()).ceil() as u32
-}
-
-/// Returns the jitter position within a sample's area, in [0, 1]², after `frames` earlier frames: a point of Halton's
-/// sequence with the bases 2 and 3.
-fn jitter(scale: Scale, frames: u32) -> [f64; 2] {
-    let index = frames % jitter_positions(scale) + 1;
-    [2, 3].map(|base| radical_inverse(index, base))
-}
-
-/// Returns the number in [0, 1) whose digits after the point are those of `index` in reverse order.
-fn radical_inverse(mut index: u32, base: u32) -> f64 {
-    let (mut digits, mut power) = (0, 1);
-    while index > 0 {
-        digits = digits * base + index % base;
-        power *= base;
-        index /= base;
-    }
-    f64::from(digits) / f64::from(power)
+/// Returns the jitter: points of Halton's sequence, eight for each pixel of the area of a sample.
+fn jitter_of(scale: Scale) -> Jitter {
+    Jitter::halton(Jitter::eight_per_pixel(scale))
 }
 
 impl Upscaler for Fsr2 {
@@ -101,16 +83,12 @@ impl Upscaler for Fsr2 {
         Reads { gbuffer: true, history: true }
     }
 
-    fn converges_after(&self, how: Upscaling) -> u32 {
-        jitter_positions(how.scale())
+    fn jitter(&self, how: Upscaling) -> Option<Jitter> {
+        Some(jitter_of(how.scale()))
     }
 
     fn sampling(&self, how: Upscaling) -> Sampling {
         Sampling::Lattice(how.lattice())
-    }
-
-    fn frame_sampling(&self, how: Upscaling, frames: u32) -> (Sampling, [f64; 2]) {
-        (self.sampling(how), jitter(how.scale(), frames))
     }
 
     fn upscale(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Image<Rgba8>) {

@@ -47,7 +47,7 @@ pub(super) struct Past<S: Simd> {
     is_known: mask32x16<S>,
     /// Colour, and accumulated weight.
     pub(super) color: [f32x16<S>; 4],
-    /// Stored locks.
+    /// Locks as [`Locks::stored`] returns them.
     locks: [f32x16<S>; 2],
     /// Position in the previous frame, in pixels.
     pub(super) place: [f32x16<S>; 2],

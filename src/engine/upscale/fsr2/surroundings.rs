@@ -1,4 +1,4 @@
-//! What the 3 × 3 samples around each sample of a row have in common: the range of their colours, and locks.
+//! Properties of the 3 × 3 samples around each sample of a row: range of colours, median luminance, thin features.
 
 use std::ops::Range;
 
@@ -33,8 +33,7 @@ impl Surroundings {
         }
     }
 
-    /// Computes the properties from three rows. `from` are the indices of the rows, and the padded indices of the decoded
-    /// samples.
+    /// Computes the properties from three decoded rows, given with their indices, for a range of padded indices.
     #[inline(always)]
     pub(super) fn fill<S: Simd>(
         &mut self,

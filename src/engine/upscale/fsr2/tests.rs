@@ -1,11 +1,7 @@
-use std::sync::Arc;
-
 use super::kernel::{history_weights, lanczos2};
 use super::*;
-use crate::pipeline::gbuffer::GBuffer;
-use crate::pipeline::motion::MotionVectors;
-use crate::scene::Scene;
 use crate::upscale::history::tests::frames;
+use crate::upscale::test_sequence::TestSequence;
 use crate::upscale::{FrameInputs, History};
 
 /// Returns FSR 2 at every scale, in both colour spaces.
@@ -24,69 +20,6 @@ fn published(distance: f64) -> f64 {
     let squared = (distance * distance).min(4.0);
     let wave = 25.0 / 16.0 * (2.0 / 5.0 * squared - 1.0).powi(2) - (25.0 / 16.0 - 1.0);
     wave * (squared / 4.0 - 1.0).powi(2)
-}
-
-/// Sequence of frames that FSR 2 draws of an analytic picture.
-struct Sequence {
-    how: Upscaling,
-    size: (u32, u32),
-    scene: Arc<Scene>,
-    surfaces: Arc<GBuffer>,
-    /// Whether the view counts as changing, although nothing moves.
-    is_moving: bool,
-    history: Option<History>,
-}
-
-impl Sequence {
-    fn new(how: Upscaling, size @ (width, height): (u32, u32)) -> Self {
-        let object = Image::filled(width, height, [0; 4]);
-        let surfaces = Arc::new(GBuffer { object, distance: Image::filled(width, height, 1.0) });
-        let scene = Arc::new(crate::scene::builtin::ALL[0].build());
-        Self { how, size, scene, surfaces, is_moving: false, history: None }
-    }
-
-    fn vectors(&self, visible: u8) -> MotionVectors {
-        let (width, height) = self.size;
-        MotionVectors {
-            across_px: Image::filled(width, height, 0.0),
-            down_px: Image::filled(width, height, 0.0),
-            visible: Image::filled(width, height, visible),
-        }
-    }
-
-    /// Draws one sample per lattice position, at the jitter position of the next frame.
-    fn samples(&self, code: impl Fn([f64; 2]) -> u8) -> Image<Rgba8> {
-        let frames = self.history.as_ref().map_or(0, |past| past.frames + 1);
-        let (lattice, place) = (self.how.lattice(), jitter(self.how.scale(), frames));
-        let position = |index: u32, place: f64| (f64::from(index) + place) * lattice.scale.value();
-        Image::from_fn(lattice.samples(self.size.0), lattice.samples(self.size.1), |x, y| {
-            let code = code([position(x, place[0]), position(y, place[1])]);
-            [code, code, code, 255]
-        })
-    }
-
-    /// Draws the next frame of a grey picture, given as the code at every position.
-    fn frame(&mut self, code: impl Fn([f64; 2]) -> u8) -> Image<Rgba8> {
-        let color = self.samples(code);
-        let vectors = self.vectors(MotionVectors::VISIBLE);
-        let motion = (self.is_moving && self.history.is_some()).then_some(&vectors);
-        let frame = FrameInputs { gbuffer: &self.surfaces, motion, history: self.history.as_ref() };
-        let mut full = Image::filled(self.size.0, self.size.1, [0; 4]);
-        let drawn = UpscaleInputs { color: &color, frame: Some(frame) };
-        let accumulated = FSR2.upscale_with_history(self.how, &drawn, &mut full, None).history;
-        let past = self.history.take();
-        let still_frames = if self.is_moving { 0 } else { past.as_ref().map_or(0, |past| past.still_frames) };
-        self.history = Some(History {
-            picture: None,
-            accumulated,
-            surfaces: Arc::clone(&self.surfaces),
-            scene: Arc::clone(&self.scene),
-            camera: self.scene.home,
-            frames: past.map_or(0, |past| past.frames + 1),
-            still_frames: still_frames + 1,
-        });
-        full
-    }
 }
 
 #[test]
@@ -124,19 +57,6 @@ fn rows_are_bit_identical_to_single_pixels() {
 }
 
 #[test]
-fn jitter_covers_the_sample_evenly() {
-    // The first points of Halton's sequence with the bases 2 and 3.
-    let first = [[0.5, 1.0 / 3.0], [0.25, 2.0 / 3.0], [0.75, 1.0 / 9.0], [0.125, 4.0 / 9.0], [0.625, 7.0 / 9.0]];
-    for (frame, point) in (0..).zip(first) {
-        assert_eq!(jitter(Scale::TWO, frame), point);
-    }
-    for (scale, count) in [(Scale::ONE_AND_A_HALF, 18), (Scale::TWO, 32), (Scale::THREE, 72)] {
-        assert_eq!(jitter_positions(scale), count);
-        assert_eq!(jitter(scale, count), jitter(scale, 0));
-    }
-}
-
-#[test]
 fn the_kernel_is_the_published_one_and_near_lanczos() {
     for step in 0..=2500 {
         let distance = f64::from(step) / 1000.0;
@@ -165,12 +85,12 @@ fn samples_are_weighted_by_their_distances() {
     let size = (24, 18);
     for how in every() {
         let step = how.scale().value();
-        let mut sequence = Sequence::new(how, size);
+        let mut sequence = TestSequence::new(how, size, None);
         for frame in 0..6 {
             let color = sequence.samples(|_| 99);
             let inputs = FrameInputs { gbuffer: &sequence.surfaces, motion: None, history: sequence.history.as_ref() };
             let drawn = UpscaleInputs { color: &color, frame: Some(inputs) };
-            let place = jitter(how.scale(), frame);
+            let place = jitter_of(how.scale()).place(frame);
             for at in [(8, 8), (9, 8), (10, 9), (11, 7)] {
                 let weight = sequence
                     .history
@@ -205,8 +125,8 @@ fn samples_are_weighted_by_their_distances() {
 fn a_picture_of_one_colour_stays_so_in_all_frames() {
     for how in every() {
         for is_moving in [false, true] {
-            let mut sequence = Sequence::new(how.with_sharpening(40), (20, 11));
-            sequence.is_moving = is_moving;
+            let mut sequence = TestSequence::new(how.with_sharpening(40), (20, 11), None);
+            sequence.motion_px = is_moving.then_some(0.0);
             for frame in 0..8 {
                 let picture = sequence.frame(|_| 87);
                 assert!(picture.pixels().iter().all(|codes| *codes == [87, 87, 87, 255]), "{} {frame}", how.label());
@@ -219,7 +139,7 @@ fn a_picture_of_one_colour_stays_so_in_all_frames() {
 fn disoccluded_pixels_show_the_present_only() {
     let size = (24, 10);
     for how in every() {
-        let mut sequence = Sequence::new(how, size);
+        let mut sequence = TestSequence::new(how, size, None);
         for _ in 0..3 {
             sequence.frame(|_| 200);
         }
@@ -242,10 +162,10 @@ fn locks_keep_thin_lines_that_rectification_would_fade() {
     let line = |[x, _]: [f64; 2]| if (10.3..10.7).contains(&x) { 20 } else { 180 };
     for scale in [Scale::TWO, Scale::THREE] {
         let how = how(scale);
-        let frames = jitter_positions(scale);
+        let frames = jitter_of(scale).positions();
         let [locked, unlocked] = [true, false].map(|has_locks| {
-            let mut sequence = Sequence::new(how, (24, 9));
-            sequence.is_moving = true;
+            let mut sequence = TestSequence::new(how, (24, 9), None);
+            sequence.motion_px = Some(0.0);
             let mut contrast = 0.0;
             for frame in 0..2 * frames {
                 let picture = sequence.frame(line);
@@ -267,8 +187,8 @@ fn locks_keep_thin_lines_that_rectification_would_fade() {
 #[test]
 fn a_lock_ends_when_its_line_disappears_or_light_changes() {
     let line = |[x, _]: [f64; 2]| if (10.0..11.0).contains(&x) { 20 } else { 180 };
-    let mut sequence = Sequence::new(how(Scale::TWO), (24, 9));
-    sequence.is_moving = true;
+    let mut sequence = TestSequence::new(how(Scale::TWO), (24, 9), None);
+    sequence.motion_px = Some(0.0);
     for _ in 0..32 {
         sequence.frame(line);
     }
@@ -306,7 +226,7 @@ fn a_still_view_settles_near_the_mean_of_all_samples() {
     };
     for (scale, most) in [(Scale::ONE_AND_A_HALF, 14.0), (Scale::TWO, 12.0), (Scale::THREE, 15.0)] {
         let how = how(scale).with_light(FilterSpace::Bytes);
-        let mut sequence = Sequence::new(how, size);
+        let mut sequence = TestSequence::new(how, size, None);
         let drawn: Vec<_> = (0..FSR2.converges_after(how) + 8).map(|_| sequence.frame(code)).collect();
         let (settled, first) = (&drawn[FSR2.converges_after(how) as usize - 1], rms(&drawn[0]));
         assert!(drawn.iter().rev().take(9).all(|picture| picture == settled), "×{scale}");

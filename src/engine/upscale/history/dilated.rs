@@ -27,8 +27,7 @@ struct SurfaceRow<'a> {
 }
 
 impl SurfaceRow<'_> {
-    /// Replaces the nearest surface of a column by that of this row if it is nearer. `from` is the number of entries
-    /// that are equally long in all slices.
+    /// Replaces the nearest surface of a column by that of this row if it is nearer.
     #[inline(always)]
     fn replace(&self, index: usize, nearest: &mut Nearest) {
         if self.distance[index] < nearest.distance {

@@ -115,7 +115,7 @@ impl RunPhase {
     }
 }
 
-/// Interpolates linearly.
+/// Interpolates linearly between `from`, at 0, and `to`, at 1.
 #[inline(always)]
 pub(super) fn lerp<S: Simd>(from: f32x16<S>, to: f32x16<S>, at: f32x16<S>) -> f32x16<S> {
     from + (to - from) * at

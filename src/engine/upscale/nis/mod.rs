@@ -1,4 +1,4 @@
-//! NVIDIA Image Scaling (NVScaler): a six-tap filter, with filters along edges in four directions that sharpen.
+//! NVIDIA Image Scaling (NVScaler): a separable six-tap filter, blended with sharpening filters along detected edges.
 //!
 //! The implementation follows the description and the tables of the NVIDIA Image Scaling SDK 1.0.3 (2022):
 //!

@@ -1,11 +1,12 @@
 //! Second pass: blending of the samples of a frame with its history, eight pixels at a time.
 
+use super::super::jitter::Continuation;
 use super::super::quads::Quad;
 use super::super::ycocg::YCoCg;
-use super::super::{CENTRE, HistoryStep, Motion, PastColor, Rejection, Reprojected, Tap, UpscaleInputs, Upscaling};
+use super::super::{HistoryStep, Motion, PastColor, Rejection, Reprojected, Tap, UpscaleInputs, Upscaling};
 use super::convert::{Convert, Converted};
+use super::jitter_of;
 use super::kernel::{Around, Axis, Position, Shape, is_near};
-use super::{jitter, jitter_positions};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 
@@ -82,7 +83,7 @@ struct PastLanes {
 struct Blend<S: Simd> {
     present: [F32<S>; 3],
     rectified: [F32<S>; 3],
-    /// Blended colours.
+    /// Colours after blending, before they are encoded.
     color: [F32<S>; 3],
     /// Share of this frame, in [0, 1].
     share: F32<S>,
@@ -156,12 +157,9 @@ impl PastLanes {
 impl<'a> Sgsr2Frame<'a> {
     pub(super) fn new(how: Upscaling, drawn: &'a UpscaleInputs<'a>, size: (u32, u32)) -> Self {
         let scale = how.scale();
-        let place = drawn.frame.map_or(CENTRE, |seen| jitter(scale, seen.frames()));
-        let history: Option<(Motion<'_>, _)> =
-            drawn.frame.and_then(|seen| Some((seen.reprojection()?, &seen.history?.accumulated.as_ref()?.color)));
-        let (lattice, samples, positions) = (how.lattice(), drawn.color.size(), jitter_positions(scale));
+        let Continuation { place, history, is_settled } = Continuation::new(drawn, jitter_of(scale));
+        let (lattice, samples) = (how.lattice(), drawn.color.size());
         let moves = history.as_ref().is_some_and(|(motion, _)| !motion.is_still());
-        let is_settled = |motion: &Motion<'_>| motion.is_still() && motion.history.still_frames >= positions;
         let factor = scale.value() as f32;
         let area = factor * factor;
         Self {
@@ -174,8 +172,8 @@ impl<'a> Sgsr2Frame<'a> {
             columns: Axis::new(lattice, place[0], size.0, samples.0),
             rows: Axis::new(lattice, place[1], size.1, samples.1),
             convert: Convert::new(lattice, drawn).filter(|_| moves),
-            is_settled: history.as_ref().is_some_and(|(motion, _)| is_settled(motion)),
-            history,
+            is_settled,
+            history: history.map(|(motion, accumulated)| (motion, &accumulated.color)),
         }
     }
 

@@ -18,6 +18,7 @@
 //! - The depth clip compares distances along the view axis. In a perspective view with a distant far plane, the ratio of
 //!   two distances equals the published ratio of depths. The field of view counts as 90°.
 //! - The vector of a pixel is that of the sample nearest to it. SGSR 2 interpolates vectors, also across edges.
+//! - The samples follow the low-discrepancy pattern of the other methods, not Halton's sequence.
 //! - Weights of the box are interpolated between those of a still and a fast pixel, instead of their exponents.
 
 mod convert;
@@ -28,10 +29,9 @@ mod tests;
 
 use self::frame::{RowBuffers, Sgsr2Frame};
 use super::{
-    Accumulated, Anchor, FilterSpace, HistoryStep, Offers, Reads, Sampling, Scale, Tap, UpscaleInputs, Upscaled,
-    Upscaler, Upscaling, bands,
+    Accumulated, Anchor, FilterSpace, HistoryStep, Jitter, Offers, Reads, Sampling, Scale, Tap, UpscaleInputs,
+    Upscaled, Upscaler, Upscaling, bands,
 };
-use crate::antialias::pattern::Pattern;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 
@@ -41,15 +41,9 @@ pub(crate) static SGSR2: Sgsr2 = Sgsr2;
 /// [`Upscaler`] implementation of [`SGSR2`].
 pub(crate) struct Sgsr2;
 
-/// Returns the number of jitter positions, one per frame: 8 for each pixel of the area of a sample.
-fn jitter_positions(scale: Scale) -> u32 {
-    (8.0 * scale.value() * scale.value()).ceil() as u32
-}
-
-/// Returns the jitter position within a sample's area, in [0, 1]², after `frames` earlier frames.
-fn jitter(scale: Scale, frames: u32) -> [f64; 2] {
-    let count = jitter_positions(scale);
-    Pattern::LowDiscrepancy { count }.offsets(0, 0)[(frames % count) as usize]
+/// Returns the jitter: eight positions for each pixel of the area of a sample.
+fn jitter_of(scale: Scale) -> Jitter {
+    Jitter::low_discrepancy(Jitter::eight_per_pixel(scale))
 }
 
 impl Upscaler for Sgsr2 {
@@ -83,16 +77,12 @@ impl Upscaler for Sgsr2 {
         Reads { gbuffer: true, history: true }
     }
 
-    fn converges_after(&self, how: Upscaling) -> u32 {
-        jitter_positions(how.scale())
+    fn jitter(&self, how: Upscaling) -> Option<Jitter> {
+        Some(jitter_of(how.scale()))
     }
 
     fn sampling(&self, how: Upscaling) -> Sampling {
         Sampling::Lattice(how.lattice())
-    }
-
-    fn frame_sampling(&self, how: Upscaling, frames: u32) -> (Sampling, [f64; 2]) {
-        (self.sampling(how), jitter(how.scale(), frames))
     }
 
     fn upscale(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Image<Rgba8>) {

@@ -1,12 +1,8 @@
-use std::sync::Arc;
-
 use super::kernel::{Axis, Position, Shape};
 use super::*;
-use crate::pipeline::gbuffer::GBuffer;
-use crate::pipeline::motion::MotionVectors;
-use crate::scene::Scene;
 use crate::upscale::history::tests::frames;
-use crate::upscale::{FrameInputs, History, Rejection};
+use crate::upscale::test_sequence::TestSequence;
+use crate::upscale::{FrameInputs, Rejection};
 
 fn how(scale: Scale) -> Upscaling {
     Upscaling::new("sgsr2", scale).unwrap()
@@ -67,76 +63,6 @@ fn weights_are_the_published_polynomial_of_the_squared_distance() {
     }
 }
 
-/// Sequence of frames that SGSR 2 draws of an analytic grey picture on a flat surface.
-struct Sequence {
-    how: Upscaling,
-    size: (u32, u32),
-    scene: Arc<Scene>,
-    surfaces: Arc<GBuffer>,
-    /// Motion per frame in pixels, to the right; `None` in a still view.
-    motion_px: Option<f32>,
-    history: Option<History>,
-}
-
-impl Sequence {
-    fn new(how: Upscaling, size @ (width, height): (u32, u32), motion_px: Option<f32>) -> Self {
-        let object = Image::filled(width, height, [0; 4]);
-        let surfaces = Arc::new(GBuffer { object, distance: Image::filled(width, height, 1.0) });
-        let scene = Arc::new(crate::scene::builtin::ALL[0].build());
-        Self { how, size, scene, surfaces, motion_px, history: None }
-    }
-
-    fn vectors(&self, visible: u8) -> MotionVectors {
-        let (width, height) = self.size;
-        MotionVectors {
-            across_px: Image::filled(width, height, -self.motion_px.unwrap_or(0.0)),
-            down_px: Image::filled(width, height, 0.0),
-            visible: Image::filled(width, height, visible),
-        }
-    }
-
-    /// Returns the number of earlier frames.
-    fn number(&self) -> u32 {
-        self.history.as_ref().map_or(0, |past| past.frames + 1)
-    }
-
-    /// Draws one sample per lattice position, at the jitter position of the next frame. `code` is the code at a position
-    /// on the surface, in pixels.
-    fn samples(&self, code: impl Fn([f64; 2]) -> u8) -> Image<Rgba8> {
-        let (lattice, place) = (self.how.lattice(), jitter(self.how.scale(), self.number()));
-        let moved = f64::from(self.motion_px.unwrap_or(0.0)) * f64::from(self.number());
-        let position = |index: u32, place: f64| (f64::from(index) + place) * lattice.scale.value();
-        Image::from_fn(lattice.samples(self.size.0), lattice.samples(self.size.1), |x, y| {
-            let code = code([position(x, place[0]) - moved, position(y, place[1])]);
-            [code, code, code, 255]
-        })
-    }
-
-    /// Draws the next frame.
-    fn frame(&mut self, code: impl Fn([f64; 2]) -> u8) -> Image<Rgba8> {
-        let color = self.samples(code);
-        let vectors = self.vectors(MotionVectors::VISIBLE);
-        let is_moving = self.motion_px.is_some();
-        let motion = (is_moving && self.history.is_some()).then_some(&vectors);
-        let frame = FrameInputs { gbuffer: &self.surfaces, motion, history: self.history.as_ref() };
-        let mut full = Image::filled(self.size.0, self.size.1, [0; 4]);
-        let drawn = UpscaleInputs { color: &color, frame: Some(frame) };
-        let accumulated = SGSR2.upscale_with_history(self.how, &drawn, &mut full, None).history;
-        let past = self.history.take();
-        let still_frames = if is_moving { 0 } else { past.as_ref().map_or(0, |past| past.still_frames) };
-        self.history = Some(History {
-            picture: None,
-            accumulated,
-            surfaces: Arc::clone(&self.surfaces),
-            scene: Arc::clone(&self.scene),
-            camera: self.scene.home,
-            frames: past.map_or(0, |past| past.frames + 1),
-            still_frames: still_frames + 1,
-        });
-        full
-    }
-}
-
 /// Returns the root mean square of the differences from the box-filtered picture, two pixels from the border.
 fn rms(picture: &Image<Rgba8>, code: impl Fn([f64; 2]) -> u8) -> f64 {
     const STEPS: u32 = 12;
@@ -161,7 +87,7 @@ fn detail([x, y]: [f64; 2]) -> u8 {
 fn a_still_view_settles_near_the_mean_of_all_samples() {
     for scale in [Scale::ONE_AND_A_HALF, Scale::TWO, Scale::THREE] {
         let how = how(scale).with_light(FilterSpace::Bytes);
-        let mut sequence = Sequence::new(how, (32, 16), None);
+        let mut sequence = TestSequence::new(how, (32, 16), None);
         let drawn: Vec<_> = (0..SGSR2.converges_after(how) + 4).map(|_| sequence.frame(detail)).collect();
         let settled = &drawn[SGSR2.converges_after(how) as usize - 1];
         assert!(drawn.iter().rev().take(5).all(|picture| picture == settled), "×{scale}");
@@ -175,7 +101,7 @@ fn history_improves_moving_edges() {
     let how = how(Scale::TWO).with_light(FilterSpace::Bytes);
     // A quarter of a pixel per frame, and sixteen frames: the picture has moved by whole pixels.
     let edge = |[x, y]: [f64; 2]| if x + 0.4 * y < 12.0 { 220 } else { 40 };
-    let mut sequence = Sequence::new(how, (32, 16), Some(0.25));
+    let mut sequence = TestSequence::new(how, (32, 16), Some(0.25));
     let drawn: Vec<_> = (0..17).map(|_| sequence.frame(edge)).collect();
     let (first, last) = (rms(&drawn[0], edge), rms(&drawn[16], |[x, y]| edge([x - 4.0, y])));
     assert!(last < 0.7 * first, "{last} {first}");
@@ -184,7 +110,7 @@ fn history_improves_moving_edges() {
 #[test]
 fn disoccluded_pixels_show_the_present_only() {
     for how in every() {
-        let mut sequence = Sequence::new(how, (24, 10), Some(0.0));
+        let mut sequence = TestSequence::new(how, (24, 10), Some(0.0));
         for _ in 0..3 {
             sequence.frame(|_| 200);
         }
@@ -205,7 +131,7 @@ fn disoccluded_pixels_show_the_present_only() {
 fn a_picture_of_one_colour_stays_so_in_all_frames() {
     for how in every() {
         for motion_px in [None, Some(0.0), Some(1.7)] {
-            let mut sequence = Sequence::new(how, (20, 11), motion_px);
+            let mut sequence = TestSequence::new(how, (20, 11), motion_px);
             for frame in 0..8 {
                 let picture = sequence.frame(|_| 87);
                 assert!(picture.pixels().iter().all(|codes| *codes == [87, 87, 87, 255]), "{} {frame}", how.label());

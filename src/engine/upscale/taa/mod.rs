@@ -26,10 +26,9 @@ pub use options::Rectification;
 use self::rows::{RowScratch, TaaFrame, catmull_rom};
 use super::spares::Spares;
 use super::{
-    Accumulated, Anchor, FilterSpace, HistoryStep, HistorySteps, HistoryTaps, Offers, Reads, Sampling, Scale, Tap,
-    UpscaleInputs, Upscaled, Upscaler, Upscaling, bands,
+    Accumulated, Anchor, FilterSpace, HistoryStep, HistorySteps, HistoryTaps, Jitter, Offers, Reads, Sampling, Scale,
+    Tap, UpscaleInputs, Upscaled, Upscaler, Upscaling, bands,
 };
-use crate::antialias::pattern::Pattern;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 
@@ -43,16 +42,9 @@ pub(crate) struct Taa;
 /// which Karis (2014) recommends.
 const MOVING_WEIGHT: f32 = 9.0;
 
-/// Returns the number of jitter positions, one per frame: 16 without upscaling, otherwise 8 for each pixel of the area
-/// of a sample.
-fn jitter_positions(scale: Scale) -> u32 {
-    if scale == Scale::ONE { 16 } else { (8.0 * scale.value() * scale.value()).round() as u32 }
-}
-
-/// Returns the jitter position within a sample's area, in [0, 1]², after `frames` earlier frames.
-fn jitter(scale: Scale, frames: u32) -> [f64; 2] {
-    let count = jitter_positions(scale);
-    Pattern::LowDiscrepancy { count }.offsets(0, 0)[(frames % count) as usize]
+/// Returns the jitter: 16 positions without upscaling, otherwise eight for each pixel of the area of a sample.
+fn jitter_of(scale: Scale) -> Jitter {
+    Jitter::low_discrepancy(if scale == Scale::ONE { 16 } else { Jitter::eight_per_pixel(scale) })
 }
 
 impl Upscaler for Taa {
@@ -86,16 +78,12 @@ impl Upscaler for Taa {
         Reads { gbuffer: true, history: true }
     }
 
-    fn converges_after(&self, how: Upscaling) -> u32 {
-        jitter_positions(how.scale())
+    fn jitter(&self, how: Upscaling) -> Option<Jitter> {
+        Some(jitter_of(how.scale()))
     }
 
     fn sampling(&self, how: Upscaling) -> Sampling {
         Sampling::Lattice(how.lattice())
-    }
-
-    fn frame_sampling(&self, how: Upscaling, frames: u32) -> (Sampling, [f64; 2]) {
-        (self.sampling(how), jitter(how.scale(), frames))
     }
 
     fn upscale(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Image<Rgba8>) {

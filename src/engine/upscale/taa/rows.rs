@@ -3,13 +3,14 @@
 use std::ops::Range;
 
 use super::super::history::{DilatedVectors, PastPlaces, centers, inner_pair, sum_of_quads};
+use super::super::jitter::Continuation;
 use super::super::lattice::ThreeSamples;
 use super::super::quads::{self, Combination, Quad, window};
 use super::super::sample_rows::{DecodedRows, PAD, padded_row};
 use super::super::ycocg::YCoCg;
 use super::super::{HistoryStep, Lattice, Motion, PastColor, Rejection, Scale, Tap, UpscaleInputs, Upscaling};
 use super::statistics::{NearestSamples, Statistics};
-use super::{HistoryFilter, HistoryOptions, MOVING_WEIGHT, jitter, jitter_positions};
+use super::{HistoryFilter, HistoryOptions, MOVING_WEIGHT, jitter_of};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 
@@ -92,11 +93,9 @@ struct Past<S: Simd> {
 impl<'a> TaaFrame<'a> {
     pub(super) fn new(how: Upscaling, drawn: &'a UpscaleInputs<'a>, size: (u32, u32)) -> Self {
         let scale = how.scale();
-        let place = drawn.frame.map_or(super::super::CENTRE, |seen| jitter(scale, seen.frames()));
-        let history: Option<(Motion<'_>, _)> =
-            drawn.frame.and_then(|seen| Some((seen.reprojection()?, &seen.history?.accumulated.as_ref()?.color)));
-        let still = history.as_ref().filter(|(motion, _)| motion.is_still());
-        let positions = jitter_positions(scale);
+        let jitter = jitter_of(scale);
+        let Continuation { place, history, is_settled } = Continuation::new(drawn, jitter);
+        let is_still = history.as_ref().is_some_and(|(motion, _)| motion.is_still());
         let samples = drawn.color.size();
         let axis = |place: f64, length: u32, samples: u32, spare: usize| {
             let own = (0..length).map(|at| AxisSamples::new(how.lattice(), place, at, samples));
@@ -112,9 +111,9 @@ impl<'a> TaaFrame<'a> {
             scale,
             columns: axis(place[0], size.0, samples.0, WIDE),
             rows: axis(place[1], size.1, samples.1, 0),
-            history,
-            most_weight: if still.is_some() { (positions - 1) as f32 } else { MOVING_WEIGHT },
-            is_settled: still.is_some_and(|(motion, _)| motion.history.still_frames >= positions),
+            history: history.map(|(motion, accumulated)| (motion, &accumulated.color)),
+            most_weight: if is_still { (jitter.positions() - 1) as f32 } else { MOVING_WEIGHT },
+            is_settled,
         }
     }
 

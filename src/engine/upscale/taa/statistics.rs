@@ -26,8 +26,8 @@ impl Statistics {
         }
     }
 
-    /// Computes the statistics that a rectification needs, from three rows. `from` are the indices of the rows, and the
-    /// padded indices of the decoded samples.
+    /// Computes the statistics that a rectification needs, from three decoded rows, given with their indices, for a range
+    /// of padded indices.
     #[inline(always)]
     pub(super) fn fill<S: Simd>(
         &mut self,

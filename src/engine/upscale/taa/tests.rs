@@ -52,7 +52,7 @@ fn rows_are_bit_identical_to_single_pixels() {
 
 /// Picture of one frame: a grey step edge at a column, seen through jittered samples.
 fn edge(how: Upscaling, size: (u32, u32), frame: u32, column: f64) -> Image<Rgba8> {
-    let (lattice, [place, _]) = (how.lattice(), jitter(how.scale(), frame));
+    let (lattice, [place, _]) = (how.lattice(), jitter_of(how.scale()).place(frame));
     Image::from_fn(lattice.samples(size.0), lattice.samples(size.1), |x, _| {
         let x_px = (f64::from(x) + place) * lattice.scale.value();
         if x_px < column { [40, 40, 40, 255] } else { [220, 220, 220, 255] }
