@@ -1,19 +1,17 @@
 //! Trace of the motion vector of a pixel: the corners of its triangle in both frames, their positions in pixels, and the
 //! vector, with the arithmetic of the motion buffers.
 
-use glam::{DMat3, DMat4, DVec3, DVec4};
+use glam::{DMat4, DVec3, DVec4};
 
 use super::formula::{Formula, fraction, given, whole};
 use super::line::{TraceRecorder, TraceStage};
 use super::subject::TracedFragment;
 use crate::chain::Recipe;
 use crate::inspect::FragmentOutcome;
+use crate::pipeline::motion::{BLOCK, MovedTriangle, PlaneMotion, px_from_world};
 use crate::pipeline::settings::DepthTest;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, DepthMapping, Instance, Mesh};
-
-/// Number of pixels of a row whose vectors are computed from one exact position, as for the buffers.
-const BLOCK: u32 = 16;
 
 /// Triangle in one frame.
 struct PlacedTriangle {
@@ -29,34 +27,13 @@ impl PlacedTriangle {
     fn new(subject: &TracedFragment<'_>, camera: &Camera, instance: &Instance, mesh: &Mesh) -> Option<Self> {
         let Viewport { width, height } = subject.raster;
         let clip_from_world = camera.clip_from_world_f64(subject.raster.aspect(), DepthMapping::Standard);
-        let half = [f64::from(width) * 0.5, f64::from(height) * 0.5];
-        let (x, y, w) = (clip_from_world.row(0), clip_from_world.row(1), clip_from_world.row(3));
-        let px_from_world = DMat4::from_cols((x + w) * half[0], (w - y) * half[1], w, DVec4::ZERO).transpose();
         let world_from_model = instance.world_from_model.as_dmat4();
-        let (clip_from_model, px_from_model) = (clip_from_world * world_from_model, px_from_world * world_from_model);
+        let clip_from_model = clip_from_world * world_from_model;
+        let px_from_model = px_from_world(camera, (width, height)) * world_from_model;
         let [a, b, c] = subject.corners.map(|corner| mesh.positions.get(corner));
         let corners = [a?, b?, c?].map(|position| position.as_dvec3().extend(1.0));
         let clip = corners.map(|corner| clip_from_model * corner);
         Some(Self { clip, px: corners.map(|corner| (px_from_model * corner).truncate()), px_from_model })
-    }
-}
-
-/// Linear forms of (x, y, 1), with x and y in pixels of this frame, whose quotients are the position in the preceding one.
-struct PlaneForms {
-    /// Column in the preceding frame times `w`.
-    column: DVec3,
-    /// Row in the preceding frame times `w`.
-    row: DVec3,
-    /// w in the preceding frame, up to a factor.
-    w: DVec3,
-}
-
-impl PlaneForms {
-    fn new(now: &[DVec3; 3], before: &[DVec3; 3]) -> Self {
-        let weights = DMat3::from_cols_array_2d(&now.map(|corner| corner.to_array())).inverse().transpose();
-        let [a, b, c] = *before;
-        let of = |value: fn(DVec3) -> f64| weights * DVec3::new(value(a), value(b), value(c));
-        Self { column: of(|corner| corner.x), row: of(|corner| corner.y), w: of(|corner| corner.z) }
     }
 }
 
@@ -84,7 +61,7 @@ pub(super) fn write(subject: &TracedFragment<'_>, recipe: &Recipe, scribe: &mut 
     for (name, placed) in [("this frame", &now), ("preceding frame", &before)] {
         corners(subject.raster, name, placed, scribe);
     }
-    let forms = PlaneForms::new(&now.px, &before.px);
+    let forms = PlaneMotion::new(&MovedTriangle { now: now.px, before: before.px, distances: [0.0; 3] });
     vector(&forms, subject.pixel, scribe);
 }
 
@@ -114,8 +91,8 @@ struct BlockTerms {
 }
 
 /// Writes the linear forms and their values at the first pixel of a block, and returns the coefficients of the block.
-fn block_terms(forms: &PlaneForms, (first, y): (u32, u32), scribe: &mut TraceRecorder) -> BlockTerms {
-    let PlaneForms { column, row, w } = *forms;
+fn block_terms(forms: &PlaneMotion, (first, y): (u32, u32), scribe: &mut TraceRecorder) -> BlockTerms {
+    let PlaneMotion { column, row, w, .. } = *forms;
     let source = "from the corners of both frames in homogeneous pixels (Olano and Greer, 1997)";
     let at = DVec3::new(f64::from(first) + 0.5, f64::from(y) + 0.5, 1.0);
     scribe.read("x", format!("centre of pixel {first}, the first of {BLOCK} with one exact position"), at.x);
@@ -153,9 +130,9 @@ fn block_terms(forms: &PlaneForms, (first, y): (u32, u32), scribe: &mut TraceRec
 }
 
 /// Writes the vector of a pixel and its position in the preceding frame.
-fn vector(forms: &PlaneForms, (x, y): (u32, u32), scribe: &mut TraceRecorder) {
-    let BlockTerms { across: [a, b, c], down: [d, e], w_step } = block_terms(forms, (x - x % BLOCK, y), scribe);
-    let place = (x % BLOCK) as f32;
+fn vector(forms: &PlaneMotion, (x, y): (u32, u32), scribe: &mut TraceRecorder) {
+    let BlockTerms { across: [a, b, c], down: [d, e], w_step } = block_terms(forms, (x - x % BLOCK as u32, y), scribe);
+    let place = (x % BLOCK as u32) as f32;
     let k = || given("k", place);
     scribe.read("k", "pixels to the right of the first one", place);
     let divisor = 1.0 + place * w_step;

@@ -17,7 +17,7 @@ use glam::{DMat4, DVec3, DVec4};
 use rayon::prelude::*;
 
 use self::block::{Block, Cache};
-use self::plane::{BLOCK, MovedTriangle, PlaneMotion};
+pub(crate) use self::plane::{BLOCK, MovedTriangle, PlaneMotion};
 use super::gbuffer::GBuffer;
 use super::viewport::Viewport;
 use crate::image::{Image, Rgba8};
@@ -125,7 +125,7 @@ struct TriangleMotion {
 }
 
 /// Returns the transform from world space to homogeneous pixels (x·w, y·w, w), and to the distance along the view axis.
-fn px_from_world(camera: &Camera, (width, height): (u32, u32)) -> DMat4 {
+pub(crate) fn px_from_world(camera: &Camera, (width, height): (u32, u32)) -> DMat4 {
     let aspect = Viewport { width, height }.aspect();
     let clip = camera.clip_from_world_f64(aspect, DepthMapping::Standard);
     let half = [f64::from(width) * 0.5, f64::from(height) * 0.5];

@@ -3,10 +3,10 @@
 use glam::{DMat3, DVec3};
 
 /// Number of pixels of a row whose motion is computed from one exact position.
-pub(super) const BLOCK: usize = 16;
+pub(crate) const BLOCK: usize = 16;
 
 /// Corner of a triangle in homogeneous pixels: its position in pixels times w, and w.
-pub(super) type HomogeneousPx = DVec3;
+pub(crate) type HomogeneousPx = DVec3;
 
 /// Map from the pixels of a triangle's plane in the current frame to its positions in the preceding frame.
 ///
@@ -16,13 +16,13 @@ pub(super) type HomogeneousPx = DVec3;
 /// Coordinates", 1997). Any quantity that is linear on the triangle is a linear form of these weights. The matrix needs
 /// no clipping: corners behind the eye are valid.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PlaneMotion {
+pub(crate) struct PlaneMotion {
     /// Column in the preceding frame, in pixels, times `w`.
-    column: DVec3,
+    pub(crate) column: DVec3,
     /// Row in the preceding frame, in pixels, times `w`.
-    row: DVec3,
+    pub(crate) row: DVec3,
     /// Clip-space w in the preceding frame, times `inv_w`.
-    w: DVec3,
+    pub(crate) w: DVec3,
     /// Distance in the preceding frame along its view axis, in world units, times `inv_w`.
     distance: DVec3,
     /// Reciprocal of the clip-space w in the current frame.
@@ -31,18 +31,18 @@ pub(super) struct PlaneMotion {
 
 /// Corners of a triangle in two frames.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct MovedTriangle {
+pub(crate) struct MovedTriangle {
     /// Corners in the current frame, in homogeneous pixels.
-    pub(super) now: [HomogeneousPx; 3],
+    pub(crate) now: [HomogeneousPx; 3],
     /// Corners in the preceding frame, in homogeneous pixels.
-    pub(super) before: [HomogeneousPx; 3],
+    pub(crate) before: [HomogeneousPx; 3],
     /// Distance of each corner in the preceding frame along its view axis, in world units.
-    pub(super) distances: [f64; 3],
+    pub(crate) distances: [f64; 3],
 }
 
 impl PlaneMotion {
     /// Computes the map. If the triangle is seen exactly edge-on, the map gives NaN or infinite positions.
-    pub(super) fn new(triangle: &MovedTriangle) -> Self {
+    pub(crate) fn new(triangle: &MovedTriangle) -> Self {
         let weights = DMat3::from_cols_array_2d(&triangle.now.map(|corner| corner.to_array())).inverse().transpose();
         let [a, b, c] = triangle.before;
         let of = |value: fn(DVec3) -> f64| weights * DVec3::new(value(a), value(b), value(c));

@@ -29,8 +29,8 @@ mod tests;
 
 use self::frame::{RowBuffers, Sgsr2Frame};
 use super::{
-    Accumulated, Anchor, FilterSpace, HistoryStep, Jitter, Offers, Reads, Sampling, Scale, Tap, UpscaleInputs,
-    Upscaled, Upscaler, Upscaling, bands,
+    Accumulated, Anchor, FilterSpace, HistoryStep, HistorySteps, Jitter, Offers, Reads, Sampling, Scale, Tap,
+    UpscaleInputs, Upscaled, Upscaler, Upscaling, bands,
 };
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
@@ -124,5 +124,13 @@ impl Upscaler for Sgsr2 {
     fn history_step(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, at: (u32, u32)) -> Option<HistoryStep> {
         let frame = Sgsr2Frame::new(how, drawn, drawn.frame?.gbuffer.object.size());
         Some(on_lanes!(Lanes::best(), simd => frame.step(simd, at)))
+    }
+
+    fn history_steps<'a>(&'a self, how: Upscaling, drawn: &'a UpscaleInputs<'a>) -> HistorySteps<'a> {
+        let frame = drawn.frame.map(|seen| Sgsr2Frame::new(how, drawn, seen.gbuffer.object.size()));
+        Box::new(move |at| {
+            let frame = frame.as_ref()?;
+            Some(on_lanes!(Lanes::best(), simd => frame.step(simd, at)))
+        })
     }
 }
