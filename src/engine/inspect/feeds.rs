@@ -47,7 +47,7 @@ impl Mixture {
         let sources: Vec<ContributingSample> = sources.collect::<Option<_>>()?;
         let weight = sources.iter().map(|source| f64::from(source.tap.weight)).sum();
         let sum = [0, 1, 2].map(|channel| sum_of(&sources, how.light(), channel));
-        let step = how.upscaler().history_step(how, &frame.as_drawn(&frame.drawn.color), at);
+        let step = how.upscaler().history_steps(how, &frame.as_drawn(&frame.drawn.color))(at);
         Some(Self { sources, weight, sum, pixel, uses_history: step.is_some_and(|step| step.past.is_ok()) })
     }
 

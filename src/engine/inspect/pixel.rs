@@ -302,7 +302,7 @@ pub(super) fn replayed(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y:
         absent: Vec::new(),
         final_depth: final_depth.map(|depth| DepthRecord::new(depth, frame.depth_scale())),
         sources,
-        history: upscaler.history_step(how, &frame.as_drawn(&frame.drawn.color), (x, y)),
+        history: upscaler.history_steps(how, &frame.as_drawn(&frame.drawn.color))((x, y)),
         temporal: None,
         unfiltered: filtered.map(|_| upscaled),
         wireframe,

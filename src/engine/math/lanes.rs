@@ -34,11 +34,24 @@ pub(crate) use fearless_simd::u64x8;
 
 /// Instruction set that every processor of the architecture has: SSE2.
 #[cfg(target_arch = "x86_64")]
-type Baseline = fearless_simd::x86::Sse2;
+pub(crate) type Baseline = fearless_simd::x86::Sse2;
 
 /// Instruction set that every processor of the architecture has: plain scalar code.
 #[cfg(not(target_arch = "x86_64"))]
-type Baseline = fearless_simd::Fallback;
+pub(crate) type Baseline = fearless_simd::Fallback;
+
+/// Returns the baseline of the architecture: SSE2. Single pixels need no more, and a kernel that is compiled for it alone
+/// is compiled once.
+#[cfg(target_arch = "x86_64")]
+pub(crate) fn baseline() -> Baseline {
+    Level::new().as_sse2().expect("every x86-64 processor has SSE2")
+}
+
+/// Returns the baseline of the architecture: plain scalar code.
+#[cfg(not(target_arch = "x86_64"))]
+pub(crate) fn baseline() -> Baseline {
+    Baseline::new()
+}
 
 /// Number of lanes that a kernel processes at a time.
 pub(crate) const LANES: usize = 8;
@@ -99,16 +112,9 @@ impl Lanes {
         return None;
     }
 
-    /// Returns the baseline of the architecture: SSE2.
-    #[cfg(target_arch = "x86_64")]
+    /// Returns the baseline of the architecture.
     pub fn baseline() -> Self {
-        Self::Baseline(Level::new().as_sse2().expect("every x86-64 processor has SSE2"))
-    }
-
-    /// Returns the baseline of the architecture: plain scalar code.
-    #[cfg(not(target_arch = "x86_64"))]
-    pub(crate) fn baseline() -> Self {
-        Self::Baseline(Baseline::new())
+        Self::Baseline(baseline())
     }
 
     /// Returns the display name of the instruction set.

@@ -15,8 +15,8 @@ use arrayvec::ArrayVec;
 
 use super::jitter::Continuation;
 use super::{
-    Accumulated, Anchor, BlendSpace, FilterSpace, HistoryStep, Jitter, Lattice, Motion, Offers, PastColor, Reads,
-    Rejection, Sampling, Scale, Tap, UpscaleInputs, Upscaled, Upscaler, Upscaling,
+    Accumulated, Anchor, BlendSpace, FilterSpace, HistoryStep, HistorySteps, Jitter, Lattice, Motion, Offers,
+    PastColor, Reads, Rejection, Sampling, Scale, Tap, UpscaleInputs, Upscaled, Upscaler, Upscaling,
 };
 use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
@@ -117,9 +117,12 @@ impl Upscaler for Accumulation {
         taps
     }
 
-    fn history_step(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, at: (u32, u32)) -> Option<HistoryStep> {
-        let now = FrameContext::new(how, drawn, drawn.frame?.gbuffer.object.size());
-        Some(now.step(at, &now.present(at)).0)
+    fn history_steps<'a>(&'a self, how: Upscaling, drawn: &'a UpscaleInputs<'a>) -> HistorySteps<'a> {
+        let now = drawn.frame.map(|seen| FrameContext::new(how, drawn, seen.gbuffer.object.size()));
+        Box::new(move |at| {
+            let now = now.as_ref()?;
+            Some(now.step(at, &now.present(at)).0)
+        })
     }
 }
 

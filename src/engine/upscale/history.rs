@@ -151,9 +151,9 @@ pub enum HistoryTaps {
     FourClamped([f32; 4]),
 }
 
-/// Function that returns how pixels of one frame are blended with their history; see [`Upscaler::history_step`].
+/// Function that returns how pixels of one frame are blended with their history; see [`Upscaler::history_steps`].
 ///
-/// [`Upscaler::history_step`]: super::Upscaler::history_step
+/// [`Upscaler::history_steps`]: super::Upscaler::history_steps
 pub type HistorySteps<'a> = Box<dyn Fn((u32, u32)) -> Option<HistoryStep> + Sync + 'a>;
 
 impl HistoryStep {

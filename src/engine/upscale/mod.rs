@@ -149,19 +149,14 @@ pub trait Upscaler: Sync {
     /// from rounding and non-linear steps of the upscaler.
     fn taps(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap>;
 
-    /// Returns how pixel `at` is blended with its history, or `None` if the upscaler reads no history for it. History is
-    /// not a tap.
-    fn history_step(&self, _how: Upscaling, _drawn: &UpscaleInputs<'_>, _at: (u32, u32)) -> Option<HistoryStep> {
-        None
-    }
-
-    /// Returns [`Upscaler::history_step`] as a function that shares the preparation of the frame between pixels.
-    fn history_steps<'a>(&'a self, how: Upscaling, drawn: &'a UpscaleInputs<'a>) -> HistorySteps<'a> {
-        Box::new(move |at| self.history_step(how, drawn, at))
+    /// Returns a function that tells how pixels of the frame are blended with their history: `None` for a pixel for which
+    /// the upscaler reads no history. History is not a tap.
+    fn history_steps<'a>(&'a self, _how: Upscaling, _drawn: &'a UpscaleInputs<'a>) -> HistorySteps<'a> {
+        Box::new(|_| None)
     }
 
     /// Returns the filter that reads the history at fraction `t`, in [0, 1), between two pixels of an axis. Only meaningful
-    /// for upscalers with [`Upscaler::history_step`].
+    /// for upscalers with [`Upscaler::history_steps`].
     fn history_taps(&self, _how: Upscaling, t: f32) -> HistoryTaps {
         HistoryTaps::Linear(t)
     }

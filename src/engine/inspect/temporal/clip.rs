@@ -200,7 +200,7 @@ impl TemporalSearch {
 
     fn pixel_frame(&self, frame: &Frame) -> PixelFrame {
         let (how, (x, y)) = (self.clip.recipe.upscaler, self.pixel);
-        let step = how.upscaler().history_step(how, &frame.as_drawn(&frame.drawn.color), self.pixel);
+        let step = how.upscaler().history_steps(how, &frame.as_drawn(&frame.drawn.color))(self.pixel);
         let Some(step) = step else {
             let [r, g, b, _] = frame.unfiltered().at(x, y);
             return PixelFrame { frame: self.next, samples: [r, g, b], history: None, share: 1.0, result: [r, g, b] };

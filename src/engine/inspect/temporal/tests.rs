@@ -164,7 +164,7 @@ fn masks_and_scores_agree_with_counting_steps() {
         let inputs = frame.as_drawn(&frame.drawn.color);
         let mut counts = [[0; 2]; 2];
         for at in pixels() {
-            let step = how.upscaler().history_step(how, &inputs, at);
+            let step = how.upscaler().history_steps(how, &inputs)(at);
             let is_rejected = step.is_some_and(|step| step.past.is_err());
             let is_clamped = step.is_some_and(|step| step.past.is_ok_and(|past| past.read != past.rectified));
             let is_stale = inputs.frame.unwrap().reproject(at).is_err();

@@ -15,8 +15,8 @@ use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::motion::MotionVectors;
 use crate::upscale::history::NOT_VISIBLE;
 use crate::upscale::{
-    BlendSpace, CENTRE, FilterSpace, HistoryStep, Motion, Offers, PastColor, Reads, Rejection, Reprojected, Sampling,
-    Tap, UpscaleInputs, Upscaler, Upscaling,
+    BlendSpace, CENTRE, FilterSpace, HistoryStep, HistorySteps, Motion, Offers, PastColor, Reads, Rejection,
+    Reprojected, Sampling, Tap, UpscaleInputs, Upscaler, Upscaling,
 };
 
 /// Checkerboard rendering with missing pixels reprojected from the previous frame.
@@ -82,23 +82,28 @@ impl Upscaler for CheckerboardTemporal {
         taps
     }
 
-    fn history_step(&self, _how: Upscaling, drawn: &UpscaleInputs<'_>, at: (u32, u32)) -> Option<HistoryStep> {
-        if grid_of(drawn).sample_at(at.0, at.1).is_some() {
-            return None;
-        }
-        let frame = drawn.frame?;
-        let size = frame.gbuffer.object.size();
-        let numbers = |[r, g, b, _]: Rgba8| [r, g, b].map(f32::from);
-        let present = numbers(surfaces::filled(grid_of(drawn), drawn, size, at));
-        let past = frame.reproject(at).and_then(|before| {
-            let (read, clamped) = motion(drawn)
-                .and_then(|motion| reprojected_color(drawn, &motion, size, (at, &before)))
-                .ok_or(Rejection::Outside)?;
-            Ok(PastColor { position_px: before.place, read: numbers(read), rectified: numbers(clamped) })
-        });
-        let share = if past.is_ok() { 0.0 } else { 1.0 };
-        Some(HistoryStep { space: BlendSpace::Rgb(FilterSpace::Bytes), present, share, past })
+    fn history_steps<'a>(&'a self, _how: Upscaling, drawn: &'a UpscaleInputs<'a>) -> HistorySteps<'a> {
+        Box::new(|at| history_step(drawn, at))
     }
+}
+
+/// Returns how a pixel is filled in from its history; `None` if this frame draws the pixel.
+fn history_step(drawn: &UpscaleInputs<'_>, at: (u32, u32)) -> Option<HistoryStep> {
+    if grid_of(drawn).sample_at(at.0, at.1).is_some() {
+        return None;
+    }
+    let frame = drawn.frame?;
+    let size = frame.gbuffer.object.size();
+    let numbers = |[r, g, b, _]: Rgba8| [r, g, b].map(f32::from);
+    let present = numbers(surfaces::filled(grid_of(drawn), drawn, size, at));
+    let past = frame.reproject(at).and_then(|before| {
+        let (read, clamped) = motion(drawn)
+            .and_then(|motion| reprojected_color(drawn, &motion, size, (at, &before)))
+            .ok_or(Rejection::Outside)?;
+        Ok(PastColor { position_px: before.place, read: numbers(read), rectified: numbers(clamped) })
+    });
+    let share = if past.is_ok() { 0.0 } else { 1.0 };
+    Some(HistoryStep { space: BlendSpace::Rgb(FilterSpace::Bytes), present, share, past })
 }
 
 /// Returns which half of the squares to draw after `frames` earlier frames.

@@ -4,13 +4,11 @@ use super::super::history::DilatedVectors;
 use super::super::jitter::Continuation;
 use super::super::sample_rows::DecodedRows;
 use super::super::ycocg::YCoCg;
-use super::super::{Accumulated, HistoryStep, Motion, PastColor, Rejection, UpscaleInputs, Upscaling};
+use super::super::{Accumulated, Motion, UpscaleInputs, Upscaling};
 use super::jitter_of;
 use super::kernel::AxisSamples;
 use super::locks::Contrast;
-use super::rows::Blend;
 use super::surroundings::Surroundings;
-use crate::image::Rgba8;
 use crate::math::lanes::*;
 
 /// Frame to upscale, with its history.
@@ -74,44 +72,14 @@ impl<'a> Fsr2Frame<'a> {
         }
     }
 
-    /// Computes one pixel of the picture without sharpening.
-    pub(super) fn plain_pixel(&self, at: (u32, u32)) -> Rgba8 {
-        on_lanes!(Lanes::best(), simd => self.finished(simd, &self.alone(simd, at, &mut self.scratch())).codes[0])
-    }
-
     /// Returns the samples around a pixel and their weights in its present colour, which sum to 1. Samples at the border
     /// may occur several times.
     pub(super) fn sample_weights(&self, at @ (x, y): (u32, u32)) -> impl Iterator<Item = ((u32, u32), f32)> {
         let (columns, rows) = (self.columns[x as usize].index, self.rows[y as usize].index);
-        let weights = on_lanes!(Lanes::best(), simd => {
-            self.alone(simd, at, &mut self.scratch()).weights.map(|row| row.map(|weights| weights.to_array()[0]))
-        });
+        let weights = self.pixel(at, &mut self.scratch()).weights;
         let row = move |(row, weights): (u32, [f32; 3])| {
             columns.into_iter().zip(weights).map(move |(column, weight)| ((column, row), weight))
         };
         rows.into_iter().zip(weights).flat_map(row)
-    }
-
-    /// Returns how one pixel is blended with its history, before sharpening.
-    pub(super) fn step(&self, at: (u32, u32), scratch: &mut RowScratch) -> HistoryStep {
-        on_lanes!(Lanes::best(), simd => self.step_of(&self.alone(simd, at, scratch), at))
-    }
-
-    /// Returns how the first of sixteen pixels is blended with its history.
-    #[inline(always)]
-    fn step_of<S: Simd>(&self, blend: &Blend<S>, at: (u32, u32)) -> HistoryStep {
-        let color = |[y, co, cg, _]: [f32x16<S>; 4]| [y, co, cg].map(|numbers| numbers.to_array()[0]);
-        let reprojected = self.drawn.frame.map_or(Err(Rejection::FirstFrame), |frame| frame.reproject_dilated(at));
-        let past = blend.past.as_ref().ok_or(Rejection::FirstFrame).and_then(|past| reprojected.map(|_| past));
-        HistoryStep {
-            space: self.colors.space(),
-            present: color(blend.present),
-            share: past.map_or(1.0, |_| blend.share.to_array()[0]),
-            past: past.map(|past| PastColor {
-                position_px: past.place.map(|numbers| numbers.to_array()[0]),
-                read: color(past.color),
-                rectified: blend.rectified.map(|numbers| numbers.to_array()[0]),
-            }),
-        }
     }
 }

@@ -35,8 +35,8 @@ use self::kernel::history_weights;
 use self::rows::HistoryRow;
 use super::spares::Spares;
 use super::{
-    Accumulated, Anchor, FilterSpace, HistoryStep, HistorySteps, HistoryTaps, Jitter, Offers, Reads, Sampling, Scale,
-    Tap, UpscaleInputs, Upscaled, Upscaler, Upscaling, bands, fsr,
+    Accumulated, Anchor, FilterSpace, HistorySteps, HistoryTaps, Jitter, Offers, Reads, Sampling, Scale, Tap,
+    UpscaleInputs, Upscaled, Upscaler, Upscaling, bands, fsr,
 };
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
@@ -102,34 +102,22 @@ impl Upscaler for Fsr2 {
         full: &mut Image<Rgba8>,
         memory: Option<Accumulated>,
     ) -> Upscaled {
-        let size @ (width, height) = full.size();
-        let width = width as usize;
-        let Accumulated { mut color, locks } = Accumulated::with_locks_reusing(memory, size);
-        let mut locks = locks.unwrap_or_else(|| Image::filled(size.0, height, [0.0; 2]));
-        let frame = Fsr2Frame::new(how, drawn, size);
-        let lanes = Lanes::best();
-        bands::fill_three(full, &mut color, &mut locks, |first, full, color, locks| {
-            let history = color.chunks_exact_mut(width).zip(locks.chunks_exact_mut(width));
-            let rows = full.chunks_exact_mut(width).zip(history);
-            let mut scratch = frame.scratch();
-            for (y, (row, (color, locks))) in (first..).zip(rows) {
-                on_lanes!(lanes, simd => frame.row(simd, y, &mut scratch, (row, HistoryRow { color, locks })));
-            }
-        });
+        let mut memory = Accumulated::with_locks_reusing(memory, full.size());
+        fill(Lanes::best(), how, drawn, full, &mut memory);
         fsr::sharpen(how, full);
-        Upscaled { history: Some(Accumulated { color, locks: Some(locks) }), ..Upscaled::default() }
+        Upscaled { history: Some(memory), ..Upscaled::default() }
     }
 
     fn pixel(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
         let frame = Fsr2Frame::new(how, drawn, size);
-        fsr::sharpened_pixel(how, size, at, |at| frame.plain_pixel(at))
+        fsr::sharpened_pixel(how, size, at, |at| frame.pixel(at, &mut frame.scratch()).codes)
     }
 
     /// Returns the samples of this frame only; history contributes no taps.
     fn taps(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
         let frame = Fsr2Frame::new(how, drawn, size);
         let mut sums: BTreeMap<(u32, u32), f32> = BTreeMap::new();
-        for (at, share) in fsr::sharpening_shares(how, size, at, |at| frame.plain_pixel(at)) {
+        for (at, share) in fsr::sharpening_shares(how, size, at, |at| frame.pixel(at, &mut frame.scratch()).codes) {
             for ((x, y), weight) in frame.sample_weights(at) {
                 *sums.entry((y, x)).or_default() += share * weight;
             }
@@ -138,23 +126,39 @@ impl Upscaler for Fsr2 {
     }
 
     /// Returns the blending before sharpening.
-    fn history_step(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, at: (u32, u32)) -> Option<HistoryStep> {
-        let frame = Fsr2Frame::new(how, drawn, drawn.frame?.gbuffer.object.size());
-        Some(frame.step(at, &mut frame.scratch()))
-    }
-
     fn history_steps<'a>(&'a self, how: Upscaling, drawn: &'a UpscaleInputs<'a>) -> HistorySteps<'a> {
         let frame = drawn.frame.map(|seen| Fsr2Frame::new(how, drawn, seen.gbuffer.object.size()));
         let spare = Spares::default();
         Box::new(move |at| {
             let frame = frame.as_ref()?;
-            Some(spare.with(|| frame.scratch(), |scratch| frame.step(at, scratch)))
+            Some(spare.with(|| frame.scratch(), |scratch| frame.pixel(at, scratch).step))
         })
     }
 
     fn history_taps(&self, _how: Upscaling, t: f32) -> HistoryTaps {
-        HistoryTaps::FourClamped(on_lanes!(Lanes::best(), simd => {
-            history_weights(f32x16::splat(simd, t)).map(|weights| weights.to_array()[0])
-        }))
+        let weights = history_weights(f32x16::splat(baseline(), t));
+        HistoryTaps::FourClamped(weights.map(|weights| weights.to_array()[0]))
     }
+}
+
+/// Computes the full image without sharpening, and in `memory` the history for the next frame.
+fn fill(
+    lanes: Lanes,
+    how: Upscaling,
+    drawn: &UpscaleInputs<'_>,
+    full: &mut Image<Rgba8>,
+    Accumulated { color, locks }: &mut Accumulated,
+) {
+    let size = full.size();
+    let width = size.0 as usize;
+    let locks = locks.get_or_insert_with(|| Image::filled(size.0, size.1, [0.0; 2]));
+    let frame = Fsr2Frame::new(how, drawn, size);
+    bands::fill_three(full, color, locks, |first, full, color, locks| {
+        let history = color.chunks_exact_mut(width).zip(locks.chunks_exact_mut(width));
+        let rows = full.chunks_exact_mut(width).zip(history);
+        let mut scratch = frame.scratch();
+        for (y, (row, (color, locks))) in (first..).zip(rows) {
+            on_lanes!(lanes, simd => frame.row(simd, y, &mut scratch, (row, HistoryRow { color, locks })));
+        }
+    });
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::super::history::{PastPlaces, centers, inner_pair, sum_of_quads};
 use super::super::quads::{self, Quad, window};
-use super::super::{Accumulated, Motion};
+use super::super::{Accumulated, HistoryStep, Motion, PastColor, Rejection};
 use super::frame::{Fsr2Frame, RowScratch};
 use super::kernel::{AxisSamples, Kernel, history_weights};
 use super::locks::Locks;
@@ -36,36 +36,49 @@ pub(super) struct HistoryRow<'a> {
 }
 
 /// Colour codes and history of sixteen pixels.
-pub(super) struct Blended {
-    pub(super) codes: [Rgba8; WIDE],
-    pub(super) color: [Quad; WIDE],
-    pub(super) locks: [[f32; 2]; WIDE],
+struct Blended {
+    codes: [Rgba8; WIDE],
+    color: [Quad; WIDE],
+    locks: [[f32; 2]; WIDE],
+}
+
+/// One pixel of the picture without sharpening.
+pub(super) struct Fsr2Pixel {
+    pub(super) codes: Rgba8,
+    /// Colour and accumulated weight for the next frame.
+    pub(super) color: Quad,
+    /// Lock for the next frame, as [`Locks::stored`] returns it.
+    pub(super) lock: [f32; 2],
+    /// Weights of the 3 × 3 samples in the present colour, row by row.
+    pub(super) weights: [[f32; 3]; 3],
+    /// Blending with the history.
+    pub(super) step: HistoryStep,
 }
 
 /// History of sixteen pixels. Where it is not known, the numbers are not meaningful.
-pub(super) struct Past<S: Simd> {
+struct Past<S: Simd> {
     is_known: mask32x16<S>,
     /// Colour, and accumulated weight.
-    pub(super) color: [f32x16<S>; 4],
+    color: [f32x16<S>; 4],
     /// Locks as [`Locks::stored`] returns them.
     locks: [f32x16<S>; 2],
     /// Position in the previous frame, in pixels.
-    pub(super) place: [f32x16<S>; 2],
+    place: [f32x16<S>; 2],
     /// Length of the motion vector in pixels; `None` if camera and scene are still.
     speed_px: Option<f32x16<S>>,
 }
 
 /// Blending of sixteen pixels with their history.
-pub(super) struct Blend<S: Simd> {
-    pub(super) present: [f32x16<S>; 4],
+struct Blend<S: Simd> {
+    present: [f32x16<S>; 4],
     /// Weights of the 3 × 3 samples in the present colour, row by row.
-    pub(super) weights: [[f32x16<S>; 3]; 3],
+    weights: [[f32x16<S>; 3]; 3],
     /// `None` in the first frame.
-    pub(super) past: Option<Past<S>>,
+    past: Option<Past<S>>,
     /// Colour of the history after rectification.
-    pub(super) rectified: [f32x16<S>; 3],
+    rectified: [f32x16<S>; 3],
     /// Share of this frame, in [0, 1]; 1 where the history is not known.
-    pub(super) share: f32x16<S>,
+    share: f32x16<S>,
     /// Accumulated weight for the next frame.
     weight: f32x16<S>,
     /// Stored locks for the next frame.
@@ -103,12 +116,31 @@ impl Fsr2Frame<'_> {
         }
     }
 
-    /// Blends one pixel, the first of the result.
-    #[inline(always)]
-    pub(super) fn alone<S: Simd>(&self, simd: S, (x, y): (u32, u32), scratch: &mut RowScratch) -> Blend<S> {
-        let from = x as usize;
+    /// Computes one pixel without sharpening, bit-identical to [`Self::row`].
+    pub(super) fn pixel(&self, at @ (x, y): (u32, u32), scratch: &mut RowScratch) -> Fsr2Pixel {
+        let (simd, from) = (baseline(), x as usize);
         self.prepare(simd, (&(from..from + 1), y), scratch);
-        self.block(simd, (from, y), scratch)
+        let blend = self.block(simd, (from, y), scratch);
+        let Blended { codes: [codes, ..], color: [color, ..], locks: [lock, ..] } = self.finished(simd, &blend);
+        let weights = blend.weights.map(|row| row.map(|weights| weights.to_array()[0]));
+        Fsr2Pixel { codes, color, lock, weights, step: self.step(&blend, at) }
+    }
+
+    /// Returns how the first of sixteen pixels is blended with its history.
+    fn step<S: Simd>(&self, blend: &Blend<S>, at: (u32, u32)) -> HistoryStep {
+        let color = |[y, co, cg, _]: [f32x16<S>; 4]| [y, co, cg].map(|numbers| numbers.to_array()[0]);
+        let reprojected = self.drawn.frame.map_or(Err(Rejection::FirstFrame), |frame| frame.reproject_dilated(at));
+        let past = blend.past.as_ref().ok_or(Rejection::FirstFrame).and_then(|past| reprojected.map(|_| past));
+        HistoryStep {
+            space: self.colors.space(),
+            present: color(blend.present),
+            share: past.map_or(1.0, |_| blend.share.to_array()[0]),
+            past: past.map(|past| PastColor {
+                position_px: past.place.map(|numbers| numbers.to_array()[0]),
+                read: color(past.color),
+                rectified: blend.rectified.map(|numbers| numbers.to_array()[0]),
+            }),
+        }
     }
 
     /// Prepares all inputs of a range of pixels of row `y`.
@@ -311,7 +343,7 @@ impl Fsr2Frame<'_> {
 
     /// Returns the codes of sixteen pixels, without sharpening, and their history for the next frame.
     #[inline(always)]
-    pub(super) fn finished<S: Simd>(&self, simd: S, blend: &Blend<S>) -> Blended {
+    fn finished<S: Simd>(&self, simd: S, blend: &Blend<S>) -> Blended {
         let [y, co, cg, alpha] = blend.present;
         let mut color = [y, co, cg];
         if let Some(past) = &blend.past {

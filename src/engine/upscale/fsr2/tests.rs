@@ -31,25 +31,26 @@ fn rows_are_bit_identical_to_single_pixels() {
         let color = Image::from_fn(columns, rows, |_, _| std::array::from_fn(|_| random.u8(..)));
         for (number, frames) in frames(size, 7).into_iter().enumerate() {
             let drawn = UpscaleInputs { color: &color, frame: Some(frames.seen()) };
-            let mut full = Image::filled(size.0, size.1, [1, 2, 3, 4]);
-            let history = FSR2.upscale_with_history(how, &drawn, &mut full, None).history.unwrap();
-            let locks = history.locks.unwrap();
-            let sharpened = how.with_sharpening(60).upscale(&drawn, size.0, size.1);
             let frame = Fsr2Frame::new(how, &drawn, size);
-            // Every pixel is compared in some of the frames.
-            let pixels = (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y)));
-            for (x, y) in pixels.skip(number % 5).step_by(5) {
-                let row = (full.at(x, y), history.color.at(x, y).map(f32::to_bits), locks.at(x, y).map(f32::to_bits));
-                for lanes in Lanes::all() {
-                    let alone = on_lanes!(lanes, simd => {
-                        frame.finished(simd, &frame.alone(simd, (x, y), &mut frame.scratch()))
-                    });
-                    let bits = (alone.codes[0], alone.color[0].map(f32::to_bits), alone.locks[0].map(f32::to_bits));
-                    assert_eq!(row, bits, "({x}, {y}) {}", how.label());
-                }
-                if y % 4 == 0 {
-                    let alone = FSR2.pixel(how.with_sharpening(60), &drawn, size, (x, y));
-                    assert_eq!(sharpened.at(x, y), alone, "({x}, {y}) {}, sharpened", how.label());
+            let sharpened = how.with_sharpening(60).upscale(&drawn, size.0, size.1);
+            for lanes in Lanes::all() {
+                let mut full = Image::filled(size.0, size.1, [1, 2, 3, 4]);
+                let mut memory = Accumulated::with_locks_reusing(None, size);
+                fill(lanes, how, &drawn, &mut full, &mut memory);
+                let locks = memory.locks.unwrap();
+                // Every pixel is compared in some of the frames.
+                let pixels = (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y)));
+                for (x, y) in pixels.skip(number % 5).step_by(5) {
+                    let row =
+                        (full.at(x, y), memory.color.at(x, y).map(f32::to_bits), locks.at(x, y).map(f32::to_bits));
+                    let pixel = frame.pixel((x, y), &mut frame.scratch());
+                    let bits = (pixel.codes, pixel.color.map(f32::to_bits), pixel.lock.map(f32::to_bits));
+                    assert_eq!(row, bits, "({x}, {y}) {} {}", how.label(), lanes.name());
+                    assert_eq!(pixel.codes.first_chunk(), Some(&pixel.step.codes()), "({x}, {y}) {}", how.label());
+                    if y % 4 == 0 {
+                        let alone = FSR2.pixel(how.with_sharpening(60), &drawn, size, (x, y));
+                        assert_eq!(sharpened.at(x, y), alone, "({x}, {y}) {}, sharpened", how.label());
+                    }
                 }
             }
         }

@@ -69,6 +69,15 @@ pub(super) struct RowBuffers {
     decoded: Vec<Quad>,
 }
 
+/// One pixel of the picture.
+pub(super) struct Sgsr2Pixel {
+    pub(super) codes: Rgba8,
+    /// History for the next frame.
+    pub(super) memory: Quad,
+    /// Blending with the history.
+    pub(super) step: HistoryStep,
+}
+
 /// Histories of eight pixels, one per lane.
 struct PastLanes {
     /// Colour and accumulated weight.
@@ -224,32 +233,25 @@ impl<'a> Sgsr2Frame<'a> {
         }
     }
 
-    /// Computes one pixel of the picture and of the history for the next frame.
-    #[inline(always)]
-    pub(super) fn pixel<S: Simd>(&self, simd: S, at: (u32, u32)) -> (Rgba8, Quad) {
-        let (_, blend) = self.alone(simd, at);
-        let [y, co, cg] = each!(channel in [0, 1, 2] => blend.color[channel].to_array()[0]);
+    /// Computes one pixel, bit-identical to [`Self::row`].
+    pub(super) fn pixel(&self, at: (u32, u32)) -> Sgsr2Pixel {
+        let first = |color: [F32<_>; 3]| color.map(|lanes| lanes.to_array()[0]);
+        let (past, blend) = self.alone(baseline(), at);
+        let [y, co, cg] = first(blend.color);
         let memory = [y, co, cg, blend.weight.to_array()[0]];
-        (self.colors.encoded(memory, self.alpha(at)), memory)
-    }
-
-    /// Returns how one pixel is blended with its history.
-    #[inline(always)]
-    pub(super) fn step<S: Simd>(&self, simd: S, at: (u32, u32)) -> HistoryStep {
-        let first = |color: [F32<S>; 3]| color.map(|lanes| lanes.to_array()[0]);
-        let (past, blend) = self.alone(simd, at);
         let past = past.map(|(before, [y, co, cg, _])| PastColor {
             position_px: before.place,
             read: [y, co, cg],
             rectified: first(blend.rectified),
         });
-        let share = blend.share.to_array()[0];
-        HistoryStep { space: self.colors.space(), present: first(blend.present), share, past }
+        let (space, share) = (self.colors.space(), blend.share.to_array()[0]);
+        let step = HistoryStep { space, present: first(blend.present), share, past };
+        Sgsr2Pixel { codes: self.colors.encoded(memory, self.alpha(at)), memory, step }
     }
 
     /// Returns the samples that contribute to a pixel. Those that only rectify the history have weight 0.
-    #[inline(always)]
-    pub(super) fn taps<S: Simd>(&self, simd: S, at @ (x, y): (u32, u32)) -> Vec<Tap> {
+    pub(super) fn taps(&self, at @ (x, y): (u32, u32)) -> Vec<Tap> {
+        let simd = baseline();
         let (position, past) = (self.position(simd, at), self.past_alone(at).1);
         let shape = self.shape(simd, &past);
         let (columns, rows) = (self.columns.index[x as usize], self.rows.index[y as usize]);

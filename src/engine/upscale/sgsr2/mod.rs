@@ -28,9 +28,10 @@ mod kernel;
 mod tests;
 
 use self::frame::{RowBuffers, Sgsr2Frame};
+use super::quads::Quad;
 use super::{
-    Accumulated, Anchor, FilterSpace, HistoryStep, HistorySteps, Jitter, Offers, Reads, Sampling, Scale, Tap,
-    UpscaleInputs, Upscaled, Upscaler, Upscaling, bands,
+    Accumulated, Anchor, FilterSpace, HistorySteps, Jitter, Offers, Reads, Sampling, Scale, Tap, UpscaleInputs,
+    Upscaled, Upscaler, Upscaling, bands,
 };
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
@@ -96,41 +97,35 @@ impl Upscaler for Sgsr2 {
         full: &mut Image<Rgba8>,
         memory: Option<Accumulated>,
     ) -> Upscaled {
-        let size @ (width, _) = full.size();
-        let mut memory = Accumulated::reusing(memory, size);
-        let frame = Sgsr2Frame::new(how, drawn, size);
-        let lanes = Lanes::best();
-        bands::fill_both(full, &mut memory.color, |first, full, memory| {
-            let rows = full.chunks_exact_mut(width as usize).zip(memory.chunks_exact_mut(width as usize));
-            let mut buffers = RowBuffers::new(&frame);
-            for (y, (row, memory)) in (first..).zip(rows) {
-                on_lanes!(lanes, simd => frame.row(simd, y, &mut buffers, (row, memory)));
-            }
-        });
+        let mut memory = Accumulated::reusing(memory, full.size());
+        fill(Lanes::best(), how, drawn, full, &mut memory.color);
         Upscaled { history: Some(memory), ..Upscaled::default() }
     }
 
     fn pixel(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
-        let frame = Sgsr2Frame::new(how, drawn, size);
-        on_lanes!(Lanes::best(), simd => frame.pixel(simd, at).0)
+        Sgsr2Frame::new(how, drawn, size).pixel(at).codes
     }
 
     /// Returns the samples of this frame only; history contributes no taps.
     fn taps(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
-        let frame = Sgsr2Frame::new(how, drawn, size);
-        on_lanes!(Lanes::best(), simd => frame.taps(simd, at))
-    }
-
-    fn history_step(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, at: (u32, u32)) -> Option<HistoryStep> {
-        let frame = Sgsr2Frame::new(how, drawn, drawn.frame?.gbuffer.object.size());
-        Some(on_lanes!(Lanes::best(), simd => frame.step(simd, at)))
+        Sgsr2Frame::new(how, drawn, size).taps(at)
     }
 
     fn history_steps<'a>(&'a self, how: Upscaling, drawn: &'a UpscaleInputs<'a>) -> HistorySteps<'a> {
         let frame = drawn.frame.map(|seen| Sgsr2Frame::new(how, drawn, seen.gbuffer.object.size()));
-        Box::new(move |at| {
-            let frame = frame.as_ref()?;
-            Some(on_lanes!(Lanes::best(), simd => frame.step(simd, at)))
-        })
+        Box::new(move |at| Some(frame.as_ref()?.pixel(at).step))
     }
+}
+
+/// Computes the full image, and in `memory` the history for the next frame.
+fn fill(lanes: Lanes, how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Image<Rgba8>, memory: &mut Image<Quad>) {
+    let width = full.width() as usize;
+    let frame = Sgsr2Frame::new(how, drawn, full.size());
+    bands::fill_both(full, memory, |first, full, memory| {
+        let rows = full.chunks_exact_mut(width).zip(memory.chunks_exact_mut(width));
+        let mut buffers = RowBuffers::new(&frame);
+        for (y, (row, memory)) in (first..).zip(rows) {
+            on_lanes!(lanes, simd => frame.row(simd, y, &mut buffers, (row, memory)));
+        }
+    });
 }

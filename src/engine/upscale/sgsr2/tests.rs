@@ -24,17 +24,18 @@ fn rows_are_bit_identical_to_single_pixels_and_steps() {
         let color = Image::from_fn(columns, rows, |_, _| std::array::from_fn(|_| random.u8(..)));
         for frames in frames(size, 7) {
             let drawn = UpscaleInputs { color: &color, frame: Some(frames.seen()) };
-            let mut full = Image::filled(size.0, size.1, [1, 2, 3, 4]);
-            let history = SGSR2.upscale_with_history(how, &drawn, &mut full, None).history.unwrap();
             let frame = Sgsr2Frame::new(how, &drawn, size);
-            for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
-                let row = (full.at(x, y), history.color.at(x, y).map(f32::to_bits));
-                for lanes in Lanes::all() {
-                    let (codes, memory) = on_lanes!(lanes, simd => frame.pixel(simd, (x, y)));
-                    assert_eq!(row, (codes, memory.map(f32::to_bits)), "({x}, {y}) {}", how.label());
+            for lanes in Lanes::all() {
+                let mut full = Image::filled(size.0, size.1, [1, 2, 3, 4]);
+                let mut memory = Image::filled(size.0, size.1, [-7.0; 4]);
+                fill(lanes, how, &drawn, &mut full, &mut memory);
+                for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
+                    let row = (full.at(x, y), memory.at(x, y).map(f32::to_bits));
+                    let pixel = frame.pixel((x, y));
+                    let context = || format!("({x}, {y}) {} {}", how.label(), lanes.name());
+                    assert_eq!(row, (pixel.codes, pixel.memory.map(f32::to_bits)), "{}", context());
+                    assert_eq!(row.0.first_chunk(), Some(&pixel.step.codes()), "{}", context());
                 }
-                let step = SGSR2.history_step(how, &drawn, (x, y)).unwrap();
-                assert_eq!(row.0.first_chunk(), Some(&step.codes()), "({x}, {y}) {}", how.label());
             }
         }
     }
@@ -122,7 +123,7 @@ fn disoccluded_pixels_show_the_present_only() {
         let hidden = how.upscale(&drawn, 24, 10);
         // The present may leave the range of the samples by a little.
         assert!(hidden.pixels().iter().all(|[r, ..]| *r <= 120), "{}", how.label());
-        let step = SGSR2.history_step(how, &drawn, (3, 4)).unwrap();
+        let step = SGSR2.history_steps(how, &drawn)((3, 4)).unwrap();
         assert_eq!((step.share, step.past), (1.0, Err(Rejection::Disoccluded)));
     }
 }

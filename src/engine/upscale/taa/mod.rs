@@ -23,11 +23,12 @@ pub use options::HistoryFilter;
 pub use options::HistoryOptions;
 pub use options::Rectification;
 
-use self::rows::{RowScratch, TaaFrame, catmull_rom};
+use self::rows::{TaaFrame, catmull_rom};
+use super::quads::Quad;
 use super::spares::Spares;
 use super::{
-    Accumulated, Anchor, FilterSpace, HistoryStep, HistorySteps, HistoryTaps, Jitter, Offers, Reads, Sampling, Scale,
-    Tap, UpscaleInputs, Upscaled, Upscaler, Upscaling, bands,
+    Accumulated, Anchor, FilterSpace, HistorySteps, HistoryTaps, Jitter, Offers, Reads, Sampling, Scale, Tap,
+    UpscaleInputs, Upscaled, Upscaler, Upscaling, bands,
 };
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
@@ -97,23 +98,14 @@ impl Upscaler for Taa {
         full: &mut Image<Rgba8>,
         memory: Option<Accumulated>,
     ) -> Upscaled {
-        let size @ (width, _) = full.size();
-        let mut memory = Accumulated::reusing(memory, size);
-        let frame = TaaFrame::new(how, drawn, size);
-        let lanes = Lanes::best();
-        bands::fill_both(full, &mut memory.color, |first, full, memory| {
-            let rows = full.chunks_exact_mut(width as usize).zip(memory.chunks_exact_mut(width as usize));
-            let mut scratch = frame.scratch();
-            for (y, (row, memory)) in (first..).zip(rows) {
-                on_lanes!(lanes, simd => frame.row(simd, y, &mut scratch, (row, memory)));
-            }
-        });
+        let mut memory = Accumulated::reusing(memory, full.size());
+        fill(Lanes::best(), how, drawn, full, &mut memory.color);
         Upscaled { history: Some(memory), ..Upscaled::default() }
     }
 
     fn pixel(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
         let frame = TaaFrame::new(how, drawn, size);
-        on_lanes!(Lanes::best(), simd => frame.pixel(simd, at).0)
+        frame.pixel(at, &mut frame.scratch()).codes
     }
 
     /// Returns the samples of this frame only; history contributes no taps.
@@ -121,27 +113,35 @@ impl Upscaler for Taa {
         TaaFrame::new(how, drawn, size).taps(at)
     }
 
-    fn history_step(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, at: (u32, u32)) -> Option<HistoryStep> {
-        let frame = TaaFrame::new(how, drawn, drawn.frame?.gbuffer.object.size());
-        Some(on_lanes!(Lanes::best(), simd => frame.step(simd, at, &mut frame.scratch())))
-    }
-
     fn history_steps<'a>(&'a self, how: Upscaling, drawn: &'a UpscaleInputs<'a>) -> HistorySteps<'a> {
         let frame = drawn.frame.map(|seen| TaaFrame::new(how, drawn, seen.gbuffer.object.size()));
         let spare = Spares::default();
         Box::new(move |at| {
             let frame = frame.as_ref()?;
-            let step = |scratch: &mut RowScratch| on_lanes!(Lanes::best(), simd => frame.step(simd, at, scratch));
-            Some(spare.with(|| frame.scratch(), step))
+            Some(spare.with(|| frame.scratch(), |scratch| frame.pixel(at, scratch).step))
         })
     }
 
     fn history_taps(&self, how: Upscaling, t: f32) -> HistoryTaps {
         match how.history().filter {
             HistoryFilter::Bilinear => HistoryTaps::Linear(t),
-            HistoryFilter::CatmullRom => HistoryTaps::Four(on_lanes!(Lanes::best(), simd => {
-                catmull_rom(f32x16::splat(simd, t)).map(|weights| weights.to_array()[0])
-            })),
+            HistoryFilter::CatmullRom => {
+                let weights = catmull_rom(f32x16::splat(baseline(), t));
+                HistoryTaps::Four(weights.map(|weights| weights.to_array()[0]))
+            }
         }
     }
+}
+
+/// Computes the full image, and in `memory` the history for the next frame.
+fn fill(lanes: Lanes, how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Image<Rgba8>, memory: &mut Image<Quad>) {
+    let width = full.width() as usize;
+    let frame = TaaFrame::new(how, drawn, full.size());
+    bands::fill_both(full, memory, |first, full, memory| {
+        let rows = full.chunks_exact_mut(width).zip(memory.chunks_exact_mut(width));
+        let mut scratch = frame.scratch();
+        for (y, (row, memory)) in (first..).zip(rows) {
+            on_lanes!(lanes, simd => frame.row(simd, y, &mut scratch, (row, memory)));
+        }
+    });
 }

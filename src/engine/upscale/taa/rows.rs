@@ -61,6 +61,15 @@ pub(super) struct RowScratch {
     vectors: DilatedVectors,
 }
 
+/// One pixel of the picture.
+pub(super) struct TaaPixel {
+    pub(super) codes: Rgba8,
+    /// History for the next frame.
+    pub(super) memory: Quad,
+    /// Blending with the history.
+    pub(super) step: HistoryStep,
+}
+
 /// Colours of sixteen pixels, from the samples of this frame.
 struct Present<S: Simd> {
     /// Y, Co, Cg and alpha.
@@ -145,18 +154,18 @@ impl<'a> TaaFrame<'a> {
         }
     }
 
-    /// Computes one pixel of the picture and of the history for the next frame.
-    #[inline(always)]
-    pub(super) fn pixel<S: Simd>(&self, simd: S, at: (u32, u32)) -> (Rgba8, Quad) {
-        let ([codes, ..], [quad, ..]) = self.finished(simd, &self.alone(simd, at, &mut self.scratch()));
-        (codes, quad)
+    /// Computes one pixel, bit-identical to [`Self::row`].
+    pub(super) fn pixel(&self, at @ (x, y): (u32, u32), scratch: &mut RowScratch) -> TaaPixel {
+        let (simd, from) = (baseline(), x as usize);
+        self.prepare(simd, (&(from..from + 1), y), scratch);
+        let blend = self.block(simd, (from, y), scratch);
+        let ([codes, ..], [memory, ..]) = self.finished(simd, &blend);
+        TaaPixel { codes, memory, step: self.step(blend, at) }
     }
 
-    /// Returns how one pixel is blended with its history.
-    #[inline(always)]
-    pub(super) fn step<S: Simd>(&self, simd: S, at: (u32, u32), scratch: &mut RowScratch) -> HistoryStep {
+    /// Returns how the first of sixteen pixels is blended with its history.
+    fn step<S: Simd>(&self, Blend { present, past }: Blend<S>, at: (u32, u32)) -> HistoryStep {
         let first = |numbers: f32x16<S>| numbers.to_array()[0];
-        let Blend { present, past } = self.alone(simd, at, scratch);
         let reprojected = self.drawn.frame.map_or(Err(Rejection::FirstFrame), |frame| frame.reproject_dilated(at));
         let past = past.ok_or(Rejection::FirstFrame).and_then(|past| reprojected.map(|_| past));
         let share = past.as_ref().map_or(1.0, |past| first(past.share));
@@ -167,14 +176,6 @@ impl<'a> TaaFrame<'a> {
             rectified: rectified.map(first),
         });
         HistoryStep { space: self.colors.space(), present: [y, co, cg].map(first), share, past }
-    }
-
-    /// Blends one pixel, the first of the result.
-    #[inline(always)]
-    fn alone<S: Simd>(&self, simd: S, (x, y): (u32, u32), scratch: &mut RowScratch) -> Blend<S> {
-        let from = x as usize;
-        self.prepare(simd, (&(from..from + 1), y), scratch);
-        self.block(simd, (from, y), scratch)
     }
 
     /// Prepares all inputs of a range of pixels of row `y`.

@@ -34,16 +34,19 @@ fn rows_are_bit_identical_to_single_pixels() {
         let color = Image::from_fn(columns, rows, |_, _| std::array::from_fn(|_| random.u8(..)));
         for frames in frames(size, 7) {
             let drawn = UpscaleInputs { color: &color, frame: Some(frames.seen()) };
-            let mut full = Image::filled(size.0, size.1, [1, 2, 3, 4]);
-            let memory = TAA.upscale_with_history(how, &drawn, &mut full, None).history.unwrap().color;
             let frame = TaaFrame::new(how, &drawn, size);
-            // Every pixel is compared with some of the options.
-            let pixels = (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y)));
-            for at in pixels.skip(number % 7).step_by(7) {
-                for lanes in Lanes::all() {
-                    let (pixel, past) = on_lanes!(lanes, simd => frame.pixel(simd, at));
-                    let bits = [past, memory.at(at.0, at.1)].map(|quad| quad.map(f32::to_bits));
-                    assert_eq!((full.at(at.0, at.1), bits[1]), (pixel, bits[0]), "{at:?} {}", how.label());
+            for lanes in Lanes::all() {
+                let mut full = Image::filled(size.0, size.1, [1, 2, 3, 4]);
+                let mut memory = Image::filled(size.0, size.1, [-7.0; 4]);
+                fill(lanes, how, &drawn, &mut full, &mut memory);
+                // Every pixel is compared with some of the options.
+                let pixels = (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y)));
+                for at in pixels.skip(number % 7).step_by(7) {
+                    let pixel = frame.pixel(at, &mut frame.scratch());
+                    let bits = [pixel.memory, memory.at(at.0, at.1)].map(|quad| quad.map(f32::to_bits));
+                    let context = || format!("{at:?} {} {}", how.label(), lanes.name());
+                    assert_eq!((full.at(at.0, at.1), bits[1]), (pixel.codes, bits[0]), "{}", context());
+                    assert_eq!(pixel.codes.first_chunk(), Some(&pixel.step.codes()), "{}", context());
                 }
             }
         }
