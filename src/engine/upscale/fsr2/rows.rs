@@ -46,8 +46,10 @@ struct Blended {
 pub(super) struct Fsr2Pixel {
     pub(super) codes: Rgba8,
     /// Colour and accumulated weight for the next frame.
+    #[cfg_attr(not(test), expect(dead_code, reason = "tests compare it with that of rows"))]
     pub(super) color: Quad,
     /// Lock for the next frame, as [`Locks::stored`] returns it.
+    #[cfg_attr(not(test), expect(dead_code, reason = "tests compare it with that of rows"))]
     pub(super) lock: [f32; 2],
     /// Weights of the 3 × 3 samples in the present colour, row by row.
     pub(super) weights: [[f32; 3]; 3],

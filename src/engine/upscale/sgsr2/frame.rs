@@ -73,6 +73,7 @@ pub(super) struct RowBuffers {
 pub(super) struct Sgsr2Pixel {
     pub(super) codes: Rgba8,
     /// History for the next frame.
+    #[cfg_attr(not(test), expect(dead_code, reason = "tests compare it with that of rows"))]
     pub(super) memory: Quad,
     /// Blending with the history.
     pub(super) step: HistoryStep,
