@@ -22,7 +22,7 @@ pub(crate) const LEAST_SQUARED_LENGTH: f32 = f32::MIN_POSITIVE;
 
 /// Excess of the ratio of the axes over an integer that takes no additional probe. It absorbs the rounding errors of the
 /// ratio, so that a round footprint takes a single probe.
-const RATIO_TOLERANCE: f32 = 1.0 / 64.0;
+pub(crate) const RATIO_TOLERANCE: f32 = 1.0 / 64.0;
 
 /// Rule that selects the mip levels and the positions of probes for the footprint of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]

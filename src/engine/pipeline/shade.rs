@@ -282,14 +282,13 @@ impl<'a> Shader<'a> {
     }
 
     /// Returns whether the SIMD kernels can shade the draw. They support neither emission, highlights, normal maps,
-    /// opacity maps, premultiplied nor anisotropic filtering.
+    /// opacity maps nor premultiplied filtering.
     pub(super) fn fits_lanes(&self) -> bool {
         let has_more = self.emission.is_some()
             || self.highlight.is_some()
             || self.normal_map.is_some()
             || self.alpha_texture.is_some()
-            || self.texture.is_some_and(|texture| texture.is_premultiplied())
-            || self.texture.is_some() && self.settings.filter == TexelFilter::Anisotropic;
+            || self.texture.is_some_and(|texture| texture.is_premultiplied());
         !has_more
     }
 

@@ -22,17 +22,23 @@ fn mipmapped() -> Recipe {
     recipe
 }
 
-/// Returns trilinear recipes with every address mode and colour space, for shadings that have SIMD kernels.
+/// Returns mip-mapped recipes with every address mode and colour space: trilinear ones for the shadings that have SIMD
+/// kernels, and anisotropic ones.
 fn readings() -> Vec<Recipe> {
     let recipes = with::<AddressMode>(&[mipmapped()], |r, c| r.pipeline.address = c);
     let recipes = with::<ColorSpace>(&recipes, |r, c| r.pipeline.color_space = c);
-    let shadings = [Shading::Texture, Shading::Gouraud, Shading::Lambert];
-    let shaded = |recipe: &Recipe, shading| {
+    let filtered = |recipe: &Recipe, (filter, shading)| {
         let mut recipe = *recipe;
-        recipe.pipeline.shading = shading;
+        (recipe.pipeline.filter, recipe.pipeline.shading) = (filter, shading);
         recipe
     };
-    recipes.iter().flat_map(|recipe| shadings.map(|shading| shaded(recipe, shading))).collect()
+    let ways = [
+        (TexelFilter::Trilinear, Shading::Texture),
+        (TexelFilter::Trilinear, Shading::Gouraud),
+        (TexelFilter::Trilinear, Shading::Lambert),
+        (TexelFilter::Anisotropic, Shading::Gouraud),
+    ];
+    recipes.iter().flat_map(|recipe| ways.map(|way| filtered(recipe, way))).collect()
 }
 
 fn noise((width, height): (u32, u32), random: &mut fastrand::Rng) -> Image<Rgba8> {
@@ -74,6 +80,7 @@ fn every_switch_gives_the_same_picture() {
         &["mip_bias=0.7"],
         &["mip_bias=-1.58", "color_space=bytes"],
         &["filter=anisotropic"],
+        &["filter=anisotropic", "shading=lambert", "address=mirror"],
         &["filter=anisotropic", "max_anisotropy=2", "mip_bias=-1", "color_space=bytes"],
     ];
     for settings in more {

@@ -356,7 +356,8 @@ pub(super) fn corner_weights<S: Simd>(
     AttributeWeights { of_corners: [q[1] * inverse_sum, q[2] * inverse_sum], inverse_sum }
 }
 
-/// Computes the texture taps of sixteen samples and prefetches their texels. Does nothing without a texture.
+/// Computes the texture taps of sixteen samples and prefetches their texels. The anisotropic filter reads them at once.
+/// Does nothing without a texture.
 #[inline(always)]
 pub(super) fn locate_texels<S: Simd, O: TriangleSource>(
     simd: S,
@@ -368,6 +369,10 @@ pub(super) fn locate_texels<S: Simd, O: TriangleSource>(
 ) {
     let (Some(texture), Some(layout)) = (&shader.texture, plan.texture) else { return };
     match coarse {
+        Some(coarse) if texture.is_anisotropic() => {
+            texture.filter_along_axis(simd, layout, source, weights, coarse);
+            return;
+        }
         Some(coarse) if plan.mipmapped => {
             texture.locate_in_levels(simd, layout, source, weights, (taps, coarse));
             if let Some(step) = O::PREFETCH_STEP {

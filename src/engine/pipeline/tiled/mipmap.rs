@@ -24,14 +24,51 @@ pub(super) struct CoarseTaps {
     share: [f32; WIDE],
     /// Whether the weight is nonzero for any sample. Otherwise the taps are not valid.
     pub(super) is_read: bool,
+    /// Filtered texels of sixteen samples by channel, in [0, 1]. Only valid with the anisotropic filter, which reads its
+    /// texels at once, because their number differs from sample to sample.
+    pub(super) filtered: [[f32; WIDE]; 4],
 }
 
 /// Mip level that each of sixteen samples reads, one per lane.
-struct LevelOfEach<S: Simd> {
+pub(super) struct LevelOfEach<S: Simd> {
     /// Index of the first texel of each level.
     first: i32x16<S>,
     /// Width and height of each level, in texels.
     size: [i32x16<S>; 2],
+}
+
+/// The two mip levels that each of sixteen samples reads.
+pub(super) struct TwoLevels<S: Simd> {
+    finer: LevelOfEach<S>,
+    coarser: LevelOfEach<S>,
+    /// Weight of the coarser level, in [0, 1).
+    share: f32x16<S>,
+}
+
+/// Texture coordinates of sixteen samples.
+pub(super) struct Coordinates<S: Simd> {
+    pub(super) uv: [f32x16<S>; 2],
+    /// Changes of u and v per pixel to the right, and per pixel downwards.
+    pub(super) gradient: [[f32x16<S>; 2]; 2],
+}
+
+impl<S: Simd> Coordinates<S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S, source: impl TriangleSource, weights: AttributeWeights<S>) -> Self {
+        let attributes = source.uv(simd);
+        let gradient = weights.gradient(simd, source);
+        Self {
+            gradient: each!(weights in [gradient[0], gradient[1]] => each!(axis in [0, 1] => attributes[axis].change(weights))),
+            uv: each!(axis in [0, 1] => attributes[axis].at(weights.of_corners)),
+        }
+    }
+}
+
+/// Returns the squared length of the longer of two gradients in texels.
+#[inline(always)]
+pub(super) fn longest_squared<S: Simd>(gradient: [[f32x16<S>; 2]; 2]) -> f32x16<S> {
+    let [right, down] = each!([x, y] in [gradient[0], gradient[1]] => x * x + y * y);
+    down.simd_gt(right).select(down, right)
 }
 
 impl CoarseTaps {
@@ -59,36 +96,44 @@ impl TextureReader<'_> {
         simd.vectorize(
             #[inline(always)]
             || {
-                let attributes = source.uv(simd);
-                let gradient = weights.gradient(simd, source);
-                let gradient =
-                    each!(weights in [gradient[0], gradient[1]] => each!(axis in [0, 1] => attributes[axis].change(weights)));
-                let uv = each!(axis in [0, 1] => attributes[axis].at(weights.of_corners));
-                let level = self.level(simd, gradient);
-                let finer: i32x16<S> = level.to_int();
-                let share = level - finer.to_float::<f32x16<S>>();
-                let [of_fine, of_coarse] = self.two_levels(simd, finer);
-                self.locate_in_level(simd, layout, uv, &of_fine, fine);
-                // The coarser level need not be read if its weight is zero for all samples: texels are finite and
-                // non-negative, so adding it would not change the result, not even the sign of a zero.
-                coarse.is_read = !share.simd_eq(0.0).all_true();
-                if coarse.is_read {
-                    share.store_array(&mut coarse.share);
-                    self.locate_in_level(simd, layout, uv, &of_coarse, &mut coarse.taps);
-                }
+                let Coordinates { uv, gradient } = Coordinates::new(simd, source, weights);
+                let levels = self.two_levels(simd, self.level(simd, longest_squared(self.in_texels(gradient))));
+                self.locate_in_both(simd, layout, uv, &levels, (fine, coarse));
             },
         );
     }
 
-    /// Returns the level of detail (LOD) of each sample, from 0 for the full-size texture to the index of the coarsest
-    /// mip level.
+    /// Computes the texture taps of sixteen samples in the given levels.
     #[inline(always)]
-    fn level<S: Simd>(&self, simd: S, gradient: [[f32x16<S>; 2]; 2]) -> f32x16<S> {
-        let [right, down] = each!([u, v] in [gradient[0], gradient[1]] => {
-            let (x, y) = (u * self.extent[0], v * self.extent[1]);
-            x * x + y * y
-        });
-        let longest = down.simd_gt(right).select(down, right);
+    pub(super) fn locate_in_both<S: Simd>(
+        &self,
+        simd: S,
+        layout: Layout,
+        uv: [f32x16<S>; 2],
+        levels: &TwoLevels<S>,
+        (fine, coarse): (&mut Taps, &mut CoarseTaps),
+    ) {
+        let TwoLevels { finer, coarser, share } = levels;
+        self.locate_in_level(simd, layout, uv, finer, fine);
+        // The coarser level need not be read if its weight is zero for all samples: texels are finite and
+        // non-negative, so adding it would not change the result, not even the sign of a zero.
+        coarse.is_read = !share.simd_eq(0.0).all_true();
+        if coarse.is_read {
+            share.store_array(&mut coarse.share);
+            self.locate_in_level(simd, layout, uv, coarser, &mut coarse.taps);
+        }
+    }
+
+    /// Converts the gradients of texture coordinates to texels per pixel.
+    #[inline(always)]
+    pub(super) fn in_texels<S: Simd>(&self, gradient: [[f32x16<S>; 2]; 2]) -> [[f32x16<S>; 2]; 2] {
+        each!([u, v] in [gradient[0], gradient[1]] => [u * self.extent[0], v * self.extent[1]])
+    }
+
+    /// Returns the level of detail (LOD) of each sample, from 0 for the full-size texture to the index of the coarsest
+    /// mip level. `longest` is the squared length of the footprint, in texels².
+    #[inline(always)]
+    pub(super) fn level<S: Simd>(&self, simd: S, longest: f32x16<S>) -> f32x16<S> {
         let least = f32x16::splat(simd, LEAST_SQUARED_LENGTH);
         let longest = longest.simd_gt(least).select(longest, least);
         let level = log2_lanes(longest) * 0.5 + self.mip_bias;
@@ -96,9 +141,11 @@ impl TextureReader<'_> {
         level.simd_gt(zero).select(level, zero).min((self.levels.len() - 1) as f32)
     }
 
-    /// Returns the mip levels with these indices, and the next coarser levels. The coarsest level is its own successor.
+    /// Returns the mip levels below and above each level of detail. The coarsest level is its own successor.
     #[inline(always)]
-    fn two_levels<S: Simd>(&self, simd: S, finer: i32x16<S>) -> [LevelOfEach<S>; 2] {
+    pub(super) fn two_levels<S: Simd>(&self, simd: S, level: f32x16<S>) -> TwoLevels<S> {
+        let finer: i32x16<S> = level.to_int();
+        let share = level - finer.to_float::<f32x16<S>>();
         let finer = finer.to_array();
         let places = each!(lane in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => {
             let level = &self.levels[finer[lane] as usize];
@@ -107,7 +154,11 @@ impl TextureReader<'_> {
         let columns = transpose_wide(places);
         let [first, next, width, height] = each!(column in [0, 1, 2, 3] => columns[column].bitcast::<i32x16<S>>());
         let halved = each!(side in [width, height] => (side >> 1).max(1));
-        [LevelOfEach { first, size: [width, height] }, LevelOfEach { first: next, size: halved }]
+        TwoLevels {
+            finer: LevelOfEach { first, size: [width, height] },
+            coarser: LevelOfEach { first: next, size: halved },
+            share,
+        }
     }
 
     #[inline(always)]
@@ -143,6 +194,60 @@ impl TextureReader<'_> {
         }
     }
 
+    /// Returns the filtered texels of as many samples as a register holds, starting at sample `first`, as
+    /// [`TextureReader::read_bytes`] does.
+    #[inline(always)]
+    pub(super) fn filtered_bytes<S: Simd>(
+        &self,
+        simd: S,
+        layout: Layout,
+        taps: (&Taps, Option<&CoarseTaps>),
+        first: usize,
+    ) -> [S::f32s; 4] {
+        match taps.1 {
+            Some(coarse) if self.is_anisotropic() => {
+                each!(channel in [0, 1, 2, 3] => S::f32s::from_slice(simd, &coarse.filtered[channel][first..first + S::f32s::LEN]))
+            }
+            _ => self.read_levels_bytes(simd, layout, taps, first),
+        }
+    }
+
+    /// Returns the filtered texels of sixteen samples, as [`TextureReader::read_linear`] does.
+    #[inline(always)]
+    pub(super) fn filtered_linear<S: Simd>(
+        &self,
+        simd: S,
+        layout: Layout,
+        taps: (&Taps, Option<&CoarseTaps>),
+    ) -> [f32x16<S>; 4] {
+        match taps.1 {
+            Some(coarse) if self.is_anisotropic() => {
+                each!(channel in [0, 1, 2, 3] => f32x16::load_array_ref(simd, &coarse.filtered[channel]))
+            }
+            _ => self.read_levels_linear(simd, layout, taps),
+        }
+    }
+
+    /// Returns the filtered alpha channel of sixteen samples.
+    #[inline(always)]
+    pub(super) fn filtered_alpha<S: Simd>(
+        &self,
+        simd: S,
+        layout: Layout,
+        taps: (&Taps, Option<&CoarseTaps>),
+    ) -> f32x16<S> {
+        if self.mixes_light() {
+            let [.., alpha] = self.filtered_linear(simd, layout, taps);
+            return alpha;
+        }
+        let mut sixteen = [0.0; WIDE];
+        for first in (0..WIDE).step_by(S::f32s::LEN) {
+            let [.., alpha] = self.filtered_bytes(simd, layout, taps, first);
+            alpha.store_slice(&mut sixteen[first..first + S::f32s::LEN]);
+        }
+        f32x16::load_array(simd, sixteen)
+    }
+
     /// Reads two mip levels with [`TextureReader::read_bytes`] and mixes them. Reads only one level without
     /// mip-mapping.
     #[inline(always)]
@@ -157,26 +262,6 @@ impl TextureReader<'_> {
         let Some(coarse) = coarse.filter(|coarse| coarse.is_read) else { return finer };
         let coarser = self.read_bytes(simd, layout, &coarse.taps, first);
         mix(simd, finer, coarser, S::f32s::from_slice(simd, &coarse.share[first..first + S::f32s::LEN]))
-    }
-
-    /// Reads the alpha channel of two mip levels and mixes them. Reads only one level without mip-mapping.
-    #[inline(always)]
-    pub(super) fn read_levels_alpha<S: Simd>(
-        &self,
-        simd: S,
-        layout: Layout,
-        taps: (&Taps, Option<&CoarseTaps>),
-    ) -> f32x16<S> {
-        if self.mixes_light() {
-            let [.., alpha] = self.read_levels_linear(simd, layout, taps);
-            return alpha;
-        }
-        let mut sixteen = [0.0; WIDE];
-        for first in (0..WIDE).step_by(S::f32s::LEN) {
-            let [.., alpha] = self.read_levels_bytes(simd, layout, taps, first);
-            alpha.store_slice(&mut sixteen[first..first + S::f32s::LEN]);
-        }
-        f32x16::load_array(simd, sixteen)
     }
 
     /// Reads two mip levels with [`TextureReader::read_linear`] and mixes them. Reads only one level without

@@ -16,6 +16,7 @@
 //! [`Multisampling`]. Jittered supersampling, with different sample positions in each pixel, draws and shades the
 //! samples one after the other: see [`Jittering`].
 
+mod anisotropic;
 mod axis;
 mod batch;
 mod bins;

@@ -212,9 +212,11 @@ fn finish_mipmapped<S: Simd>(
         || {
             let plan = ShadingPlan { mipmapped: true, ..shader.plan };
             let mut samples = 0;
+            // The anisotropic filter counts the texels of both levels with the samples.
+            let counts_coarse = shader.texture.is_some_and(|texture| !texture.is_anisotropic());
             for ((pair, taps), coarse) in pairs.iter().zip(taps).zip(coarse) {
                 let [upper, lower] = &pair.rows;
-                samples += if coarse.is_read { upper.written() + lower.written() } else { 0 };
+                samples += if counts_coarse && coarse.is_read { upper.written() + lower.written() } else { 0 };
                 finish_pair(simd, (shader, shader.texture.as_ref()), plan, (pair, (taps, Some(coarse))), pixels);
             }
             u64::from(samples) * TEXELS_AROUND
@@ -247,7 +249,7 @@ fn finish_pair<S: Simd>(
                     let codes = &mut codes[first..first + S::u32s::LEN];
                     let mut color = surface_color::<S, S::f32s>(simd, shader, plan, pair, first);
                     if let (Some(texture), Some(layout)) = (texture, plan.texture) {
-                        color = textured(plan, color, texture.read_levels_bytes(simd, layout, (taps, coarse), first));
+                        color = textured(plan, color, texture.filtered_bytes(simd, layout, (taps, coarse), first));
                     }
                     color = lit(simd, plan, color, pair, first);
                     if plan.blended {
@@ -266,7 +268,7 @@ fn finish_pair<S: Simd>(
         ColorSpace::Linear => {
             let mut color = surface_color::<S, f32x16<S>>(simd, shader, plan, pair, 0);
             if let (Some(texture), Some(layout)) = (texture, plan.texture) {
-                color = textured(plan, color, texture.read_levels_linear(simd, layout, (taps, coarse)));
+                color = textured(plan, color, texture.filtered_linear(simd, layout, (taps, coarse)));
             }
             color = lit(simd, plan, color, pair, 0);
             if plan.blended {

@@ -62,8 +62,8 @@ pub(super) struct DrawShader<'a> {
     pub(super) plan: ShadingPlan,
     /// Whether a SIMD kernel supports the shading.
     pub(super) on_lanes: bool,
-    /// Number of texels read per sample. For mip-mapped shading with SIMD, only the texels of the finer level are
-    /// counted; for anisotropic filtering, those of one probe.
+    /// Number of texels read per sample. For trilinear filtering with SIMD, only the texels of the finer level are counted;
+    /// for anisotropic filtering, those of one probe.
     pub(super) texels_per_sample: u64,
 }
 

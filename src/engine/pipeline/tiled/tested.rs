@@ -163,7 +163,7 @@ pub(super) fn keep_tested<S: Simd>(
             let (mut taps, mut coarse) = (Taps::default(), shader.plan.mipmapped.then(CoarseTaps::default));
             let weights = tested.weights(simd, subject);
             locate_texels(simd, shader, shader.plan, subject.one, weights, (&mut taps, coarse.as_mut()));
-            let alpha = texture.read_levels_alpha(simd, layout, (&taps, coarse.as_ref())) * shader.shader.opacity();
+            let alpha = texture.filtered_alpha(simd, layout, (&taps, coarse.as_ref())) * shader.shader.opacity();
             let failed = alpha.simd_lt(cutoff).to_bitmask();
             tested.passed & !failed
         },

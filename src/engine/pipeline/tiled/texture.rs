@@ -4,6 +4,7 @@ use super::axis::{TexelAxis, apply_address_mode, below_repeated, nearest, neighb
 use super::gather::{Taps, gather, quads};
 use crate::math::lanes::*;
 use crate::math::prefetch::prefetch;
+use crate::pipeline::footprint::MipFilter;
 use crate::pipeline::sample::{ALPHA_SCALE, Sampler};
 use crate::pipeline::settings::{AddressMode, ColorSpace, Settings, TexelFilter};
 use crate::scene::{LevelLocation, Texture};
@@ -40,6 +41,8 @@ pub(super) struct TextureReader<'a> {
     pub(super) sampler: Sampler,
     /// Number added to the level of detail.
     pub(super) mip_bias: f32,
+    /// Maximum number of probes per sample; 1 unless the filter is anisotropic.
+    pub(super) max_probes: u32,
     /// Whether texels are read with hardware gather instructions.
     pub(super) gathers: bool,
 }
@@ -76,12 +79,14 @@ impl<'a> TextureReader<'a> {
             (_, AddressMode::Repeat) => Layout::Quads,
         };
         let (texels, linear, levels): (&[_], &[_], &[_]) = match (sampler.filter, settings.color_space) {
-            (TexelFilter::Trilinear, ColorSpace::Bytes) => (&texture.levels().texels, &[], &texture.levels().locations),
-            (TexelFilter::Trilinear, ColorSpace::Linear) => {
+            (TexelFilter::Trilinear | TexelFilter::Anisotropic, ColorSpace::Bytes) => {
+                (&texture.levels().texels, &[], &texture.levels().locations)
+            }
+            (TexelFilter::Trilinear | TexelFilter::Anisotropic, ColorSpace::Linear) => {
                 (&[], &texture.levels_linear().texels, &texture.levels_linear().locations)
             }
-            (_, ColorSpace::Bytes) => (texture.wrapped(), &[], &[]),
-            (_, ColorSpace::Linear) => (&[], texture.wrapped_linear(), &[]),
+            (TexelFilter::Point | TexelFilter::Bilinear, ColorSpace::Bytes) => (texture.wrapped(), &[], &[]),
+            (TexelFilter::Point | TexelFilter::Bilinear, ColorSpace::Linear) => (&[], texture.wrapped_linear(), &[]),
         };
         let extent = [width as f32, height as f32];
         let stride = width as usize + 1;
@@ -96,6 +101,7 @@ impl<'a> TextureReader<'a> {
             extent,
             sampler,
             mip_bias: settings.mip_bias,
+            max_probes: MipFilter::new(settings).map_or(1, |filter| filter.max_probes),
             gathers: gathers_are_fast(),
         }
     }
@@ -109,6 +115,12 @@ impl<'a> TextureReader<'a> {
     /// Returns the memory address of the texels, which identifies the texture.
     pub(super) fn address(&self) -> usize {
         if self.mixes_light() { self.linear.all.as_ptr().addr() } else { self.texels.all.as_ptr().addr() }
+    }
+
+    /// Returns `true` if samples may take several probes.
+    #[inline(always)]
+    pub(super) fn is_anisotropic(&self) -> bool {
+        self.max_probes > 1
     }
 
     /// Returns `true` if texels are filtered in linear light.
