@@ -231,7 +231,7 @@ impl Engine {
         let report = request.pick.and_then(|pick| {
             // Replaying the pixel needs both lists of triangles, which take most of the time.
             let (_, survey) =
-                rayon::join(|| frame.geometry.triangles.len(), || self.survey.of(&request, &frame, seams.as_ref()));
+                rayon::join(|| frame.geometry().triangles.len(), || self.survey.of(&request, &frame, seams.as_ref()));
             explain(&request.scene, &request.recipe, &frame, survey, pick)
         });
         let report = report.map(|report| {

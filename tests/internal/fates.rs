@@ -86,7 +86,7 @@ fn expected_fragments(scene: &Scene, frame: &Frame, tests_depth: bool) -> Vec<[u
     let mut counts = vec![[0; FragmentFate::ALL.len()]; scene.triangle_count()];
     let translucent = scene.instances.len() as u32 - 1;
     for (x, y) in (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y))) {
-        let covering = frame.geometry.triangles.iter().filter_map(|triangle| {
+        let covering = frame.geometry().triangles.iter().filter_map(|triangle| {
             let sample = RasterSample { column: x, row: y, x, y, edges: edges(triangle, x, y)? };
             let (depth, is_blended) = (depth_at(triangle, &sample), triangle.instance == translucent);
             Some(Candidate { triangle: triangle.id, depth, is_blended })

@@ -183,7 +183,7 @@ fn check_against_buffers(report: &PixelReport, frame: &Frame, buffers: &Buffers)
             if frame.antialias.is_off() {
                 assert_eq!(visible.shading.as_ref().map(|s| s.color), Some(frame.drawn.color.at(column, row)));
             }
-            assert_eq!(frame.geometry.triangles[visible.submission].id, visible.triangle);
+            assert_eq!(frame.geometry().triangles[visible.submission].id, visible.triangle);
         }
     }
     // Blended fragments write no depth.
@@ -192,7 +192,7 @@ fn check_against_buffers(report: &PixelReport, frame: &Frame, buffers: &Buffers)
     assert!(stored.is_none_or(|d| d == last));
     assert_eq!(buffers.depth_stored.at(column, row), stored.is_some() && report.fragments.iter().any(|f| stores(&f)));
     let mut submissions: Vec<_> = report.fragments.iter().map(|f| f.submission).collect();
-    if frame.geometry.blending.order == BlendingOrder::Exact {
+    if frame.geometry().blending.order == BlendingOrder::Exact {
         let blended = report.fragments.iter().filter(|f| f.transparency == Transparency::Blended);
         let written = blended.filter(|f| f.outcome.is_written()).map(|f| f.depth.value);
         assert!(written.is_sorted_by(|a, b| a >= b), "from far to near");

@@ -99,7 +99,7 @@ mod tests {
         for (x, y) in (0..200).step_by(7).flat_map(|x| (0..150).step_by(5).map(move |y| (x, y))) {
             let report = crate::inspect::inspect(&scene, &recipe, &frame, x, y).unwrap();
             let Some(visible) = report.visible() else { continue };
-            let triangle = &frame.geometry.triangles[visible.submission];
+            let triangle = &frame.geometry().triangles[visible.submission];
             let minimal = MinimalCase::new(triangle, (x, y), viewport, &recipe.pipeline, &scene.name);
             let case = Case::parse(minimal.to_json().as_bytes(), "minimal.json".as_ref()).unwrap();
             let answer = answer(&case, Options::default(), &Control::default());

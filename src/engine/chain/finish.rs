@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use super::Recipe;
+use super::pool::BufferPool;
 use crate::antialias::post;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::triangle_list::TriangleList;
@@ -35,34 +36,28 @@ pub(super) struct Finished {
     pub(super) post: Duration,
 }
 
-/// Spare buffers for reuse: a full-resolution picture, and the history of an upscaler.
-#[derive(Debug, Default)]
-pub(super) struct Spare {
-    pub(super) full: Option<Image<Rgba8>>,
-    pub(super) history: Option<Accumulated>,
-}
-
-/// Upscales and filters the drawn picture and overlays the wireframe, as selected by `recipe`. Reuses the spare
-/// buffers.
+/// Upscales and filters the drawn picture and overlays the wireframe, as selected by `recipe`. Reuses buffers
+/// of the pool.
 pub(super) fn finish<'a>(
     recipe: &Recipe,
     drawn: &UpscaleInputs<'_>,
     viewport: Viewport,
-    mut spare: Spare,
+    pool: &mut BufferPool,
     triangles: impl Fn() -> &'a TriangleList,
 ) -> Finished {
     let Viewport { width, height } = viewport;
     let (upscaled, result) = if recipe.upscaler.is_native() {
         (None, Upscaled::default())
     } else {
-        let mut full = Image::reusing(spare.full.take(), width, height, [0; 4]);
+        let mut full = Image::reusing(pool.codes((width, height)), width, height, [0; 4]);
         let upscaler = recipe.upscaler.upscaler();
-        let result = upscaler.upscale_with_history(recipe.upscaler, drawn, &mut full, spare.history);
+        let result = upscaler.upscale_with_history(recipe.upscaler, drawn, &mut full, pool.history());
         (Some(full), result)
     };
     let Upscaled { history, transfer } = result;
     let upscaled_at = Instant::now();
-    let filtered = post::apply(&recipe.post, upscaled.as_ref().unwrap_or(drawn.color), spare.full);
+    let spare = if recipe.post.is_off() { None } else { pool.codes((width, height)) };
+    let filtered = post::apply(&recipe.post, upscaled.as_ref().unwrap_or(drawn.color), spare);
     if filtered.is_none() && !recipe.wireframe {
         let (unfiltered, post) = (Unfiltered::Finished, Duration::ZERO);
         return Finished { picture: upscaled, unfiltered, history, transfer, post };

@@ -1,12 +1,12 @@
 //! Finished frame, with its inputs and timings.
 
 use std::fmt;
-use std::ops::{Deref, DerefMut};
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use super::Recipe;
-use super::finish::{Finished, Spare, Unfiltered, finish};
+use super::finish::{Finished, Unfiltered, finish};
+use super::pool::BufferPool;
 use super::view::{Surfaces, raster_camera, sampling_after};
 use crate::antialias::settings::Antialiasing;
 use crate::image::{Image, Rgba8};
@@ -76,8 +76,7 @@ pub struct Frame {
     pub before: Option<PrecedingView>,
     /// Preceding frame as history; `None` unless the upscaler reads history and a preceding frame exists.
     pub history: Option<Arc<History>>,
-    /// Geometry of the frame: the list of rasterized triangles, computed on first access.
-    pub geometry: LazyGeometry,
+    pub(super) geometry: LazyGeometry,
     /// Draw plans, one per instance.
     pub plans: Arc<Vec<DrawPlan>>,
     /// Size of the full picture, in pixels.
@@ -109,6 +108,17 @@ pub(super) struct FrameBuffers {
 }
 
 impl Frame {
+    /// Returns the geometry of the frame, with the list of rasterized triangles. After a tiled execution, which does not
+    /// need it in this form, the first call computes it, and later calls return the same.
+    pub fn geometry(&self) -> &Geometry {
+        self.geometry.get()
+    }
+
+    /// Returns the geometry of the frame like [`Frame::geometry`], to change it.
+    pub fn geometry_mut(&mut self) -> &mut Geometry {
+        self.geometry.get_mut()
+    }
+
     /// Returns the finished picture at full resolution.
     pub fn image(&self) -> &Image<Rgba8> {
         self.finished.as_ref().unwrap_or(&self.drawn.color)
@@ -159,18 +169,18 @@ impl Frame {
     }
 
     /// Returns the history that the next frame may read, or `None` if the upscaler reads no history or the frame has no
-    /// G-buffer. Reuses the spare buffer. Must be called at most once.
+    /// G-buffer. Reuses a buffer of the pool. Must be called at most once.
     pub(super) fn take_history(
         &mut self,
         scene: &Arc<Scene>,
         recipe: &Recipe,
-        spare: Option<Image<Rgba8>>,
+        pool: &mut BufferPool,
     ) -> Option<History> {
         let surfaces = self.surfaces.clone().filter(|_| recipe.upscaler.upscaler().reads().history)?;
         let memory = self.upscaler_history.take();
         let picture = memory.is_none().then(|| {
             let (width, height) = self.unfiltered().size();
-            let mut copy = Image::reusing(spare, width, height, [0; 4]);
+            let mut copy = Image::reusing(pool.codes((width, height)), width, height, [0; 4]);
             copy.pixels_mut().copy_from_slice(self.unfiltered().pixels());
             copy
         });
@@ -221,14 +231,14 @@ impl Frame {
     /// rasterized at a lower resolution and without the wireframe.
     pub(crate) fn outlines(&self) -> &[ScreenTriangle] {
         match self.sampling {
-            Sampling::Grid(_) => &self.geometry.triangles,
+            Sampling::Grid(_) => &self.geometry().triangles,
             Sampling::Lattice(_) => self.outlines.as_deref().unwrap_or_default(),
         }
     }
 
     /// Returns the number of rasterized triangles, counting each piece of a clipped triangle.
     pub fn rasterized(&self) -> usize {
-        self.tiled.as_ref().map_or_else(|| self.geometry.triangles.len(), |report| report.counts.rasterized as usize)
+        self.tiled.as_ref().map_or_else(|| self.geometry().triangles.len(), |report| report.counts.rasterized as usize)
     }
 
     /// Returns the camera with which the frame was rasterized: the camera of the view, shifted to the sample positions
@@ -248,7 +258,7 @@ impl Frame {
     pub fn at_moment(&self, recipe: &Recipe, drawn: Framebuffer, geometry: Geometry) -> Self {
         let Finished { picture, unfiltered, .. } = {
             let triangles = || self.outlines.as_ref().unwrap_or(&geometry.triangles);
-            finish(recipe, &self.as_drawn(&drawn.color), self.viewport, Spare::default(), triangles)
+            finish(recipe, &self.as_drawn(&drawn.color), self.viewport, &mut BufferPool::default(), triangles)
         };
         Self {
             finished: picture,
@@ -273,37 +283,35 @@ impl Frame {
     }
 }
 
-/// Geometry of a frame, computed on first access, because the tiled execution does not need it in this form.
+/// Geometry of a frame, computed on first access.
 #[derive(Clone)]
-pub struct LazyGeometry {
-    pub(super) made: OnceLock<Geometry>,
-    pub(super) make: Arc<dyn Fn() -> Geometry + Send + Sync>,
+pub(super) struct LazyGeometry {
+    made: OnceLock<Geometry>,
+    make: Arc<dyn Fn() -> Geometry + Send + Sync>,
 }
 
 impl LazyGeometry {
     pub(super) fn made(geometry: Geometry) -> Self {
         Self { made: geometry.into(), make: Arc::new(Geometry::default) }
     }
+
+    pub(super) fn computed_by(make: impl Fn() -> Geometry + Send + Sync + 'static) -> Self {
+        Self { made: OnceLock::new(), make: Arc::new(make) }
+    }
+
+    pub(super) fn get(&self) -> &Geometry {
+        self.made.get_or_init(|| (self.make)())
+    }
+
+    fn get_mut(&mut self) -> &mut Geometry {
+        let made = self.made.take().unwrap_or_else(|| (self.make)());
+        self.made = made.into();
+        self.made.get_mut().expect("was set in the line above")
+    }
 }
 
 impl fmt::Debug for LazyGeometry {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_tuple("LazyGeometry").field(&self.made).finish()
-    }
-}
-
-impl Deref for LazyGeometry {
-    type Target = Geometry;
-
-    fn deref(&self) -> &Geometry {
-        self.made.get_or_init(|| (self.make)())
-    }
-}
-
-impl DerefMut for LazyGeometry {
-    fn deref_mut(&mut self) -> &mut Geometry {
-        let made = self.made.take().unwrap_or_else(|| (self.make)());
-        self.made = made.into();
-        self.made.get_mut().expect("was set in the line above")
     }
 }

@@ -1,10 +1,13 @@
 //! Entry point for drawing, shared by the window, the command line, reports and tests: renders a [`Frame`] of a scene
 //! as seen by a camera, with the settings of a [`Recipe`].
 
+mod driver;
+mod executor;
 mod finish;
 mod frame;
 mod motion;
 mod pixel_samples;
+mod pool;
 mod recipe;
 mod renderer;
 mod run;

@@ -1,12 +1,11 @@
 //! Motion data of a picture: vectors, disocclusion and distances, drawn on demand.
 
-use super::run::draw_pixels;
+use super::executor::{Drawing, DrawnArea};
 use super::view::{ids_recipe, raster_camera, sampling_after};
 use super::{Frame, Recipe};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::Lanes;
 use crate::pipeline::gbuffer::GBuffer;
-use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::motion::{FrameBefore, FrameMotion, FrameView, MotionVectors};
 use crate::pipeline::viewport::Viewport;
 use crate::pipeline::{LastStage, prepare};
@@ -90,10 +89,11 @@ impl Frame {
     /// [`Frame::motion`].
     pub(crate) fn colors_of_both(&self, scene: &Scene, recipe: &Recipe) -> Option<[Image<Rgba8>; 2]> {
         let (before, [camera, camera_before]) = (self.before.as_ref()?, self.motion_cameras(recipe)?);
-        let shown = Recipe { pipeline: recipe.pipeline, ..Recipe::default() };
+        let settings = &recipe.pipeline;
         let color = |scene: &Scene, camera: &Camera| {
-            let geometry = prepare(scene, camera, &shown.pipeline, self.raster, &mut ());
-            draw_pixels(scene, &shown, &geometry, (SampleGrid::FULL, self.raster), LastStage::Shade, &mut ()).color
+            let geometry = prepare(scene, camera, settings, self.raster, &mut ());
+            let area = DrawnArea::full(self.raster);
+            Drawing { scene, settings, geometry: &geometry, area }.draw(LastStage::Shade, &mut ()).color
         };
         Some([color(scene, &camera), color(&before.scene, &camera_before)])
     }
@@ -103,7 +103,9 @@ impl Frame {
 fn ids_and_distances(view: FrameView<'_>, recipe: &Recipe, viewport: Viewport) -> Option<(Image<Rgba8>, Image<f32>)> {
     let shown = ids_recipe(recipe)?;
     let geometry = prepare(view.scene, view.camera, &shown.pipeline, viewport, &mut ());
-    let drawn = draw_pixels(view.scene, &shown, &geometry, (SampleGrid::FULL, viewport), LastStage::Shade, &mut ());
+    let area = DrawnArea::full(viewport);
+    let drawing = Drawing { scene: view.scene, settings: &shown.pipeline, geometry: &geometry, area };
+    let drawn = drawing.draw(LastStage::Shade, &mut ());
     let mut distance = drawn.depth?;
     drawn.depth_scale.replace_by_distances(Lanes::best(), distance.pixels_mut());
     Some((drawn.color, distance))

@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::executor::DrawnArea;
 use super::view::{raster_camera, raster_viewport};
 use super::{Frame, KeepDepth, Recipe, Renderer};
 use crate::antialias::pattern::{Pattern, jitter, jittered_positions};
@@ -36,13 +37,8 @@ pub(super) fn passes(antialias: Antialiasing) -> Vec<[f64; 2]> {
 const ROWS: u32 = 8;
 
 /// Draws the picture of a per-pixel method (see [`Antialiasing::is_per_pixel`]) and resolves its samples.
-pub(super) fn per_pixel(
-    scene: &Scene,
-    geometry: &Geometry,
-    recipe: &Recipe,
-    (grid, raster): (SampleGrid, Viewport),
-) -> Image<Rgba8> {
-    let (columns, rows) = grid.packed_size(raster.width, raster.height);
+pub(super) fn per_pixel(scene: &Scene, geometry: &Geometry, recipe: &Recipe, area: DrawnArea) -> Image<Rgba8> {
+    let (DrawnArea { grid, raster }, (columns, rows)) = (area, area.packed_size());
     let mut picture = Image::filled(columns, rows, [0; 4]);
     let places = candidates(recipe.antialias);
     let bands = picture.pixels_mut().par_chunks_mut((columns * ROWS) as usize);
@@ -110,7 +106,7 @@ fn sampled(
 pub(crate) fn replay(scene: &Scene, recipe: &Recipe, frame: &Frame, pixels: &[(u32, u32)]) -> Vec<Vec<Rgba8>> {
     let Frame { antialias, sampling, viewport, camera, .. } = frame;
     if antialias.is_off() {
-        return replay_pass(scene, recipe, frame, &frame.geometry, pixels)
+        return replay_pass(scene, recipe, frame, frame.geometry(), pixels)
             .into_iter()
             .map(|s| s.into_iter().collect())
             .collect();
@@ -153,9 +149,9 @@ fn replay_pass(
 fn replay_pixel(scene: &Scene, recipe: &Recipe, frame: &Frame, (x, y): (u32, u32)) -> Vec<Rgba8> {
     let Some(sample) = frame.drawn.grid.sample_at(x, y) else { return Vec::new() };
     let cleared = Framebuffer::one_sample(frame.drawn.grid, sample, scene.background, &recipe.pipeline);
-    let extent = Extent { triangles: 0..frame.geometry.triangles.len(), scissor: Scissor::pixel(x, y) };
+    let extent = Extent { triangles: 0..frame.geometry().triangles.len(), scissor: Scissor::pixel(x, y) };
     let places = candidates(frame.antialias);
-    let frames = sampled(scene, &frame.geometry, recipe, &extent, (&places, cleared));
+    let frames = sampled(scene, frame.geometry(), recipe, &extent, (&places, cleared));
     frames.iter().map(|frame| frame.color.at(0, 0)).collect()
 }
 
@@ -260,7 +256,7 @@ mod tests {
         let mut recipe = Recipe { antialias, ..Recipe::default() };
         recipe.pipeline.shading = Shading::TriangleId;
         let frame = run(&scene, &scene.home, &recipe, SIZE, &mut ());
-        let triangle = frame.geometry.triangles[0];
+        let triangle = frame.geometry().triangles[0];
         let corners = triangle.snapped_px().map(|[x, y]| DVec2::new(x.into(), y.into()));
         let inside = f64::from(crate::pipeline::shade::id_color(triangle.id)[0]);
         let outside = f64::from(scene.background[0]);
@@ -323,7 +319,7 @@ mod tests {
         };
         let draw = |recipe: &Recipe| run(&scene, &scene.home, recipe, SIZE, &mut ());
         let (plain, smooth) = (draw(&Recipe::default()), draw(&Recipe { antialias, ..Recipe::default() }));
-        let corners = plain.geometry.triangles[0].snapped_px().map(|[x, y]| DVec2::new(x.into(), y.into()));
+        let corners = plain.geometry().triangles[0].snapped_px().map(|[x, y]| DVec2::new(x.into(), y.into()));
         let covered: Vec<_> = triangle_area(corners, SIZE.width, SIZE.height).collect();
         let whole: Vec<_> = covered.iter().filter(|(.., area)| *area > 1.0 - 1e-9).collect();
         assert!(whole.len() > 200);

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::pool::BufferPool;
 use super::{Recipe, samples};
 use crate::math::lanes::Lanes;
 use crate::pipeline::framebuffer::Framebuffer;
@@ -57,24 +58,24 @@ impl Surfaces {
 }
 
 /// Returns the surfaces of a view. Reuses the G-buffer of the preceding frame if camera and scene are still. Otherwise
-/// converts the result of `draw`, a framebuffer with exact triangle ids and depths, and reuses the buffers of `spare`
-/// for the motion vectors.
+/// converts the result of `draw`, a framebuffer with exact triangle ids and depths. Reuses buffers of the pool.
 pub(super) fn surfaces(
     past: Option<&History>,
     now: FrameView<'_>,
     lanes: Lanes,
-    spare: Option<MotionVectors>,
-    draw: impl FnOnce() -> Framebuffer,
+    pool: &mut BufferPool,
+    draw: impl FnOnce(&mut BufferPool) -> Framebuffer,
 ) -> Option<Surfaces> {
     /// Number of depths converted per parallel task.
     const TOGETHER: usize = 1 << 14;
     if let Some(past) = past.filter(|past| past.shows(now)) {
         return Some(Surfaces { gbuffer: Arc::clone(&past.surfaces), motion: None });
     }
-    let Framebuffer { color: mut object, depth, depth_scale: scale, .. } = draw();
+    let Framebuffer { color: mut object, depth, depth_scale: scale, .. } = draw(pool);
     let mut distance = depth?;
     distance.pixels_mut().par_chunks_mut(TOGETHER).for_each(|depths| scale.replace_by_distances(lanes, depths));
     let before = past.map(|past| FrameBefore { view: past.view(), gbuffer: &past.surfaces });
+    let spare = before.and_then(|_| pool.vectors());
     let motion = FrameMotion::new(now, before, object.size()).resolve(lanes, &mut object, &distance, spare);
     Some(Surfaces { gbuffer: Arc::new(GBuffer { object, distance }), motion: motion.map(Arc::new) })
 }

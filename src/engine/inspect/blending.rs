@@ -205,7 +205,7 @@ mod tests {
                     report.visible().map(|_| frame.image().at(x, y))
                 );
                 let area = (frame.sampling.grid(), frame.raster);
-                let touches = touches(&scene, &recipe, &frame.geometry, area, (x, y), TouchPrecision::Fragments);
+                let touches = touches(&scene, &recipe, frame.geometry(), area, (x, y), TouchPrecision::Fragments);
                 assert_eq!(touches.len(), depths.len());
                 assert!(touches.is_sorted_by_key(|touch| touch.moment.key()));
             }

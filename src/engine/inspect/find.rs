@@ -137,7 +137,7 @@ pub fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, wanted: &SearchTarget
         SearchTarget::Triangle(id) => &|triangle| triangle.id == *id,
         SearchTarget::Object(_, numbers) => &|triangle| numbers.contains(&triangle.instance),
     };
-    if !frame.geometry.triangles.iter().any(is_wanted) {
+    if !frame.geometry().triangles.iter().any(is_wanted) {
         let words = wanted.words();
         return SearchResult::Nowhere(format!(
             "{words} is not rasterized: it is culled, clipped away, or outside the view"

@@ -234,7 +234,7 @@ impl<'a> FaultSearch<'a> {
     }
 
     fn of(frame: &'a Frame, settings: &'a Settings, scissor: Scissor) -> Self {
-        let list = &frame.geometry.triangles;
+        let list = &frame.geometry().triangles;
         Self { list: Some(list), ..Self::new(list, settings, frame.drawn.grid, scissor) }
     }
 

@@ -104,8 +104,11 @@ fn end(vertex: &ScreenVertex) -> (DVec2, f64) {
 /// Returns the screen edges of all triangles; an edge shared by two triangles occurs once.
 fn edges(frame: &Frame) -> impl Iterator<Item = DepthEdge> {
     let mut seen = HashSet::new();
-    let sides =
-        frame.geometry.triangles.iter().flat_map(|ScreenTriangle { vertices: [a, b, c], .. }| [(a, b), (b, c), (c, a)]);
+    let sides = frame
+        .geometry()
+        .triangles
+        .iter()
+        .flat_map(|ScreenTriangle { vertices: [a, b, c], .. }| [(a, b), (b, c), (c, a)]);
     sides.filter_map(move |(from, to)| {
         let key = |vertex: &ScreenVertex| (vertex.x, vertex.y, vertex.depth.to_bits());
         let (low, high) = (key(from).min(key(to)), key(from).max(key(to)));

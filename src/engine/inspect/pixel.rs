@@ -376,8 +376,8 @@ fn draw_centre<O: Observer>(
     let grid = frame.drawn.grid;
     let sample = grid.sample_at(x, y)?;
     let mut one = Framebuffer::one_sample(grid, sample, scene.background, &recipe.pipeline);
-    let extent = Extent { triangles: 0..frame.geometry.triangles.len(), scissor: Scissor::pixel(x, y) };
-    draw(scene, &frame.geometry, &recipe.pipeline, &extent, LastStage::Shade, &mut one, observer);
+    let extent = Extent { triangles: 0..frame.geometry().triangles.len(), scissor: Scissor::pixel(x, y) };
+    draw(scene, frame.geometry(), &recipe.pipeline, &extent, LastStage::Shade, &mut one, observer);
     Some(one)
 }
 

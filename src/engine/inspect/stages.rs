@@ -225,8 +225,8 @@ mod tests {
             assert!(covered(&scene, &image) > 50, "{stage:?}");
             assert_eq!([image.at(1, 0), image.at(0, 1), image.at(33, 31)], [NOT_DRAWN; 3], "{stage:?}");
         }
-        frame.geometry.triangles.truncate(1);
-        let only = id_color(frame.geometry.triangles[0].id);
+        frame.geometry_mut().triangles.truncate(1);
+        let only = id_color(frame.geometry().triangles[0].id);
         let image = picture(&scene, &scene.home, &recipe, &frame, Stage::Rasterize);
         let of_it = image.pixels().iter().filter(|p| **p == only).count();
         assert!(of_it > 0 && of_it == covered(&scene, &image));
@@ -267,7 +267,7 @@ mod tests {
         let mut recipe = Recipe::default();
         recipe.pipeline.culling = Culling::None;
         let mut frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
-        frame.geometry.triangles.truncate(3);
+        frame.geometry_mut().triangles.truncate(3);
         let image = picture(&scene, &scene.home, &recipe, &frame, Stage::Cull);
         assert!(image.pixels().contains(&REMAINING_COLOR) && !image.pixels().contains(&REJECTED_COLOR));
     }

@@ -212,7 +212,7 @@ fn counts(scene: &Scene, frame: &Frame) -> Vec<(&'static str, u64)> {
             ("texels read", done.texels),
         ]);
     } else {
-        counts.push(("triangles rasterized", frame.geometry.triangles.len() as u64));
+        counts.push(("triangles rasterized", frame.geometry().triangles.len() as u64));
     }
     counts
 }

@@ -97,7 +97,7 @@ impl StageTimes {
             }
             None => {
                 // Geometry times of the first pass; the other passes are similar.
-                let times = frame.geometry.times;
+                let times = frame.geometry().times;
                 let ends = running_sum([times.transform, times.clip, times.project, times.cull]);
                 let [transform, clip, project, cull] = split(frame.times.geometry, ends, [1; 4]);
                 let (clip, project, rasterize) = (Some(clip), Some(project), frame.times.pixels);

@@ -134,7 +134,7 @@ mod tests {
     fn of(id: &str) -> Vec<DrawGroup> {
         let scene = builtin::by_id(id).unwrap().build();
         let frame = run(&scene, &scene.home, &Recipe::default(), Viewport { width: 64, height: 48 }, &mut ());
-        groups(&scene, &frame.geometry.plans)
+        groups(&scene, &frame.geometry().plans)
     }
 
     #[test]

@@ -224,7 +224,7 @@ impl Workbench {
         let visible = view.report.as_ref().and_then(|report| Some((report.drawn_at, report.visible()?.submission)));
         let ([x, y], submission) = visible.ok_or(NONE)?;
         let settings = &view.request.recipe.pipeline;
-        let triangle = &view.frame.geometry.triangles[submission];
+        let triangle = &view.frame.geometry().triangles[submission];
         Ok(MinimalCase::new(triangle, (x, y), view.frame.raster, settings, &view.request.scene.name))
     }
 

@@ -478,7 +478,7 @@ fn skip_reason(stage: Stage, view: &RenderedView) -> Option<String> {
 
 /// Returns the number of items that a stage passes on; `None` if it is not known.
 fn count_of(stage: Stage, session: &Session, view: &RenderedView) -> Option<StageCount> {
-    let (counters, geometry) = (session.features.stages.figures?.counters, &view.frame.geometry);
+    let (counters, geometry) = (session.features.stages.figures?.counters, view.frame.geometry());
     let (number, unit, meaning) = match stage {
         Stage::Assemble => (session.scene.triangle_count() as u64, "tris", "triangles in the scene"),
         Stage::Transform => (geometry.vertices as u64, "verts", "vertices transformed"),

@@ -79,13 +79,13 @@ impl Reel {
 pub(crate) fn timeline_of(request: &Request, frame: &Frame, pixel: Option<(u32, u32)>) -> Timeline {
     let Request { scene, recipe, .. } = request;
     let area = (frame.sampling.grid(), frame.raster);
-    let last = frame.geometry.triangles.last();
+    let last = frame.geometry().triangles.last();
     let samples = last.map_or_else(Vec::new, |triangle| partial::samples_of(triangle, &recipe.pipeline, area));
     Timeline {
         fragments: [partial::count(&samples), 0],
         touches: pixel.map_or_else(Vec::new, |pixel| {
-            touches(scene, recipe, &frame.geometry, area, pixel, TouchPrecision::Triangles)
+            touches(scene, recipe, frame.geometry(), area, pixel, TouchPrecision::Triangles)
         }),
-        ..Timeline::new(&frame.geometry)
+        ..Timeline::new(frame.geometry())
     }
 }

@@ -56,7 +56,7 @@ fn a_step_back_and_one_forward_restore_the_picture() {
         assert_eq!(*desk.view().frame.image(), whole, "{unit:?}");
     }
     let by_object = desk.give(ScrubChange::Step(Unit::Draw, false));
-    let last = desk.view().frame.geometry.triangles.last().unwrap().instance;
+    let last = desk.view().frame.geometry().triangles.last().unwrap().instance;
     assert_eq!(desk.session.timeline().unwrap().last.as_ref().map(|triangle| triangle.instance), Some(last));
     assert!(desk.session.timeline().unwrap().draws.iter().any(|(start, _)| *start == by_object.triangles));
 }
@@ -67,13 +67,13 @@ fn a_new_triangle_limit_clears_the_fragment_limit() {
     let partial = desk.give(ScrubChange::Go(Moment { triangles: 1, fragments: Some(3) }));
     assert_eq!(partial.fragments, Some(3));
     assert_eq!(
-        desk.view().frame.geometry.partial.as_ref().map(|samples| crate::pipeline::partial::count(samples)),
+        desk.view().frame.geometry().partial.as_ref().map(|samples| crate::pipeline::partial::count(samples)),
         Some(3)
     );
     desk.session.apply(Command::LimitTriangles(Some(2)));
     desk.show();
     assert_eq!(desk.session.moment(), Moment::after(2));
-    assert_eq!(desk.view().frame.geometry.partial, None);
+    assert_eq!(desk.view().frame.geometry().partial, None);
     // Setting the triangle limit directly drops the fragment limit, too.
     desk.give(ScrubChange::Go(Moment { triangles: 1, fragments: Some(3) }));
     desk.session.features.scrub.triangle_limit = Some(2);
@@ -147,7 +147,7 @@ fn anti_aliased_and_upscaled_frames_can_be_scrubbed() {
         for triangles in [all / 2, all - 1, 0] {
             desk.give(ScrubChange::Go(Moment::after(triangles)));
             let view = desk.view();
-            assert_eq!(view.frame.geometry.triangles.len(), triangles);
+            assert_eq!(view.frame.geometry().triangles.len(), triangles);
             for pixel in [(24, 16), (10, 20), (33, 9)] {
                 let report = inspect(&view.request.scene, &recipe, &view.frame, pixel.0, pixel.1).unwrap();
                 assert_eq!(report.color, view.frame.image().at(pixel.0, pixel.1), "{triangles} {recipe:?}");

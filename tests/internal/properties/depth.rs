@@ -260,7 +260,7 @@ fn a_w_buffer_grows_with_the_distance_at_any_ratio_of_distances() {
         ];
         let scene = seen_along_z(mesh(corners, vec![[0, 1, 2]]), [close * 0.5, far * 2.0]);
         let frame = render(&scene, &always(DepthFormat::WBuffer), (64, 64));
-        let triangle = &frame.geometry.triangles[0];
+        let triangle = &frame.geometry().triangles[0];
         let (view, stored) = (Viewport { width: 64, height: 64 }, frame.drawn.depth.as_ref().expect("a depth buffer"));
         let samples = covered(triangle, Rasterizer::BoundingBox, FillRule::TopLeft, view);
         // Sorted by the weight of the close corner.
@@ -316,7 +316,7 @@ fn a_depth_bias_follows_the_formula_of_vulkan_and_clamps() {
             let mut biased = plain;
             biased.pipeline.depth_bias = bias;
             let [plain, biased] = [plain, biased].map(|recipe| render(&scene, &recipe, SIZE));
-            let [Some(triangle)] = [biased.geometry.triangles.first()] else { continue };
+            let [Some(triangle)] = [biased.geometry().triangles.first()] else { continue };
             let encoding = format.encoding();
             let offset = exact_offset(triangle, bias, encoding).to_f64().expect("within the range of f64");
             let samples = covered(

@@ -44,7 +44,7 @@ fn assert_fates_add_up(triangle_count: usize, fates: &Fates, drawn: &[ScreenTria
 fn fates_of(scene: &Scene, camera: &Camera, recipe: &Recipe) {
     let mut fates = Fates::default();
     let frame = run(scene, camera, recipe, VIEW, &mut fates);
-    assert_fates_add_up(scene.triangle_count(), &fates, &frame.geometry.triangles);
+    assert_fates_add_up(scene.triangle_count(), &fates, &frame.geometry().triangles);
     let mut counters = Counters::default();
     run(scene, camera, recipe, VIEW, &mut counters);
     let rejected: Vec<_> = Fate::ALL.iter().map(|f| fates.0.values().flatten().filter(|g| f == *g).count()).collect();

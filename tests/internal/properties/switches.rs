@@ -36,8 +36,8 @@ fn redraw(
     observer: &mut impl Observer,
 ) -> Framebuffer {
     let mut drawn = Framebuffer::new(grid, SIZE.0, SIZE.1, scene.background, &recipe.pipeline);
-    let extent = Extent::all(&frame.geometry, VIEW);
-    draw(scene, &frame.geometry, &recipe.pipeline, &extent, LastStage::Shade, &mut drawn, observer);
+    let extent = Extent::all(frame.geometry(), VIEW);
+    draw(scene, frame.geometry(), &recipe.pipeline, &extent, LastStage::Shade, &mut drawn, observer);
     drawn
 }
 
@@ -45,7 +45,7 @@ fn redraw(
 fn back_and_front_faces_together_are_all_triangles_and_share_none() {
     for (name, scene) in scenes() {
         let ids = |culling: &str| -> Vec<_> {
-            render(&scene, &recipe(&[culling]), SIZE).geometry.triangles.iter().map(|t| (t.id, t.vertices)).collect()
+            render(&scene, &recipe(&[culling]), SIZE).geometry().triangles.iter().map(|t| (t.id, t.vertices)).collect()
         };
         let (all, front, back) = (ids("culling=none"), ids("culling=back"), ids("culling=front"));
         assert!(!front.is_empty() && !back.is_empty(), "{name}");
@@ -72,7 +72,7 @@ fn mirrored_winding_swaps_front_and_back() {
     }
     mirrored.home.eye.x *= -1.0;
     let ids = |scene: &Scene, culling: &str| -> Vec<TriangleId> {
-        render(scene, &recipe(&[culling]), SIZE).geometry.triangles.iter().map(|t| t.id).collect()
+        render(scene, &recipe(&[culling]), SIZE).geometry().triangles.iter().map(|t| t.id).collect()
     };
     assert_eq!(ids(&scene, "culling=back"), ids(&mirrored, "culling=front"));
 }
@@ -113,7 +113,7 @@ fn the_order_of_triangles_does_not_matter_without_ties() {
         let recipe = recipe(&["culling=none", "shading=triangle-id"]);
         let mut frame = render(&scene, &recipe, SIZE);
         let ties = Ties::of(&scene, &recipe, &frame);
-        rng.shuffle(&mut frame.geometry.triangles);
+        rng.shuffle(&mut frame.geometry_mut().triangles);
         let shuffled = redraw(&scene, &recipe, &frame, SampleGrid::FULL, &mut ());
         assert_eq!(shuffled.depth, frame.drawn.depth);
         for (i, (a, b)) in frame.drawn.color.pixels().iter().zip(shuffled.color.pixels()).enumerate() {
@@ -231,8 +231,8 @@ fn a_scissor_draws_its_part_of_the_picture_and_nothing_else() {
         let (left, top) = (rng.u32(0..SIZE.0), rng.u32(0..SIZE.1));
         let scissor = Scissor { left, top, right: rng.u32(left..=SIZE.0), bottom: rng.u32(top..=SIZE.1) };
         let mut part = Framebuffer::new(SampleGrid::FULL, SIZE.0, SIZE.1, scene.background, &recipe.pipeline);
-        let extent = Extent { scissor, ..Extent::all(&full.geometry, VIEW) };
-        draw(&scene, &full.geometry, &recipe.pipeline, &extent, LastStage::Shade, &mut part, &mut ());
+        let extent = Extent { scissor, ..Extent::all(full.geometry(), VIEW) };
+        draw(&scene, full.geometry(), &recipe.pipeline, &extent, LastStage::Shade, &mut part, &mut ());
         let [r, g, b] = scene.background;
         let expected = Image::from_fn(SIZE.0, SIZE.1, |x, y| {
             let inside = (scissor.left..scissor.right).contains(&x) && (scissor.top..scissor.bottom).contains(&y);
@@ -257,7 +257,7 @@ fn skipping_the_perspective_division_of_an_orthographic_view_changes_no_bit() {
         let recipe = recipe(&["culling=none"]);
         let mut frame = render(scene, &recipe, SIZE);
         assert!(frame.plans.iter().all(|p| !p.runs(PipelinePart::PerspectiveDivision)), "{name}");
-        for triangle in &mut frame.geometry.triangles {
+        for triangle in &mut frame.geometry_mut().triangles {
             triangle.relative_inv_w = relative_inv_w(&triangle.vertices);
         }
         assert_eq!(redraw(scene, &recipe, &frame, SampleGrid::FULL, &mut ()).color, *frame.image(), "{name}");
@@ -318,8 +318,8 @@ fn skipping_the_clipping_of_an_object_inside_the_view_changes_no_bit() {
         clipping.pipeline.force = DisabledOptimisation::Clipping;
         let clipped = render(&scene, &clipping, SIZE);
         assert!(clipped.plans[0].runs(PipelinePart::Clipping));
-        assert_eq!(frame.geometry.triangles[..], clipped.geometry.triangles[..]);
-        assert_eq!(frame.geometry.triangles_clipped, clipped.geometry.triangles_clipped);
+        assert_eq!(frame.geometry().triangles[..], clipped.geometry().triangles[..]);
+        assert_eq!(frame.geometry().triangles_clipped, clipped.geometry().triangles_clipped);
     });
     assert!(compared > 10, "only {compared} objects were inside");
 }
@@ -350,7 +350,7 @@ fn skipping_an_object_outside_the_view_changes_no_bit() {
         data.triangles.push([0, 1, 2].map(|c| (count - 3 + c) as u32));
         scene.instances[0].mesh = scene.library.add_mesh(rasterscope::scene::Mesh::new(data).unwrap());
         let forced = render(&scene, &Recipe::default(), SIZE);
-        assert!(forced.geometry.plans[0].runs(PipelinePart::Vertices));
+        assert!(forced.geometry().plans[0].runs(PipelinePart::Vertices));
         assert_eq!(forced.image(), frame.image());
     });
     assert!(outside > 10, "only {outside} objects were outside");
@@ -385,9 +385,9 @@ fn stopping_early_counts_the_same_samples() {
             let mut covered = Covered::default();
             draw(
                 &scene,
-                &frame.geometry,
+                frame.geometry(),
                 &recipe.pipeline,
-                &Extent::all(&frame.geometry, VIEW),
+                &Extent::all(frame.geometry(), VIEW),
                 until,
                 &mut buffer,
                 &mut covered,

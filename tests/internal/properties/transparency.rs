@@ -113,9 +113,10 @@ fn blended_triangles_come_last_from_far_to_near_and_the_others_in_submission_ord
             let mut recipe = recipe(&["culling=none"]);
             recipe.pipeline.depth_format = *format;
             let frame = render(&scene, &recipe, SIZE);
-            let (others, blended) = frame.geometry.triangles.split_at(frame.geometry.blended_from());
-            let is_blended =
-                |t: &ScreenTriangle| frame.geometry.plans[t.instance as usize].transparency() == Transparency::Blended;
+            let (others, blended) = frame.geometry().triangles.split_at(frame.geometry().blended_from());
+            let is_blended = |t: &ScreenTriangle| {
+                frame.geometry().plans[t.instance as usize].transparency() == Transparency::Blended
+            };
             assert!(blended.len() > 20 && blended.iter().all(is_blended), "{format:?}");
             assert!(others.len() > 20 && !others.iter().any(is_blended), "{format:?}");
             assert!(others.windows(2).all(|pair| pair[0].id <= pair[1].id), "{format:?}");
@@ -124,8 +125,8 @@ fn blended_triangles_come_last_from_far_to_near_and_the_others_in_submission_ord
             if !orthographic {
                 assert!(blended.windows(2).all(|pair| distance(&pair[0]) >= distance(&pair[1])), "{format:?}");
             }
-            for (place, triangle) in frame.geometry.triangles.iter().enumerate() {
-                assert_eq!(frame.geometry.index_of(triangle), place);
+            for (place, triangle) in frame.geometry().triangles.iter().enumerate() {
+                assert_eq!(frame.geometry().index_of(triangle), place);
             }
         }
     }
@@ -139,7 +140,7 @@ struct Collect {
 
 impl Observer for Collect {
     fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, _color: Rgba8) {
-        if self.frame.geometry.is_blended(triangle) {
+        if self.frame.geometry().is_blended(triangle) {
             let pixel = fragment.sample.y * SIZE.0 + fragment.sample.x;
             let depth = depth_at(triangle, &fragment.sample);
             self.fragments[pixel as usize].push((depth, *triangle, *fragment));
@@ -162,15 +163,15 @@ fn exact_order_is_that_of_fragments_sorted_by_depth() {
         let mut submitted = exact;
         submitted.pipeline.blending.order = BlendingOrder::Objects;
         let frame = render(&scene, &submitted, SIZE);
-        let plans = frame.geometry.plans.clone();
+        let plans = frame.geometry().plans.clone();
         let pixels = (SIZE.0 * SIZE.1) as usize;
         let mut collect = Collect { frame, fragments: vec![Vec::new(); pixels] };
         let again = render(&scene, &submitted, SIZE);
         redraw(&scene, &submitted, &again, LastStage::Shade, &mut collect);
         let opaque =
-            Extent { triangles: 0..again.geometry.blended_from(), ..Extent::all(&again.geometry, again.raster) };
+            Extent { triangles: 0..again.geometry().blended_from(), ..Extent::all(again.geometry(), again.raster) };
         let mut drawn = Framebuffer::new(again.drawn.grid, SIZE.0, SIZE.1, scene.background, &submitted.pipeline);
-        draw(&scene, &again.geometry, &submitted.pipeline, &opaque, LastStage::Shade, &mut drawn, &mut ());
+        draw(&scene, again.geometry(), &submitted.pipeline, &opaque, LastStage::Shade, &mut drawn, &mut ());
         let mut expected = drawn.color;
         let shaders: Vec<_> = scene
             .instances
@@ -218,9 +219,9 @@ fn triangles_at_the_same_distance_stay_in_submission_order() {
     let pane = |color| Pane { z: 0.0, color, opacity: 0.5 };
     let scene = panes([pane(Vec3::X), pane(Vec3::Y), pane(Vec3::Z)]);
     let frame = render(&scene, &Recipe::default(), SIZE);
-    assert_eq!(frame.geometry.blended_from(), 0);
+    assert_eq!(frame.geometry().blended_from(), 0);
     // All cells of an upright pane have the same distance from the eye along the view axis.
-    assert!(frame.geometry.triangles.windows(2).all(|pair| pair[0].id < pair[1].id));
+    assert!(frame.geometry().triangles.windows(2).all(|pair| pair[0].id < pair[1].id));
 }
 
 #[test]
@@ -302,8 +303,8 @@ fn shadings_that_show_no_material_are_opaque_and_say_why() {
         let mut recipe = Recipe::default();
         recipe.pipeline.shading = *shading;
         let frame = render(&scene, &recipe, SIZE);
-        let kinds: Vec<_> = frame.geometry.plans.iter().map(DrawPlan::transparency).collect();
-        for (plan, kind) in frame.geometry.plans.iter().zip(&kinds) {
+        let kinds: Vec<_> = frame.geometry().plans.iter().map(DrawPlan::transparency).collect();
+        for (plan, kind) in frame.geometry().plans.iter().zip(&kinds) {
             assert_eq!(plan.runs(PipelinePart::Blending), *kind == Transparency::Blended);
             assert_eq!(plan.runs(PipelinePart::AlphaTest), *kind == Transparency::AlphaTested);
             if !shading.reads_material() {
@@ -315,7 +316,7 @@ fn shadings_that_show_no_material_are_opaque_and_say_why() {
             assert_eq!(kinds.contains(&kind), shading.reads_material(), "{shading:?} {kind:?}");
         }
         if !shading.reads_material() {
-            assert!(frame.geometry.triangles.windows(2).all(|pair| pair[0].id <= pair[1].id), "{shading:?}");
+            assert!(frame.geometry().triangles.windows(2).all(|pair| pair[0].id <= pair[1].id), "{shading:?}");
         }
     }
 }
@@ -324,7 +325,7 @@ fn shadings_that_show_no_material_are_opaque_and_say_why() {
 fn scenes_without_alpha_plan_no_transparency() {
     for (name, scene) in scenes().into_iter().filter(|(name, _)| *name != "transparency") {
         let frame = render(&scene, &Recipe::default(), SIZE);
-        assert!(frame.geometry.plans.iter().all(|p| p.transparency() == Transparency::Opaque), "{name}");
-        assert_eq!(frame.geometry.blended_from(), frame.geometry.triangles.len(), "{name}");
+        assert!(frame.geometry().plans.iter().all(|p| p.transparency() == Transparency::Opaque), "{name}");
+        assert_eq!(frame.geometry().blended_from(), frame.geometry().triangles.len(), "{name}");
     }
 }

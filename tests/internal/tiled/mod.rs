@@ -139,7 +139,7 @@ impl Renderers {
         for (lanes, renderer) in self.of_lanes.iter_mut().skip(first).take(count) {
             let frame = renderer.render(scene, camera, recipe, self.size, KeepDepth::Yes);
             let context = || format!("{name} {lanes} {recipe:?}");
-            assert_eq!(frame.rasterized(), expected.geometry.triangles.len(), "{}", context());
+            assert_eq!(frame.rasterized(), expected.geometry().triangles.len(), "{}", context());
             let (drawn, grid) = (&frame.drawn, frame.drawn.grid);
             let depths = drawn.depth.as_ref().zip(expected.drawn.depth.as_ref());
             let same_bits = |(a, b): (&Image<f32>, &Image<f32>)| {

@@ -55,7 +55,7 @@ fn the_bar_names_the_last_triangle_and_its_fragments() {
     let session = bench.session();
     let view = bench.view();
     let last = view.timeline.as_ref().unwrap().last.clone().unwrap();
-    let drawn = view.frame.geometry.triangles.last().unwrap().id;
+    let drawn = view.frame.geometry().triangles.last().unwrap().id;
     assert_eq!(last.id, drawn);
     let object = &session.scene.instances[last.instance as usize].name;
     let fragments = view.timeline.as_ref().unwrap().fragments[0];

@@ -197,7 +197,7 @@ fn keys_draw_the_frame_triangle_by_triangle() {
     let mut bench = Bench::small("shared-edges");
     let all = bench.view().rasterized;
     assert_eq!(all, 8);
-    let drawn = |bench: &Bench| bench.view().frame.geometry.triangles.len();
+    let drawn = |bench: &Bench| bench.view().frame.geometry().triangles.len();
     let complete = bench.image();
 
     bench.press(Key::Home);
@@ -225,7 +225,7 @@ fn the_slider_and_its_buttons_limit_the_triangles() {
     bench.window.get_by_role_and_label(Role::Slider, "Triangles drawn").set_value_accesskit(3.0);
     bench.rest();
     assert_eq!(bench.session().features.scrub.triangle_limit, Some(3));
-    assert_eq!(bench.view().frame.geometry.triangles.len(), 3);
+    assert_eq!(bench.view().frame.geometry().triangles.len(), 3);
     assert!(bench.says("3 / 8"));
     let buttons = [
         ("Draw one more triangle  (.)", Some(4)),

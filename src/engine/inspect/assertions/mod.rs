@@ -136,7 +136,7 @@ pub fn check(
     report_progress: &dyn Fn(f32),
     stop: &AtomicBool,
 ) -> Option<AssertionReport> {
-    let (raster, settings, geometry) = (frame.raster, &recipe.pipeline, &*frame.geometry);
+    let (raster, settings, geometry) = (frame.raster, &recipe.pipeline, frame.geometry());
     let grid = frame.sampling.grid();
     let mut framebuffer = Framebuffer::new(grid, raster.width, raster.height, scene.background, settings);
     let mut watch = AssertionObserver::new(recipe, frame, wanted);

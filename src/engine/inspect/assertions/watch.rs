@@ -33,7 +33,7 @@ impl<'a> AssertionObserver<'a> {
         let (width, height) = frame.drawn.color.size();
         Self {
             settings: &recipe.pipeline,
-            scale: frame.geometry.depth_scale,
+            scale: frame.geometry().depth_scale,
             plans: &frame.plans,
             entries: wanted.iter().map(|assertion| (AssertionCheck::of(*assertion), finding(*assertion))).collect(),
             stored: Image::filled(width, height, f64::NAN),

@@ -184,11 +184,11 @@ fn pieces_of_a_clipped_triangle_count_as_one_triangle() {
     let scene = builtin::by_id("near-plane").unwrap().build();
     let recipe = Recipe::default();
     let frame = run(&scene, &scene.home, &recipe, SIZE, &mut ());
-    let pieces = frame.geometry.triangles.len();
+    let pieces = frame.geometry().triangles.len();
     let fates = Fates::of(&scene, &recipe, &frame);
     let rasterized = fates.triangles.iter().filter(|fate| **fate as usize >= TriangleFate::NoCentre as usize).count();
     assert!(rasterized < pieces, "{rasterized} triangles, {pieces} pieces: nothing was cut");
-    let several = |id: &TriangleId| frame.geometry.triangles.iter().filter(|piece| piece.id == *id).count() > 1;
+    let several = |id: &TriangleId| frame.geometry().triangles.iter().filter(|piece| piece.id == *id).count() > 1;
     let cut = fates.members(None, None, &FateFilter::parse("is:cut"));
     assert!((0..fates.triangles.len() as u32).map(TriangleId).filter(several).all(|id| cut.contains(&id)));
     assert!(!cut.is_empty() && cut.len() == fates.cut.len());

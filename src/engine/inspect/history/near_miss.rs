@@ -37,7 +37,7 @@ pub(super) fn at(
     pixel: (u32, u32),
     there: &BTreeSet<TriangleId>,
 ) -> Vec<Absent> {
-    let (triangles, settings) = (&frame.geometry.triangles, &recipe.pipeline);
+    let (triangles, settings) = (&frame.geometry().triangles, &recipe.pipeline);
     let centre = DVec2::new(f64::from(pixel.0) + 0.5, f64::from(pixel.1) + 0.5);
     let mut near: Vec<Miss> = Vec::new();
     let mut nearest: Option<Miss> = None;

@@ -262,9 +262,9 @@ impl Survey {
         let settings = &recipe.pipeline;
         let is_there = |piece: &&PlacedTriangle| piece.would_cover(settings, frame, pixel);
         let is_drawn =
-            |piece: &&PlacedTriangle| frame.geometry.triangles.iter().any(|triangle| triangle.id == piece.id);
+            |piece: &&PlacedTriangle| frame.geometry().triangles.iter().any(|triangle| triangle.id == piece.id);
         // All rasterized triangles are drawn unless the frame's list was truncated.
-        let is_whole = frame.geometry.triangles.len() >= self.triangles.rasterized.len();
+        let is_whole = frame.geometry().triangles.len() >= self.triangles.rasterized.len();
         let later: &[PlacedTriangle] = if is_whole { &[] } else { &self.triangles.rasterized };
         let later = later.iter().filter(is_there).filter(|piece| !is_drawn(piece));
         let dropped = self.triangles.dropped.iter().filter(is_there).chain(later);

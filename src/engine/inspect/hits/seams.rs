@@ -138,7 +138,7 @@ impl<'a> Placing<'a> {
         let mut wanted: Vec<_> = wanted.collect();
         wanted.sort_unstable();
         wanted.dedup();
-        let listed = frame.geometry.triangles.iter().map(|triangle| triangle.id);
+        let listed = frame.geometry().triangles.iter().map(|triangle| triangle.id);
         let mut drawn: Vec<_> = listed.filter(|id| wanted.binary_search(id).is_ok()).collect();
         drawn.sort_unstable();
         let clip_from_world = camera.clip_from_world_f64(raster.aspect(), settings.depth_format.mapping());

@@ -236,7 +236,7 @@ fn a_triangle_keeps_its_exact_corners_and_leaves_a_hole_in_the_background() {
     let frame = Renderer::default().render(&scene, &scene.home, &recipe, SIZE, KeepDepth::No);
     let [corner] = triangle.contours.as_slice() else { panic!("{triangle:?}") };
     assert_eq!(corner.len(), 3);
-    for vertex in &frame.geometry.triangles[0].vertices {
+    for vertex in &frame.geometry().triangles[0].vertices {
         let off = corner.iter().map(|corner| corner.distance(end(vertex).0)).fold(f64::INFINITY, f64::min);
         assert!(off < 0.01, "{off} px from {:?}", vertex.position_px);
     }

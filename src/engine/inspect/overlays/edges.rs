@@ -40,7 +40,7 @@ pub(super) fn wireframe(overlay: Overlay, context: &OverlayContext<'_>) -> Sheet
 /// Calls `sink` with every rasterized triangle, projected to the full picture.
 pub(super) fn each_triangle(scene: &Scene, recipe: &Recipe, frame: &Frame, sink: impl FnMut(&ScreenTriangle)) {
     match frame.sampling {
-        Sampling::Grid(_) => frame.geometry.triangles.iter().for_each(sink),
+        Sampling::Grid(_) => frame.geometry().triangles.iter().for_each(sink),
         Sampling::Lattice(_) => {
             let geometry = prepare(scene, &frame.camera, &recipe.pipeline, frame.viewport, &mut ());
             geometry.triangles.iter().for_each(sink);
@@ -73,7 +73,7 @@ pub fn edge_marks(frame: &Frame, recipe: &Recipe, [left, top, right, bottom]: [f
         most(0) >= left && least(0) <= right && most(1) >= top && least(1) <= bottom
     };
     let mut marks = Vec::new();
-    for triangle in &frame.geometry.triangles {
+    for triangle in &frame.geometry().triangles {
         let corners = corners_px(triangle, settings.arithmetic);
         if !meets(&corners) {
             continue;

@@ -88,7 +88,7 @@ fn log_scale(range: Range, map: ColorMap, reversed: bool, unit: &'static str) ->
 /// thin ones, and the minimum, median and maximum of their areas (`which` = 0) or minimum heights (`which` = 1).
 fn triangles(context: &OverlayContext<'_>, which: usize, small: &'static str, unit: &'static str) -> Vec<Total> {
     let arithmetic = context.recipe.pipeline.arithmetic;
-    let triangles = &context.frame.geometry.triangles;
+    let triangles = &context.frame.geometry().triangles;
     let mut sizes: Vec<f64> =
         triangles.iter().map(|triangle| area_and_height(&corners_px(triangle, arithmetic))[which]).collect();
     sizes.sort_by(f64::total_cmp);

@@ -83,7 +83,7 @@ fn counts_match_single_triangles_and_the_replay_of_every_pixel() {
         let mut covered = Image::filled(24, 18, 0_usize);
         let settings = &bench.recipe.pipeline;
         let viewport = bench.frame.viewport;
-        for triangle in &bench.frame.geometry.triangles {
+        for triangle in &bench.frame.geometry().triangles {
             let corners = triangle.corners_px();
             for span in cover(settings.rasterizer, settings.arithmetic, corners, settings.fill_rule, viewport) {
                 for x in span.left..span.right {
@@ -181,8 +181,10 @@ fn sizes_match_integer_arithmetic_on_snapped_corners() {
             assert!(sizes.values.at(x, y).is_nan());
             continue;
         };
-        let [a, b, c] =
-            bench.frame.geometry.triangles[fragment.submission].vertices.each_ref().map(|v| [v.x, v.y].map(i64::from));
+        let [a, b, c] = bench.frame.geometry().triangles[fragment.submission]
+            .vertices
+            .each_ref()
+            .map(|v| [v.x, v.y].map(i64::from));
         let doubled = ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])).abs();
         let area = doubled as f64 / (2.0 * 65_536.0);
         assert!((f64::from(sizes.values.at(x, y)) - area).abs() <= 1e-6 * area);
@@ -192,7 +194,7 @@ fn sizes_match_integer_arithmetic_on_snapped_corners() {
         seen += 1;
     }
     assert!(seen > 100);
-    assert_eq!(total(&sizes, "triangles"), bench.frame.geometry.triangles.len() as f64);
+    assert_eq!(total(&sizes, "triangles"), bench.frame.geometry().triangles.len() as f64);
     // With a single triangle, the least, median and greatest sizes are equal.
     let one = OverlayBench::new("triangle", Recipe::default(), (40, 30)).sheet(Overlay::TriangleSize);
     assert_eq!(total(&one, "triangles"), 1.0);
@@ -204,13 +206,13 @@ fn the_snapped_wireframe_matches_the_wireframe_setting() {
     let bench = OverlayBench::new("slivers", Recipe::default(), (60, 40));
     let sheet = bench.sheet(Overlay::SnappedWireframe);
     let mut on_line = Image::filled(60, 40, false);
-    for triangle in &bench.frame.geometry.triangles {
+    for triangle in &bench.frame.geometry().triangles {
         edge_pixels(triangle, (60, 40)).for_each(|(x, y)| on_line.set(x, y, true));
     }
     assert!(bench.pixels().all(|(x, y)| sheet.values.at(x, y).is_nan() != on_line.at(x, y)));
-    assert_eq!(sheet.lines.len(), 3 * bench.frame.geometry.triangles.len());
+    assert_eq!(sheet.lines.len(), 3 * bench.frame.geometry().triangles.len());
     let exact = bench.sheet(Overlay::Wireframe);
-    let corners = bench.frame.geometry.triangles[0].corners_px();
+    let corners = bench.frame.geometry().triangles[0].corners_px();
     assert_eq!(exact.lines[0], [corners[0], corners[1]]);
 }
 
@@ -236,7 +238,7 @@ fn texel_density_matches_the_differences_between_neighbouring_pixels() {
         let report = inspect(&bench.scene, &bench.recipe, &bench.frame, x, y)?;
         let fragment = report.visible()?;
         let [u, v] = fragment.shading.as_ref()?.uv?;
-        let instance = bench.frame.geometry.triangles[fragment.submission].instance;
+        let instance = bench.frame.geometry().triangles[fragment.submission].instance;
         let material = bench.scene.library.material(bench.scene.instances[instance as usize].material);
         let size = bench.scene.library.texture(material.texture?).image().size();
         Some((fragment.triangle, [u * size.0 as f32, v * size.1 as f32]))
@@ -392,7 +394,7 @@ fn sheets_are_composed_in_order_and_leave_the_picture_unchanged() {
 fn owners_of_edges_follow_the_fill_rule() {
     let bench = OverlayBench::new("shared-edges", Recipe::default(), (32, 24));
     let marks = edge_marks(&bench.frame, &bench.recipe, [0.0, 0.0, 32.0, 24.0], 1000);
-    assert_eq!(marks.len(), 3 * bench.frame.geometry.triangles.len());
+    assert_eq!(marks.len(), 3 * bench.frame.geometry().triangles.len());
     for EdgeMarks { ends_px: [from, to], inward, owned } in &marks {
         // Top-left rule: the inside lies to the right of the edge, or directly below it.
         let (right, down) = (inward[0], inward[1]);
@@ -444,7 +446,7 @@ fn normals_of_rasterized_triangles_have_the_length_of_their_layer() {
     }
     let faces = |bench: &OverlayBench| lines(bench, "face-normals").len();
     let drawn: std::collections::BTreeSet<_> =
-        bench.frame.geometry.triangles.iter().map(|triangle| triangle.id).collect();
+        bench.frame.geometry().triangles.iter().map(|triangle| triangle.id).collect();
     assert_eq!(faces(&bench), drawn.len());
     recipe.pipeline.culling = Culling::None;
     assert!(faces(&OverlayBench::new("cubes", recipe, (120, 90))) > drawn.len());

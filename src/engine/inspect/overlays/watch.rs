@@ -126,7 +126,7 @@ impl FragmentStatsRecorder<'_> {
                 texels_per_px: f32::NAN,
             },
             texels: texture.map_or(0.0, |(width, height)| width as f32 * height as f32),
-            is_blended: self.frame.geometry.is_blended(triangle),
+            is_blended: self.frame.geometry().is_blended(triangle),
         }
     }
 

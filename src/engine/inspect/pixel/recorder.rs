@@ -80,7 +80,7 @@ impl<'a> FragmentRecorder<'a> {
 
 impl Observer for FragmentRecorder<'_> {
     fn covered(&mut self, triangle: &ScreenTriangle, sample: &RasterSample) {
-        let submission = self.frame.geometry.index_of(triangle);
+        let submission = self.frame.geometry().index_of(triangle);
         let transparency = self.frame.plans[triangle.instance as usize].transparency();
         self.records.push(FragmentRecord {
             triangle: triangle.id,
@@ -100,7 +100,7 @@ impl Observer for FragmentRecorder<'_> {
             attribute_weights: attribute_weights(triangle, sample, self.interpolation),
             inv_w: triangle.vertices.each_ref().map(|v| v.inv_w),
             corner_depths: triangle.vertices.each_ref().map(|v| v.depth as f32),
-            depth_bias: self.frame.geometry.depth_scale.bias_of(&triangle.vertices).map(|bias| bias.offset as f32),
+            depth_bias: self.frame.geometry().depth_scale.bias_of(&triangle.vertices).map(|bias| bias.offset as f32),
             depth: self.depth(depth_at(triangle, sample)),
             stored_depth: None,
             alpha: None,

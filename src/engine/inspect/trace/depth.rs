@@ -41,7 +41,7 @@ pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
 
 /// Writes the depth bias, if one is set: its terms, and the biased minimum depth of the corners.
 fn bias(subject: &TracedFragment<'_>, least: f64, biased_least: f64, scribe: &mut TraceRecorder) {
-    let Some(bias) = subject.frame.geometry.depth_scale.bias_of(&subject.triangle.vertices) else { return };
+    let Some(bias) = subject.frame.geometry().depth_scale.bias_of(&subject.triangle.vertices) else { return };
     let TriangleBias { gradient: [along_x, along_y], slope, step, offset } = bias;
     scribe.read("∂z/∂x", "change of the triangle's depth per px to the right, from its corners", along_x);
     scribe.read("∂z/∂y", "change of the triangle's depth per px downwards, from its corners", along_y);

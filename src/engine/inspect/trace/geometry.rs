@@ -226,7 +226,8 @@ fn clip(subject: &TracedFragment<'_>, corners: Vec<NamedVertex>, scribe: &mut Tr
     let around: Vec<_> = polygon.vertices().iter().map(name_of).collect();
     scribe.decide("clipped polygon", "its corners, in order", around.join(", "));
     let is_the_one = |piece: &[ClipVertex; 3]| {
-        let projected = piece.each_ref().map(|v| subject.raster.project_vertex(v, &subject.frame.geometry.depth_scale));
+        let projected =
+            piece.each_ref().map(|v| subject.raster.project_vertex(v, &subject.frame.geometry().depth_scale));
         projected.iter().zip(&subject.triangle.vertices).all(|(a, b)| (a.x, a.y, a.inv_w) == (b.x, b.y, b.inv_w))
     };
     let pieces: Vec<_> = polygon.fan().collect();

@@ -62,7 +62,7 @@ fn position(
 
 /// Returns the formula for a corner's depth in [0, 1].
 fn depth_formula(subject: &TracedFragment<'_>, vertex: &ClipVertex, screen: &ScreenVertex) -> Formula {
-    let scale = &subject.frame.geometry.depth_scale;
+    let scale = &subject.frame.geometry().depth_scale;
     let [near, far, factor] = scale.planes_and_factor();
     if let Some(plane) = vertex.cut_at {
         let name =

@@ -48,7 +48,7 @@ impl<'a> TracedFragment<'a> {
         report: &PixelReport,
     ) -> Option<Self> {
         let settings = &recipe.pipeline;
-        let triangle = frame.geometry.triangles.get(record.submission).filter(|t| t.id == record.triangle)?;
+        let triangle = frame.geometry().triangles.get(record.submission).filter(|t| t.id == record.triangle)?;
         let index = triangle.instance as usize;
         let (instance, plan) = scene.instances.get(index).zip(frame.plans.get(index))?;
         let mesh = scene.library.mesh(instance.mesh);

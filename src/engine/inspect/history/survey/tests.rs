@@ -78,8 +78,8 @@ fn surveyed_positions_match_the_rasterized_triangles_bit_for_bit() {
             let whole = Survey::of(&scene, recipe, &frame);
             assert!(whole.triangles.dropped.iter().all(|d| d.cause != Cause::NotDrawnYet), "{id}");
             let bits = |corners: [[f32; 2]; 3]| corners.map(|corner| corner.map(f32::to_bits));
-            let mut drawn: Vec<_> = frame.geometry.triangles.iter().map(|t| (t.id, bits(t.corners_px()))).collect();
-            frame.geometry.triangles.clear();
+            let mut drawn: Vec<_> = frame.geometry().triangles.iter().map(|t| (t.id, bits(t.corners_px()))).collect();
+            frame.geometry_mut().triangles.clear();
             let survey = Survey::of(&scene, recipe, &frame);
             let mut kept: Vec<_> = survey.triangles.rasterized.iter().map(|d| (d.id, bits(d.corners_px))).collect();
             drawn.sort_unstable();
@@ -97,8 +97,8 @@ fn a_survey_is_valid_for_earlier_states_of_its_frame_but_not_for_another_view() 
     let recipe = Recipe::default();
     let mut frame = frame(&scene, &recipe, &scene.home);
     let survey = Survey::of(&scene, &recipe, &frame);
-    let half = frame.geometry.triangles.len() / 2;
-    frame.geometry.triangles.truncate(half);
+    let half = frame.geometry().triangles.len() / 2;
+    frame.geometry_mut().triangles.truncate(half);
     assert!(survey.fits(&recipe, &frame));
     let anew = Survey::of(&scene, &recipe, &frame);
     let mut later = 0;
@@ -188,10 +188,10 @@ fn triangles_after_the_last_drawn_one_are_reported() {
     let recipe = Recipe::default();
     let mut frame = frame(&scene, &recipe, &scene.home);
     let whole: Vec<_> = reports(&scene, &recipe, &frame).iter().map(there).collect();
-    let half = frame.geometry.triangles.len() / 2;
-    frame.geometry.triangles.truncate(half);
+    let half = frame.geometry().triangles.len() / 2;
+    frame.geometry_mut().triangles.truncate(half);
     let drawn = redraw(&scene, &recipe, &frame, LastStage::Shade, &mut ());
-    let frame = frame.at_moment(&recipe, drawn, Geometry::clone(&frame.geometry));
+    let frame = frame.at_moment(&recipe, drawn, Geometry::clone(frame.geometry()));
     let mut count = 0;
     for (cut, whole) in reports(&scene, &recipe, &frame).iter().zip(&whole) {
         let reported = absent(cut, Cause::NotDrawnYet);
