@@ -5,9 +5,7 @@
 //! [`TextureReads::position`]: crate::pipeline::footprint::TextureReads::position
 
 use super::gather::Taps;
-use super::kernel::AttributeWeights;
 use super::mipmap::{CoarseTaps, Coordinates, longest_squared};
-use super::record::TriangleSource;
 use super::texture::{Layout, TextureReader};
 use crate::math::lanes::*;
 use crate::pipeline::footprint::RATIO_TOLERANCE;
@@ -29,16 +27,12 @@ impl TextureReader<'_> {
         &self,
         simd: S,
         layout: Layout,
-        source: impl TriangleSource,
-        weights: AttributeWeights<S>,
+        at: &Coordinates<S>,
         out: &mut CoarseTaps,
     ) {
         simd.vectorize(
             #[inline(always)]
-            || {
-                let coordinates = Coordinates::new(simd, source, weights);
-                self.mean_of_probes(simd, layout, &coordinates, out);
-            },
+            || self.mean_of_probes(simd, layout, at, out),
         );
     }
 
@@ -95,7 +89,7 @@ impl TextureReader<'_> {
         let ratio = major_squared / (right[0] * down[1] - right[1] * down[0]).abs();
         let wanted = (ratio - RATIO_TOLERANCE).ceil().min(major_squared.sqrt().ceil()).min(self.max_probes as f32);
         let one = f32x16::splat(simd, 1.0);
-        // A ratio that is not a number is greater than nothing.
+        // False if the ratio is not a number.
         let has_ratio = ratio.simd_ge(f32x16::splat(simd, 0.0));
         let is_several = major_squared.is_finite() & has_ratio & wanted.simd_gt(one);
         let is_wide = a.simd_ge(c);

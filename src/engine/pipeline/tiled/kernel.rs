@@ -9,7 +9,7 @@ use super::TiledFrame;
 use super::gather::Taps;
 use super::geometry::lambert_lanes;
 use super::lattice::{BLOCK, TILE, TileLattice};
-use super::mipmap::CoarseTaps;
+use super::mipmap::{CoarseTaps, Coordinates};
 use super::queue::{Queue, QueuedPair, QueuedRow, make_room};
 use super::record::{One, Record, ShadedTriangle, TriangleSource};
 use super::setup::EdgeFunctions;
@@ -370,11 +370,11 @@ pub(super) fn locate_texels<S: Simd, O: TriangleSource>(
     let (Some(texture), Some(layout)) = (&shader.texture, plan.texture) else { return };
     match coarse {
         Some(coarse) if texture.is_anisotropic() => {
-            texture.filter_along_axis(simd, layout, source, weights, coarse);
+            texture.filter_along_axis(simd, layout, &Coordinates::new(simd, source, weights), coarse);
             return;
         }
         Some(coarse) if plan.mipmapped => {
-            texture.locate_in_levels(simd, layout, source, weights, (taps, coarse));
+            texture.locate_in_levels(simd, layout, &Coordinates::new(simd, source, weights), (taps, coarse));
             if let Some(step) = O::PREFETCH_STEP {
                 coarse.prefetch(texture, step);
             }

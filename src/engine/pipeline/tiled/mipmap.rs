@@ -83,22 +83,20 @@ impl CoarseTaps {
 
 impl TextureReader<'_> {
     /// Computes the texture taps of sixteen samples in two mip levels, like [`TextureReader::locate`]. Not inlined, so
-    /// that the code for textures without mip levels stays small.
+    /// that the code for textures without mip levels stays small, and all sources of triangles share it.
     #[inline(never)]
     pub(super) fn locate_in_levels<S: Simd>(
         &self,
         simd: S,
         layout: Layout,
-        source: impl TriangleSource,
-        weights: AttributeWeights<S>,
-        (fine, coarse): (&mut Taps, &mut CoarseTaps),
+        at: &Coordinates<S>,
+        taps: (&mut Taps, &mut CoarseTaps),
     ) {
         simd.vectorize(
             #[inline(always)]
             || {
-                let Coordinates { uv, gradient } = Coordinates::new(simd, source, weights);
-                let levels = self.two_levels(simd, self.level(simd, longest_squared(self.in_texels(gradient))));
-                self.locate_in_both(simd, layout, uv, &levels, (fine, coarse));
+                let levels = self.two_levels(simd, self.level(simd, longest_squared(self.in_texels(at.gradient))));
+                self.locate_in_both(simd, layout, at.uv, &levels, taps);
             },
         );
     }
