@@ -11,8 +11,9 @@ use crate::measure::rounds::RoundTimer;
 use crate::ui::engine::Request;
 use crate::upscale::Upscaling;
 
-/// Number of measured rounds, each of which times one frame of every upscaler.
-pub(crate) const MEASURE_ROUNDS: usize = 25;
+/// Number of measured rounds, each of which times one frame of every upscaler. Tests, which do not judge times, need
+/// fewer.
+pub(crate) const MEASURE_ROUNDS: usize = if cfg!(test) { 4 } else { 25 };
 
 /// Request to measure the time and error of all upscalers.
 #[derive(Clone, Debug)]

@@ -178,6 +178,8 @@ fn without_a_measurement_only_recent_methods_have_rows() {
 fn a_cancelled_measurement_keeps_its_samples() {
     let mut bench = Bench::with_worker("chess", Worker::spawn(|| ()));
     bench.session_mut().features.timings.automatic = false;
+    bench.session_mut().state.size = PictureSize::Fixed(96, 54);
+    bench.session_mut().settle_silently();
     bench.show_panel(Panel::FrameTime);
     wait(&mut bench, "the first frame", |bench| bench.session().view.is_some());
     bench.click("Measure all upscalers");
