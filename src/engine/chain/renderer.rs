@@ -134,6 +134,11 @@ impl Renderer {
         frame
     }
 
+    /// Discards the history, so that the next frame is drawn like a first one.
+    pub fn forget_history(&mut self) {
+        self.past = None;
+    }
+
     /// Draws a view repeatedly until the upscaler's history has converged, and returns the last frame. Draws only one
     /// frame if the upscaler reads no history.
     pub fn render_converged(
@@ -205,6 +210,7 @@ impl Renderer {
                 self.draw_tiled(scene, camera, &shown.pipeline, area, memory, KeepDepth::Yes).0
             })
         });
+        let surfaces = surfaces.map(|shown| shown.with_reactivity(scene, recipe));
         let drawn_at = Instant::now();
         let outlines = outlines(scene, camera, recipe, viewport);
         let known =

@@ -96,6 +96,7 @@ pub(super) fn run_after<O: Observer>(
             draw_pixels(scene, &shown, &geometry, (SampleGrid::FULL, viewport), LastStage::Shade, &mut ())
         })
     });
+    let surfaces = surfaces.map(|shown| shown.with_reactivity(scene, recipe));
     let drawn_at = Instant::now();
 
     let outlines = outlines(scene, camera, recipe, viewport);
