@@ -83,6 +83,9 @@ pub(crate) struct PixelArgs {
 
 /// Runs `pixel`: draws the frame, replays the pixel, and prints all its fragments.
 pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
+    if args.number.is_none() && args.shot.has_path() {
+        return Err(Failure::Usage("--path needs --frame N: the number of the frame along the camera path".to_owned()));
+    }
     let pick = || args.frame.pick()?.ok_or_else(|| Failure::Usage("--at X,Y is missing: name a pixel".to_owned()));
     let (x, y) = args.at.map_or_else(pick, Ok)?;
     let picture = args.frame.size()?;
@@ -93,8 +96,10 @@ pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
     let (DrawnFrame { scene, recipe, frame, .. }, clip) = draw(args, picture)?;
     let is_whole = args.triangles.is_none();
     let mut report = explain_fully(&scene, &recipe, &frame, (x, y), is_whole).ok_or_else(outside)?;
-    if !args.trace && args.html.is_none() {
+    if !args.trace || args.html.is_some() {
         report.temporal = clip.and_then(|clip| pixel_history(clip, (x, y)));
+    }
+    if !args.trace && args.html.is_none() {
         let text = || describe(&report) + &report.temporal.as_ref().map(PixelHistory::describe).unwrap_or_default();
         return if args.json { output::print_json(&report) } else { output::print(&text()) };
     }

@@ -4,9 +4,9 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::chain::{KeepDepth, PrecedingView, Recipe, Renderer};
+use crate::chain::{KeepDepth, Recipe};
 use crate::inspect::scrub::Moment;
-use crate::measure::shot::Shot;
+use crate::measure::shot::{CameraMotion, Shot, ShotFrame, ShotRenderer};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::CameraPath;
 use clap::Args;
@@ -50,10 +50,15 @@ pub(crate) struct ShotArgs {
 }
 
 impl ShotArgs {
+    /// Whether a camera path is given.
+    pub(crate) fn has_path(&self) -> bool {
+        self.path.is_some()
+    }
+
     /// Returns scene and camera of every frame of a clip. Reads the camera path.
     pub(crate) fn shot(&self, view: &RequestedView) -> Result<Shot, Failure> {
         let path = self.path.as_deref().map(camera_path).transpose()?;
-        Ok(Shot { scene: Arc::clone(&view.scene), camera: view.camera, path, frames_per_second: self.fps })
+        Ok(Shot::from_start(Arc::clone(&view.scene), view.camera, CameraMotion::along(path), self.fps))
     }
 }
 
@@ -107,52 +112,36 @@ impl Sequence {
 
     /// Returns scene and camera of every frame. Without a camera path, the camera does not move.
     pub(crate) fn shot(&self, view: &RequestedView) -> Shot {
-        Shot {
-            scene: Arc::clone(&view.scene),
-            camera: view.camera,
-            path: self.path.clone(),
-            frames_per_second: self.fps,
-        }
+        let motion = CameraMotion::along(self.path.clone());
+        Shot::from_start(Arc::clone(&view.scene), view.camera, motion, self.fps)
     }
 }
 
-/// Renderer of the frames of a shot.
+/// Renderer of the frames of a sequence, completely or up to a point of drawing.
 #[derive(Debug)]
 pub(crate) struct SequenceRenderer {
-    shot: Shot,
     recipe: Recipe,
     size: Viewport,
-    renderer: Renderer,
-    /// Number of frames drawn so far, from frame 0 on, if the upscaler reads history.
-    drawn: u32,
+    renderer: ShotRenderer,
 }
 
 impl SequenceRenderer {
     /// Prepares to draw frames; draws nothing yet.
     pub(crate) fn new(shot: Shot, recipe: Recipe, size: Viewport) -> Self {
-        Self { shot, recipe, size, renderer: Renderer::default(), drawn: 0 }
+        Self { recipe, size, renderer: ShotRenderer::new(shot, recipe, size) }
     }
 
-    /// Draws a frame, completely or only up to `moment`. Numbers must ascend. With an upscaler that reads history, all
-    /// frames from frame 0 on are drawn first, so that a frame depends on its number only.
+    /// Draws a frame, completely or only up to `moment`. With an upscaler that reads history, a complete frame has the
+    /// history of all frames from frame 0 on.
     pub(crate) fn draw(&mut self, number: u32, moment: Option<Moment>) -> DrawnFrame {
         let Self { recipe, size, .. } = *self;
-        let (scene, camera) = self.shot.view(number.into());
-        let mut drawn = if moment.is_none() && recipe.upscaler.upscaler().reads().history {
-            while self.drawn < number {
-                let (scene, camera) = self.shot.view(self.drawn.into());
-                let frame = self.renderer.render(&scene, &camera, &recipe, size, KeepDepth::No);
-                self.renderer.recycle(frame);
-                self.drawn += 1;
-            }
-            self.drawn = number + 1;
-            let frame = self.renderer.render(&scene, &camera, &recipe, size, KeepDepth::Yes);
-            DrawnFrame { scene, camera, recipe, frame }
-        } else {
-            DrawnFrame::of(scene, camera, recipe, size, moment)
-        };
-        let (scene, camera) = self.shot.view(i64::from(number) - 1);
-        drawn.frame.before = Some(PrecedingView { scene, camera });
+        let wanted = ShotFrame { shot: self.renderer.shot().clone(), number: number.into() };
+        let (scene, camera) = wanted.shot.view(wanted.number);
+        if moment.is_none() && recipe.upscaler.upscaler().reads().history {
+            return DrawnFrame { scene, camera, recipe, frame: self.renderer.draw(number, KeepDepth::Yes) };
+        }
+        let mut drawn = DrawnFrame::of(scene, camera, recipe, size, moment);
+        drawn.frame.before = Some(wanted.before());
         drawn
     }
 }

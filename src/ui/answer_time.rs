@@ -19,6 +19,7 @@ const WARM_UP_ANSWERS: usize = 5;
 /// one arrives.
 pub(crate) fn answer_time(start: &WindowStart, size: Viewport, turn: Turn, count: usize) -> Option<AnswerTime> {
     let pick = (size.width / 2, size.height / 2);
+    let shot = turn.shot(&start.scene, &start.camera);
     let mut engine = Engine::default();
     let mut held = None;
     let mut times_ms = Vec::with_capacity(count);
@@ -26,8 +27,9 @@ pub(crate) fn answer_time(start: &WindowStart, size: Viewport, turn: Turn, count
     for step in 0..WARM_UP_ANSWERS + count {
         let request = Request {
             scene: start.scene.clone(),
-            camera: turn.camera(&start.camera, turn.frame_of_round(step as i64)),
-            time_before_s: None,
+            camera: shot.camera_of(turn.frame_of_round(step as i64)),
+            sequence: None,
+            is_replayed: false,
             recipe: start.recipe,
             viewport: size,
             shown: Shown::Buffer(Buffer::Color),

@@ -11,9 +11,10 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::look::{self, Look, LookResult, SlowOverlays, ValueSource};
+use super::scene_time::replay::ReplayedFrame;
 use super::scrub::reel::{Reel, timeline_of};
 use super::seam_search::SeamSearch;
-use crate::chain::{Frame, KeepDepth, PrecedingView, Recipe, Renderer};
+use crate::chain::{Frame, KeepDepth, Recipe, Renderer};
 use crate::image::{Image, Rgba8};
 use crate::inspect::bad_fragments::BadFragments;
 use crate::inspect::buffers::{Buffer, Buffers, capture};
@@ -22,9 +23,10 @@ use crate::inspect::remedy;
 use crate::inspect::scrub::{Moment, Timeline};
 use crate::inspect::view::Range;
 use crate::inspect::{Intermediate, PixelReport, Stage, Survey, explain};
+use crate::measure::shot::ShotFrame;
 use crate::measure::stages::{StageTimer, StageTimes};
 use crate::pipeline::observe::Counters;
-use crate::pipeline::settings::Choice as _;
+use crate::pipeline::settings::{Choice as _, DepthTest};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::seams::Seams;
 use crate::scene::{Camera, Scene};
@@ -78,8 +80,11 @@ pub(crate) struct Request {
     pub(crate) camera: Camera,
     /// Recipe to draw with.
     pub(crate) recipe: Recipe,
-    /// Time of the preceding frame of an animated scene, in seconds; `None` if the scene is still.
-    pub(crate) time_before_s: Option<f64>,
+    /// Frame of the motion of scene and camera; `None` if nothing moves.
+    pub(crate) sequence: Option<ShotFrame>,
+    /// Whether the history of a frame of a sequence should be that of all frames from frame 0 on. Otherwise, it is that of
+    /// the frames drawn before, and converges if the view stays the same.
+    pub(crate) is_replayed: bool,
     /// Size of the picture, in pixels.
     pub(crate) viewport: Viewport,
     /// Quantity to show on the canvas.
@@ -127,6 +132,31 @@ impl Request {
             && self.camera == other.camera
             && self.recipe == other.recipe
             && self.viewport == other.viewport
+            && self.has_same_sequence(other)
+    }
+
+    fn has_same_sequence(&self, other: &Self) -> bool {
+        match (&self.sequence, &other.sequence) {
+            (Some(frame), Some(other)) => frame.is_same(other),
+            (frame, other) => frame.is_none() && other.is_none(),
+        }
+    }
+
+    /// Returns the number of the frame if its history is that of all frames from frame 0 on. Returns `None` for partially
+    /// drawn frames, for times between frames, and if the frame has no history.
+    pub(crate) fn replayed_frame(&self) -> Option<u32> {
+        let frame = self.sequence.as_ref().filter(|_| self.is_replayed && self.moment().is_none())?;
+        let has_history =
+            self.recipe.upscaler.upscaler().reads().history && self.recipe.pipeline.depth_test != DepthTest::Off;
+        u32::try_from(frame.number).ok().filter(|_| has_history && frame.shows(&self.scene, &self.camera))
+    }
+
+    /// Whether this is the frame after that of `other` in the same sequence, with the same settings.
+    fn follows(&self, other: &Self) -> bool {
+        let frames = self.sequence.as_ref().zip(other.sequence.as_ref());
+        frames.is_some_and(|(frame, before)| frame.follows(before))
+            && self.recipe == other.recipe
+            && self.viewport == other.viewport
     }
 }
 
@@ -157,6 +187,9 @@ pub(crate) struct RenderedView {
     pub(crate) timeline: Option<Arc<Timeline>>,
     /// Whether the frame was rendered for this response rather than reused from the last one.
     pub(crate) fresh: bool,
+    /// Whether the frame has the history of the frames shown before, although [`Request::replayed_frame`] requests that of
+    /// its sequence.
+    pub(crate) needs_replay: bool,
 }
 
 impl RenderedView {
@@ -169,7 +202,9 @@ impl RenderedView {
 
     /// Whether repeating the request would improve the frame, because the upscaler has not converged yet.
     pub(crate) fn is_unconverged(&self) -> bool {
-        self.request.triangle_limit.is_none() && self.frame.is_converging(&self.request.recipe)
+        self.request.triangle_limit.is_none()
+            && self.request.replayed_frame().is_none()
+            && self.frame.is_converging(&self.request.recipe)
     }
 }
 
@@ -185,29 +220,55 @@ pub(crate) struct Engine {
     /// Earlier frame that the window may still hold. Its buffers are reused as soon as the window has dropped it.
     earlier: Option<Arc<Frame>>,
     renderer: Renderer,
+    /// Request for the frame whose history `renderer` holds, if it is that of all frames from frame 0 on.
+    continued: Option<Request>,
+    /// Frame that [`Engine::adopt`] received for the next request.
+    replayed: Option<Frame>,
     seams: SeamSearch,
     survey: SurveyCache,
     reel: Option<Reel>,
 }
 
+/// Frame that was drawn for a request.
+struct Rendered {
+    frame: Frame,
+    /// Number of rasterized triangles of the complete frame.
+    rasterized: usize,
+    /// See [`RenderedView::needs_replay`].
+    needs_replay: bool,
+}
+
 impl Engine {
+    /// Replaces the frame of a request by one with the history of its sequence. The next request must be for this frame.
+    pub(crate) fn adopt(&mut self, replayed: ReplayedFrame) {
+        let ReplayedFrame { request, frame, renderer } = replayed;
+        (self.renderer, self.continued, self.replayed) = (renderer, Some(request), Some(frame));
+    }
+
     /// Handles a request, reusing the valid parts of the last response.
     pub(crate) fn answer(&mut self, request: Request) -> RenderedView {
         let mut last = self.last.take();
         self.reel.take_if(|reel| !reel.is_of(&request));
         let whole = last.as_ref().filter(|view| view.is_whole_for(&request)).map(|view| view.frame.clone());
-        let stale = |view: &mut RenderedView| !view.request.same_frame(&request) || view.is_unconverged();
+        let replayed = self.replayed.take();
+        let stale =
+            |view: &mut RenderedView| !view.request.same_frame(&request) || view.is_unconverged() || replayed.is_some();
         if let Some(view) = last.take_if(stale) {
             self.retire(view.frame);
         }
         let fresh = last.is_none();
-        let (frame, rasterized, kept_buffers, kept_captured, kept) = match last {
+        let needs_replay = last.as_ref().is_some_and(|view| view.needs_replay);
+        let (frame, rasterized, kept_buffers, kept_captured, kept, needs_replay) = match last {
             Some(view) => {
-                (view.frame, view.rasterized, view.buffers, view.captured, Some((view.request, view.look_result)))
+                let kept = Some((view.request, view.look_result));
+                (view.frame, view.rasterized, view.buffers, view.captured, kept, needs_replay)
             }
             None => {
-                let (frame, rasterized) = render(&request, &mut self.renderer, (&mut self.reel, whole));
-                (Arc::new(frame), rasterized, None, None, None)
+                let Rendered { frame, rasterized, needs_replay } = match replayed {
+                    Some(frame) => Rendered { rasterized: frame.rasterized(), frame, needs_replay: false },
+                    None => self.render(&request, whole),
+                };
+                (Arc::new(frame), rasterized, None, None, None, needs_replay)
             }
         };
         // If the request is repeated, everything that is fast to compute is already on screen.
@@ -253,9 +314,28 @@ impl Engine {
             report,
             timeline,
             fresh,
+            needs_replay,
         };
         self.last = Some(view.clone());
         view
+    }
+
+    /// Draws the requested frame.
+    fn render(&mut self, request: &Request, whole: Option<Arc<Frame>>) -> Rendered {
+        let Request { scene, camera, recipe, viewport, .. } = request;
+        if let Some(moment) = request.moment() {
+            let reel = Reel::load(&mut self.reel, request, whole);
+            return Rendered { frame: reel.frame(moment), rasterized: reel.triangles(), needs_replay: false };
+        }
+        let number = request.replayed_frame();
+        if number == Some(0) {
+            self.renderer.forget_history();
+        }
+        let continues = number == Some(0) || self.continued.as_ref().is_some_and(|before| request.follows(before));
+        self.continued = (number.is_some() && continues).then(|| request.clone());
+        let mut frame = self.renderer.render(scene, camera, recipe, *viewport, KeepDepth::Yes);
+        frame.before = request.sequence.as_ref().map(ShotFrame::before);
+        Rendered { rasterized: frame.rasterized(), frame, needs_replay: number.is_some() && !continues }
     }
 
     /// Reuses the buffers of a replaced frame. If the window still holds it, which it does until it receives the next
@@ -339,24 +419,6 @@ fn needed_capture(request: &Request, frame: &Frame, kept: Option<Arc<Captured>>)
     let Shown::Intermediate(which) = request.shown else { return None };
     let again = || Arc::new(intermediate::capture(&request.scene, &request.recipe, frame, which));
     Some(kept.filter(|kept| kept.which == which).unwrap_or_else(again))
-}
-
-/// Renders the requested frame. Returns it together with the number of rasterized triangles of the complete frame.
-fn render(
-    request: &Request,
-    renderer: &mut Renderer,
-    (reel, whole): (&mut Option<Reel>, Option<Arc<Frame>>),
-) -> (Frame, usize) {
-    let Request { scene, camera, recipe, viewport, .. } = request;
-    let Some(moment) = request.moment() else {
-        let mut frame = renderer.render(scene, camera, recipe, *viewport, KeepDepth::Yes);
-        let before = |time_s: f64| PrecedingView { scene: scene.at(time_s), camera: *camera };
-        frame.before = request.time_before_s.map(before);
-        let rasterized = frame.rasterized();
-        return (frame, rasterized);
-    };
-    let reel = Reel::load(reel, request, whole);
-    (reel.frame(moment), reel.triangles())
 }
 
 /// Counters and times of each pipeline stage of a frame. They are measured after the frame is on screen, by drawing it

@@ -22,6 +22,7 @@ impl Session {
         project.comparison = self.features.comparison.stored(&self.state.tiles, self.state.recipe, sequences);
         project.workspace = Some(self.workspace().id().to_owned());
         project.probe = Some(self.features.probing.probe);
+        project.camera_path = self.features.camera_path.stored();
         project
     }
 
@@ -41,7 +42,7 @@ impl Session {
         self.features.files.remember(&opened.path);
     }
 
-    /// Restores workspace, comparison and probe of a project. Returns the commands that open its picture files.
+    /// Restores workspace, comparison, probe and camera path of a project. Returns the commands that open its picture files.
     pub(crate) fn restore_tools(&mut self, project: &Project) -> Vec<Command> {
         if let Some(id) = &project.workspace {
             match Workspace::ALL.iter().find(|workspace| workspace.id() == id) {
@@ -51,6 +52,9 @@ impl Session {
         }
         if let Some(probe) = project.probe {
             self.features.probing.probe = probe;
+        }
+        if let Some(path) = &project.camera_path {
+            self.features.camera_path.restore(path);
         }
         let Some(comparison) = &project.comparison else { return Vec::new() };
         self.features.sequences.restore(comparison);

@@ -419,7 +419,8 @@ mod tests {
         Request {
             camera: scene.home,
             scene: Arc::new(scene),
-            time_before_s: None,
+            sequence: None,
+            is_replayed: false,
             recipe: Recipe::default(),
             viewport: Viewport { width: 8, height: 6 },
             shown: Shown::Buffer(Buffer::Color),

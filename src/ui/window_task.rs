@@ -22,6 +22,8 @@ pub(crate) enum WindowTask {
     SaveOverlayTotals,
     /// Starts or cancels a measurement.
     Measure(MeasureCommand),
+    /// Stops drawing the frames before the shown one.
+    CancelReplay,
     /// Prevents measurements of the current view from starting by themselves.
     DeclineMeasurement,
     /// Starts the stability probe.

@@ -13,6 +13,7 @@ use std::time::Duration;
 use super::compare::compute::{CompareRequest, Compared, Comparer};
 use super::engine::{Engine, RenderedView, Request, StageFigures, StageMeasurement};
 use super::filmstrip::drawer::FilmstripDrawer;
+use super::scene_time::replay::{ReplayProgress, ReplayStep, Replayer};
 use super::temporal::TemporalRequest;
 use super::temporal::searcher::TemporalSearcher;
 use super::watch::watcher::PixelWatcher;
@@ -50,6 +51,8 @@ pub(crate) enum WorkerRequest {
     Measure(Box<MeasureRequest>),
     /// Cancels the measurement.
     CancelMeasure,
+    /// Stops drawing the frames before the shown one.
+    CancelReplay,
 }
 
 /// Response from the renderer to the window.
@@ -59,6 +62,8 @@ pub(crate) enum WorkerResponse {
     View(Box<RenderedView>),
     /// Results of the comparison so far.
     Compared(Box<Compared>),
+    /// Number of frames drawn so far before the shown one.
+    Replaying(ReplayProgress),
     /// Pictures of the filmstrip so far.
     Filmstrip(Box<Compared>),
     /// History of a pixel.
@@ -171,6 +176,7 @@ pub(crate) struct RenderWorker {
     drawer: Drawer,
     filmstrip: FilmstripDrawer,
     temporal: TemporalSearcher,
+    replayer: Replayer,
     watcher: PixelWatcher,
     to_evaluate: Option<Box<WhatIfRequest>>,
     /// Current request, if one more frame would improve its view.
@@ -220,12 +226,16 @@ impl RenderWorker {
         }
         let figuring = self.to_time.as_ref();
         let is_complete = self.to_complete.is_none();
-        let has_work =
-            self.comparer.has_work() || self.drawer.has_work() || self.filmstrip.has_work() || self.temporal.has_work();
+        let has_work = self.replayer.has_work()
+            || self.comparer.has_work()
+            || self.drawer.has_work()
+            || self.filmstrip.has_work()
+            || self.temporal.has_work();
         if figuring.is_none() && is_complete && !has_work {
             return inbox.recv().map(Some);
         }
-        let has_begun = self.comparer.has_begun()
+        let has_begun = self.replayer.has_begun()
+            || self.comparer.has_begun()
             || self.drawer.has_begun()
             || self.filmstrip.has_begun()
             || self.temporal.has_begun();
@@ -258,6 +268,7 @@ impl RenderWorker {
             WorkerRequest::Temporal(request) => self.temporal.set(request.map(|request| *request)),
             WorkerRequest::Measure(request) => self.measurement = Some(Measurement::new(request)),
             WorkerRequest::CancelMeasure => self.measurement = None,
+            WorkerRequest::CancelReplay => self.replayer.cancel(),
         }
     }
 
@@ -272,6 +283,8 @@ impl RenderWorker {
             self.compare(|comparer| Some(comparer.start(*request)));
         } else if let Some(request) = self.to_evaluate.take() {
             self.evaluate_change(|drawer| drawer.start(*request).cloned());
+        } else if self.replayer.has_work() {
+            self.replay();
         } else if let Some(request) = self.to_complete.take() {
             self.show(*request);
         } else if self.comparer.has_work() {
@@ -334,6 +347,24 @@ impl RenderWorker {
         }
     }
 
+    /// Draws one frame before the shown one, and shows the latter again after the last one. A panic ends the replay.
+    fn replay(&mut self) {
+        let replayer = &mut self.replayer;
+        match catch_unwind(AssertUnwindSafe(|| replayer.step())) {
+            Ok(Some(ReplayStep::Complete(replayed))) => {
+                let request = replayed.request.clone();
+                self.engine.adopt(*replayed);
+                self.show(request);
+            }
+            Ok(Some(ReplayStep::Slow(progress))) => self.done.push_back(WorkerResponse::Replaying(progress)),
+            Ok(Some(ReplayStep::Drawn) | None) => {}
+            Err(panic) => {
+                self.replayer.clear();
+                self.done.push_back(WorkerResponse::Panicked(panic_text(&*panic)));
+            }
+        }
+    }
+
     /// Runs one step of the search for the history of a pixel and queues its result. A panic ends it.
     fn search_history(&mut self) {
         let temporal = &mut self.temporal;
@@ -380,11 +411,16 @@ impl RenderWorker {
                 self.engine = engine;
                 if view.is_unconverged() {
                     self.to_improve = Some(Box::new(view.request.clone()));
-                } else if view.fresh {
+                } else if view.fresh && !view.needs_replay {
                     self.to_time = Some(Box::new(StageMeasurement::new(view.clone())));
                 }
                 if view.look_result.is_unfinished {
                     self.to_complete = Some(Box::new(view.request.clone()));
+                }
+                if view.needs_replay {
+                    self.replayer.set(&view.request);
+                } else {
+                    self.replayer.clear();
                 }
                 self.watcher.set_view(&view);
                 self.done.push_back(WorkerResponse::View(Box::new(view)));

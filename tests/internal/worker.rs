@@ -24,7 +24,8 @@ fn request(scene: &str, (width, height): (u32, u32)) -> Request {
     Request {
         camera: scene.home,
         scene: Arc::new(scene),
-        time_before_s: None,
+        sequence: None,
+        is_replayed: false,
         recipe: Recipe::default(),
         viewport: Viewport { width, height },
         shown: Shown::Buffer(Buffer::Color),

@@ -136,6 +136,46 @@ const CLAIMS: &[Claim] = &[
         proof: Proof::Here(|| overshoots("bilinear", 0.0)),
     },
     Claim {
+        source: "src/engine/upscale/ewa/mod.rs",
+        words: "treats all directions alike, where Lanczos favours rows and columns",
+        proof: Proof::Here(ewa_treats_directions_alike),
+    },
+    Claim {
+        source: "src/engine/upscale/ewa/mod.rs",
+        words: "Rings beside hard edges unless de-ringed",
+        proof: Proof::Test("src/engine/upscale/ewa/tests.rs", "deringing_keeps_an_edge_within_its_two_sides"),
+    },
+    Claim {
+        source: "src/engine/upscale/nis/mod.rs",
+        words: "Good on straight edges at multiples of 45°.",
+        proof: Proof::Test("src/engine/upscale/nis/tests.rs", "an_edge_in_each_direction_has_its_filter"),
+    },
+    Claim {
+        source: "src/engine/upscale/nis/mod.rs",
+        words: "colours are only bilinear, so edges between colours of equal luma blur",
+        proof: Proof::Here(nis_is_bilinear_between_colors_of_equal_luma),
+    },
+    Claim {
+        source: "src/engine/upscale/sgsr2/mod.rs",
+        words: "Still views regain fine detail",
+        proof: Proof::Test("src/engine/upscale/sgsr2/tests.rs", "a_still_view_settles_near_the_mean_of_all_samples"),
+    },
+    Claim {
+        source: "src/engine/antialias/settings.rs",
+        words: "blends by the exact areas that a line between them cuts off",
+        proof: Proof::Test("src/engine/antialias/smaa/area.rs", "areas_are_integrals_of_the_smoothed_edge"),
+    },
+    Claim {
+        source: "src/engine/antialias/settings.rs",
+        words: "stairs of slanted edges become ramps",
+        proof: Proof::Test("src/engine/antialias/smaa/tests.rs", "stairs_of_a_slanted_edge_become_the_covered_area"),
+    },
+    Claim {
+        source: "src/engine/antialias/settings.rs",
+        words: "single pixels stay sharper than with FXAA",
+        proof: Proof::Test("src/engine/antialias/smaa/tests.rs", "single_pixels_stay_sharper_than_with_fxaa"),
+    },
+    Claim {
         source: "src/engine/upscale/choice.rs",
         words: "Slower: each sample is decoded and each pixel encoded.",
         proof: Proof::Command(
@@ -433,6 +473,7 @@ fn claims_that_were_refuted_stay_out() {
         ("src/engine/antialias/settings.rs", "a few percent"),
         ("src/engine/antialias/settings.rs", "Converges fastest"),
         ("src/engine/antialias/settings.rs", "as good as the truth"),
+        ("src/engine/antialias/settings.rs", "corners stay sharper"),
         ("src/engine/upscale/nearest.rs", "(scale − 1)/2"),
         ("assets/manual/13-conventions.md", "| pairs that tie |"),
     ];
@@ -630,4 +671,49 @@ fn depths_tie_as_often_as_the_table_says() {
             assert_eq!(percent, format!("{found:.digits$}"), "{format}: {found} %");
         }
     }
+}
+
+/// Returns the factor by which a method at ×2 multiplies the amplitude of a grating of 0.35 periods per sample, whose waves
+/// travel in a direction given in degrees.
+fn gain_of_grating(method: &str, degrees: f64) -> f64 {
+    const SAMPLES: u32 = 40;
+    let how = Upscaling::new(method, 2).expect("it has this scale").with_anchor(Anchor::Centre);
+    let wave = [degrees.to_radians().cos(), degrees.to_radians().sin()].map(|axis| std::f64::consts::TAU * 0.35 * axis);
+    let samples = Image::from_fn(SAMPLES, SAMPLES, |x, y| {
+        let phase = wave[0] * (f64::from(x) + 0.5) + wave[1] * (f64::from(y) + 0.5);
+        [(128.0 + 100.0 * phase.cos()).round() as u8; 4]
+    });
+    let full = how.upscale(&UpscaleInputs::from(&samples), 2 * SAMPLES, 2 * SAMPLES);
+    // Projection onto both phases of the grating, away from the border.
+    let (mut projected, mut count) = ([0.0; 2], 0.0);
+    for (x, y) in (16..64).flat_map(|y| (16..64).map(move |x| (x, y))) {
+        let phase = (wave[0] * (f64::from(x) + 0.5) + wave[1] * (f64::from(y) + 0.5)) / 2.0;
+        let code = f64::from(full.at(x, y)[0]) - 128.0;
+        projected[0] += code * phase.cos();
+        projected[1] += code * phase.sin();
+        count += 1.0;
+    }
+    projected[0].hypot(projected[1]) * 2.0 / count / 100.0
+}
+
+fn ewa_treats_directions_alike() {
+    let [ewa, lanczos] = ["ewa-lanczos", "lanczos3"].map(|method| {
+        let gains = [0.0, 15.0, 30.0, 45.0].map(|degrees| gain_of_grating(method, degrees));
+        gains.iter().copied().fold(0.0, f64::max) - gains.iter().copied().fold(f64::INFINITY, f64::min)
+    });
+    assert!(ewa < 0.5 * lanczos, "the gain varies by {ewa}, that of Lanczos by {lanczos}");
+}
+
+fn nis_is_bilinear_between_colors_of_equal_luma() {
+    let differences = |left: Rgba8, right: Rgba8| {
+        let samples = Image::from_fn(16, 16, |x, _| if x < 8 { left } else { right });
+        let [nis, bilinear] = ["nis", "bilinear"].map(|method| {
+            let how = Upscaling::new(method, 2).expect("it has this scale").with_anchor(Anchor::Centre);
+            how.with_sharpening(0).upscale(&UpscaleInputs::from(&samples), 32, 32)
+        });
+        nis.pixels().iter().zip(bilinear.pixels()).flat_map(|(a, b)| [0, 1, 2].map(|i| a[i].abs_diff(b[i]))).max()
+    };
+    // 0.2126 · 185 = 39.33, and 0.7152 · 55 = 39.34.
+    assert!(differences([185, 0, 0, 255], [0, 55, 0, 255]) <= Some(1));
+    assert!(differences([40, 40, 40, 255], [200, 200, 200, 255]) > Some(4), "an edge in luma is sharper");
 }

@@ -83,7 +83,7 @@ impl FrameRequest<'_> {
     fn surfaces<E: Executor>(&self, executor: &mut E, pool: &mut BufferPool) -> Option<Surfaces> {
         let recipe = gbuffer_recipe(self.recipe)?;
         let now = FrameView { scene: self.scene, camera: self.camera };
-        surfaces(self.past.as_deref(), now, self.lanes, pool, |pool| {
+        let surfaces = surfaces(self.past.as_deref(), now, self.lanes, pool, |pool| {
             let pass = Pass {
                 purpose: Purpose::Surfaces,
                 scene: self.scene,
@@ -93,7 +93,8 @@ impl FrameRequest<'_> {
                 keep_depth: KeepDepth::Yes,
             };
             executor.draw(&pass, pool)
-        })
+        })?;
+        Some(surfaces.with_reactivity(self.scene, self.recipe))
     }
 }
 

@@ -110,6 +110,11 @@ impl Renderer {
         frame
     }
 
+    /// Discards the history, so that the next frame is drawn like a first one.
+    pub fn forget_history(&mut self) {
+        self.past = None;
+    }
+
     /// Draws a view repeatedly until the upscaler's history has converged, and returns the last frame. Draws only one
     /// frame if the upscaler reads no history.
     pub fn render_converged(

@@ -10,11 +10,12 @@ use crate::math::lanes::Lanes;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::gbuffer::GBuffer;
 use crate::pipeline::motion::{FrameBefore, FrameMotion, FrameView, MotionVectors};
+use crate::pipeline::plan::transparency;
 use crate::pipeline::prepare;
 use crate::pipeline::settings::{DepthTest, Settings, Shading};
 use crate::pipeline::triangle_list::TriangleList;
 use crate::pipeline::viewport::Viewport;
-use crate::scene::{Camera, Scene};
+use crate::scene::{Camera, Instance, Scene, Transparency};
 use crate::upscale::{CENTRE, FrameInputs, History, Sampling};
 
 /// Returns the sampling of the frame that follows `past`, and the position of the sample within each pixel, in pixels
@@ -48,12 +49,24 @@ pub(super) struct Surfaces {
     pub(super) gbuffer: Arc<GBuffer>,
     /// `None` if there is no preceding frame, or if camera and scene are still.
     pub(super) motion: Option<Arc<MotionVectors>>,
+    /// See [`FrameInputs::reactivity`].
+    pub(super) reactivity: Option<Arc<[f32]>>,
 }
 
 impl Surfaces {
+    /// Adds the reactivity of the instances of a scene, if the upscaler of the recipe reads it.
+    pub(super) fn with_reactivity(self, scene: &Scene, recipe: &Recipe) -> Self {
+        Self { reactivity: reactivity(scene, recipe), ..self }
+    }
+
     /// Returns the inputs of an upscaler other than colours.
     pub(super) fn inputs<'a>(&'a self, past: Option<&'a History>) -> FrameInputs<'a> {
-        FrameInputs { gbuffer: &self.gbuffer, motion: self.motion.as_deref(), history: past }
+        FrameInputs {
+            gbuffer: &self.gbuffer,
+            motion: self.motion.as_deref(),
+            history: past,
+            reactivity: self.reactivity.as_deref(),
+        }
     }
 }
 
@@ -69,7 +82,7 @@ pub(super) fn surfaces(
     /// Number of depths converted per parallel task.
     const TOGETHER: usize = 1 << 14;
     if let Some(past) = past.filter(|past| past.shows(now)) {
-        return Some(Surfaces { gbuffer: Arc::clone(&past.surfaces), motion: None });
+        return Some(Surfaces { gbuffer: Arc::clone(&past.surfaces), motion: None, reactivity: None });
     }
     let Framebuffer { color: mut object, depth, depth_scale: scale, .. } = draw(pool);
     let mut distance = depth?;
@@ -77,7 +90,26 @@ pub(super) fn surfaces(
     let before = past.map(|past| FrameBefore { view: past.view(), gbuffer: &past.surfaces });
     let spare = before.and_then(|_| pool.vectors());
     let motion = FrameMotion::new(now, before, object.size()).resolve(lanes, &mut object, &distance, spare);
-    Some(Surfaces { gbuffer: Arc::new(GBuffer { object, distance }), motion: motion.map(Arc::new) })
+    Some(Surfaces { gbuffer: Arc::new(GBuffer { object, distance }), motion: motion.map(Arc::new), reactivity: None })
+}
+
+/// Greatest reactivity of a surface; AMD's documentation of FSR 2 recommends about 0.9.
+const MOST_REACTIVITY: f32 = 0.9;
+
+/// Returns the reactivity of every instance for the upscaler of a recipe: the opacity of blended surfaces, and the maximum
+/// for alpha-tested ones, whose holes show other surfaces. Returns `None` if the upscaler does not read it, or if every
+/// surface is opaque.
+pub(super) fn reactivity(scene: &Scene, recipe: &Recipe) -> Option<Arc<[f32]>> {
+    if !recipe.upscaler.upscaler().reads_reactive_mask() {
+        return None;
+    }
+    let of_instance = |instance: &Instance| match transparency(&scene.library, instance, recipe.pipeline.shading) {
+        Transparency::Opaque => 0.0,
+        Transparency::AlphaTested => MOST_REACTIVITY,
+        Transparency::Blended => scene.library.material(instance.material).opacity.min(MOST_REACTIVITY),
+    };
+    let all: Arc<[f32]> = scene.instances.iter().map(of_instance).collect();
+    all.iter().any(|reactivity| *reactivity > 0.0).then_some(all)
 }
 
 /// Returns the size, in pixels, of the picture that is rasterized before upscaling.

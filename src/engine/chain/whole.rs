@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 
-use super::view::{gbuffer_recipe, raster_viewport};
+use super::view::{gbuffer_recipe, raster_viewport, reactivity};
 use super::{KeepDepth, Recipe, execution};
 use crate::pipeline::plan::PlanStep;
 use crate::pipeline::settings::{DepthTest, Execution};
@@ -19,6 +19,8 @@ pub enum FramePart {
     /// Drawing a full-resolution G-buffer (object and distance per pixel), unless the preceding frame had the same
     /// view.
     Surfaces,
+    /// Giving less weight to the history of surfaces that are blended or have holes.
+    ReactiveMask,
     /// Drawing several samples per pixel.
     AntiAliasing,
     /// Storing the depths of the whole picture, not only of the tile that is being drawn.
@@ -33,9 +35,10 @@ pub enum FramePart {
 
 impl FramePart {
     /// All parts, in the order of the stages.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::EveryPixel,
         Self::Surfaces,
+        Self::ReactiveMask,
         Self::AntiAliasing,
         Self::KeptDepths,
         Self::Upscaling,
@@ -48,6 +51,7 @@ impl FramePart {
         match self {
             Self::EveryPixel => "Every pixel",
             Self::Surfaces => "Full-size G-buffer",
+            Self::ReactiveMask => "Reactive mask",
             Self::AntiAliasing => "Anti-aliasing",
             Self::KeptDepths => "Stored depths",
             Self::Upscaling => "Upscaling",
@@ -65,6 +69,12 @@ impl FramePart {
             Self::Surfaces if gbuffer_recipe(recipe).is_some() => None,
             Self::Surfaces if recipe.upscaler.upscaler().reads().gbuffer => Some("the depth test is off"),
             Self::Surfaces => Some("the upscaler reads no G-buffer"),
+            Self::ReactiveMask if !recipe.upscaler.upscaler().reads_reactive_mask() => {
+                Some("the upscaler reads no reactive mask")
+            }
+            Self::ReactiveMask => {
+                reactivity(scene, recipe).is_none().then_some("no surface is blended or alpha-tested")
+            }
             Self::AntiAliasing => recipe.antialias.is_off().then_some("the setting is one sample per pixel"),
             Self::KeptDepths if depth_test == DepthTest::Off => Some("the depth test is off"),
             Self::KeptDepths => {
@@ -90,6 +100,7 @@ mod tests {
 
     use super::*;
     use crate::chain::Renderer;
+    use crate::scene::builtin;
     use crate::scene::builtin::workload::layers;
     use crate::upscale::Upscaling;
 
@@ -119,6 +130,7 @@ mod tests {
             (&["upscaler.method=checkerboard-surfaces"], KeepDepth::Yes),
             (&["upscaler.method=checkerboard-surfaces", "depth_test=off"], KeepDepth::Yes),
             (&["execution=classic"], KeepDepth::No),
+            (&["upscaler.method=fsr2"], KeepDepth::No),
         ] {
             let mut recipe = Recipe::default();
             recipe.set_all(settings).unwrap();
@@ -126,7 +138,30 @@ mod tests {
             let runs = |part: FramePart| part.step(&scene, &recipe, keep).runs();
             assert_eq!(runs(FramePart::KeptDepths), frame.drawn.depth.is_some(), "{settings:?}");
             assert_eq!(runs(FramePart::Surfaces), frame.surfaces.is_some(), "{settings:?}");
+            let has_mask = frame.surfaces.as_ref().is_some_and(|shown| shown.reactivity.is_some());
+            assert_eq!(runs(FramePart::ReactiveMask), has_mask, "{settings:?}");
             assert_eq!(runs(FramePart::Upscaling), !std::ptr::eq(frame.image(), &frame.drawn.color), "{settings:?}");
         }
+    }
+
+    #[test]
+    fn surfaces_that_are_blended_or_have_holes_are_reactive() {
+        let mut recipe = Recipe::default();
+        recipe.set("upscaler.method=fsr2").unwrap();
+        let mask = |scene: &str, recipe: &Recipe| reactivity(&builtin::by_id(scene).unwrap().build(), recipe);
+        assert_eq!(mask("chess", &recipe), None);
+        let glass = builtin::by_id("stained-glass").unwrap().build();
+        let found = reactivity(&glass, &recipe).unwrap();
+        for (instance, found) in glass.instances.iter().zip(found.iter()) {
+            let opacity = glass.library.material(instance.material).opacity;
+            let expected = if opacity < 1.0 { &[opacity.min(0.9)][..] } else { &[0.0, 0.9] };
+            assert!(expected.contains(found), "{found}");
+        }
+        assert!([0.0, 0.9].iter().all(|some| found.contains(some)), "marble and leaves");
+        assert!(mask("leaves", &recipe).unwrap().contains(&0.9));
+        recipe.set("shading=normals").unwrap();
+        assert_eq!(mask("stained-glass", &recipe), None, "normals are opaque");
+        recipe.set_all(&["shading=lambert", "upscaler.method=taa"]).unwrap();
+        assert_eq!(mask("stained-glass", &recipe), None, "TAA reads no mask");
     }
 }

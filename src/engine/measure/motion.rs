@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::against::{ErrorMetrics, PreparedReference, figures};
 use super::metric::Metric;
 use super::reference::{ProgressiveRender, Reference};
+use super::shot::{CameraMotion, Shot, ShotOrigin};
 use crate::chain::{Frame, KeepDepth, Recipe, Renderer};
 use crate::image::Image;
 use crate::math::lanes::Lanes;
@@ -50,29 +51,17 @@ impl Turn {
         self.degrees == 0.0 && self.frames_per_second == 0.0
     }
 
-    /// Returns the camera of frame `number`, counted from 0. The last frame uses the camera `last`; negative numbers
-    /// are warm-up frames.
-    pub fn camera(&self, last: &Camera, number: i64) -> Camera {
-        let mut camera = *last;
-        let frames_before = self.frames_before_last(number);
-        if self.degrees != 0.0 && frames_before != 0 {
-            camera.orbit((-self.degrees * frames_before as f32).to_radians(), 0.0);
+    /// Returns the frames of the sequence, counted from 0; negative numbers are warm-up frames. The last frame has the scene
+    /// and the camera that are given.
+    pub fn shot(&self, last: &Arc<Scene>, camera: &Camera) -> Shot {
+        let origin = ShotOrigin { number: i64::from(self.frames) - 1, time_s: last.time_s() };
+        Shot {
+            scene: Arc::clone(last),
+            camera: *camera,
+            motion: CameraMotion::Orbit { degrees_per_frame: self.degrees },
+            frames_per_second: self.frames_per_second.into(),
+            origin,
         }
-        camera
-    }
-
-    /// Returns the scene of frame `number`, counted from 0. The last frame shows the pose `last`; negative numbers are
-    /// warm-up frames.
-    pub fn scene(&self, last: &Arc<Scene>, number: i64) -> Arc<Scene> {
-        let frames_before = self.frames_before_last(number);
-        if self.frames_per_second == 0.0 || frames_before == 0 {
-            return Arc::clone(last);
-        }
-        last.at(last.time_s() - frames_before as f64 / f64::from(self.frames_per_second))
-    }
-
-    fn frames_before_last(&self, number: i64) -> i64 {
-        i64::from(self.frames) - 1 - number
     }
 
     /// Returns the number of the frame that a timing run draws in round `round`. A run repeats the measured frames in
@@ -104,7 +93,7 @@ pub struct FrameSequence<'a> {
 impl FrameSequence<'_> {
     /// Returns the scene and the camera of frame `number`, counted from 0; negative numbers are warm-up frames.
     fn view(&self, number: i64) -> (Arc<Scene>, Camera) {
-        (self.turn.scene(self.scene, number), self.turn.camera(self.camera, number))
+        self.turn.shot(self.scene, self.camera).view(number)
     }
 }
 

@@ -1,32 +1,273 @@
-//! Shots: scene and camera of every frame of a clip.
+//! Shots: scene and camera of every frame of a clip, and a renderer whose frames depend only on their numbers.
 
 use std::sync::Arc;
 
+use crate::chain::{Frame, KeepDepth, PrecedingView, Recipe, Renderer};
+use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, CameraPath, Scene};
 
-/// Scene and camera in motion, at a frame rate. Frame k shows the time k / frames per second.
+/// Motion of a camera over the frames of a shot.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CameraMotion {
+    /// Every frame has the same view.
+    Still,
+    /// The camera follows a path over time.
+    Path(CameraPath),
+    /// The camera orbits its target by an angle per frame.
+    Orbit {
+        /// Angle between two frames, in degrees.
+        degrees_per_frame: f32,
+    },
+}
+
+impl CameraMotion {
+    /// Returns the motion along a path, or none without a path.
+    pub fn along(path: Option<CameraPath>) -> Self {
+        path.map_or(Self::Still, Self::Path)
+    }
+
+    /// Whether the view of the camera determines the views of the frames. Key views of a path replace it.
+    fn reads_camera(&self) -> bool {
+        !matches!(self, Self::Path(path) if path.keys().is_some())
+    }
+}
+
+/// Frame with a given time, in which an orbiting camera has its own view.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ShotOrigin {
+    /// Number of the frame.
+    pub number: i64,
+    /// Time of the frame in seconds.
+    pub time_s: f64,
+}
+
+/// Scene and camera in motion, at a frame rate.
 #[derive(Clone, Debug)]
 pub struct Shot {
-    /// Scene, in any pose.
+    /// Scene, in any pose; without a frame rate, in the pose of all frames.
     pub scene: Arc<Scene>,
-    /// Home view of the camera path; the view of all frames without a path.
+    /// Home view of the camera path; view of the origin of an orbit; view of all frames if the camera is still.
     pub camera: Camera,
-    /// Camera path, if the camera moves.
-    pub path: Option<CameraPath>,
-    /// Number of frames per second, greater than 0.
+    /// Motion of the camera.
+    pub motion: CameraMotion,
+    /// Number of frames per second; 0 keeps the scene in its pose.
     pub frames_per_second: f64,
+    /// Frame from which times and angles are counted.
+    pub origin: ShotOrigin,
 }
 
 impl Shot {
+    /// Returns a shot whose frame k shows the time k / `frames_per_second`, with a camera along a path or at rest.
+    pub fn from_start(scene: Arc<Scene>, camera: Camera, motion: CameraMotion, frames_per_second: f64) -> Self {
+        Self { scene, camera, motion, frames_per_second, origin: ShotOrigin::default() }
+    }
+
     /// Returns the time of a frame in seconds. Frames before the clip have negative numbers.
     pub fn time_s(&self, number: i64) -> f64 {
-        number as f64 / self.frames_per_second
+        if self.frames_per_second == 0.0 {
+            return self.origin.time_s;
+        }
+        self.origin.time_s + number.saturating_sub(self.origin.number) as f64 / self.frames_per_second
+    }
+
+    /// Returns the camera of a frame.
+    pub fn camera_of(&self, number: i64) -> Camera {
+        match &self.motion {
+            CameraMotion::Still => self.camera,
+            CameraMotion::Path(path) => path.at(&self.camera, self.time_s(number)),
+            CameraMotion::Orbit { degrees_per_frame } => {
+                let mut camera = self.camera;
+                let frames = number.saturating_sub(self.origin.number);
+                if *degrees_per_frame != 0.0 && frames != 0 {
+                    camera.orbit((degrees_per_frame * frames as f32).to_radians(), 0.0);
+                }
+                camera
+            }
+        }
     }
 
     /// Returns the scene and the camera of a frame.
     pub fn view(&self, number: i64) -> (Arc<Scene>, Camera) {
-        let time_s = self.time_s(number);
-        let camera = self.path.as_ref().map_or(self.camera, |path| path.at(&self.camera, time_s));
-        (self.scene.at(time_s), camera)
+        let scene =
+            if self.frames_per_second == 0.0 { Arc::clone(&self.scene) } else { self.scene.at(self.time_s(number)) };
+        (scene, self.camera_of(number))
+    }
+
+    /// Whether both shots have the same frames.
+    pub fn is_same(&self, other: &Self) -> bool {
+        let is_same_scene = Arc::ptr_eq(&self.scene, &other.scene)
+            || self.frames_per_second != 0.0 && self.scene.is_pose_of(&other.scene);
+        is_same_scene
+            && (self.camera == other.camera || !self.motion.reads_camera())
+            && self.motion == other.motion
+            && self.frames_per_second == other.frames_per_second
+            && self.origin == other.origin
+    }
+}
+
+/// Frame of a shot.
+#[derive(Clone, Debug)]
+pub struct ShotFrame {
+    /// Shot that the frame belongs to.
+    pub shot: Shot,
+    /// Number of the frame; negative before the clip.
+    pub number: i64,
+}
+
+impl ShotFrame {
+    /// Whether both are the same frame of the same shot.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.number == other.number && self.shot.is_same(&other.shot)
+    }
+
+    /// Whether this is the frame after `other` in the same shot.
+    pub fn follows(&self, other: &Self) -> bool {
+        other.number.checked_add(1) == Some(self.number) && self.shot.is_same(&other.shot)
+    }
+
+    /// Whether the frame shows a pose of the scene of the shot, as seen by a camera. A time between two frames belongs to
+    /// no frame.
+    pub fn shows(&self, pose: &Scene, camera: &Camera) -> bool {
+        let is_at_time = pose.animation.is_none() || pose.time_s() == self.shot.time_s(self.number);
+        is_at_time && self.shot.camera_of(self.number) == *camera
+    }
+
+    /// Returns the view of the preceding frame.
+    pub fn before(&self) -> PrecedingView {
+        let (scene, camera) = self.shot.view(self.number.saturating_sub(1));
+        PrecedingView { scene, camera }
+    }
+}
+
+/// Renderer of the frames of a shot with one recipe. A frame has the history of all frames from frame 0 on, so that it
+/// depends only on its number. Frame 0 has no history.
+#[derive(Debug)]
+pub struct ShotRenderer {
+    shot: Shot,
+    recipe: Recipe,
+    viewport: Viewport,
+    renderer: Renderer,
+    /// Number of the frame that continues the history of the renderer.
+    next: u32,
+}
+
+impl ShotRenderer {
+    /// Prepares to draw frames of the viewport's size; draws nothing yet.
+    pub fn new(shot: Shot, recipe: Recipe, viewport: Viewport) -> Self {
+        Self { shot, recipe, viewport, renderer: Renderer::default(), next: 0 }
+    }
+
+    /// Returns the shot.
+    pub fn shot(&self) -> &Shot {
+        &self.shot
+    }
+
+    /// Returns the number of frames that the history holds.
+    pub fn history_frames(&self) -> u32 {
+        self.next
+    }
+
+    /// Draws one frame that is missing from the history of frame `number`. Returns `false` if none is missing, as for
+    /// every frame of an upscaler that reads no history.
+    pub fn warm_up(&mut self, number: u32) -> bool {
+        if !self.recipe.upscaler.upscaler().reads().history {
+            return false;
+        }
+        if self.next > number {
+            self.renderer.forget_history();
+            self.next = 0;
+        }
+        if self.next == number {
+            return false;
+        }
+        let frame = self.render(self.next, KeepDepth::No);
+        self.renderer.recycle(frame);
+        true
+    }
+
+    /// Draws a frame, after those that are missing from its history.
+    pub fn draw(&mut self, number: u32, keep_depth: KeepDepth) -> Frame {
+        while self.warm_up(number) {}
+        let mut frame = self.render(number, keep_depth);
+        frame.before = Some(ShotFrame { shot: self.shot.clone(), number: number.into() }.before());
+        frame
+    }
+
+    /// Returns the renderer, which holds the history of the frame drawn last.
+    pub fn into_renderer(self) -> Renderer {
+        self.renderer
+    }
+
+    fn render(&mut self, number: u32, keep_depth: KeepDepth) -> Frame {
+        let (scene, camera) = self.shot.view(number.into());
+        self.next = number + 1;
+        self.renderer.render(&scene, &camera, &self.recipe, self.viewport, keep_depth)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::builtin;
+    use crate::upscale::Upscaling;
+
+    const SIZE: Viewport = Viewport { width: 40, height: 24 };
+
+    fn turning(scene: Arc<Scene>) -> Shot {
+        let camera = scene.home;
+        Shot::from_start(scene, camera, CameraMotion::along(CameraPath::preset("turntable")), 30.0)
+    }
+
+    #[test]
+    fn an_orbit_and_its_times_end_at_the_origin() {
+        let scene = Arc::new(builtin::by_id("chess-motion").unwrap().build());
+        let (camera, motion) = (scene.home, CameraMotion::Orbit { degrees_per_frame: 2.0 });
+        let origin = ShotOrigin { number: 3, time_s: 0.5 };
+        let shot = Shot { scene, camera, motion, frames_per_second: 20.0, origin };
+        let mut earlier = camera;
+        earlier.orbit(-4.0_f32.to_radians(), 0.0);
+        assert_eq!((shot.camera_of(3), shot.camera_of(1)), (camera, earlier));
+        assert_eq!((shot.time_s(3), shot.view(1).0.time_s()), (0.5, 0.5 - 2.0 / 20.0));
+        let posed = Shot { frames_per_second: 0.0, ..shot };
+        assert!(Arc::ptr_eq(&posed.view(1).0, &posed.scene));
+    }
+
+    #[test]
+    fn frames_are_those_of_consecutive_drawing_in_any_order() {
+        let scene = Arc::new(builtin::by_id("chess-motion").unwrap().build());
+        let shot = turning(scene);
+        for upscaler in [Upscaling::new("taa", 2).unwrap(), Upscaling::new("bilinear", 2).unwrap()] {
+            let recipe = Recipe { upscaler, ..Recipe::default() };
+            let mut renderer = Renderer::default();
+            let consecutive: Vec<_> = (0..4)
+                .map(|number| {
+                    let (scene, camera) = shot.view(number);
+                    renderer.render(&scene, &camera, &recipe, SIZE, KeepDepth::No).image().clone()
+                })
+                .collect();
+            let mut jumping = ShotRenderer::new(shot.clone(), recipe, SIZE);
+            for number in [3, 1, 2, 0, 0] {
+                let frame = jumping.draw(number, KeepDepth::No);
+                assert!(*frame.image() == consecutive[number as usize], "{} frame {number}", upscaler.label());
+                let before = frame.before.as_ref().unwrap();
+                assert_eq!(before.camera, shot.camera_of(i64::from(number) - 1));
+            }
+        }
+    }
+
+    #[test]
+    fn a_frame_shows_its_own_pose_and_camera_only() {
+        let scene = Arc::new(builtin::by_id("chess-motion").unwrap().build());
+        let shot = turning(scene);
+        let frame = ShotFrame { shot: shot.clone(), number: 2 };
+        let (pose, camera) = shot.view(2);
+        assert!(frame.shows(&pose, &camera) && !frame.shows(&pose, &shot.view(1).1));
+        assert!(!frame.shows(&shot.scene.at(0.07), &camera));
+        let next = ShotFrame { number: 3, ..frame.clone() };
+        assert!(
+            next.follows(&frame) && !frame.follows(&next) && !frame.is_same(&next) && frame.is_same(&frame.clone())
+        );
+        let slower = ShotFrame { shot: Shot { frames_per_second: 24.0, ..shot }, number: 3 };
+        assert!(!slower.follows(&frame));
     }
 }

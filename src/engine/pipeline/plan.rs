@@ -444,7 +444,7 @@ pub(crate) fn culling(library: &Library, instance: &Instance, settings: &Setting
 }
 
 /// Returns the transparency of an instance in a shading mode. Modes that ignore the material are opaque.
-pub(super) fn transparency(library: &Library, instance: &Instance, shading: Shading) -> Transparency {
+pub(crate) fn transparency(library: &Library, instance: &Instance, shading: Shading) -> Transparency {
     if !shading.reads_material() {
         return Transparency::Opaque;
     }

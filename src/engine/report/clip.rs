@@ -213,13 +213,19 @@ fn channel(name: &str, values: Image<f32>) -> Channel {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measure::shot::CameraMotion;
     use crate::scene::{CameraPath, builtin};
     use crate::upscale::Upscaling;
 
     fn plan(frames: u32) -> ClipPlan {
         let scene = Arc::new(builtin::by_id("chess-motion").unwrap().build());
         ClipPlan {
-            shot: Shot { camera: scene.home, scene, path: CameraPath::preset("turntable"), frames_per_second: 30.0 },
+            shot: Shot::from_start(
+                Arc::clone(&scene),
+                scene.home,
+                CameraMotion::along(CameraPath::preset("turntable")),
+                30.0,
+            ),
             recipe: Recipe { upscaler: Upscaling::new("taa", 2).unwrap(), ..Recipe::default() },
             viewport: Viewport { width: 48, height: 28 },
             frames,

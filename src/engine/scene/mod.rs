@@ -48,6 +48,7 @@ pub use animation::SceneMotion;
 pub use camera::Camera;
 pub use camera::Projection;
 pub use camera::SubView;
+pub(crate) use camera_path::key_views;
 pub use camera_path::{CameraPath, KeyView};
 pub use depth_mapping::DepthMapping;
 pub use error::SceneError;

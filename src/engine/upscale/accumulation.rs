@@ -69,6 +69,10 @@ impl Upscaler for Accumulation {
         }
     }
 
+    fn default_scale(&self) -> Scale {
+        Scale::ONE
+    }
+
     fn reads(&self) -> Reads {
         Reads { gbuffer: true, history: true }
     }

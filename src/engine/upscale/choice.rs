@@ -108,10 +108,16 @@ impl Upscaling {
         all().into_iter().flat_map(choices)
     }
 
-    /// Returns the upscaler with this id and its default options, at the offered scale nearest to the current one.
-    /// Returns `None` for an unknown id. If the id is that of the current upscaler, returns `self` unchanged.
+    /// Returns the upscaler with this id and its default options, at the offered scale nearest to the current one, or at
+    /// its default scale if every pixel is drawn now. Returns `None` for an unknown id. If the id is that of the current
+    /// upscaler, returns `self` unchanged.
     pub fn with_method(self, method: &str) -> Option<Self> {
-        if self.method() == method { Some(self) } else { Self::new(method, self.scale) }
+        if self.method() == method {
+            return Some(self);
+        }
+        let scale =
+            if self.is_native() { registry::at(registry::index_of(method)?).default_scale() } else { self.scale };
+        Self::new(method, scale)
     }
 
     /// Returns a copy with another scale per axis, or the offered scale nearest to it.

@@ -91,6 +91,9 @@ pub(crate) struct FrameInputs<'a> {
     pub(crate) motion: Option<&'a MotionVectors>,
     /// Previous frame, if it shows a pose of the same scene with the same recipe.
     pub(crate) history: Option<&'a History>,
+    /// Reactivity of every instance, in [0, 1]: the share by which its history counts less. `None` if it is 0 for all
+    /// instances, or if the upscaler does not read it.
+    pub(crate) reactivity: Option<&'a [f32]>,
 }
 
 impl FrameInputs<'_> {
@@ -318,7 +321,12 @@ pub(super) mod tests {
 
     impl Frames {
         pub(in crate::upscale) fn seen(&self) -> FrameInputs<'_> {
-            FrameInputs { gbuffer: &self.surfaces, motion: self.motion.as_ref(), history: self.past.as_ref() }
+            FrameInputs {
+                gbuffer: &self.surfaces,
+                motion: self.motion.as_ref(),
+                history: self.past.as_ref(),
+                reactivity: None,
+            }
         }
     }
 

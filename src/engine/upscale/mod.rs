@@ -110,9 +110,21 @@ pub trait Upscaler: Sync {
     /// Returns the available options. In all methods below, `how` must select this upscaler.
     fn offers(&self) -> Offers;
 
+    /// Returns the scale at which the upscaler is used unless another one is selected; the offered scale nearest to it
+    /// counts.
+    fn default_scale(&self) -> Scale {
+        Scale::ONE_AND_A_HALF
+    }
+
     /// Returns the inputs that the upscaler reads besides the drawn colours.
     fn reads(&self) -> Reads {
         Reads { gbuffer: false, history: false }
+    }
+
+    /// Whether the upscaler gives less weight to the history of surfaces that are blended or have holes. It must also read
+    /// history.
+    fn reads_reactive_mask(&self) -> bool {
+        false
     }
 
     /// Returns the positions of the samples within their areas, one per frame; `None` if the samples stay where

@@ -17,6 +17,8 @@ pub(super) struct TestSequence {
     /// Motion of the picture per frame in pixels, to the right; `None` in a still view. With 0, the view counts as
     /// changing, although nothing moves.
     pub(super) motion_px: Option<f32>,
+    /// Reactivity of the surface, in [0, 1].
+    pub(super) reactivity: f32,
     pub(super) history: Option<History>,
 }
 
@@ -25,7 +27,7 @@ impl TestSequence {
         let object = Image::filled(width, height, [0; 4]);
         let surfaces = Arc::new(GBuffer { object, distance: Image::filled(width, height, 1.0) });
         let scene = Arc::new(crate::scene::builtin::ALL[0].build());
-        Self { how, size, scene, surfaces, motion_px, history: None }
+        Self { how, size, scene, surfaces, motion_px, reactivity: 0.0, history: None }
     }
 
     /// Returns the vectors of the picture, with this visibility of all pixels.
@@ -62,7 +64,13 @@ impl TestSequence {
         let vectors = self.vectors(MotionVectors::VISIBLE);
         let is_moving = self.motion_px.is_some();
         let motion = (is_moving && self.history.is_some()).then_some(&vectors);
-        let frame = FrameInputs { gbuffer: &self.surfaces, motion, history: self.history.as_ref() };
+        let reactivity = [self.reactivity];
+        let frame = FrameInputs {
+            gbuffer: &self.surfaces,
+            motion,
+            history: self.history.as_ref(),
+            reactivity: (self.reactivity > 0.0).then_some(&reactivity[..]),
+        };
         let mut full = Image::filled(self.size.0, self.size.1, [0; 4]);
         let drawn = UpscaleInputs { color: &color, frame: Some(frame) };
         let accumulated = self.how.upscaler().upscale_with_history(self.how, &drawn, &mut full, None).history;

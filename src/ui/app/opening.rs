@@ -1,4 +1,4 @@
-//! Opening scenes and cases: background threads load models, and read and evaluate cases.
+//! Opening scenes, projects, camera paths and cases: background threads load models, and read and evaluate cases.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use crate::image::file::is_named_picture;
 use crate::inspect::lesson::BlackPixelLesson;
 use crate::inspect::project::{LoadedProject, Project};
 use crate::pipeline::settings::Settings;
-use crate::scene::{LoadControl, Loaded, SceneError, SceneSource};
+use crate::scene::{CameraPath, LoadControl, Loaded, SceneError, SceneSource};
 use crate::ui::panels::case::{Evaluation, EvaluationRequest};
 use crate::ui::place::OpenedProject;
 use crate::ui::session::{Notice, Severity};
@@ -82,7 +82,7 @@ impl Workbench {
         self.open_for(ui, SceneSource::named(lesson.scene.into()), Some(lesson));
     }
 
-    /// Opens a scene, a case or a picture.
+    /// Opens a scene, a project, a camera path, a case or a picture.
     pub(super) fn open(&mut self, ui: &Ui, source: SceneSource) {
         self.open_for(ui, source, None);
     }
@@ -100,7 +100,11 @@ impl Workbench {
         if let SceneSource::File(path, _) = &source
             && path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
         {
-            self.open_case(ui, path.clone());
+            if CameraPath::is_file(path) {
+                self.open_camera_path(path);
+            } else {
+                self.open_case(ui, path.clone());
+            }
             return;
         }
         if let SceneSource::File(path, _) = &source
@@ -133,6 +137,14 @@ impl Workbench {
                     self.session.report(Severity::Warning, warning.to_string());
                 }
             }
+            Err(error) => self.session.report(Severity::Error, error.to_string()),
+        }
+    }
+
+    /// Reads a camera path, which replaces the recorded one.
+    fn open_camera_path(&mut self, path: &Path) {
+        match CameraPath::read(path) {
+            Ok(path) => self.session.open_camera_path(&path),
             Err(error) => self.session.report(Severity::Error, error.to_string()),
         }
     }

@@ -34,6 +34,7 @@ impl Workbench {
             WindowTask::SaveCase(case) => self.write_case(ui, &case, Destination::Automatic),
             WindowTask::SaveOverlayTotals => self.save_overlay_totals(ui),
             WindowTask::Measure(command) => self.perform_measure_command(ui, command),
+            WindowTask::CancelReplay => self.worker.send(WorkerRequest::CancelReplay),
             WindowTask::DeclineMeasurement => self.measuring.idle.decline(self.session.request()),
             WindowTask::StartProbe => probe::start(&mut self.session, ui.ctx()),
             WindowTask::Dialog(command) => self.show_dialog(command),

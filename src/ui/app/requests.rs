@@ -58,10 +58,14 @@ impl Workbench {
                     let ms = view.frame.times.total.as_secs_f64() * 1e3;
                     self.session.features.timings.record_recent(&view.request, ms);
                 }
+                if !view.needs_replay {
+                    self.session.features.scene_time.replay = None;
+                }
                 self.session.view = Some(*view);
                 self.widgets.requested_at = None;
             }
             WorkerResponse::Compared(compared) => self.session.features.comparison.compared = Some(*compared),
+            WorkerResponse::Replaying(progress) => self.session.features.scene_time.replay = Some(progress),
             WorkerResponse::Filmstrip(drawn) => self.session.features.filmstrip.drawn = Some(*drawn),
             WorkerResponse::Temporal { request, history } => {
                 // Discards a late answer to an earlier request.

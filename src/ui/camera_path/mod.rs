@@ -7,6 +7,7 @@ pub(crate) mod strip;
 use super::features::Feature;
 use super::session::{Session, Severity};
 use super::window_task::WindowTask;
+use crate::inspect::project::StoredPath;
 use crate::scene::{CameraPath, KeyView};
 
 /// Time from the last key view to one that is appended, in seconds.
@@ -59,6 +60,17 @@ impl RecordedPath {
     /// Returns the length of the path in seconds; `None` without a key view.
     pub(crate) fn duration_s(&self) -> Option<f64> {
         self.keys.last().map(|key| key.time_s)
+    }
+
+    /// Returns the path for a project; `None` without a key view.
+    pub(in crate::ui) fn stored(&self) -> Option<StoredPath> {
+        let Self { keys, follows, time_s } = self;
+        (!keys.is_empty()).then(|| StoredPath { keys: keys.clone(), follows: *follows, time_s: *time_s })
+    }
+
+    /// Replaces the path by that of a project.
+    pub(in crate::ui) fn restore(&mut self, stored: &StoredPath) {
+        *self = Self { keys: stored.keys.clone(), follows: stored.follows, time_s: stored.time_s };
     }
 
     /// Returns the index of the last key view at or before a time in seconds.
@@ -118,6 +130,19 @@ impl Session {
         if let Some(path) = self.features.camera_path.followed() {
             self.state.camera = path.at(&self.state.camera, time_s);
         }
+    }
+
+    /// Replaces the recorded path by one from a file, and shows its beginning.
+    pub(in crate::ui) fn open_camera_path(&mut self, path: &CameraPath) {
+        let Some(keys) = path.keys() else { return };
+        self.features.camera_path = RecordedPath { keys: keys.to_vec(), ..RecordedPath::default() };
+        self.features.scene_time.is_playing = false;
+        self.show_time(0.0);
+        let text = match keys {
+            [_] => "Opened a camera path with 1 key view".to_owned(),
+            keys => format!("Opened a camera path with {} key views", keys.len()),
+        };
+        self.report(Severity::Info, text);
     }
 
     /// Adds the view to the recorded path, and shows its time without changing the view.

@@ -14,7 +14,7 @@ use super::window_task::WindowTask;
 use crate::chain::Recipe;
 use crate::measure::jod::Viewing;
 use crate::measure::metric::Metric;
-use crate::measure::shot::Shot;
+use crate::measure::shot::{CameraMotion, Shot};
 use crate::report::animation::{AnimatedMethod, AnimationFormat, AnimationPlan, Arrangement};
 use crate::report::motion::{MotionPlan, MotionReport, measure};
 use crate::ui::compare::files::PictureRole;
@@ -145,12 +145,9 @@ fn measured(plan: MotionPlan, report_progress: &dyn Fn(f32), stop: &AtomicBool) 
 impl Session {
     /// Returns the motion of scene and camera in the window.
     fn shot(&self) -> Shot {
-        Shot {
-            scene: Arc::clone(&self.scene),
-            camera: self.state.camera,
-            path: self.features.camera_path.followed(),
-            frames_per_second: self.features.scene_time.frames_per_second.into(),
-        }
+        let motion = CameraMotion::along(self.features.camera_path.followed());
+        let frames_per_second = self.features.scene_time.frames_per_second.into();
+        Shot::from_start(Arc::clone(&self.scene), self.state.camera, motion, frames_per_second)
     }
 
     /// Returns the recipes of the compared pictures, without those from files; without a comparison, the session's
@@ -189,16 +186,9 @@ impl Session {
     pub(crate) fn is_measured_now(&self, clip: &MeasuredClip) -> bool {
         let MotionPlan { shot, recipe, viewport, upscalers, .. } = &clip.plan;
         let now = self.plan_over_time();
-        let same_camera = shot.path == now.shot.path && (shot.path.is_some() || shot.camera == now.shot.camera);
-        let same_rate = shot.frames_per_second == now.shot.frames_per_second;
         let upscaler = Upscaling::NATIVE;
         let same_recipe = Recipe { upscaler, ..*recipe } == Recipe { upscaler, ..now.recipe };
-        let same_scene = Arc::ptr_eq(&shot.scene, &now.shot.scene) || shot.scene.is_pose_of(&now.shot.scene);
-        same_camera
-            && same_rate
-            && same_recipe
-            && same_scene
-            && (viewport, upscalers) == (&now.viewport, &now.upscalers)
+        shot.is_same(&now.shot) && same_recipe && (viewport, upscalers) == (&now.viewport, &now.upscalers)
     }
 
     /// Returns the animation of the compared methods over one loop, side by side.

@@ -186,7 +186,7 @@ impl OpenDialog {
             let dialog = if opens_picture {
                 dialog.add_filter("Pictures", &pictures)
             } else {
-                let models = dialog.add_filter("Models, projects and cases", &model_extensions());
+                let models = dialog.add_filter("Models, projects, camera paths and cases", &model_extensions());
                 models.add_filter("Pictures, for the 2D lab", &pictures)
             };
             dialog.pick_file()

@@ -1,16 +1,21 @@
 //! Time of an animated scene: the shown frame, and playback.
 //!
 //! The scene on screen is posed at frame number / frames per second. Playback skips no frame: it goes on when the frame
-//! is on screen, so that every frame has the preceding one as its history.
+//! is on screen, so that every frame has the preceding one as its history. A frame that is reached in another way is
+//! replayed; see [`replay`].
+
+pub(crate) mod replay;
 
 pub(crate) mod strip;
 
 use std::sync::Arc;
 
+use self::replay::ReplayProgress;
 use super::engine::Request;
 use super::features::Feature;
 use super::session::Session;
 use super::window_task::WindowTask;
+use crate::measure::shot::{CameraMotion, Shot, ShotFrame};
 
 /// Selectable frame rates, in frames per second.
 pub(crate) const FRAME_RATES: [u32; 5] = [10, 24, 25, 30, 60];
@@ -31,11 +36,13 @@ pub(crate) struct SceneTime {
     pub(crate) loops: bool,
     /// Elapsed fraction of the shown frame's time, in [0, 1].
     due: f32,
+    /// Progress of drawing the frames before the shown one; `None` if that takes less than a second.
+    pub(crate) replay: Option<ReplayProgress>,
 }
 
 impl Default for SceneTime {
     fn default() -> Self {
-        Self { frames_per_second: 30, is_playing: false, speed: 1.0, loops: true, due: 0.0 }
+        Self { frames_per_second: 30, is_playing: false, speed: 1.0, loops: true, due: 0.0, replay: None }
     }
 }
 
@@ -56,6 +63,8 @@ pub(crate) enum SceneTimeChange {
     Loop(bool),
     /// Advances playback by this many seconds.
     Tick(f32),
+    /// Stops drawing the frames before the shown one, which keeps the history of the frames shown.
+    CancelReplay,
 }
 
 impl Feature for SceneTime {
@@ -80,6 +89,10 @@ impl Feature for SceneTime {
                 return None;
             }
             SceneTimeChange::Loop(loops) => time.loops = loops,
+            SceneTimeChange::CancelReplay => {
+                time.replay = None;
+                return Some(WindowTask::CancelReplay);
+            }
             SceneTimeChange::Tick(seconds) => {
                 time.due = (time.due + seconds * time.speed * time.frames_per_second as f32).min(1.0);
                 if time.due >= 1.0 && is_shown {
@@ -126,10 +139,18 @@ impl Session {
         frame as f64 / f64::from(self.features.scene_time.frames_per_second)
     }
 
-    /// Returns the time of the frame before the shown one, in seconds; `None` for a still scene.
-    pub(in crate::ui) fn time_before_s(&self) -> Option<f64> {
-        self.scene.animation.as_ref()?;
-        Some(self.time_of_frame_s(self.scene_frame() - 1))
+    /// Returns the shown frame of the scene's motion, seen by the camera along the recorded path if it follows that, else by
+    /// a camera at rest. Returns `None` if neither the scene nor the camera moves.
+    pub(in crate::ui) fn shot_frame(&self) -> Option<ShotFrame> {
+        let (camera, time_s) = (self.state.camera, self.shown_time_s());
+        let path = self.features.camera_path.followed();
+        let path = path.filter(|path| path.duration_s() > 0.0 && path.at(&camera, time_s) == camera);
+        if self.scene.animation.is_none() && path.is_none() {
+            return None;
+        }
+        let frames_per_second = self.features.scene_time.frames_per_second.into();
+        let shot = Shot::from_start(Arc::clone(&self.scene), camera, CameraMotion::along(path), frames_per_second);
+        Some(ShotFrame { shot, number: self.scene_frame() })
     }
 
     /// Whether the pictures on screen show the scene at the current time.

@@ -2,6 +2,7 @@
 
 use eframe::egui::{RichText, Slider, Ui};
 
+use super::replay::ReplayProgress;
 use super::{FRAME_RATES, SPEEDS, SceneTimeChange};
 use crate::ui::camera_path;
 use crate::ui::command::Command;
@@ -71,9 +72,26 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             change(SceneTimeChange::Loop(loops));
         }
         camera_path::strip::ui(ui, session, commands);
+        replay(ui, session, commands);
     });
     if time.is_playing && commands.len() == before {
         commands.push(Command::SceneTime(SceneTimeChange::Tick(ui.input(|i| i.stable_dt))));
         ui.request_repaint();
+    }
+}
+
+/// Says that the picture has the history of the frames shown, and how far the frames before it are drawn.
+fn replay(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    if !session.view.as_ref().is_some_and(|view| view.needs_replay) {
+        return;
+    }
+    ui.separator();
+    let help = "The upscaler's history is that of the frames that were shown. Once playback rests, the frames from frame 0 \
+                on are drawn again, and the picture depends on the frame number only";
+    ui.label(RichText::new("History of the frames shown").color(tokens(ui).text_weak)).on_hover_text(help);
+    let Some(ReplayProgress { done, of }) = session.features.scene_time.replay else { return };
+    ui.label(RichText::new(format!("Drawing frame {done} of {of} …")).color(tokens(ui).text_weak));
+    if ui.small_button("Cancel").on_hover_text("Keep the history of the frames shown").clicked() {
+        commands.push(Command::SceneTime(SceneTimeChange::CancelReplay));
     }
 }

@@ -29,15 +29,21 @@ pub(crate) struct TemporalRequest {
     recipe: Recipe,
     viewport: Viewport,
     pixel: (u32, u32),
-    /// Frame of an animated scene; `None` for a still view.
+    /// Frame of a scene or a camera in motion; `None` for a still view.
     moving: Option<MovingFrame>,
 }
 
-/// Frame of an animated scene.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Frame of a scene or a camera in motion.
+#[derive(Clone, Debug)]
 struct MovingFrame {
+    shot: Shot,
     number: u32,
-    frames_per_second: u32,
+}
+
+impl MovingFrame {
+    fn is_same(&self, other: &Self) -> bool {
+        self.number == other.number && self.shot.is_same(&other.shot)
+    }
 }
 
 impl TemporalRequest {
@@ -60,19 +66,21 @@ impl TemporalRequest {
             && self.recipe == other.recipe
             && self.viewport == other.viewport
             && self.pixel == other.pixel
-            && self.moving == other.moving
+            && match (&self.moving, &other.moving) {
+                (Some(frame), Some(other)) => frame.is_same(other),
+                (frame, other) => frame.is_none() && other.is_none(),
+            }
     }
 
     /// Returns the frames that share the history of the pixel.
     fn clip(&self) -> HistoryClip {
         let (recipe, viewport, how) = (self.recipe, self.viewport, self.recipe.upscaler);
-        let (scene, camera) = (Arc::clone(&self.scene), self.camera);
-        let (view, last) = match self.moving {
-            Some(MovingFrame { number, frames_per_second }) => {
-                let frames_per_second = frames_per_second.into();
-                (ClipView::Moving(Shot { scene, camera, path: None, frames_per_second }), number)
+        let (view, last) = match &self.moving {
+            Some(MovingFrame { shot, number }) => (ClipView::Moving(shot.clone()), *number),
+            None => {
+                let view = ClipView::Still { scene: Arc::clone(&self.scene), camera: self.camera };
+                (view, how.upscaler().converges_after(how).saturating_sub(1))
             }
-            None => (ClipView::Still { scene, camera }, how.upscaler().converges_after(how).saturating_sub(1)),
         };
         HistoryClip { view, recipe, viewport, last }
     }
@@ -138,12 +146,11 @@ impl Session {
         if !is_paused || !self.has_earlier_frames() || self.features.temporal.is_hidden {
             return None;
         }
-        let moving = match self.scene_frame_count() {
-            Some(_) => {
-                let number = u32::try_from(self.scene_frame()).ok().filter(|number| *number <= MAX_FRAMES)?;
-                Some(MovingFrame { number, frames_per_second: time.frames_per_second })
-            }
-            None => None,
+        let request = self.request();
+        let moving = match (request.replayed_frame(), request.sequence) {
+            (Some(number), Some(frame)) if number <= MAX_FRAMES => Some(MovingFrame { shot: frame.shot, number }),
+            (Some(_), _) => return None,
+            (None, _) => None,
         };
         let (scene, camera, viewport) = (Arc::clone(&self.scene), self.state.camera, self.viewport());
         Some(TemporalRequest { scene, camera, recipe, viewport, pixel, moving })

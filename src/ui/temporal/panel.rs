@@ -40,7 +40,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         }
         return;
     };
-    let moves = session.scene_frame_count().is_some();
+    let moves = session.shot_frame().is_some();
     let mut go = |frame: u32| {
         if moves {
             commands.push(Command::SceneTime(SceneTimeChange::Go(frame.into())));
@@ -55,8 +55,10 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
                     are among these. The disocclusion is exact.";
         ui.add(Label::new(RichText::new(score.sentence()).color(tokens(ui).text_weak)).wrap()).on_hover_text(help);
     }
-    let drawn = "As drawn from frame 0 on; the picture may have another history.";
-    ui.add(Label::new(RichText::new(drawn).color(tokens(ui).text_weak)).wrap());
+    if session.view.as_ref().is_some_and(|view| view.needs_replay) {
+        let drawn = "As drawn from frame 0 on; the picture still has the history of the frames shown.";
+        ui.add(Label::new(RichText::new(drawn).color(tokens(ui).text_weak)).wrap());
+    }
 }
 
 /// Draws the colours of the pixel in every frame: samples, history and result, one above the other.

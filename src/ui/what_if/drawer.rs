@@ -125,7 +125,7 @@ impl Drawer {
 
 /// Draws frames until the view has converged, and returns it.
 fn render_converged(engine: &mut Engine, request: Request) -> RenderedView {
-    let mut view = engine.answer(request);
+    let mut view = engine.answer(Request { is_replayed: false, ..request });
     while view.is_unconverged() {
         view = engine.answer(view.request);
     }

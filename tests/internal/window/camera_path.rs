@@ -45,6 +45,17 @@ fn key_views_of_a_still_scene_are_played_and_saved() {
     bench.rest();
     let path = CameraPath::read(&file).unwrap();
     assert_eq!([0.0, 1.0, 2.0].map(|time_s| path.at(&first, time_s)), [first, between, second]);
+    let mut other = Bench::small("triangle");
+    other.drop_file(&file);
+    assert_eq!(other.session().features.camera_path.keys, bench.session().features.camera_path.keys);
+    assert!(other.session().state.camera == first && other.session().features.case.is_none());
+    go(&mut other, 30);
+    assert!(other.session().state.camera == between && other.image() == bench.image());
+    std::fs::write(&file, r#"{"version": 1, "keys": []}"#).unwrap();
+    other.drop_file(&file);
+    assert!(
+        other.session().features.messages.error.as_ref().is_some_and(|text| text.contains("at least one key view"))
+    );
     go(&mut bench, 60);
     bench.click("Remove key view");
     assert_eq!(bench.session().features.camera_path.keys.len(), 1);

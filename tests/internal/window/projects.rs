@@ -8,6 +8,7 @@ use rasterscope::image::Image;
 use rasterscope::image::pfm::{Floats, write_pfm};
 use rasterscope::inspect::project::EXTENSION;
 use rasterscope::inspect::view::Range;
+use rasterscope::ui::camera_path::CameraPathChange;
 use rasterscope::ui::command::Command;
 use rasterscope::ui::save_as::SaveItem;
 use rasterscope::ui::workspace::Workspace;
@@ -64,6 +65,25 @@ fn the_time_of_the_scene_comes_back() {
     let second = reopened("triangle", &path);
     assert_eq!(second.session().scene_frame(), 17);
     assert_eq!(second.image(), first.image());
+}
+
+#[test]
+fn a_recorded_camera_path_comes_back_with_its_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("path.rasterscope");
+    let mut first = Bench::small("triangle");
+    for _ in 0..2 {
+        first.session_mut().apply(Command::CameraPath(CameraPathChange::Add));
+        first.session_mut().state.camera.orbit(0.3, 0.1);
+    }
+    first.session_mut().apply(Command::SceneTime(SceneTimeChange::Go(20)));
+    first.rest();
+    save(&mut first, &path);
+    let second = reopened("cubes", &path);
+    let (a, b) = (first.session(), second.session());
+    assert_eq!(b.features.camera_path.keys, a.features.camera_path.keys);
+    assert_eq!((b.scene_frame(), b.scene_frame_count()), (20, Some(61)));
+    assert_eq!((b.project(), second.image()), (a.project(), first.image()));
 }
 
 #[test]

@@ -1,11 +1,18 @@
 //! Tests of the time of animated scenes in the window.
 
+use std::sync::Arc;
+
 use eframe::egui::{Key, Modifiers};
+use rasterscope::chain::KeepDepth;
 use rasterscope::inspect::{Buffer, view};
+use rasterscope::measure::shot::{CameraMotion, Shot, ShotRenderer};
 use rasterscope::scene::{SceneSource, builtin};
+use rasterscope::ui::camera_path::CameraPathChange;
 use rasterscope::ui::command::Command;
 use rasterscope::ui::engine::Shown;
 use rasterscope::ui::scene_time::SceneTimeChange;
+use rasterscope::ui::session::PictureSize;
+use rasterscope::upscale::Upscaling;
 
 use super::bench::Bench;
 
@@ -73,6 +80,78 @@ fn motion_is_shown_since_the_preceding_frame_and_still_scenes_have_none() {
     still.session_mut().shown = Shown::Buffer(Buffer::MotionX);
     still.rest();
     assert!(still.mentions("no motion: scene and camera are still"));
+}
+
+#[test]
+fn a_frame_has_the_same_bits_however_it_is_reached() {
+    let mut bench = Bench::small("chess-motion");
+    bench.session_mut().state.size = PictureSize::Fixed(64, 36);
+    bench.session_mut().state.recipe.upscaler = Upscaling::new("taa", 2).unwrap();
+    bench.rest();
+    let session = bench.session();
+    let (scene, camera) = (Arc::clone(&session.scene), session.state.camera);
+    let shot = Shot::from_start(scene, camera, CameraMotion::Still, 30.0);
+    let frames = |shot: Shot| ShotRenderer::new(shot, session.state.recipe, session.viewport());
+    let (mut expected, mut turned) = (frames(shot.clone()), {
+        let mut camera = camera;
+        camera.orbit(0.2, 0.0);
+        frames(Shot { camera, ..shot })
+    });
+    let check = |bench: &Bench, number: u32, expected: &mut ShotRenderer| {
+        let drawn = expected.draw(number, KeepDepth::No);
+        assert_eq!(bench.session().scene_frame(), i64::from(number));
+        assert!(bench.image() == *drawn.image() && !bench.view().needs_replay, "frame {number}");
+    };
+    check(&bench, 0, &mut expected);
+    apply(&mut bench, SceneTimeChange::Go(4));
+    check(&bench, 4, &mut expected);
+    for (step, number) in [(1, 5), (-2, 3), (1, 4)] {
+        apply(&mut bench, SceneTimeChange::Step(step));
+        check(&bench, number, &mut expected);
+    }
+    bench.session_mut().features.scene_time.is_playing = true;
+    for number in 5..7 {
+        bench.session_mut().apply(Command::SceneTime(SceneTimeChange::Tick(10.0)));
+        bench.session_mut().features.scene_time.is_playing = false;
+        bench.rest();
+        check(&bench, number, &mut expected);
+    }
+    // Other pictures of the same frame do not draw it again, other settings do.
+    bench.session_mut().shown = Shown::Buffer(Buffer::MotionX);
+    bench.rest();
+    check(&bench, 6, &mut expected);
+    let recipe = bench.session().state.recipe;
+    bench.session_mut().state.recipe.upscaler = Upscaling::NATIVE;
+    bench.rest();
+    bench.session_mut().state.recipe = recipe;
+    bench.rest();
+    check(&bench, 6, &mut expected);
+    bench.session_mut().state.camera.orbit(0.2, 0.0);
+    bench.rest();
+    check(&bench, 6, &mut turned);
+    assert!(!bench.mentions("History of the frames shown"));
+}
+
+#[test]
+fn a_recorded_path_has_the_frames_of_its_file() {
+    let mut bench = Bench::small("triangle");
+    bench.session_mut().state.recipe.upscaler = Upscaling::new("accumulation", 2).unwrap();
+    for _ in 0..2 {
+        bench.session_mut().apply(Command::CameraPath(CameraPathChange::Add));
+        bench.session_mut().state.camera.orbit(0.4, 0.1);
+    }
+    bench.rest();
+    apply(&mut bench, SceneTimeChange::Go(3));
+    let session = bench.session();
+    let path = session.features.camera_path.path();
+    assert!(path.as_ref().is_some_and(|path| path.duration_s() == 2.0));
+    let shot = Shot::from_start(Arc::clone(&session.scene), session.scene.home, CameraMotion::along(path), 30.0);
+    let drawn = ShotRenderer::new(shot, session.state.recipe, session.viewport()).draw(3, KeepDepth::No);
+    assert!(bench.image() == *drawn.image());
+    assert_eq!(
+        bench.view().frame.before.as_ref().map(|before| before.camera),
+        drawn.before.map(|before| before.camera)
+    );
 }
 
 #[test]

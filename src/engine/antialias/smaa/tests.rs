@@ -54,6 +54,16 @@ fn plain_pictures_soft_slopes_and_level_edges_stay() {
 }
 
 #[test]
+fn single_pixels_stay_sharper_than_with_fxaa() {
+    for [pixel, around] in [[255, 0], [0, 255], [200, 90]] {
+        let picture = Image::from_fn(32, 32, |x, y| [if (x, y) == (16, 16) { pixel } else { around }; 4]);
+        let changed = |filtered: Image<Rgba8>| filtered.at(16, 16)[0].abs_diff(pixel);
+        let [smaa, fxaa] = [apply, crate::antialias::fxaa::apply].map(|apply| changed(apply(&picture, false, None)));
+        assert!(smaa < fxaa, "{pixel} in {around}: {smaa} {fxaa}");
+    }
+}
+
+#[test]
 fn mirroring_the_picture_mirrors_the_result() {
     for run in [3, 6, 20] {
         let stairs = slanted(run, false);

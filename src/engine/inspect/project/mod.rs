@@ -27,7 +27,7 @@ use crate::chain::Recipe;
 use crate::disk::{self, stored_path};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::obj::TrMeaning;
-use crate::scene::{Camera, SceneError, SceneSource, Warning, camera_file};
+use crate::scene::{Camera, KeyView, SceneError, SceneSource, Warning, camera_file, key_views};
 use crate::text;
 
 pub use comparison::{ComparedFile, ComparedTile, Comparison, ComparisonView, FilePlayback, MAX_SHIFT, MAX_TILES};
@@ -104,6 +104,28 @@ pub struct Project {
     /// Settings of the stability probe.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub probe: Option<Probe>,
+    /// Recorded camera path; `None` without a key view.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub camera_path: Option<StoredPath>,
+}
+
+/// Camera path that was recorded in the window.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StoredPath {
+    /// Key views in ascending order of their times, at least one.
+    #[serde(with = "key_views")]
+    pub keys: Vec<KeyView>,
+    /// Whether the camera follows the path when the time changes.
+    #[serde(default = "yes")]
+    pub follows: bool,
+    /// Shown time of a still scene, in seconds.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub time_s: f64,
+}
+
+fn yes() -> bool {
+    true
 }
 
 fn is_zero(value: &f64) -> bool {
@@ -148,6 +170,7 @@ impl Project {
             comparison: None,
             workspace: None,
             probe: None,
+            camera_path: None,
         }
     }
 
@@ -262,6 +285,9 @@ impl Project {
         }
         if self.probe.is_some_and(|probe| probe.runs == 0) {
             return Err("probe: the number of runs must be at least 1".to_owned());
+        }
+        if self.camera_path.as_ref().is_some_and(|path| !path.time_s.is_finite()) {
+            return Err("camera_path: the time must be finite".to_owned());
         }
         self.comparison.as_ref().map_or(Ok(()), |comparison| comparison.check().map_err(|r| format!("comparison: {r}")))
     }

@@ -33,6 +33,8 @@ fn project() -> Project {
     let mut project = Project::new(state, TrMeaning::Opacity, Viewport { width: 321, height: 201 });
     project.workspace = Some("inspect".to_owned());
     project.probe = Some(Probe { ulps: 3, ..Probe::default() });
+    let keys = [0.0, 1.25].map(|time_s| KeyView { time_s, camera: Camera { far: 50.0 + time_s as f32 / 3.0, ..home } });
+    project.camera_path = Some(StoredPath { keys: keys.to_vec(), follows: false, time_s: 0.1 + 0.2 });
     project.comparison = Some(Comparison {
         view: ComparisonView::Wipe,
         tiles: vec![
@@ -82,8 +84,7 @@ fn a_project_comes_back_as_it_was_saved() {
 #[test]
 fn the_time_is_stored_unless_it_is_zero_and_old_projects_show_time_zero() {
     let text = |time_s: f64| {
-        let mut project = project();
-        project.time_s = time_s;
+        let project = Project { time_s, camera_path: None, ..project() };
         String::from_utf8(project.encode(Path::new("/projects")).unwrap()).unwrap()
     };
     assert!(text(0.1).contains("\"time_s\": 0.1") && !text(0.0).contains("time_s"));

@@ -53,6 +53,56 @@ impl MaskScore {
     }
 }
 
+impl MaskScore {
+    /// Returns the agreement of the rejected pixels of a frame with the exact disocclusion, of at most `most` evenly spaced
+    /// pixels. Returns `None` if the upscaler reads no history, or if the frame has none.
+    pub fn of_rejection(recipe: &Recipe, frame: &Frame, most: u32) -> Option<Self> {
+        frame.history.as_ref()?;
+        let ((width, height), drawn) = (frame.image().size(), frame.as_drawn(&frame.drawn.color));
+        let inputs = drawn.frame?;
+        let steps = recipe.upscaler.upscaler().history_steps(recipe.upscaler, &drawn);
+        let spacing = spacing_px((width, height), most);
+        let rows: Vec<u32> = (0..height).step_by(spacing).collect();
+        let of_row = |y: &u32| {
+            let bits = (0..width).step_by(spacing).map(|x| {
+                let is_rejected = steps((x, *y)).is_some_and(|step| step.past.is_err());
+                stale_bits(&inputs, (x, *y)) | if is_rejected { bit(HistoryMask::Rejected) } else { 0 }
+            });
+            Self::of_bits(HistoryMask::Rejected, bits)
+        };
+        rows.par_iter().map(of_row).reduce_with(Self::and)
+    }
+
+    /// Counts the pixels with these bits.
+    fn of_bits(mask: HistoryMask, bits: impl Iterator<Item = u8>) -> Self {
+        let mut score = Self { mask, marked: 0, disoccluded: 0, both: 0 };
+        for bits in bits {
+            let (is_marked, is_stale) = (bits & bit(mask) != 0, bits & STALE != 0);
+            score.marked += u32::from(is_marked);
+            score.disoccluded += u32::from(is_stale);
+            score.both += u32::from(is_marked && is_stale);
+        }
+        score
+    }
+
+    /// Returns the agreement over the pixels of both scores.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            mask: self.mask,
+            marked: self.marked.saturating_add(other.marked),
+            disoccluded: self.disoccluded.saturating_add(other.disoccluded),
+            both: self.both.saturating_add(other.both),
+        }
+    }
+}
+
+/// Returns the least distance of evenly spaced pixels of which a picture has at most `most`.
+fn spacing_px((width, height): (u32, u32), most: u32) -> usize {
+    (1..).find(|spacing| width.div_ceil(*spacing).saturating_mul(height.div_ceil(*spacing)) <= most.max(1)).unwrap_or(1)
+        as usize
+}
+
 fn fraction(part: u32, whole: u32) -> Option<f64> {
     (whole > 0).then(|| f64::from(part) / f64::from(whole))
 }
@@ -89,8 +139,7 @@ impl HistoryMasks {
 
     /// Returns the agreement of a mask with the exact disocclusion.
     pub fn score(&self, mask: HistoryMask) -> MaskScore {
-        let count = |wanted: u8| self.bits.pixels().iter().filter(|bits| **bits & wanted == wanted).count() as u32;
-        MaskScore { mask, marked: count(bit(mask)), disoccluded: count(STALE), both: count(bit(mask) | STALE) }
+        MaskScore::of_bits(mask, self.bits.pixels().iter().copied())
     }
 
     /// Returns the agreement of all masks, in the order of [`HistoryMask::ALL`].

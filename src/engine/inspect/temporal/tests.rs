@@ -4,7 +4,7 @@ use super::filter::PastFilter;
 use super::steps::FrameSteps;
 use super::*;
 use crate::chain::{Frame, Recipe, Renderer};
-use crate::measure::shot::Shot;
+use crate::measure::shot::{CameraMotion, Shot};
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{CameraPath, builtin};
@@ -14,9 +14,9 @@ const SIZE: Viewport = Viewport { width: 48, height: 28 };
 
 fn clip(scene: &str, upscaler: Upscaling, last: u32) -> HistoryClip {
     let scene = Arc::new(builtin::by_id(scene).unwrap().build());
-    let path = CameraPath::preset("turntable");
+    let path = CameraMotion::along(CameraPath::preset("turntable"));
     HistoryClip {
-        view: ClipView::Moving(Shot { camera: scene.home, scene, path, frames_per_second: 30.0 }),
+        view: ClipView::Moving(Shot::from_start(Arc::clone(&scene), scene.home, path, 30.0)),
         recipe: Recipe { upscaler, ..Recipe::default() },
         viewport: SIZE,
         last,
@@ -177,11 +177,17 @@ fn masks_and_scores_agree_with_counting_steps() {
         let score = masks.score(HistoryMask::Rejected);
         assert_eq!((score.marked, score.disoccluded, score.both), (right + wrong, right + missed, right));
         assert!(right > 0, "{}", how.label());
+        assert_eq!(MaskScore::of_rejection(&clip.recipe, &frame, u32::MAX), Some(score));
+        // Every second row and column: 336 of 1344 pixels.
+        let spaced = pixels().filter(|(x, y)| x % 2 == 0 && y % 2 == 0);
+        let marked = spaced.filter(|at| masks.contains(HistoryMask::Rejected, *at)).count() as u32;
+        assert_eq!(MaskScore::of_rejection(&clip.recipe, &frame, 400).map(|score| score.marked), Some(marked));
         let has_locks = masks.score(HistoryMask::Locked).marked > 0;
         assert_eq!(has_locks, how.method() == "fsr2", "{}", how.label());
     }
     let still = clip("chess-motion", Upscaling::new("taa", 2).unwrap(), 0);
     assert!(HistoryMasks::of(&still.recipe, &frames(&still)[0]).is_none());
+    assert!(MaskScore::of_rejection(&still.recipe, &frames(&still)[0], u32::MAX).is_none());
     assert_eq!(MaskScore { mask: HistoryMask::Locked, marked: 0, disoccluded: 4, both: 0 }.precision(), None);
     assert_eq!(MaskScore { mask: HistoryMask::ALL[0], marked: 2, disoccluded: 4, both: 1 }.recall(), Some(0.25));
 }

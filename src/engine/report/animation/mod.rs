@@ -194,6 +194,7 @@ mod tests {
     use image::codecs::png::PngDecoder;
 
     use super::*;
+    use crate::measure::shot::CameraMotion;
     use crate::scene::builtin;
     use crate::upscale::Upscaling;
 
@@ -204,7 +205,7 @@ mod tests {
             AnimatedMethod { label: upscaler.label(), recipe: Recipe { upscaler, ..Recipe::default() } }
         });
         AnimationPlan {
-            shot: Shot { camera: scene.home, scene, path: None, frames_per_second: 30.0 },
+            shot: Shot::from_start(Arc::clone(&scene), scene.home, CameraMotion::Still, 30.0),
             methods: methods.to_vec(),
             viewport: Viewport { width: 64, height: 36 },
             frames: 2,

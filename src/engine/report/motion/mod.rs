@@ -14,8 +14,9 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use crate::chain::{FrameView, KeepDepth, MotionBuffers, Recipe, Renderer};
+use crate::chain::{Frame, FrameView, KeepDepth, MotionBuffers, Recipe, Renderer};
 use crate::image::{Image, Rgba8};
+use crate::inspect::temporal::MaskScore;
 use crate::measure::against::{ErrorMetrics, PreparedReference};
 use crate::measure::jod::{SequenceJod, Viewing};
 use crate::measure::machine::Machine;
@@ -35,6 +36,10 @@ use sheet::{FrameSheet, SheetRow};
 
 /// Number of frames after a disocclusion in which an error counts as ghosting.
 pub const GHOST_FRAMES: u32 = 4;
+
+/// Maximum number of pixels per frame and method whose rejection is compared with the disocclusion: each is computed
+/// alone.
+const REJECTION_PIXELS: u32 = 1 << 14;
 
 /// Scene, settings and methods of a measurement.
 #[derive(Clone, Debug)]
@@ -107,8 +112,27 @@ pub struct MethodInMotion {
     pub ghosting: Option<Ghosting>,
     /// Frames by which the picture is behind its reference; `None` if nothing moves.
     pub lag: Option<Lag>,
+    /// Agreement of the pixels whose history was rejected with the exact disocclusion; `None` without history.
+    pub rejection: Option<RejectionScore>,
     /// Error of each frame.
     pub errors: Vec<ErrorMetrics>,
+}
+
+/// Agreement of the pixels whose history a method rejected with the exact disocclusion, over all frames.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct RejectionScore {
+    /// Fraction of the rejected pixels that are disoccluded, in [0, 1]; `None` if none is rejected.
+    pub precision: Option<f64>,
+    /// Fraction of the disoccluded pixels that are rejected, in [0, 1]; `None` without disocclusion.
+    pub recall: Option<f64>,
+}
+
+impl RejectionScore {
+    /// Combines the scores of single frames. Returns `None` for an empty slice.
+    fn over(frames: &[MaskScore]) -> Option<Self> {
+        let all = frames.iter().copied().reduce(MaskScore::and)?;
+        Some(Self { precision: all.precision(), recall: all.recall() })
+    }
 }
 
 /// Progress of a measurement: frames drawn, and frames in total, both including warm-up frames.
@@ -133,7 +157,8 @@ pub fn measure(plan: &MotionPlan, go_on: Progress<'_>) -> io::Result<Option<Moti
         let (scene, camera) = plan.shot.view(number);
         if number < 0 {
             methods.iter_mut().filter(|method| method.reads_history).for_each(|method| {
-                method.draw(&scene, &camera, plan.viewport);
+                let frame = method.draw(&scene, &camera, plan.viewport);
+                method.renderer.recycle(frame);
             });
             continue;
         }
@@ -141,7 +166,7 @@ pub fn measure(plan: &MotionPlan, go_on: Progress<'_>) -> io::Result<Option<Moti
         disoccluded_share += reference.disoccluded_share();
         let mut rows = plan.has_sheet(measured).then(|| vec![reference.row()]);
         for method in &mut methods {
-            let picture = method.draw(&reference.scene, &reference.camera, plan.viewport);
+            let picture = method.picture(&reference, plan.viewport);
             let Some(flip) = method.judge(&picture, &reference, before.as_ref()) else { return Ok(None) };
             if let Some(rows) = &mut rows {
                 rows.push(SheetRow::of_method(&picture, &flip));
@@ -253,6 +278,7 @@ struct Method {
     flicker: Vec<Flicker>,
     ghosting: Vec<Ghosting>,
     lag: Vec<Lag>,
+    rejection: Vec<MaskScore>,
 }
 
 impl Method {
@@ -268,13 +294,21 @@ impl Method {
             flicker: Vec::new(),
             ghosting: Vec::new(),
             lag: Vec::new(),
+            rejection: Vec::new(),
         }
     }
 
-    /// Draws the next frame and returns its picture.
-    fn draw(&mut self, scene: &Arc<Scene>, camera: &Camera, viewport: Viewport) -> Image<Rgba8> {
+    /// Draws the next frame.
+    fn draw(&mut self, scene: &Arc<Scene>, camera: &Camera, viewport: Viewport) -> Frame {
         let frame = self.renderer.render(scene, camera, &self.recipe, viewport, KeepDepth::No);
         self.times_ms.push(frame.times.total.as_secs_f64() * 1e3);
+        frame
+    }
+
+    /// Draws the next measured frame and returns its picture.
+    fn picture(&mut self, reference: &FrameReference, viewport: Viewport) -> Image<Rgba8> {
+        let frame = self.draw(&reference.scene, &reference.camera, viewport);
+        self.rejection.extend(MaskScore::of_rejection(&self.recipe, &frame, REJECTION_PIXELS));
         let picture = frame.image().clone();
         self.renderer.recycle(frame);
         picture
@@ -317,6 +351,7 @@ impl Method {
             flicker: Flicker::over(&self.flicker),
             ghosting: Ghosting::over(&self.ghosting),
             lag: Lag::over(&self.lag),
+            rejection: RejectionScore::over(&self.rejection),
             errors: self.errors,
         })
     }
@@ -324,7 +359,7 @@ impl Method {
 
 impl MotionReport {
     /// Names of the columns of [`Self::rows`].
-    pub const HEADS: [&'static str; 11] = [
+    pub const HEADS: [&'static str; 13] = [
         "method",
         "ms, median",
         "ms, p10–p90",
@@ -336,6 +371,8 @@ impl MotionReport {
         "flicker",
         "ghosting",
         "lag, frames",
+        "rejection, precision",
+        "rejection, recall",
     ];
 
     /// Returns the cells of the table, one row per method, in the order of the plan.
@@ -356,6 +393,8 @@ impl MotionReport {
                 optional(method.flicker.map(|flicker| flicker.flicker), 3),
                 optional(method.ghosting.map(|ghosting| ghosting.ghosting), 4),
                 optional(method.lag.map(|lag| lag.frames), 2),
+                optional(method.rejection.and_then(|score| score.precision), 3),
+                optional(method.rejection.and_then(|score| score.recall), 3),
             ]
         };
         self.methods.iter().map(row).collect()
@@ -370,13 +409,14 @@ impl MotionReport {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measure::shot::CameraMotion;
     use crate::report::html::MAX_PAGE_BYTES;
     use crate::scene::builtin;
 
     fn report(scene: &str, upscalers: &[(&str, u32)]) -> MotionReport {
         let scene = Arc::new(builtin::by_id(scene).unwrap().build());
         let plan = MotionPlan {
-            shot: Shot { camera: scene.home, scene, path: None, frames_per_second: 30.0 },
+            shot: Shot::from_start(Arc::clone(&scene), scene.home, CameraMotion::Still, 30.0),
             recipe: Recipe::default(),
             upscalers: upscalers.iter().map(|(method, scale)| Upscaling::new(method, *scale).unwrap()).collect(),
             viewport: Viewport { width: 96, height: 54 },
@@ -403,6 +443,9 @@ mod tests {
         assert!(report.disoccluded_share > 0.0 && report.disoccluded_share < 0.2, "{}", report.disoccluded_share);
         assert_eq!(report.rows()[0].len(), MotionReport::HEADS.len());
         assert!(report.noise.is_some());
+        assert!(native.rejection.is_none() && nearest.rejection.is_none());
+        // The counts are checked in `inspect::temporal`.
+        assert!(taa.rejection.is_some_and(|score| score.precision.is_some() && score.recall.is_some()));
     }
 
     #[test]

@@ -33,7 +33,8 @@ pub(super) fn html(report: &MotionReport, command: &str) -> String {
         "<section>\n<h2>Methods</h2>\n{}<p class=\"soft\">{}JOD: ColorVideoVDP, 10 for no visible difference, at {} \
          pixels per degree. Flicker: change of the error along the motion, in luma codes. Ghosting: FLIP error within \
          {GHOST_FRAMES} frames after a disocclusion minus that of all other pixels. Lag: frames by which moving surfaces \
-         are behind the reference.</p>\n</section>\n",
+         are behind the reference. Rejection: agreement of the pixels whose history is rejected with the exact \
+         disocclusion.</p>\n</section>\n",
         table(&MotionReport::HEADS, report.rows(), false),
         report.noise.map_or_else(String::new, |noise| format!("Noise floor of the times: {}. ", noise.words())),
         report.pixels_per_degree

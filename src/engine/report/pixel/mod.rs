@@ -1,5 +1,7 @@
 //! Explanation of a pixel as text and as an HTML page: verdict, remedies, fragments, and the calculation of its colour.
 
+mod earlier;
+
 mod text;
 
 use std::io;
@@ -80,6 +82,7 @@ impl PixelPage<'_> {
             self.pictures()?,
             self.fragments(),
             self.other_inputs(),
+            self.report.temporal.as_ref().map_or_else(String::new, earlier::section),
             self.calculation(),
             command_section(self.command),
         ];

@@ -4,8 +4,8 @@ use std::fmt;
 use std::path::Path;
 
 use serde::de::value::MapAccessDeserializer;
-use serde::de::{DeserializeSeed, Error, MapAccess, SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::de::{DeserializeSeed, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::KeyView;
 use crate::scene::{Camera, Projection, SceneError, camera_file};
@@ -50,7 +50,7 @@ fn known_version<'de, D: Deserializer<'de>>(from: D) -> Result<u32, D::Error> {
 }
 
 /// Deserialises at least one key view.
-fn ascending_keys<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<KeyView>, D::Error> {
+pub(crate) fn ascending_keys<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<KeyView>, D::Error> {
     struct Keys;
 
     impl<'de> Visitor<'de> for Keys {
@@ -115,6 +115,22 @@ pub(super) fn check(time_s: f64, camera: &Camera, before: Option<KeyView>) -> Re
         return Err("perspective and orthographic key views are mixed".to_owned());
     }
     Ok(())
+}
+
+/// Serialises key views as in a file.
+pub(crate) fn serialize_keys<S: Serializer>(keys: &[KeyView], to: S) -> Result<S::Ok, S::Error> {
+    to.collect_seq(keys.iter().map(|KeyView { time_s, camera }| FileKey { time_s: *time_s, camera: *camera }))
+}
+
+/// Whether a file has the list of key views that other JSON files lack.
+pub(super) fn has_keys(path: &Path) -> bool {
+    #[derive(Deserialize)]
+    struct Head {
+        #[serde(rename = "keys")]
+        _keys: IgnoredAny,
+    }
+
+    disk::read(path, MAX_BYTES).is_ok_and(|bytes| serde_json::from_slice::<Head>(&bytes).is_ok())
 }
 
 /// Encodes key views as a file.

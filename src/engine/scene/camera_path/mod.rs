@@ -31,6 +31,11 @@ pub struct KeyView {
     pub camera: Camera,
 }
 
+/// Key views in serialised structures, for `#[serde(with = "key_views")]`, in the form of files.
+pub(crate) mod key_views {
+    pub(crate) use super::file::{ascending_keys as deserialize, serialize_keys as serialize};
+}
+
 impl CameraPath {
     /// Returns the names of the presets.
     pub fn presets() -> impl Iterator<Item = &'static str> {
@@ -51,6 +56,19 @@ impl CameraPath {
     /// do not ascend, or if perspective and orthographic views are mixed.
     pub fn read(path: &Path) -> Result<Self, SceneError> {
         file::read(path).map(|keys| Self(Motion::Keys(keys)))
+    }
+
+    /// Whether a file looks like a camera path rather than another JSON file, so that [`Self::read`] explains its errors.
+    pub fn is_file(path: &Path) -> bool {
+        file::has_keys(path)
+    }
+
+    /// Returns the key views; `None` for a preset.
+    pub fn keys(&self) -> Option<&[KeyView]> {
+        match &self.0 {
+            Motion::Preset(_) => None,
+            Motion::Keys(keys) => Some(keys),
+        }
     }
 
     /// Creates a path through key views in ascending order of their times.

@@ -8,6 +8,7 @@ use super::super::{Accumulated, Motion, UpscaleInputs, Upscaling};
 use super::jitter_of;
 use super::kernel::AxisSamples;
 use super::locks::Contrast;
+use super::reactive::{self, ReactiveRow};
 use super::surroundings::Surroundings;
 use crate::math::lanes::*;
 
@@ -25,6 +26,8 @@ pub(super) struct Fsr2Frame<'a> {
     pub(super) columns: Vec<AxisSamples>,
     pub(super) rows: Vec<AxisSamples>,
     pub(super) history: Option<(Motion<'a>, &'a Accumulated)>,
+    /// Reactivity of every instance, in [0, 1]; `None` if it is 0 or does not matter.
+    pub(super) reactivity: Option<&'a [f32]>,
     /// Whether every jitter position has been drawn since the view became still; the image then no longer changes.
     pub(super) is_settled: bool,
 }
@@ -34,6 +37,7 @@ pub(super) struct RowScratch {
     pub(super) samples: DecodedRows,
     pub(super) surroundings: Surroundings,
     pub(super) vectors: DilatedVectors,
+    pub(super) reactive: ReactiveRow,
 }
 
 impl<'a> Fsr2Frame<'a> {
@@ -59,6 +63,7 @@ impl<'a> Fsr2Frame<'a> {
             columns: axis(place[0], (size.0, samples.0), WIDE),
             rows: axis(place[1], (size.1, samples.1), 0),
             history,
+            reactivity: reactive::reactivity(drawn.frame),
             is_settled,
         }
     }
@@ -69,6 +74,7 @@ impl<'a> Fsr2Frame<'a> {
             samples: DecodedRows::new(samples),
             surroundings: Surroundings::new(samples),
             vectors: DilatedVectors::new(self.size.0),
+            reactive: ReactiveRow::new(if self.reactivity.is_some() { self.size.0 } else { 0 }),
         }
     }
 

@@ -17,12 +17,14 @@
 //!   from the pixel then has little influence.
 //! - A lock compares the median luminance of the 3 × 3 samples with that of its creation. FSR 2 compares luminance at a
 //!   thirty-second of the resolution, for which a single pixel would depend on a large part of the picture.
-//! - There is no reactive mask: the G-buffer treats alpha-tested and transparent surfaces as opaque.
+//! - The reactive mask is derived from the materials of the visible surfaces, for which the G-buffer treats alpha-tested
+//!   and transparent surfaces as opaque. FSR 2 reads it from the application.
 //! - There is no exposure, because colours are in [0, 1].
 
 mod frame;
 mod kernel;
 mod locks;
+mod reactive;
 mod rows;
 mod surroundings;
 #[cfg(test)]
@@ -81,6 +83,10 @@ impl Upscaler for Fsr2 {
 
     fn reads(&self) -> Reads {
         Reads { gbuffer: true, history: true }
+    }
+
+    fn reads_reactive_mask(&self) -> bool {
+        true
     }
 
     fn jitter(&self, how: Upscaling) -> Option<Jitter> {

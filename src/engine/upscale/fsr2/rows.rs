@@ -148,7 +148,7 @@ impl Fsr2Frame<'_> {
     /// Prepares all inputs of a range of pixels of row `y`.
     #[inline(always)]
     fn prepare<S: Simd>(&self, simd: S, (columns, y): (&Range<usize>, u32), scratch: &mut RowScratch) {
-        let RowScratch { samples, surroundings, vectors } = scratch;
+        let RowScratch { samples, surroundings, vectors, reactive } = scratch;
         let row = &self.rows[y as usize];
         let [first, last] = [columns.start, columns.end - 1].map(|column| self.columns[column].padded);
         let read = first - 1..last + 2;
@@ -159,6 +159,9 @@ impl Fsr2Frame<'_> {
         let motion = self.history.as_ref().and_then(|(motion, _)| motion.vectors);
         if let (Some(motion), Some(frame)) = (motion, self.drawn.frame) {
             vectors.fill(frame.gbuffer, motion, (columns, y));
+        }
+        if let (Some(reactivity), Some(frame)) = (self.reactivity, self.drawn.frame) {
+            reactive.fill(frame.gbuffer, reactivity, (columns, y));
         }
     }
 
@@ -201,14 +204,15 @@ impl Fsr2Frame<'_> {
             let locks = past.locks;
             return Blend { present, weights, past: Some(past), rectified, share: zero, weight: past_weight, locks };
         }
-        let stored = each!(number in [0, 1] => past.is_known.select(past.locks[number], zero));
+        let kept = if self.reactivity.is_some() { scratch.reactive.kept(simd, at.0) } else { one };
+        let stored = each!(number in [0, 1] => past.is_known.select(past.locks[number] * kept, zero));
         let locks = self.next_locks(simd, (at.1, columns), stored, scratch);
         let mut weight = past_weight.max(zero);
         if let Some(speed_px) = past.speed_px {
             let exists = locks.lifetime.simd_gt(zero);
             let strength = exists.select(Locks::from_stored(simd, stored).strength(), zero);
             rectified = around.rectified(rectified, self.deviations(speed_px), strength);
-            weight = weight.min(limit_of_weight(speed_px, narrowing));
+            weight = weight.min(limit_of_weight(speed_px, narrowing) * kept);
         }
         let total = weight + around.weight;
         let has_weight = past.is_known & total.simd_gt(zero);

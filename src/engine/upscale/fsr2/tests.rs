@@ -1,5 +1,7 @@
 use super::kernel::{history_weights, lanczos2};
 use super::*;
+use crate::pipeline::gbuffer::GBuffer;
+use crate::pipeline::motion::MotionVectors;
 use crate::upscale::history::tests::frames;
 use crate::upscale::test_sequence::TestSequence;
 use crate::upscale::{FrameInputs, History};
@@ -89,7 +91,12 @@ fn samples_are_weighted_by_their_distances() {
         let mut sequence = TestSequence::new(how, size, None);
         for frame in 0..6 {
             let color = sequence.samples(|_| 99);
-            let inputs = FrameInputs { gbuffer: &sequence.surfaces, motion: None, history: sequence.history.as_ref() };
+            let inputs = FrameInputs {
+                gbuffer: &sequence.surfaces,
+                motion: None,
+                history: sequence.history.as_ref(),
+                reactivity: None,
+            };
             let drawn = UpscaleInputs { color: &color, frame: Some(inputs) };
             let place = jitter_of(how.scale()).place(frame);
             for at in [(8, 8), (9, 8), (10, 9), (11, 7)] {
@@ -147,10 +154,16 @@ fn disoccluded_pixels_show_the_present_only() {
         let color = sequence.samples(|[x, _]| if x < 11.0 { 30 } else { 90 });
         let vectors = sequence.vectors(0);
         let past = sequence.history.as_ref();
-        let frame = FrameInputs { gbuffer: &sequence.surfaces, motion: Some(&vectors), history: past };
+        let frame =
+            FrameInputs { gbuffer: &sequence.surfaces, motion: Some(&vectors), history: past, reactivity: None };
         let hidden = how.upscale(&UpscaleInputs { color: &color, frame: Some(frame) }, size.0, size.1);
         let empty = sequence.history.clone().map(|past| History { accumulated: None, ..past });
-        let frame = FrameInputs { gbuffer: &sequence.surfaces, motion: Some(&vectors), history: empty.as_ref() };
+        let frame = FrameInputs {
+            gbuffer: &sequence.surfaces,
+            motion: Some(&vectors),
+            history: empty.as_ref(),
+            reactivity: None,
+        };
         let alone = how.upscale(&UpscaleInputs { color: &color, frame: Some(frame) }, size.0, size.1);
         assert_eq!(hidden, alone, "{}", how.label());
         assert!(hidden.pixels().iter().all(|[r, ..]| (30..=90).contains(r)), "{}", how.label());
@@ -182,6 +195,71 @@ fn locks_keep_thin_lines_that_rectification_would_fade() {
             contrast
         });
         assert!(locked > 20.0 && unlocked < 2.0, "×{scale}: {locked} {unlocked}");
+    }
+}
+
+/// Returns the share of the present and the stored lock of a pixel after frames with a reactivity, which ends with the last
+/// frame. The scene moves.
+fn blending_of(reactivity: f32, at: (u32, u32), code: impl Fn([f64; 2]) -> u8) -> (f64, f32, Image<Rgba8>) {
+    let mut sequence = TestSequence::new(how(Scale::TWO), (24, 9), None);
+    sequence.motion_px = Some(0.0);
+    for _ in 0..70 {
+        sequence.frame(&code);
+    }
+    sequence.reactivity = reactivity;
+    let (color, vectors, table) = (sequence.samples(&code), sequence.vectors(MotionVectors::VISIBLE), [reactivity]);
+    let frame = FrameInputs {
+        gbuffer: &sequence.surfaces,
+        motion: Some(&vectors),
+        history: sequence.history.as_ref(),
+        reactivity: Some(&table),
+    };
+    let drawn = UpscaleInputs { color: &color, frame: Some(frame) };
+    let share = FSR2.history_steps(how(Scale::TWO), &drawn)(at).unwrap().share;
+    let picture = sequence.frame(&code);
+    let locks = sequence.history.unwrap().accumulated.unwrap().locks.unwrap();
+    (share.into(), locks.at(at.0, at.1)[0], picture)
+}
+
+#[test]
+fn the_limit_of_the_weight_and_locks_shrink_with_the_reactivity() {
+    let (at, line) = ((10, 4), |[x, _]: [f64; 2]| if (10.3..10.7).contains(&x) { 20 } else { 180 });
+    let (usual, lock, picture) = blending_of(0.0, at, line);
+    assert!(lock > 0.1 && usual < 0.2, "{lock} {usual}");
+    for reactivity in [0.3, 0.9] {
+        let (share, reactive_lock, reactive_picture) = blending_of(reactivity, at, line);
+        // f / (L + f) with the limit L of the accumulated weight, which the pixel has reached, becomes f / (k L + f).
+        let kept = 1.0 - f64::from(reactivity);
+        let expected = 1.0 / (1.0 + kept * (1.0 / usual - 1.0));
+        assert!((share - expected).abs() < 1e-5, "{reactivity}: {share} {expected}");
+        let expired = 1.0 / f64::from(jitter_of(Scale::TWO).positions());
+        let expected = ((f64::from(lock) + expired) * kept - expired).max(0.0);
+        assert!((f64::from(reactive_lock) - expected).abs() < 1e-5, "{reactivity}: {reactive_lock} {expected}");
+        assert!(reactive_picture != picture);
+    }
+}
+
+#[test]
+fn reactive_rows_are_bit_identical_to_single_pixels() {
+    let mut random = fastrand::Rng::with_seed(5);
+    let (size, how) = ((53, 7), how(Scale::TWO));
+    let color = Image::from_fn(27, 4, |_, _| std::array::from_fn(|_| random.u8(..)));
+    let object = Image::from_fn(size.0, size.1, |_, _| random.u32(0..4).to_le_bytes());
+    let gbuffer = GBuffer { object, distance: Image::from_fn(size.0, size.1, |x, _| 1.0 + x as f32) };
+    for frames in frames(size, 7) {
+        let frame = FrameInputs { gbuffer: &gbuffer, reactivity: Some(&[0.0, 0.4, 0.9]), ..frames.seen() };
+        let drawn = UpscaleInputs { color: &color, frame: Some(frame) };
+        let frame = Fsr2Frame::new(how, &drawn, size);
+        for lanes in Lanes::all() {
+            let mut full = Image::filled(size.0, size.1, [0; 4]);
+            let mut memory = Accumulated::with_locks_reusing(None, size);
+            fill(lanes, how, &drawn, &mut full, &mut memory);
+            for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
+                let pixel = frame.pixel((x, y), &mut frame.scratch());
+                let color = memory.color.at(x, y).map(f32::to_bits);
+                assert_eq!((full.at(x, y), color), (pixel.codes, pixel.color.map(f32::to_bits)), "({x}, {y})");
+            }
+        }
     }
 }
 

@@ -97,7 +97,7 @@ mod tests {
     fn converted(distance: Image<f32>, at: (u32, u32)) -> Converted {
         let (width, height) = distance.size();
         let gbuffer = GBuffer { object: Image::filled(width, height, [0; 4]), distance };
-        let frame = Some(FrameInputs { gbuffer: &gbuffer, motion: None, history: None });
+        let frame = Some(FrameInputs { gbuffer: &gbuffer, motion: None, history: None, reactivity: None });
         let color: Image<Rgba8> = Image::filled(width / 2, height / 2, [0; 4]);
         let lattice = Lattice { scale: Scale::TWO, anchor: Anchor::Centre };
         Convert::new(lattice, &UpscaleInputs { color: &color, frame }).unwrap().sample(at)

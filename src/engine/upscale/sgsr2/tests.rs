@@ -118,7 +118,8 @@ fn disoccluded_pixels_show_the_present_only() {
         let color = sequence.samples(|[x, _]| if x < 11.0 { 30 } else { 90 });
         let vectors = sequence.vectors(0);
         let past = sequence.history.as_ref();
-        let frame = FrameInputs { gbuffer: &sequence.surfaces, motion: Some(&vectors), history: past };
+        let frame =
+            FrameInputs { gbuffer: &sequence.surfaces, motion: Some(&vectors), history: past, reactivity: None };
         let drawn = UpscaleInputs { color: &color, frame: Some(frame) };
         let hidden = how.upscale(&drawn, 24, 10);
         // The present may leave the range of the samples by a little.

@@ -75,6 +75,10 @@ impl Upscaler for Taa {
         }
     }
 
+    fn default_scale(&self) -> Scale {
+        Scale::ONE
+    }
+
     fn reads(&self) -> Reads {
         Reads { gbuffer: true, history: true }
     }

@@ -89,7 +89,8 @@ fn rectification_removes_ghosts_and_nothing_else_does() {
             still_frames: 1,
         };
         let color = edge(how, size, 4, 18.0);
-        let frame = FrameInputs { gbuffer: &surfaces, motion: Some(&vectors), history: Some(&history) };
+        let frame =
+            FrameInputs { gbuffer: &surfaces, motion: Some(&vectors), history: Some(&history), reactivity: None };
         let drawn = UpscaleInputs { color: &color, frame: Some(frame) };
         let [r, ..] = TAA.pixel(how, &drawn, size, (10, 3));
         let is_ghost = r > 41;

@@ -153,12 +153,13 @@ fn shading_numbers(ui: &mut Ui, shading: &ShadingRecord) {
         value_row(ui, "Emission", &format!("{r:.4}  {g:.4}  {b:.4}"), "Emitted light, added after lighting is applied");
     }
     for texel in &shading.texels {
-        let row = ui.horizontal(|ui| {
+        // Wraps in a narrow panel, where the weight would be cut off.
+        let row = ui.horizontal_wrapped(|ui| {
             swatch(ui, to_color(texel.color));
             let level = if texel.level > 0 { format!("level {} ", texel.level) } else { String::new() };
-            let place = format!("{:>4}, {:<4}", texel.tap.x, texel.tap.y);
-            let text = format!("{level}texel {place}  {}", format::f32_full(texel.tap.weight));
-            ui.label(RichText::new(text).monospace());
+            let place = format!("{level}texel {}, {}", texel.tap.x, texel.tap.y);
+            ui.label(RichText::new(place).monospace());
+            ui.label(RichText::new(format!("× {}", format::f32_full(texel.tap.weight))).monospace());
             if texel.map != TextureMap::Color {
                 ui.weak(texel.map.name());
             }
