@@ -21,7 +21,7 @@ use rasterscope::image::{Image, Rgba8, file};
 use rasterscope::inspect::buffers::{Buffer, capture};
 use rasterscope::inspect::stages::{self, Stage};
 use rasterscope::inspect::view;
-use rasterscope::pipeline::settings::{Choice as _, DepthFormat};
+use rasterscope::pipeline::settings::{Choice as _, DepthFormat, Shading};
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::{Scene, builtin};
 use rasterscope::upscale::{self, Scale, Upscaling};
@@ -46,6 +46,7 @@ fn pictures() -> Vec<(String, Image<Rgba8>)> {
     let mut pictures: Vec<_> =
         builtin::ALL.iter().map(|b| (b.id.to_owned(), image(&posed(b), &Recipe::default()))).collect();
     pictures.extend(switches());
+    pictures.extend(shadings());
     pictures.extend(depth_formats());
     pictures.extend(upscalers());
     pictures.extend(buffers());
@@ -61,8 +62,6 @@ fn switches() -> impl Iterator<Item = (String, Image<Rgba8>)> {
         ("chess", "filter=trilinear"),
         ("chess", "filter=anisotropic"),
         ("chess", "culling=front"),
-        ("chess", "shading=gouraud"),
-        ("chess", "shading=normals"),
         ("chess", "color-space=bytes"),
         ("chess", "wireframe=true"),
         ("chess", "antialias.method=regular"),
@@ -74,23 +73,44 @@ fn switches() -> impl Iterator<Item = (String, Image<Rgba8>)> {
         ("chess", "post.filter=smaa"),
         ("chess", "post.filter=gaussian"),
         ("chess", "post.filter=sharpen"),
-        ("cel", "shading=cel"),
-        ("cel", "shading=texture"),
         ("cubes", "depth-test=greater"),
-        ("triangle", "shading=vertex-color"),
-        ("triangle", "shading=barycentric"),
-        ("interpenetrating", "shading=triangle-id"),
         ("interpenetrating", "depth-test=off"),
-        ("near-plane", "shading=checker"),
         ("stained-glass", "filter=point"),
         ("stained-glass", "color-space=bytes"),
         ("stained-glass", "depth-test=off"),
         ("stained-glass", "alpha=premultiplied"),
-        ("polished", "shading=blinn-phong"),
         ("polished", "shading=normals"),
     ]
     .into_iter()
-    .map(|(id, switch)| (format!("{id}.{}", switch.replace('=', "-")), image(&scene(id), &recipe(&[switch]))))
+    .map(|(id, switch)| with_switch(id, switch))
+}
+
+/// Returns the picture of a scene with a single changed setting, and its name.
+fn with_switch(id: &str, switch: &str) -> (String, Image<Rgba8>) {
+    (format!("{id}.{}", switch.replace('=', "-")), image(&scene(id), &recipe(&[switch])))
+}
+
+/// Scene that shows a shading, unless it is [`SCENE_OF_SHADINGS`].
+const SCENES_OF_SHADINGS: [(Shading, &str); 7] = [
+    (Shading::Texture, "cel"),
+    (Shading::VertexColor, "triangle"),
+    (Shading::BlinnPhong, "polished"),
+    (Shading::Cel, "cel"),
+    (Shading::Checker, "near-plane"),
+    (Shading::Barycentric, "triangle"),
+    (Shading::TriangleId, "interpenetrating"),
+];
+
+/// Scene that shows all shadings except those in [`SCENES_OF_SHADINGS`].
+const SCENE_OF_SHADINGS: &str = "chess";
+
+/// Returns a picture with every shading except the default.
+fn shadings() -> impl Iterator<Item = (String, Image<Rgba8>)> {
+    let others = Shading::ALL.iter().filter(|shading| **shading != Recipe::default().pipeline.shading);
+    others.map(|shading| {
+        let own = SCENES_OF_SHADINGS.iter().find(|(of, _)| of == shading).map(|(_, id)| *id);
+        with_switch(own.unwrap_or(SCENE_OF_SHADINGS), &format!("shading={}", shading.id()))
+    })
 }
 
 /// Returns a picture with every depth format except the default, of the scene where they differ most.

@@ -26,6 +26,8 @@ pub(crate) mod log2;
 
 pub(crate) mod prefetch;
 
+pub(crate) mod real;
+
 mod bounds;
 
 pub(crate) use bounds::Aabb;

@@ -14,7 +14,8 @@ use glam::{Vec2, Vec3};
 
 use super::plan::{DrawPlan, PipelinePart};
 use super::raster::RasterSample;
-use super::settings::{Arithmetic, Interpolation, Settings, Shading};
+use super::settings::{Arithmetic, Interpolation, Settings};
+use super::shading::Input;
 use super::viewport::ScreenTriangle;
 use crate::scene::TriangleId;
 
@@ -114,13 +115,16 @@ impl AttributeSelection {
 
     /// Returns the attributes that a draw reads.
     pub(crate) fn read_by(plan: &DrawPlan, settings: &Settings) -> Self {
+        let reads = |input| settings.shading.reads(input);
         Self {
             interpolation: settings.interpolation,
             normal: plan.runs(PipelinePart::Normals),
             uv: plan.runs(PipelinePart::TextureCoordinates),
             color: plan.runs(PipelinePart::VertexColors),
-            light: settings.shading == Shading::Gouraud,
-            source_weights: settings.shading == Shading::Barycentric || plan.runs(PipelinePart::Highlight),
+            light: reads(Input::VertexLight),
+            source_weights: reads(Input::Weights)
+                || reads(Input::EyeDirection)
+                || plan.runs(PipelinePart::Highlight),
             uv_gradient: (settings.filter.reads_mip_levels() && plan.runs(PipelinePart::Texels))
                 .then_some(settings.arithmetic),
         }
@@ -142,7 +146,7 @@ pub struct Fragment {
     pub uv: Vec2,
     /// Interpolated vertex colour, in the working colour space.
     pub color: Vec3,
-    /// Light factor interpolated from the vertices; used only by Gouraud shading.
+    /// Light factor interpolated from the vertices, for shadings that read it.
     pub light: f32,
     /// Barycentric weights of the corners of the triangle before clipping.
     pub source_weights: Vec3,

@@ -17,6 +17,8 @@ pub mod background;
 
 mod blending;
 
+pub(crate) mod choice;
+
 pub(crate) mod clip;
 
 pub(crate) mod cull;
@@ -52,6 +54,8 @@ mod samples;
 pub mod settings;
 
 pub(crate) mod shade;
+
+pub(crate) mod shading;
 
 pub mod tiled;
 

@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::settings::{Culling, DepthTest, DisabledOptimisation, Interpolation, Settings, Shading};
 use super::shade::Viewpoint;
+use super::shading::Input;
 use crate::scene::{Camera, Instance, Library, Material, Mesh, Projection, TextureId, Transparency, TriangleId};
 
 /// Part of the pipeline that a draw may not need.
@@ -378,6 +379,7 @@ impl<'a> DrawFacts<'a> {
         let shading = settings.shading;
         let reads_albedo = shading.reads_material();
         let lit = shading.is_lit();
+        let reads = |input| shading.reads(input);
         match part {
             // Clusters are culled later, which `DrawPlan::with_cull_stats` records.
             PipelinePart::Vertices | PipelinePart::EveryCluster => None,
@@ -395,17 +397,17 @@ impl<'a> DrawFacts<'a> {
             PipelinePart::TextureCoordinates | PipelinePart::Texels if self.mesh.uvs.is_empty() => {
                 Some("the mesh has no texture coordinates")
             }
-            PipelinePart::TextureCoordinates if matches!(shading, Shading::Uv | Shading::Checker) => None,
+            PipelinePart::TextureCoordinates if reads(Input::Uv) => None,
             PipelinePart::TextureCoordinates | PipelinePart::Texels if !reads_albedo && !self.textured => {
                 Some("this shading reads no texture")
             }
             PipelinePart::TextureCoordinates | PipelinePart::Texels => {
                 (!self.textured).then_some("the material has no texture")
             }
-            PipelinePart::Normals => (!lit && shading != Shading::Normals).then_some("this shading reads no normal"),
+            PipelinePart::Normals => (!lit && !reads(Input::Normal)).then_some("this shading reads no normal"),
             PipelinePart::VertexColors if self.mesh.colors.is_empty() => Some("the mesh has no vertex colours"),
             PipelinePart::VertexColors => {
-                (!reads_albedo && shading != Shading::VertexColor).then_some("this shading reads no vertex colour")
+                (!reads_albedo && !reads(Input::VertexColor)).then_some("this shading reads no vertex colour")
             }
             PipelinePart::AlphaTest | PipelinePart::Blending if !reads_albedo => {
                 Some("this shading ignores opacity and alpha")
@@ -416,12 +418,12 @@ impl<'a> DrawFacts<'a> {
                 Transparency::Blended => Some("the material is blended instead"),
             },
             PipelinePart::Light => (!lit).then_some("this shading is unlit"),
-            PipelinePart::NormalMap if !shading.reads_pixel_normals() => Some("this shading reads no per-pixel normal"),
+            PipelinePart::NormalMap if !reads(Input::Normal) => Some("this shading reads no per-pixel normal"),
             PipelinePart::NormalMap if self.mesh.uvs.is_empty() => Some("the mesh has no texture coordinates"),
             PipelinePart::NormalMap => {
                 self.material.normal_texture.is_none().then_some("the material has no normal map")
             }
-            PipelinePart::Highlight if shading != Shading::BlinnPhong => Some("this shading has no highlight"),
+            PipelinePart::Highlight if !reads(Input::Specular) => Some("this shading has no highlight"),
             PipelinePart::Highlight => {
                 (self.material.specular == Vec3::ZERO).then_some("the material's specular colour is black")
             }
@@ -458,9 +460,9 @@ fn textures_read(library: &Library, instance: &Instance, shading: Shading) -> [O
     let reads_material = has_coordinates && shading.reads_material();
     [
         material.texture.filter(|_| reads_material),
-        material.dark_texture.filter(|_| has_coordinates && shading == Shading::Cel),
+        material.dark_texture.filter(|_| has_coordinates && shading.reads(Input::DarkTexture)),
         material.alpha_texture.filter(|_| reads_material),
-        material.normal_texture.filter(|_| has_coordinates && shading.reads_pixel_normals()),
+        material.normal_texture.filter(|_| has_coordinates && shading.reads(Input::Normal)),
         material.emission_texture.filter(|_| reads_material && material.emission != Vec3::ZERO),
     ]
 }

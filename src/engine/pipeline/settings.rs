@@ -7,64 +7,10 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::background::Background;
+pub use super::choice::{Choice, choice};
 use super::depth::DepthEncoding;
+pub use super::shading::{SceneData, Shading};
 use crate::scene::DepthMapping;
-
-/// Setting with a closed set of alternatives that a user chooses from.
-pub trait Choice: Copy + PartialEq + 'static {
-    /// All alternatives, in the order in which menus list them.
-    const ALL: &'static [Self];
-
-    /// Returns the identifier used in files and on the command line, in kebab case.
-    fn id(self) -> &'static str;
-
-    /// Returns the display name.
-    fn name(self) -> &'static str;
-
-    /// Returns the help text that tooltips and the command line show.
-    fn help(self) -> &'static str;
-
-    /// Returns other words for the alternative, in lower case, by which the palette finds it.
-    fn synonyms(self) -> &'static [&'static str] {
-        &[]
-    }
-}
-
-/// Declares an enum of alternatives with id, name, help and optional synonyms, and implements [`Choice`] for it.
-#[macro_export]
-macro_rules! choice {
-    ($(#[$meta:meta])* $visibility:vis $enum:ident {
-        $($variant:ident = $id:literal, $name:literal, $help:literal $(, also [$($synonym:literal),+])?;)+
-    }) => {
-        $(#[$meta])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-        $visibility enum $enum {
-            $(#[doc = $help] #[serde(rename = $id)] $variant,)+
-        }
-
-        impl Choice for $enum {
-            const ALL: &'static [Self] = &[$(Self::$variant),+];
-
-            fn id(self) -> &'static str {
-                match self { $(Self::$variant => $id),+ }
-            }
-
-            fn name(self) -> &'static str {
-                match self { $(Self::$variant => $name),+ }
-            }
-
-            fn help(self) -> &'static str {
-                match self { $(Self::$variant => $help),+ }
-            }
-
-            fn synonyms(self) -> &'static [&'static str] {
-                match self { $(Self::$variant => &[$($($synonym),+)?]),+ }
-            }
-        }
-    };
-}
-
-pub use choice;
 
 choice! {
     /// Execution strategy of the pipeline. All alternatives give the same picture, bit for bit, but differ in speed.
@@ -232,52 +178,6 @@ choice! {
         Published = "published", "Affine (as published)",
             "Wrong on purpose: affine weights by a formula that divides by the width of one edge and fails where that \
              edge is vertical.";
-    }
-}
-
-choice! {
-    /// Source of a fragment's colour.
-    pub Shading {
-        Texture = "texture", "Texture, unlit", "Texture × material colour, unlit.";
-        VertexColor = "vertex-color", "Vertex colour", "Interpolated vertex colours, unlit.";
-        Gouraud = "gouraud", "Gouraud",
-            "Diffuse lighting computed at the vertices and interpolated: depends on the tessellation.";
-        Lambert = "lambert", "Lambert", "Diffuse lighting computed in every pixel, from the interpolated normal.";
-        BlinnPhong = "blinn-phong", "Blinn–Phong",
-            "Lambert plus a highlight: Ks·max(0, N·H)^Ns, with H halfway between the directions to the light and to \
-             the eye.";
-        Cel = "cel", "Cel", "Two textures: the light one where N·L > 0.5, the dark one elsewhere.";
-        Checker = "checker", "Checker",
-            "Checkerboard computed from the texture coordinates, without reading a texture.";
-        Normals = "normals", "Normals", "Unit normal as colour: x, y and z mapped from −1…1 to 0…255.";
-        Uv = "uv", "Texture coordinates", "Fractional part of u as red, of v as green.";
-        Barycentric = "barycentric", "Barycentric", "Barycentric weights λ0, λ1, λ2 as red, green, blue.";
-        Depth = "depth", "Depth", "Value that the depth buffer would store, as grey.";
-        TriangleId = "triangle-id", "Triangle id", "One colour per triangle, from a hash of its id.";
-        ObjectId = "object-id", "Object id", "One colour per object, from a hash of its id.";
-    }
-}
-
-impl Shading {
-    /// Returns whether the shading mode uses the material's colour, texture and opacity. All other shading modes draw
-    /// opaque surfaces.
-    pub fn reads_material(self) -> bool {
-        matches!(self, Self::Texture | Self::Gouraud | Self::Lambert | Self::BlinnPhong | Self::Cel)
-    }
-
-    /// Returns whether the shading mode computes lighting, per vertex or per pixel.
-    pub fn is_lit(self) -> bool {
-        self == Self::Gouraud || self.is_lit_per_pixel()
-    }
-
-    /// Returns whether the shading mode computes lighting per pixel, from an interpolated normal.
-    pub(crate) fn is_lit_per_pixel(self) -> bool {
-        matches!(self, Self::Lambert | Self::BlinnPhong | Self::Cel)
-    }
-
-    /// Returns whether the shading mode reads a normal at every pixel and therefore applies normal maps.
-    pub(crate) fn reads_pixel_normals(self) -> bool {
-        self == Self::Normals || self.is_lit_per_pixel()
     }
 }
 

@@ -1,12 +1,10 @@
 //! Shading: from interpolated attributes to the colour of a fragment.
 //!
-//! Light is ambient + (1 − ambient)·max(0, N·L), with N normalised after interpolation and L of unit length. Cel
-//! shading uses the light texture where N·L > 0.5 (an angle of less than 60°) and the dark one elsewhere. The colour
+//! [`super::shading`] declares the shadings and their kernels; this module computes what all of them share. The colour
 //! space decides whether colours are computed in linear light or directly on sRGB codes. Shading modes that show a
-//! single quantity (normals, texture coordinates, weights …) are unlit and written directly as 8-bit codes.
+//! single quantity (normals, texture coordinates, weights …) are written directly as 8-bit codes.
 //!
-//! Blinn–Phong shading adds a specular highlight to the diffuse reflection. All shading modes that use the material add
-//! its emission last.
+//! All shading modes that use the material add its emission last.
 
 mod blinn_phong;
 
@@ -16,6 +14,7 @@ mod surface;
 
 use std::ops::{Add, Div, Mul};
 
+pub(crate) use blinn_phong::EyeDirections;
 pub(crate) use blinn_phong::Highlight;
 pub(crate) use blinn_phong::Viewpoint;
 use glam::{Vec2, Vec3};
@@ -27,26 +26,14 @@ use super::footprint::{MipFilter, TextureReads};
 use super::interpolate::{AttributeSelection, Fragment};
 use super::plan::{DrawPlan, PipelinePart};
 use super::sample::Sampler;
-use super::settings::{AddressMode, AlphaMode, ColorSpace, Settings, Shading, TexelFilter};
+use super::settings::{AddressMode, AlphaMode, Checker, ColorSpace, Settings, TexelFilter};
+pub(crate) use super::shading::id_color;
+use super::shading::{CheckerInputs, FlatInputs, Input, LightInputs, SurfaceInputs, cel};
 use super::viewport::ScreenTriangle;
 use crate::image::color::{Tables, decode_rgb, quantize};
 use crate::image::{Image, Rgba8};
 use crate::math::unit_or;
 use crate::scene::{Alpha, Instance, Library, Texture, Transparency, TriangleId};
-
-/// Value of N·L above which cel shading uses the light texture; at or below it, the dark one.
-pub(crate) const CEL_THRESHOLD: f32 = 0.5;
-
-/// Factor that darkens the colour in cel shading where N·L is at most [`CEL_THRESHOLD`], for materials without a dark
-/// texture.
-pub(crate) const CEL_DARK_FACTOR: f32 = 0.45;
-
-/// Returns the light intensity on a surface by Lambert's law: ambient + (1 − ambient)·max(0, N·L). Both vectors must
-/// have unit length.
-#[inline]
-pub(crate) fn lambert(normal: Vec3, light_direction: Vec3, ambient: f32) -> f32 {
-    ambient + (1.0 - ambient) * normal.dot(light_direction).max(0.0)
-}
 
 /// Texture with the mip levels that its filter reads.
 #[derive(Clone, Copy, Debug)]
@@ -172,6 +159,8 @@ pub(crate) struct Shader<'a> {
     alpha_texture: Option<Readable<'a>>,
     normal_map: Option<NormalMap<'a>>,
     highlight: Option<Highlight<'a>>,
+    /// Directions towards the eye; `None` unless the shading reads them.
+    eye: Option<EyeDirections<'a>>,
     /// Emitted colour of the material, in the working colour space; `None` if it emits nothing.
     emission: Option<Vec3>,
     emission_texture: Option<Readable<'a>>,
@@ -199,6 +188,7 @@ impl<'a> Shader<'a> {
             mesh: mesh(),
         };
         let emits = plan.runs(PipelinePart::Emission);
+        let eye = || EyeDirections { eye: plan.eye(), mesh: mesh() };
         Self {
             settings,
             sampler: Sampler::new(settings.filter, address, settings.color_space),
@@ -212,9 +202,9 @@ impl<'a> Shader<'a> {
             highlight: plan.runs(PipelinePart::Highlight).then(|| Highlight {
                 specular: to_working_space(material.specular, settings.color_space),
                 shininess: material.shininess,
-                eye: plan.eye(),
-                mesh: mesh(),
+                eye: eye(),
             }),
+            eye: settings.shading.reads(Input::EyeDirection).then(eye),
             emission: emits.then(|| to_working_space(material.emission, settings.color_space)),
             emission_texture: material.emission_texture.filter(|_| emits && reads_texels).map(image),
             opacity: material.opacity,
@@ -249,7 +239,7 @@ impl<'a> Shader<'a> {
 
     /// Returns the colour texture read for a fragment, or `None` if there is none.
     pub(crate) fn texture_for(&self, fragment: &Fragment) -> Option<Readable<'a>> {
-        if self.settings.shading == Shading::Cel && !self.is_lit(fragment) {
+        if self.settings.shading.reads(Input::DarkTexture) && !cel::is_lit(self.cosine(fragment)) {
             self.dark_texture.or(self.texture)
         } else {
             self.texture
@@ -329,14 +319,7 @@ impl<'a> Shader<'a> {
 
     /// Returns the light intensity by which a fragment's albedo is multiplied. It is 1 in unlit shading modes.
     pub(crate) fn light(&self, fragment: &Fragment) -> f32 {
-        match self.settings.shading {
-            Shading::Gouraud => fragment.light,
-            Shading::Lambert | Shading::BlinnPhong => {
-                lambert(self.unit_normal(fragment), self.light_direction, self.settings.light.ambient)
-            }
-            Shading::Cel if self.dark_texture.is_none() && !self.is_lit(fragment) => CEL_DARK_FACTOR,
-            _ => 1.0,
-        }
+        self.settings.shading.light(&FragmentInputs { shader: self, fragment })
     }
 
     /// Returns the alpha of a fragment in [0, 1]: the material's opacity, times the alpha of the colour texture if one
@@ -382,33 +365,23 @@ impl<'a> Shader<'a> {
     /// Returns the colour of a fragment of `triangle` as if it were opaque.
     #[inline]
     pub(crate) fn shade(&self, fragment: &Fragment, triangle: &ScreenTriangle) -> Rgba8 {
-        match self.settings.shading {
-            Shading::Texture | Shading::Gouraud | Shading::Lambert | Shading::Cel | Shading::BlinnPhong => {
-                self.encode(self.reflected(fragment))
-            }
-            Shading::VertexColor => self.encode(fragment.color),
-            Shading::Checker => quantized(self.checker(fragment)),
-            Shading::Normals => quantized(self.unit_normal(fragment) * 0.5 + 0.5),
-            Shading::Uv => quantized(Vec3::new(fragment.uv.x.rem_euclid(1.0), fragment.uv.y.rem_euclid(1.0), 0.0)),
-            Shading::Barycentric => quantized(fragment.source_weights),
-            Shading::Depth => quantized(Vec3::splat(depth_at(triangle, &fragment.sample))),
-            Shading::TriangleId => self.color_of_id(triangle.id),
-            Shading::ObjectId => id_color(TriangleId(triangle.instance)),
+        let shading = self.settings.shading;
+        if let Some(color) = self.flat_color(triangle.id, triangle.instance) {
+            return color;
         }
-    }
-
-    fn color_of_id(&self, id: TriangleId) -> Rgba8 {
-        if self.settings.exact_ids { id.0.to_le_bytes() } else { id_color(id) }
+        let inputs = SurfacePoint { inputs: FragmentInputs { shader: self, fragment }, triangle };
+        match shading.quantity(&inputs).map(Vec3::from_array) {
+            Some(color) if shading.facts().is_color => self.encode(color),
+            Some(color) => quantized(color),
+            None => self.encode(self.reflected(fragment)),
+        }
     }
 
     /// Returns the colour of a triangle in shading modes that give all of its samples the same colour, or `None` in all
     /// other modes.
     pub(crate) fn flat_color(&self, id: TriangleId, instance: u32) -> Option<Rgba8> {
-        match self.settings.shading {
-            Shading::TriangleId => Some(self.color_of_id(id)),
-            Shading::ObjectId => Some(id_color(TriangleId(instance))),
-            _ => None,
-        }
+        let Settings { shading, exact_ids, .. } = *self.settings;
+        shading.flat(&FlatInputs { triangle: id, instance, exact_ids })
     }
 
     /// Returns the light that the surface reflects and emits, in the working colour space, before it is encoded.
@@ -486,11 +459,6 @@ impl<'a> Shader<'a> {
         }
     }
 
-    #[inline]
-    fn is_lit(&self, fragment: &Fragment) -> bool {
-        self.cosine(fragment) > CEL_THRESHOLD
-    }
-
     #[inline(always)] // One of several callers is the loop over opaque samples, where the cost of a call is measurable.
     fn encode(&self, color: Vec3) -> Rgba8 {
         match self.settings.color_space {
@@ -502,10 +470,127 @@ impl<'a> Shader<'a> {
         }
     }
 
-    fn checker(&self, fragment: &Fragment) -> Vec3 {
-        let checker = &self.settings.checker;
-        let square = (fragment.uv * checker.squares).floor();
-        if (square.x + square.y).rem_euclid(2.0) == 0.0 { checker.even } else { checker.odd }
+    /// Returns the factor of the light on the dark side of cel shading: 1 if a dark texture replaces the light one.
+    pub(crate) fn dark_factor(&self) -> f32 {
+        if self.dark_texture.is_none() { cel::DARK_FACTOR } else { 1.0 }
+    }
+
+    /// Returns the world-space unit vector from a fragment towards the eye; zero unless the shading reads it.
+    pub(crate) fn eye_direction(&self, fragment: &Fragment) -> Vec3 {
+        self.eye.map_or(Vec3::ZERO, |eye| eye.at(fragment))
+    }
+}
+
+/// Inputs of the light at a fragment, in floats.
+#[derive(Clone, Copy, Debug)]
+struct FragmentInputs<'a> {
+    shader: &'a Shader<'a>,
+    fragment: &'a Fragment,
+}
+
+impl LightInputs for FragmentInputs<'_> {
+    type Number = f32;
+
+    #[inline(always)]
+    fn constant(&self, value: f32) -> f32 {
+        value
+    }
+
+    #[inline(always)]
+    fn normal(&self) -> [f32; 3] {
+        self.shader.unit_normal(self.fragment).to_array()
+    }
+
+    #[inline(always)]
+    fn vertex_light(&self) -> f32 {
+        self.fragment.light
+    }
+
+    #[inline(always)]
+    fn light_direction(&self) -> [f32; 3] {
+        self.shader.light_direction.to_array()
+    }
+
+    #[inline(always)]
+    fn ambient(&self) -> f32 {
+        self.shader.settings.light.ambient
+    }
+
+    #[inline(always)]
+    fn dark_factor(&self) -> f32 {
+        self.shader.dark_factor()
+    }
+}
+
+/// Inputs of a quantity at a fragment, in floats.
+#[derive(Clone, Copy, Debug)]
+struct SurfacePoint<'a> {
+    inputs: FragmentInputs<'a>,
+    triangle: &'a ScreenTriangle,
+}
+
+impl LightInputs for SurfacePoint<'_> {
+    type Number = f32;
+
+    #[inline(always)]
+    fn constant(&self, value: f32) -> f32 {
+        value
+    }
+
+    #[inline(always)]
+    fn normal(&self) -> [f32; 3] {
+        self.inputs.normal()
+    }
+
+    #[inline(always)]
+    fn vertex_light(&self) -> f32 {
+        self.inputs.vertex_light()
+    }
+
+    #[inline(always)]
+    fn light_direction(&self) -> [f32; 3] {
+        self.inputs.light_direction()
+    }
+
+    #[inline(always)]
+    fn ambient(&self) -> f32 {
+        self.inputs.ambient()
+    }
+
+    #[inline(always)]
+    fn dark_factor(&self) -> f32 {
+        self.inputs.dark_factor()
+    }
+}
+
+impl SurfaceInputs for SurfacePoint<'_> {
+    fn eye_direction(&self) -> [f32; 3] {
+        self.inputs.shader.eye_direction(self.inputs.fragment).to_array()
+    }
+
+    #[inline(always)]
+    fn uv(&self) -> [f32; 2] {
+        self.inputs.fragment.uv.to_array()
+    }
+
+    #[inline(always)]
+    fn vertex_color(&self) -> [f32; 3] {
+        self.inputs.fragment.color.to_array()
+    }
+
+    #[inline(always)]
+    fn weights(&self) -> [f32; 3] {
+        self.inputs.fragment.source_weights.to_array()
+    }
+
+    #[inline(always)]
+    fn depth(&self) -> f32 {
+        depth_at(self.triangle, &self.inputs.fragment.sample)
+    }
+
+    fn checker(&self) -> CheckerInputs<f32> {
+        let Checker { squares, even, odd } = self.inputs.shader.settings.checker;
+        CheckerInputs { squares, even: even.to_array(), odd: odd.to_array() }
     }
 }
 
@@ -519,14 +604,4 @@ pub(crate) fn to_working_space(srgb: Vec3, space: ColorSpace) -> Vec3 {
 
 fn quantized(color: Vec3) -> Rgba8 {
     [quantize(color.x), quantize(color.y), quantize(color.z), 255]
-}
-
-/// Returns a colour that represents an identifier. Consecutive identifiers get visibly different colours, and no
-/// channel is below 64.
-pub(crate) fn id_color(id: TriangleId) -> Rgba8 {
-    // Fibonacci hashing (Knuth, The Art of Computer Programming 3, 6.4) spreads consecutive numbers far apart.
-    let hash = id.0.wrapping_add(1).wrapping_mul(0x9E37_79B9);
-    let [a, b, c, _] = (hash ^ hash >> 15).to_be_bytes();
-    let visible = |byte: u8| 64 + (u16::from(byte) * 191 / 255) as u8;
-    [visible(a), visible(b), visible(c), 255]
 }

@@ -8,8 +8,9 @@ use glam::{DMat4, Mat3, Mat4, Vec2, Vec3, Vec4};
 
 use super::clip::ClipPlane;
 use super::plan::{Containment, DrawPlan, PipelinePart};
-use super::settings::{Settings, Shading};
-use super::shade::{lambert, to_working_space};
+use super::settings::Settings;
+use super::shade::to_working_space;
+use super::shading::{Input, lambert};
 use crate::math::{Aabb, unit_or};
 use crate::scene::{Instance, Mesh};
 
@@ -23,7 +24,7 @@ pub struct Varyings {
     pub uv: Vec2,
     /// Vertex colour in the working colour space; white if the mesh has none.
     pub color: Vec3,
-    /// Light intensity computed at the vertex, for Gouraud shading only.
+    /// Light intensity computed at the vertex; 0 unless the shading reads it.
     pub light: f32,
     /// Barycentric weights of the three vertices of the unclipped triangle.
     pub source_weights: Vec3,
@@ -142,6 +143,8 @@ pub(crate) struct Transformer<'a> {
     normals: bool,
     uvs: bool,
     colors: bool,
+    /// Whether light is computed at the vertices.
+    light: bool,
     uv_transform: Option<[Vec2; 2]>,
     light_direction: Vec3,
 }
@@ -157,6 +160,7 @@ impl<'a> Transformer<'a> {
             normals: reads(PipelinePart::Normals),
             uvs: reads(PipelinePart::TextureCoordinates),
             colors: reads(PipelinePart::VertexColors),
+            light: settings.shading.reads(Input::VertexLight),
             uv_transform: plan.uv_transform(),
             light_direction: unit_or(settings.light.direction.as_dvec3(), Vec3::Y),
         }
@@ -169,8 +173,9 @@ impl<'a> Transformer<'a> {
         let mut varyings = Varyings { color: Vec3::ONE, ..Varyings::default() };
         if self.normals {
             varyings.normal = unit_or(self.world_normal(i).as_dvec3(), Vec3::ZERO);
-            if settings.shading == Shading::Gouraud {
-                varyings.light = lambert(varyings.normal, self.light_direction, settings.light.ambient);
+            if self.light {
+                let [normal, light] = [varyings.normal, self.light_direction].map(|vector| vector.to_array());
+                varyings.light = lambert(&normal, &light, settings.light.ambient);
             }
         }
         if self.uvs {

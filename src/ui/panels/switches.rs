@@ -12,7 +12,7 @@ use crate::measure::noise::WITHIN;
 use crate::pipeline::background::Background;
 use crate::pipeline::observe::Fate;
 use crate::pipeline::plan::PipelinePart;
-use crate::pipeline::settings::{Choice as _, DepthTest, Execution, MIP_BIAS, Shading, TexelFilter};
+use crate::pipeline::settings::{Choice as _, DepthTest, Execution, MIP_BIAS, SceneData, Shading, TexelFilter};
 use crate::scene::obj::TrMeaning;
 use crate::scene::{Camera, DepthMapping, Projection, SceneFormat, SceneSource, UpAxis, builtin};
 use crate::ui::command::Command;
@@ -349,7 +349,7 @@ fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
         light(ui, recipe);
     }
     let settings = &mut recipe.pipeline;
-    if settings.shading == Shading::Checker {
+    if settings.shading.reads_checker() {
         row(ui, "Squares", "Number of checkerboard squares per unit of texture coordinate", |ui| {
             slider(ui, &mut settings.checker.squares, 1.0..=64.0, "", 1)
         });
@@ -419,14 +419,7 @@ fn background(ui: &mut Ui, session: &Session, background: &mut Background) {
 /// shadings that apply to the scene are offered.
 fn offered_shadings(session: &Session, present: Shading) -> (Vec<(Shading, &'static str, &'static str)>, String) {
     let library = &session.scene.library;
-    let has_colors = library.meshes().iter().any(|mesh| !mesh.colors.is_empty());
-    let has_uvs = library.meshes().iter().any(|mesh| !mesh.uvs.is_empty());
-    let missing = |shading: Shading| match shading {
-        Shading::VertexColor if !has_colors => Some("vertex colours"),
-        Shading::Checker | Shading::Uv if !has_uvs => Some("texture coordinates"),
-        Shading::Texture if library.textures().is_empty() => Some("textures"),
-        _ => None,
-    };
+    let missing = |shading: Shading| shading.requires().filter(|data| !data.is_in(library)).map(SceneData::name);
     let offered = |shading: &&Shading| **shading == present || missing(**shading).is_none();
     let options = Shading::ALL.iter().filter(offered).map(|s| (*s, s.name(), s.help())).collect();
     let reasons: BTreeSet<_> = Shading::ALL.iter().filter(|s| !offered(s)).filter_map(|s| missing(*s)).collect();
@@ -457,7 +450,7 @@ fn light(ui: &mut Ui, recipe: &mut Recipe) {
         let (sin_e, cos_e) = elevation.to_radians().sin_cos();
         light.direction = glam::Vec3::new(sin_a * cos_e, sin_e, cos_a * cos_e);
     }
-    if recipe.pipeline.shading == Shading::Cel {
+    if !recipe.pipeline.shading.reads_ambient() {
         return;
     }
     row(ui, "Ambient", "Fraction of the light that reaches every surface, whatever its direction", |ui| {

@@ -11,7 +11,8 @@ use crate::pipeline::interpolate::Fragment;
 use crate::pipeline::observe::{DepthOutcome, Observer};
 use crate::pipeline::plan::{DrawPlan, PipelinePart};
 use crate::pipeline::raster::RasterSample;
-use crate::pipeline::settings::{Settings, Shading};
+use crate::pipeline::settings::Settings;
+use crate::pipeline::shading::Input;
 use crate::pipeline::viewport::ScreenTriangle;
 
 /// Observer that checks the fragments of a frame in drawing order.
@@ -98,8 +99,8 @@ impl Observer for AssertionObserver<'_> {
 
     fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, _color: Rgba8) {
         let plan = self.plans.get(triangle.instance as usize);
-        let is_lit =
-            self.settings.shading != Shading::Gouraud && plan.is_some_and(|plan| plan.runs(PipelinePart::Light));
+        let is_lit = self.settings.shading.reads(Input::LightDirection)
+            && plan.is_some_and(|plan| plan.runs(PipelinePart::Light));
         let at = ShadedFragment { fragment, is_lit };
         let pair = self.blended.add(triangle, &fragment.sample);
         let blend =

@@ -8,6 +8,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::exact::ExactNumber;
 use super::number::Number;
+use crate::math::real::Real;
 
 /// Formula over named numbers, as an expression tree.
 #[derive(Clone, Debug)]
@@ -15,7 +16,7 @@ pub(crate) enum Formula {
     /// A named number of the pipeline.
     Given(Cow<'static, str>, Number),
     /// A constant of the formula, with its text.
-    Constant(&'static str, ExactNumber),
+    Constant(Cow<'static, str>, ExactNumber),
     /// A binary operation on two formulas.
     Binary(Op, Box<Self>, Box<Self>),
     /// A function of one formula.
@@ -74,12 +75,12 @@ pub(crate) fn given(name: impl Into<Cow<'static, str>>, number: impl Into<Number
 
 /// Creates a formula that consists of one integer constant, displayed as `text`.
 pub(crate) fn whole(text: &'static str, value: i64) -> Formula {
-    Formula::Constant(text, ExactNumber::whole(value))
+    Formula::Constant(text.into(), ExactNumber::whole(value))
 }
 
 /// Creates a formula that consists of one fractional constant, displayed as `text`. The denominator must not be 0.
 pub(crate) fn fraction(text: &'static str, numerator: i64, denominator: i64) -> Formula {
-    Formula::Constant(text, ExactNumber::ratio(numerator, denominator).unwrap_or_else(|| ExactNumber::whole(0)))
+    Formula::Constant(text.into(), ExactNumber::ratio(numerator, denominator).unwrap_or_else(|| ExactNumber::whole(0)))
 }
 
 /// Returns the sum of formulas; 0 if there are none.
@@ -189,6 +190,37 @@ impl Formula {
         }
     }
 
+    /// Returns the value of a formula of a kernel with every operation rounded to f32, as the pipeline computes it.
+    fn rounded(&self) -> f32 {
+        match self {
+            Self::Given(_, number) => number.to_f64() as f32,
+            Self::Constant(_, value) => value.approximate() as f32,
+            Self::Binary(op, a, b) => {
+                let (a, b) = (a.rounded(), b.rounded());
+                match op {
+                    Op::Add => a + b,
+                    Op::Subtract => a - b,
+                    Op::Multiply => a * b,
+                    Op::Divide => a / b,
+                    Op::Max => a.max(b),
+                    Op::Min => a.min(b),
+                    Op::Power => libm::powf(a, b),
+                }
+            }
+            Self::Unary(function, a) => {
+                let a = a.rounded();
+                match function {
+                    Function::Negate => -a,
+                    Function::SquareRoot => a.sqrt(),
+                    Function::SrgbRoot => libm::powf(a, 5.0 / 12.0),
+                    Function::SrgbPower => libm::powf(a, 12.0 / 5.0),
+                    Function::Floor => a.floor(),
+                    Function::Round => a.round_ties_even(),
+                }
+            }
+        }
+    }
+
     /// Returns the text of the formula, and the precedence of its outermost operator.
     fn text(&self, name: &impl Fn(&Self) -> String) -> (String, Precedence) {
         let inside = |part: &Self, least: Precedence| {
@@ -197,7 +229,7 @@ impl Formula {
         };
         match self {
             Self::Given(..) => (name(self), Precedence::Atom),
-            Self::Constant(text, _) => ((*text).to_owned(), Precedence::Atom),
+            Self::Constant(text, _) => (text.to_string(), Precedence::Atom),
             Self::Binary(op, a, b) => {
                 let (sign, binding, of_second) = match op {
                     Op::Add => ("+", Precedence::Sum, Precedence::Sum),
@@ -268,6 +300,31 @@ impl Neg for Formula {
     fn neg(self) -> Self {
         self.apply(Function::Negate)
     }
+}
+
+impl Real for Formula {
+    fn constant(&self, value: f32) -> Self {
+        constant(value)
+    }
+
+    fn max(self, other: Self) -> Self {
+        Self::max(self, other)
+    }
+
+    fn floor(self) -> Self {
+        self.apply(Function::Floor)
+    }
+
+    /// Returns the formula of the number that the pipeline chooses.
+    fn choose_above(&self, limit: &Self, then: Self, otherwise: Self) -> Self {
+        if self.rounded() > limit.rounded() { then } else { otherwise }
+    }
+}
+
+/// Creates a formula that consists of one constant, displayed as the shortest decimal that identifies it, or as ½.
+pub(crate) fn constant(value: f32) -> Formula {
+    let text = if value == 0.5 { Cow::Borrowed("½") } else { Cow::Owned(value.to_string()) };
+    Formula::Constant(text, ExactNumber::from_f64(value.into()).unwrap_or_else(|| ExactNumber::whole(0)))
 }
 
 #[cfg(test)]

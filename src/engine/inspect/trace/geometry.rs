@@ -3,11 +3,12 @@
 use glam::{DMat4, DVec4, Vec4};
 
 use super::formula::{Formula, given, sum, whole};
+use super::inputs::{FormulaInputs, vector};
 use super::line::{Notable, TraceRecorder, TraceStage};
 use super::subject::TracedFragment;
 use crate::pipeline::clip::{ClipPlane, Cut, EdgeCut, MIN_W, Polygon, guard_band_widening};
 use crate::pipeline::plan::{PipelinePart, PlanStep};
-use crate::pipeline::settings::Shading;
+use crate::pipeline::shading::{Input, LightInputs as _, lambert};
 use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
 
 /// Names of the components of a vector.
@@ -174,12 +175,10 @@ fn normal(
     for (row, unit) in vertex.varyings.normal.to_array().into_iter().enumerate() {
         scribe.compute(format!("{name} · unit normal {}", AXES[row]), unit, &unit_component(raw, row));
     }
-    if subject.settings.shading == Shading::Gouraud {
-        let light = super::shade::lambert_formula(
-            vertex.varyings.normal.to_array(),
-            subject.shader.light_direction.to_array(),
-            subject.settings.light.ambient,
-        );
+    if subject.settings.shading.reads(Input::VertexLight) {
+        let normal = vector(["nx", "ny", "nz"], vertex.varyings.normal);
+        let inputs = FormulaInputs(subject);
+        let light = lambert(&normal, &inputs.light_direction(), inputs.ambient());
         scribe.compute(format!("{name} · light"), vertex.varyings.light, &light);
     }
 }

@@ -17,6 +17,7 @@ mod decimal;
 mod depth;
 mod finish;
 mod geometry;
+mod inputs;
 mod line;
 mod motion;
 mod number;

@@ -5,23 +5,30 @@ use glam::Vec3;
 use super::attributes::CHANNELS;
 use super::formula::{Formula, Function, fraction, given, sum, whole};
 use super::geometry::{AXES, unit_component};
+use super::inputs::FormulaInputs;
 use super::line::{Notable, TraceRecorder, TraceStage};
 use super::subject::TracedFragment;
 use super::texture::number_formula;
 use crate::image::Rgba8;
 use crate::inspect::intermediate::Intermediate;
-use crate::pipeline::depth::depth_at;
+use crate::inspect::pixel::ShadingRecord;
+use crate::math::real::dot;
 use crate::pipeline::footprint::TextureRead;
 use crate::pipeline::plan::PipelinePart;
-use crate::pipeline::settings::{Choice as _, ColorSpace, Shading};
-use crate::pipeline::shade::{CEL_THRESHOLD, Highlight, NormalMap, Readable};
+use crate::pipeline::settings::{Choice as _, ColorSpace};
+use crate::pipeline::shade::{Highlight, NormalMap, Readable};
+use crate::pipeline::shading::{Input, LightInputs as _, cel};
 use crate::scene::Transparency;
 
 /// Writes the trace lines for the fragment's lighting, opacity and colour.
 pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Light);
-    if subject.runs(PipelinePart::Normals) && subject.settings.shading != Shading::Gouraud {
+    let shading = subject.settings.shading;
+    if subject.runs(PipelinePart::Normals) && !shading.reads(Input::VertexLight) {
         unit_normal(subject, scribe);
+    }
+    if shading.reads(Input::EyeDirection) {
+        eye_direction(subject.shader.eye_direction(&subject.fragment), scribe);
     }
     if subject.runs(PipelinePart::Light) {
         light(subject, scribe);
@@ -30,13 +37,12 @@ pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     if let Some(alpha) = subject.record.alpha {
         opacity(subject, alpha, scribe);
     }
-    let Some(shading) = &subject.record.shading else { return };
-    let below = shading.below;
+    let Some(ShadingRecord { below, .. }) = subject.record.shading else { return };
     let code = match below {
         Some(below) => subject.shader.blend(&subject.fragment, subject.triangle, below),
         None => subject.shader.shade(&subject.fragment, subject.triangle),
     };
-    if subject.settings.shading.reads_material() {
+    if shading.reads_material() {
         material(subject, below, code, scribe);
     } else {
         quantity(subject, code, scribe);
@@ -91,29 +97,32 @@ fn mapped_normal(subject: &TracedFragment<'_>, map: &NormalMap<'_>, smooth: Vec3
 /// Writes the trace lines for N·L, the light factor, and the specular reflection.
 fn light(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     let (shader, fragment) = (&subject.shader, &subject.fragment);
-    let factor = shader.light(fragment);
-    if subject.settings.shading == Shading::Gouraud {
-        scribe.compute("light", factor, &given("light from the corners", fragment.light)).shown_by(Intermediate::Light);
-        return;
-    }
-    let (normal, direction) = (shader.unit_normal(fragment).to_array(), shader.light_direction.to_array());
-    for (axis, value) in direction.into_iter().enumerate() {
-        scribe.read(format!("to the light {}", AXES[axis]), "the direction of the light at unit length", value);
-    }
+    let (shading, inputs) = (subject.settings.shading, FormulaInputs(subject));
     let cosine = shader.cosine(fragment);
-    scribe.compute("N·L", cosine, &dot(normal, direction)).shown_by(Intermediate::Cosine);
-    if subject.settings.shading == Shading::Cel {
-        let is_lit = cosine > CEL_THRESHOLD;
-        let words = format!("N·L > {CEL_THRESHOLD}: the light texture, else the dark one");
-        let line = scribe.decide("side of the threshold", words, if is_lit { "light" } else { "dark" });
-        line.flag(Notable::Tie, cosine == CEL_THRESHOLD);
-        scribe.read("light", "1, because the choice of texture represents the light", factor);
-        return;
+    if shading.reads(Input::LightDirection) {
+        for (axis, value) in shader.light_direction.to_array().into_iter().enumerate() {
+            scribe.read(format!("to the light {}", AXES[axis]), "the direction of the light at unit length", value);
+        }
+        let formula = dot(&inputs.normal(), &inputs.light_direction());
+        scribe.compute("N·L", cosine, &formula).shown_by(Intermediate::Cosine);
     }
-    let formula = lambert_formula(normal, direction, subject.settings.light.ambient);
-    scribe.compute("light", factor, &formula).shown_by(Intermediate::Light);
+    if shading.reads(Input::DarkTexture) {
+        let words = format!("N·L > {}: the light texture, else the dark one", cel::THRESHOLD);
+        let side = if cel::is_lit(cosine) { "light" } else { "dark" };
+        scribe.decide("side of the threshold", words, side).flag(Notable::Tie, cosine == cel::THRESHOLD);
+    }
+    if shading.reads_material() {
+        scribe.compute("light", shader.light(fragment), &shading.light(&inputs)).shown_by(Intermediate::Light);
+    }
     if let Some(highlight) = shader.highlight() {
         write_highlight(subject, highlight, cosine, scribe);
+    }
+}
+
+/// Writes the trace lines for the direction towards the eye.
+fn eye_direction(to_eye: Vec3, scribe: &mut TraceRecorder) {
+    for axis in 0..3 {
+        scribe.read(format!("to the eye {}", AXES[axis]), "unit vector from the point to the eye", to_eye[axis]);
     }
 }
 
@@ -128,8 +137,8 @@ fn write_highlight(subject: &TracedFragment<'_>, highlight: &Highlight<'_>, cosi
     let to_eye = highlight.eye_direction(fragment);
     let halfway = highlight.halfway(shader.light_direction, fragment);
     let between = shader.light_direction + to_eye;
-    for axis in 0..3 {
-        scribe.read(format!("to the eye {}", AXES[axis]), "unit vector from the point to the eye", to_eye[axis]);
+    if !subject.settings.shading.reads(Input::EyeDirection) {
+        eye_direction(to_eye, scribe);
     }
     for axis in 0..3 {
         let formula = given("to the light", shader.light_direction[axis]) + given("to the eye", to_eye[axis]);
@@ -146,17 +155,6 @@ fn write_highlight(subject: &TracedFragment<'_>, highlight: &Highlight<'_>, cosi
     scribe.compute("N·H", cosine, &sum((0..3).map(term)));
     let formula = given("N·H", cosine).max(whole("0", 0)).raised_to(given("Ns", highlight.shininess));
     scribe.compute("highlight", factor, &formula);
-}
-
-fn dot(normal: [f32; 3], direction: [f32; 3]) -> Formula {
-    sum((0..3)
-        .map(|axis| given(["nx", "ny", "nz"][axis], normal[axis]) * given(["lx", "ly", "lz"][axis], direction[axis])))
-}
-
-/// Returns the Lambert formula ambient + (1 − ambient)·max(0, N·L).
-pub(super) fn lambert_formula(normal: [f32; 3], direction: [f32; 3], ambient: f32) -> Formula {
-    let share = || given("ambient", ambient);
-    share() + (whole("1", 1) - share()) * dot(normal, direction).max(whole("0", 0))
 }
 
 /// Returns the formula of the filtered alpha of a texture; `name` is the name of the alpha of one read.
@@ -324,32 +322,18 @@ pub(super) fn encoded(value: &Formula, space: ColorSpace) -> Formula {
     }
 }
 
-/// Writes the trace lines for the colour in shading modes that show a single quantity without lighting.
+/// Writes the trace lines for the colour in shading modes that do not use the material.
 fn quantity(subject: &TracedFragment<'_>, code: Rgba8, scribe: &mut TraceRecorder) {
-    let fragment = &subject.fragment;
-    let bytes = |value: f32| code_formula(value, ColorSpace::Bytes);
-    let formula = |channel: usize| match subject.settings.shading {
-        Shading::VertexColor => Some(code_formula(fragment.color[channel], subject.settings.color_space)),
-        Shading::Normals => {
-            let normal = given("unit normal", subject.shader.unit_normal(fragment)[channel]);
-            Some(whole("255", 255) * (normal * fraction("½", 1, 2) + fraction("½", 1, 2)))
-        }
-        Shading::Uv if channel < 2 => {
-            let coordinate = || given(["u", "v"][channel], fragment.uv[channel]);
-            Some(whole("255", 255) * (coordinate() - coordinate().apply(Function::Floor)))
-        }
-        Shading::Uv => Some(whole("0", 0)),
-        Shading::Barycentric => Some(bytes(fragment.source_weights[channel])),
-        Shading::Depth => Some(bytes(Vec3::splat(depth_at(subject.triangle, &fragment.sample))[channel])),
-        _ => None,
-    };
-    for channel in 0..3 {
-        let what = format!("{} code", CHANNELS[channel]);
-        match formula(channel) {
-            Some(formula) => {
-                scribe.compute(what, code[channel], &formula);
+    let shading = subject.settings.shading;
+    let space = if shading.facts().is_color { subject.settings.color_space } else { ColorSpace::Bytes };
+    let formulas = shading.quantity(&FormulaInputs(subject));
+    for (channel, name) in CHANNELS.into_iter().enumerate() {
+        let what = format!("{name} code");
+        match &formulas {
+            Some(formulas) => {
+                scribe.compute(what, code[channel], &encoded(&formulas[channel], space));
             }
-            None => scribe.read(what, subject.settings.shading.help(), code[channel]),
+            None => scribe.read(what, shading.help(), code[channel]),
         }
     }
 }

@@ -8,8 +8,9 @@ use crate::chain::Recipe;
 use crate::image::color::decode_rgb;
 use crate::inspect::lesson::{BLACK_CODE, is_black};
 use crate::inspect::pixel::{FragmentRecord, PixelReport, ShadingRecord, TextureMap};
-use crate::pipeline::settings::{ColorSpace, Settings, Shading};
-use crate::pipeline::shade::{CEL_THRESHOLD, to_working_space};
+use crate::pipeline::settings::{ColorSpace, Settings};
+use crate::pipeline::shade::to_working_space;
+use crate::pipeline::shading::{Input, ShadingKind, cel};
 use crate::scene::{Instance, Scene};
 
 /// Explains a black pixel. Returns `None` if it is not black, or if its visible fragment is partly transparent.
@@ -18,12 +19,12 @@ pub(super) fn why(report: &PixelReport, scene: &Scene, recipe: &Recipe) -> Optio
     let shading = visible.shading.as_ref().filter(|shading| is_black(shading.color))?;
     let (_, instance) = instance_of(scene, visible.triangle)?;
     let settings = &recipe.pipeline;
-    let why = match settings.shading {
-        Shading::Texture | Shading::Gouraud | Shading::Lambert | Shading::BlinnPhong | Shading::Cel => {
-            factors(scene, settings, instance, visible, shading)
+    let why = match settings.shading.kind() {
+        ShadingKind::Material => factors(scene, settings, instance, visible, shading),
+        ShadingKind::Quantity if settings.shading.reads(Input::VertexColor) => {
+            vec![format!("the vertex colours here are {}", numbers(shading.vertex_color?.into()))]
         }
-        Shading::VertexColor => vec![format!("the vertex colours here are {}", numbers(shading.vertex_color?.into()))],
-        _ => return Some(number_shown(settings, visible)),
+        ShadingKind::Quantity | ShadingKind::Flat => return Some(number_shown(settings, visible)),
     };
     let why = if why.is_empty() { product(scene, settings, instance, shading) } else { why.join(", and ") };
     Some(format!("Black: {why}."))
@@ -76,15 +77,16 @@ fn factors(
 /// discarded.
 fn darkness(settings: &Settings, shading: &ShadingRecord, lost: &[&str]) -> String {
     let ambient = settings.light.ambient;
-    let has_none = shading.normal == Some([0.0; 3]) || settings.shading == Shading::Gouraud;
-    match (settings.shading, shading.cosine) {
+    let reads = |input| settings.shading.reads(input);
+    let has_none = shading.normal == Some([0.0; 3]) || reads(Input::VertexLight);
+    match shading.cosine {
         _ if has_none && lost.len() == 3 => {
             format!(
                 "the normal at its corners {LOST_NORMALS}, so it receives no direct light, and light.ambient is \
                  {ambient}"
             )
         }
-        (Shading::Gouraud, _) => {
+        _ if reads(Input::VertexLight) => {
             format!(
                 "the light at its corners is close to 0: they face away from the light, and light.ambient is {ambient}"
             )
@@ -92,11 +94,13 @@ fn darkness(settings: &Settings, shading: &ShadingRecord, lost: &[&str]) -> Stri
         _ if shading.normal == Some([0.0; 3]) => {
             format!("it has no normal, so it receives no direct light, and light.ambient is {ambient}")
         }
-        (Shading::Cel, Some(cosine)) => format!("N·L is {cosine:.3}, not above {CEL_THRESHOLD}: the dark side"),
-        (_, Some(cosine)) => {
+        Some(cosine) if reads(Input::DarkTexture) => {
+            format!("N·L is {cosine:.3}, not above {}: the dark side", cel::THRESHOLD)
+        }
+        Some(cosine) => {
             format!("N·L is {cosine:.3}: it faces away from the light, and light.ambient is {ambient}")
         }
-        (_, None) => format!("it receives no light, and light.ambient is {ambient}"),
+        None => format!("it receives no light, and light.ambient is {ambient}"),
     }
 }
 
@@ -110,7 +114,7 @@ fn product(scene: &Scene, settings: &Settings, instance: &Instance, shading: &Sh
         let [r, g, b, _] = texel.color;
         format!("texel {r} {g} {b}")
     }));
-    if settings.shading != Shading::Texture {
+    if settings.shading.is_lit() {
         factors.extend(shading.light.map(|light| format!("light {light:.3}")));
     }
     format!("a product of dark factors: {}", factors.join(" × "))
@@ -118,10 +122,10 @@ fn product(scene: &Scene, settings: &Settings, instance: &Instance, shading: &Sh
 
 /// Explains a black pixel in a shading mode that shows a quantity as a colour.
 fn number_shown(settings: &Settings, visible: &FragmentRecord) -> String {
-    match settings.shading {
-        Shading::Depth => format!("Black: the shading shows depth, which is {} here.", visible.depth),
-        _ => "Black: the shading shows a quantity as a colour, and here it is close to 0.".to_owned(),
+    if settings.shading.reads(Input::Depth) {
+        return format!("Black: the shading shows depth, which is {} here.", visible.depth);
     }
+    "Black: the shading shows a quantity as a colour, and here it is close to 0.".to_owned()
 }
 
 /// Formats a colour as its three components in parentheses, rounded to three decimals.

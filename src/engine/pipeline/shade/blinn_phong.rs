@@ -40,6 +40,21 @@ impl Viewpoint {
     }
 }
 
+/// Source of the directions from the fragments of a draw towards the eye.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EyeDirections<'a> {
+    pub(crate) eye: Viewpoint,
+    pub(crate) mesh: PlacedMesh<'a>,
+}
+
+impl EyeDirections<'_> {
+    /// Returns the world-space unit vector from a fragment towards the eye.
+    pub(crate) fn at(&self, fragment: &Fragment) -> Vec3 {
+        let position = self.mesh.position(fragment).unwrap_or_default();
+        unit_or(self.eye.vector_from(position).as_dvec3(), Vec3::ZERO)
+    }
+}
+
 /// Inputs for computing the specular highlights of a draw.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Highlight<'a> {
@@ -47,15 +62,13 @@ pub(crate) struct Highlight<'a> {
     pub(crate) specular: Vec3,
     /// Specular exponent Ns.
     pub(crate) shininess: f32,
-    pub(crate) eye: Viewpoint,
-    pub(crate) mesh: PlacedMesh<'a>,
+    pub(crate) eye: EyeDirections<'a>,
 }
 
 impl Highlight<'_> {
     /// Returns the world-space unit vector from a fragment towards the eye.
     pub(crate) fn eye_direction(&self, fragment: &Fragment) -> Vec3 {
-        let position = self.mesh.position(fragment).unwrap_or_default();
-        unit_or(self.eye.vector_from(position).as_dvec3(), Vec3::ZERO)
+        self.eye.at(fragment)
     }
 
     /// Returns the half vector H: the unit vector halfway between the directions to the light and to the eye; zero if

@@ -15,8 +15,9 @@ use crate::math::prefetch::prefetch;
 use crate::math::{unit_or, unit_or_lanes};
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::plan::{DrawPlan, PipelinePart};
-use crate::pipeline::settings::{Settings, Shading};
+use crate::pipeline::settings::Settings;
 use crate::pipeline::shade::to_working_space;
+use crate::pipeline::shading::{Input, lambert};
 use crate::pipeline::vertex::{ClipVertex, DrawMatrices, Varyings};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Mesh, TriangleId};
@@ -235,7 +236,10 @@ pub(super) fn transform(
     let total = draws.last().map_or(0, |draw| draw.first_vertex + draw.mesh.positions.len());
     let needs = |part| if draws.iter().any(|draw| draw.plan.runs(part)) { total } else { 0 };
     arrays.vertices.resize(total, PackedVertex::default());
-    let normals = if settings.shading == Shading::Gouraud { 0 } else { needs(PipelinePart::Normals) };
+    let lights_vertices = settings.shading.reads(Input::VertexLight);
+    // Normals that only the light of the vertices reads are not stored.
+    let stores_normals = !lights_vertices || settings.shading.reads(Input::Normal);
+    let normals = if stores_normals { needs(PipelinePart::Normals) } else { 0 };
     arrays.surfaces.resize(normals.max(needs(PipelinePart::VertexColors)), PackedSurface::default());
     arrays.outcodes.resize(needs(PipelinePart::Clipping), Outcode::default());
 
@@ -245,6 +249,7 @@ pub(super) fn transform(
         scale: *scale,
         widening,
         light_direction: unit_or(settings.light.direction.as_dvec3(), Vec3::Y),
+        lights_vertices,
     };
     let outside: Vec<(usize, bool)> = batches(draws, arrays)
         .into_par_iter()
@@ -294,6 +299,8 @@ struct TransformContext<'a> {
     scale: DepthScale,
     widening: f32,
     light_direction: Vec3,
+    /// Whether light is computed at the vertices.
+    lights_vertices: bool,
 }
 
 /// Mesh data of eight vertices. Attributes that the draw does not read are `None`.
@@ -446,8 +453,10 @@ impl TransformContext<'_> {
             let turned =
                 each!(row in [0, 1, 2] => widen(simd, x * columns[0][row] + y * columns[1][row] + z * columns[2][row]));
             normal = unit_or_lanes(simd, turned, Vec3::ZERO);
-            if self.settings.shading == Shading::Gouraud {
-                light = lambert_lanes(normal, self.light_direction, self.settings.light.ambient);
+            if self.lights_vertices {
+                let direction = self.light_direction.to_array();
+                let direction = each!(axis in [0, 1, 2] => F32::splat(simd, direction[axis]));
+                light = lambert(&normal, &direction, F32::splat(simd, self.settings.light.ambient));
             }
         }
         let mut uv = F64::splat(simd, 0.0);
@@ -479,19 +488,6 @@ fn clip_positions<S: Simd>(simd: S, draw: &InstanceDraw<'_>, positions: &[Vec3; 
     let [x, y, z] = split(simd, positions);
     let columns = draw.matrices.clip_from_model.to_cols_array_2d();
     each!(row in [0, 1, 2, 3] => x * columns[0][row] + y * columns[1][row] + z * columns[2][row] + columns[3][row])
-}
-
-/// Computes the light intensity for one unit normal per lane, like [`lambert`].
-///
-/// [`lambert`]: crate::pipeline::shade::lambert
-#[inline(always)]
-pub(super) fn lambert_lanes<S: Simd, V: SimdFloat<S> + SimdBase<S, Element = f32>>(
-    [x, y, z]: [V; 3],
-    direction: Vec3,
-    ambient: f32,
-) -> V {
-    let cosine = x * direction.x + y * direction.y + z * direction.z;
-    cosine.max(0.0) * (1.0 - ambient) + ambient
 }
 
 /// Splits eight vectors into their x, y and z components.

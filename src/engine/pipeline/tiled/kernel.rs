@@ -3,11 +3,8 @@
 //! The arithmetic is the same as in [`crate::pipeline::interpolate`] and [`crate::pipeline::shade`], operation by
 //! operation. Shading modes without a SIMD kernel call those functions themselves.
 
-use glam::Vec3;
-
 use super::TiledFrame;
 use super::gather::Taps;
-use super::geometry::lambert_lanes;
 use super::lattice::{BLOCK, TILE, TileLattice};
 use super::mipmap::CoarseTaps;
 use super::queue::{Queue, QueuedPair, QueuedRow, make_room};
@@ -19,6 +16,7 @@ use crate::image::Rgba8;
 use crate::math::lanes::*;
 use crate::pipeline::interpolate::interpolate;
 use crate::pipeline::raster::RasterSample;
+use crate::pipeline::shading::LightInputs;
 use crate::pipeline::viewport::ScreenTriangle;
 
 /// Rectangle of samples in a tile: rows of a block, or of several adjacent blocks.
@@ -395,14 +393,19 @@ pub(super) fn interpolate_pair<S: Simd>(
     (pair, taps): (&mut QueuedPair, (&mut Taps, Option<&mut CoarseTaps>)),
 ) {
     let of_corners = weights.of_corners;
+    let zero = f32x16::splat(simd, 0.0);
+    let inputs = LaneInputs { simd, shader, normal: [zero; 3], vertex_light: zero };
     match plan.light {
         LightSource::None => {}
-        LightSource::Vertices => source.light(simd).at(of_corners).store_array(&mut pair.light),
+        LightSource::Vertices => {
+            let inputs = LaneInputs { vertex_light: source.light(simd).at(of_corners), ..inputs };
+            plan.shading.light(&inputs).store_array(&mut pair.light);
+        }
         LightSource::Normals => {
             let normal = source.normal(simd);
             let normal = each!(axis in [0, 1, 2] => normal[axis].at(of_corners));
-            let ambient = shader.shader.settings.light.ambient;
-            lambert(simd, normal, shader.shader.light_direction, ambient).store_array(&mut pair.light);
+            let inputs = LaneInputs { normal: unit(simd, normal), ..inputs };
+            plan.shading.light(&inputs).store_array(&mut pair.light);
         }
     }
     if plan.colored {
@@ -416,12 +419,54 @@ pub(super) fn interpolate_pair<S: Simd>(
     locate_texels(simd, shader, plan, source, weights, taps);
 }
 
-/// Computes Lambertian light for normals that need not have unit length. Normals of length zero get only ambient light.
+/// Normalises vectors; those of length zero remain zero.
 #[inline(always)]
-fn lambert<S: Simd>(simd: S, normal: [f32x16<S>; 3], direction: Vec3, ambient: f32) -> f32x16<S> {
-    let [x, y, z] = normal;
+fn unit<S: Simd>(simd: S, [x, y, z]: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
     let reciprocal = f32x16::splat(simd, 1.0) / (x * x + y * y + z * z).sqrt();
     let has_length = reciprocal.is_finite() & reciprocal.simd_gt(0.0);
-    let unit = each!(component in [x, y, z] => has_length.select(component * reciprocal, f32x16::splat(simd, 0.0)));
-    lambert_lanes(unit, direction, ambient)
+    each!(component in [x, y, z] => has_length.select(component * reciprocal, f32x16::splat(simd, 0.0)))
+}
+
+/// Inputs of the light at sixteen samples.
+#[derive(Clone, Copy)]
+struct LaneInputs<'a, S: Simd> {
+    simd: S,
+    shader: &'a DrawShader<'a>,
+    normal: [f32x16<S>; 3],
+    vertex_light: f32x16<S>,
+}
+
+impl<S: Simd> LightInputs for LaneInputs<'_, S> {
+    type Number = f32x16<S>;
+
+    #[inline(always)]
+    fn constant(&self, value: f32) -> f32x16<S> {
+        f32x16::splat(self.simd, value)
+    }
+
+    #[inline(always)]
+    fn normal(&self) -> [f32x16<S>; 3] {
+        self.normal
+    }
+
+    #[inline(always)]
+    fn vertex_light(&self) -> f32x16<S> {
+        self.vertex_light
+    }
+
+    #[inline(always)]
+    fn light_direction(&self) -> [f32x16<S>; 3] {
+        let direction = self.shader.shader.light_direction.to_array();
+        each!(axis in [0, 1, 2] => f32x16::splat(self.simd, direction[axis]))
+    }
+
+    #[inline(always)]
+    fn ambient(&self) -> f32x16<S> {
+        f32x16::splat(self.simd, self.shader.shader.settings.light.ambient)
+    }
+
+    #[inline(always)]
+    fn dark_factor(&self) -> f32x16<S> {
+        f32x16::splat(self.simd, self.shader.shader.dark_factor())
+    }
 }

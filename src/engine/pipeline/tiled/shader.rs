@@ -7,6 +7,7 @@ use glam::Vec3;
 use super::texture::{Layout, TextureReader};
 use crate::pipeline::settings::{ColorSpace, Shading, TexelFilter};
 use crate::pipeline::shade::Shader;
+use crate::pipeline::shading::Input;
 use crate::scene::{Texture, Transparency};
 
 /// Shading features of a draw, which select its SIMD kernel.
@@ -16,6 +17,7 @@ pub(super) struct ShadingPlan {
     pub(super) texture: Option<Layout>,
     /// Whether the texture is mip-mapped, so that texels of two mip levels are read.
     pub(super) mipmapped: bool,
+    pub(super) shading: Shading,
     pub(super) light: LightSource,
     /// Whether the diffuse colour of the material differs from white.
     pub(super) tinted: bool,
@@ -37,11 +39,25 @@ pub(super) enum LightSource {
     Normals,
 }
 
+impl LightSource {
+    /// Returns the source of a shading's light.
+    fn of(shading: Shading) -> Self {
+        if shading.reads(Input::VertexLight) {
+            Self::Vertices
+        } else if shading.reads(Input::LightDirection) {
+            Self::Normals
+        } else {
+            Self::None
+        }
+    }
+}
+
 impl ShadingPlan {
     /// Most common shading plan, for which there is a specialised kernel without branches.
     pub(super) const COMMON: Self = Self {
         texture: Some(Layout::PowerOfTwoQuads),
         mipmapped: false,
+        shading: Shading::Gouraud,
         light: LightSource::Vertices,
         tinted: false,
         colored: false,
@@ -71,22 +87,15 @@ impl<'a> DrawShader<'a> {
     /// Creates the shading state of a draw. `texture` is the texture of its material.
     pub(super) fn new(shader: Shader<'a>, texture: Option<&'a Texture>, divides_by_w: bool) -> Self {
         let settings = shader.settings;
-        // Blinn–Phong without a highlight equals Lambert.
-        let has_lanes =
-            matches!(settings.shading, Shading::Texture | Shading::Gouraud | Shading::Lambert | Shading::BlinnPhong);
-        let on_lanes = has_lanes && shader.fits_lanes();
+        let on_lanes = settings.shading.fits_lanes() && shader.fits_lanes();
         let texture = texture
             .filter(|_| on_lanes && shader.texture.is_some())
             .map(|texture| TextureReader::new(texture, shader.sampler(), settings));
-        let light = match settings.shading {
-            Shading::Gouraud => LightSource::Vertices,
-            Shading::Lambert | Shading::BlinnPhong => LightSource::Normals,
-            _ => LightSource::None,
-        };
         let plan = ShadingPlan {
             texture: texture.map(|texture: TextureReader<'_>| texture.layout),
             mipmapped: texture.is_some() && settings.filter.reads_mip_levels(),
-            light,
+            shading: settings.shading,
+            light: LightSource::of(settings.shading),
             tinted: shader.diffuse != Vec3::ONE,
             colored: shader.attributes().color,
             space: settings.color_space,

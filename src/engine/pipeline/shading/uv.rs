@@ -1,0 +1,22 @@
+//! Texture coordinates as a colour.
+
+use super::{Input, Inputs, Label, SceneData, ShadingFacts, SurfaceInputs};
+use crate::math::real::Real as _;
+
+pub(super) const FACTS: ShadingFacts = ShadingFacts {
+    label: Label {
+        id: "uv",
+        name: "Texture coordinates",
+        help: "Fractional part of u as red, of v as green.",
+        synonyms: &[],
+    },
+    reads: Inputs::of(&[Input::Uv]),
+    requires: Some(SceneData::TextureCoordinates),
+    is_color: false,
+};
+
+#[inline(always)]
+pub(super) fn color<I: SurfaceInputs>(at: &I) -> [I::Number; 3] {
+    let [u, v] = at.uv().map(|coordinate| coordinate.clone() - coordinate.floor());
+    [u, v, at.constant(0.0)]
+}
