@@ -16,6 +16,7 @@ mod blinn_phong;
 pub(crate) mod cel;
 mod checker;
 mod depth;
+mod facing_ratio;
 mod gouraud;
 mod lambert;
 mod normals;
@@ -119,6 +120,7 @@ shadings! {
     Cel = material cel;
     Checker = quantity checker;
     Normals = quantity normals;
+    FacingRatio = quantity facing_ratio;
     Uv = quantity uv;
     Barycentric = quantity barycentric;
     Depth = quantity depth;
