@@ -8,9 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use super::background::Background;
 pub use super::choice::{Choice, choice};
-use super::depth::DepthEncoding;
+pub use super::depth::DepthFormat;
 pub use super::shading::{SceneData, Shading};
-use crate::scene::DepthMapping;
 
 choice! {
     /// Execution strategy of the pipeline. All alternatives give the same picture, bit for bit, but differ in speed.
@@ -142,29 +141,6 @@ choice! {
         Greater = "greater", "Greater",
             "The farther fragment wins: shows the back of the scene. The buffer is cleared to the near plane.";
         Always = "always", "Always", "Every fragment and its depth are written.";
-    }
-}
-
-choice! {
-    /// Format of the stored depths.
-    pub DepthFormat {
-        F32 = "f32", "f32",
-            "z/w as a float, 0 at the near plane and 1 at the far plane. Most of its precision lies close to the near \
-             plane.";
-        ReversedF32 = "reversed-f32", "Reversed f32",
-            "z/w as a float, 1 near and 0 far: floats are finest where perspective is coarsest, so distant surfaces \
-             z-fight less.";
-        ReversedInfinite = "reversed-infinite", "Reversed, infinite far",
-            "Reversed f32 with an infinite far plane: nothing is too far to be drawn. In orthographic views it is the \
-             same as reversed f32.";
-        Unorm24 = "unorm24", "unorm24",
-            "z/w in 24-bit steps, 0 near and 1 far, as on GPUs: in perspective nearly all steps lie close to the near \
-             plane.";
-        Unorm16 = "unorm16", "unorm16",
-            "z/w in 16-bit steps, 0 near and 1 far: surfaces z-fight wherever they are close together.";
-        WBuffer = "w-buffer", "w-buffer",
-            "Linear distance as a float, 0 at the near plane and 1 at the far plane: its steps are finest at the near \
-             plane and at most 2⁻²³ of the distance from it.";
     }
 }
 
@@ -411,27 +387,6 @@ impl Default for Settings {
             background: Background::Scene,
             force: DisabledOptimisation::Nothing,
             exact_ids: false,
-        }
-    }
-}
-
-impl DepthFormat {
-    /// Returns the mapping from distance along the view direction to stored depth.
-    pub fn mapping(self) -> DepthMapping {
-        match self {
-            Self::F32 | Self::Unorm24 | Self::Unorm16 => DepthMapping::Standard,
-            Self::ReversedF32 => DepthMapping::Reversed,
-            Self::ReversedInfinite => DepthMapping::ReversedInfinite,
-            Self::WBuffer => DepthMapping::Linear,
-        }
-    }
-
-    /// Returns the number format of stored depths.
-    pub fn encoding(self) -> DepthEncoding {
-        match self {
-            Self::F32 | Self::ReversedF32 | Self::ReversedInfinite | Self::WBuffer => DepthEncoding::F32,
-            Self::Unorm24 => DepthEncoding::Unorm24,
-            Self::Unorm16 => DepthEncoding::Unorm16,
         }
     }
 }

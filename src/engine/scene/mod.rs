@@ -49,7 +49,7 @@ pub use camera::Camera;
 pub use camera::Projection;
 pub use camera::SubView;
 pub use camera_path::{CameraPath, KeyView};
-pub use depth_mapping::DepthMapping;
+pub use depth_mapping::{DepthCurve, DepthMapping};
 pub use error::SceneError;
 pub use error::Warning;
 pub use first_view::UpAxis;
