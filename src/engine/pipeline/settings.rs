@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::background::Background;
 pub use super::choice::{Choice, choice};
 pub use super::depth::DepthFormat;
+pub use super::raster::{Arithmetic, FillRule, Rasterizer};
 pub use super::shading::{SceneData, Shading};
 
 choice! {
@@ -50,84 +51,6 @@ choice! {
         None = "none", "None", "Front-facing and back-facing triangles are drawn.";
         Back = "back", "Back", "Back-facing triangles are culled: in a closed mesh they are always hidden.";
         Front = "front", "Front", "Front-facing triangles are culled: shows the inside of closed meshes.";
-    }
-}
-
-choice! {
-    /// Algorithm that finds the samples inside a triangle. All except the two "as published" find the same samples, up
-    /// to the rounding errors of floats, but with different amounts of work.
-    pub Rasterizer {
-        BoundingBox = "bounding-box", "Bounding box",
-            "Tests every pixel in the bounding box of a triangle against the three edges: the simplest algorithm.";
-        Scanline = "scanline", "Scanline",
-            "Splits the triangle at its middle vertex; computes the first and last pixel inside on each row, and \
-             visits only those between.";
-        EdgeWalk = "edge-walk", "Edge walk",
-            "Walks down the longest edge and, on each row, from that edge towards the other two until it leaves the \
-             triangle.";
-        ActiveEdge = "active-edge", "Active edge list",
-            "Steps edges from row to row by their slope, and fills each row between the two active edges.";
-        Tiled = "tiled", "Tiled",
-            "Accepts or rejects squares of 64 × 64 and 8 × 8 pixels as a whole; tests single pixels only in squares \
-             that an edge crosses.";
-        BoundingBoxPublished = "bounding-box-published", "Bounding box (as published)",
-            "Wrong on purpose: samples at pixel corners, shared edges drawn twice, clockwise triangles not drawn.";
-        ScanlinePublished = "scanline-published", "Scanline (as published)",
-            "Wrong on purpose: rounds the vertex where it splits the triangle, starts rows at a vertex instead of at \
-             the row's centre, and draws both ends of a row.";
-    }
-}
-
-impl Rasterizer {
-    /// Returns the rasterizers that have no deliberate faults.
-    pub fn correct() -> impl Iterator<Item = Self> {
-        Self::ALL.iter().copied().filter(|rasterizer| !rasterizer.is_published())
-    }
-
-    /// Returns whether the rasterizer deliberately reproduces the faults of a commonly published version.
-    pub(crate) fn is_published(self) -> bool {
-        matches!(self, Self::BoundingBoxPublished | Self::ScanlinePublished)
-    }
-}
-
-choice! {
-    /// Arithmetic in which edge functions are computed to decide coverage.
-    pub Arithmetic {
-        Fixed = "fixed", "24.8 fixed point",
-            "Vertices are snapped to 1/256 px; from there on, everything is exact integer arithmetic, as in hardware.";
-        F32 = "f32", "f32",
-            "Single-precision floats on unsnapped vertices: a pixel centre close to an edge may fall on the wrong \
-             side.";
-        F64 = "f64", "f64",
-            "Double-precision floats on unsnapped vertices: wrong only where numbers differ by many orders of \
-             magnitude.";
-        Exact = "exact", "Exact",
-            "Unsnapped vertices, with every decision exact by adaptive predicates: the ground truth, but slower.";
-    }
-}
-
-choice! {
-    /// Fill rule: decides whether a triangle owns a pixel centre that lies exactly on one of its edges.
-    pub FillRule {
-        TopLeft = "top-left", "Top-left",
-            "A pixel centre on an edge belongs to the triangle for which it is a top or left edge. Shared edges are \
-             drawn exactly once.";
-        TopRight = "top-right", "Top-right", "The top-left rule mirrored in x. Also draws shared edges exactly once.";
-        BottomLeft = "bottom-left", "Bottom-left",
-            "The top-left rule mirrored in y, as in APIs whose y axis points up. Also draws shared edges exactly once.";
-        BottomRight = "bottom-right", "Bottom-right",
-            "The top-left rule mirrored in x and y. Also draws shared edges exactly once.";
-        Inclusive = "inclusive", "Inclusive",
-            "Every pixel centre on an edge is drawn. Wrong on purpose: shared edges are drawn twice.";
-        Exclusive = "exclusive", "Exclusive",
-            "No pixel centre on an edge is drawn. Wrong on purpose: shared edges leave cracks.";
-    }
-}
-
-impl FillRule {
-    /// Returns whether exactly one of two triangles that share an edge owns a pixel centre on that edge.
-    pub(crate) fn draws_shared_edges_once(self) -> bool {
-        !matches!(self, Self::Inclusive | Self::Exclusive)
     }
 }
 
