@@ -163,7 +163,7 @@ fn fan(polygon: &[Corner], first: usize) -> impl Iterator<Item = [Corner; 3]> {
 /// Replaces each triangle that is not wholly inside the frustum by the triangles that `change` returns.
 fn change_triangles(setup: &mut Setup, change: impl Fn(&[Corner]) -> Vec<[Corner; 3]>) {
     let aspect = setup.camera.sub_view.map_or(setup.viewport.aspect(), |view| view.aspect);
-    let clip_from_world = setup.camera.clip_from_world_f64(aspect, DepthMapping::Standard);
+    let clip_from_world = setup.camera.clip_from_world_f64(aspect, DepthMapping::STANDARD);
     let scene = edit(&mut setup.scene);
     for instance in &mut scene.instances {
         let clip_from_model = clip_from_world * instance.world_from_model.as_dmat4();

@@ -128,7 +128,7 @@ fn clip_corners(
 ) -> Option<[DVec4; 3]> {
     let instance = scene.instances.get(instance)?;
     let positions = &scene.library.mesh(instance.mesh).positions;
-    let clip_from_world = camera.clip_from_world_f64(viewport.aspect(), DepthMapping::Standard);
+    let clip_from_world = camera.clip_from_world_f64(viewport.aspect(), DepthMapping::STANDARD);
     let clip_from_model: DMat4 = clip_from_world * instance.world_from_model.as_dmat4();
     let corner = |index: u32| positions.get(index as usize).map(|position| position.as_dvec3().extend(1.0));
     let [a, b, c] = corners.map(corner);

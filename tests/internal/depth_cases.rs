@@ -25,10 +25,10 @@ struct Figures {
 
 fn mapping(case: &Value) -> DepthMapping {
     match case["mapping"].as_str() {
-        Some("standard") => DepthMapping::Standard,
-        Some("reversed") => DepthMapping::Reversed,
-        Some("reversed_inf") => DepthMapping::ReversedInfinite,
-        Some("linear") => DepthMapping::Linear,
+        Some("standard") => DepthMapping::STANDARD,
+        Some("reversed") => DepthMapping::REVERSED,
+        Some("reversed_inf") => DepthMapping::REVERSED_INFINITE,
+        Some("linear") => DepthMapping::LINEAR,
         other => panic!("no such mapping: {other:?}"),
     }
 }
@@ -143,14 +143,14 @@ fn close_surfaces_tie_as_often_as_theory_says() {
             let expected = expected_ties(step(encoding), PLANES, gap);
             // Five standard deviations of a share of 200 000 pairs.
             let margin = 5.0 * (expected * (1.0 - expected) / 200_000.0).sqrt();
-            let ties = share(DepthMapping::Standard, encoding, gap);
+            let ties = share(DepthMapping::STANDARD, encoding, gap);
             assert!(
                 (ties - expected).abs() < margin,
                 "{encoding:?}, gap {gap:e}: {ties}, expected {expected} ± {margin}"
             );
         }
         // A relative difference of `gap` is many steps of a float, whose relative steps are at most 2⁻²³.
-        for mapping in [DepthMapping::Reversed, DepthMapping::ReversedInfinite, DepthMapping::Linear] {
+        for mapping in [DepthMapping::REVERSED, DepthMapping::REVERSED_INFINITE, DepthMapping::LINEAR] {
             assert_eq!(share(mapping, DepthEncoding::F32, gap), 0.0, "{mapping:?}");
         }
     }

@@ -131,7 +131,7 @@ fn in_double_precision(corners: [DVec4; 3]) -> Option<f64> {
 fn expected_rejections(scene: &Scene, culling: Culling) -> Vec<Option<TriangleFate>> {
     let aspect = SIZE.0 as f32 / SIZE.1 as f32;
     let clip_from_world =
-        scene.home.clip_from_view(aspect, DepthMapping::Standard).as_dmat4() * scene.home.view_from_world_f64();
+        scene.home.clip_from_view(aspect, DepthMapping::STANDARD).as_dmat4() * scene.home.view_from_world_f64();
     let of_instance = |instance: &rasterscope::scene::Instance| {
         let mesh = scene.library.mesh(instance.mesh);
         let clip_from_model = clip_from_world * instance.world_from_model.as_dmat4();

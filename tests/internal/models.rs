@@ -153,7 +153,7 @@ fn opacity_is_read_from_d_wherever_tr_stands() {
 fn the_first_view_contains_the_whole_model() {
     let others = ["box.obj", "vase.obj", "star.obj", "crates.obj"].map(|name| load(&own(name)));
     for loaded in load_both("corridor.obj", "armadillo/armadillo.obj").chain(others) {
-        let clip_from_world = loaded.scene.home.clip_from_world(1.0, DepthMapping::Standard);
+        let clip_from_world = loaded.scene.home.clip_from_world(1.0, DepthMapping::STANDARD);
         for corner in loaded.scene.bounds().corners() {
             let clip = clip_from_world * corner.extend(1.0);
             assert!(clip.x.abs() <= clip.w && clip.y.abs() <= clip.w && (0.0..=clip.w).contains(&clip.z), "{clip}");

@@ -23,6 +23,6 @@ pub(crate) fn sound(loaded: &Loaded) -> Result<(), String> {
             return Err("extent or texture coordinates are not finite".to_owned());
         }
     }
-    let matrix = scene.home.clip_from_world_f64(1.5, DepthMapping::Standard);
+    let matrix = scene.home.clip_from_world_f64(1.5, DepthMapping::STANDARD);
     if matrix.is_finite() { Ok(()) } else { Err("the first view is not finite".to_owned()) }
 }

@@ -14,7 +14,7 @@ use rasterscope::image::{Image, Rgba8};
 use rasterscope::measure::difference::Difference;
 use rasterscope::measure::reference::Reference;
 use rasterscope::pipeline::depth::{DepthEncoding, DepthScale};
-use rasterscope::pipeline::settings::{self, Choice};
+use rasterscope::pipeline::settings::{self, Choice, DepthFormat};
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::{DepthMapping, Scene, builtin};
 use rasterscope::upscale::{Anchor, FilterSpace, UpscaleInputs, Upscaling};
@@ -230,7 +230,7 @@ const CLAIMS: &[Claim] = &[
         proof: Proof::Test("src/engine/chain/tests.rs", "accumulation_comes_to_the_mean_of_its_samples"),
     },
     Claim {
-        source: "src/engine/pipeline/settings.rs",
+        source: "src/engine/pipeline/raster/arithmetic.rs",
         words: "the ground truth, but slower",
         proof: Proof::Command("diff chess --set execution=classic --set arithmetic=exact --against arithmetic=fixed"),
     },
@@ -248,7 +248,7 @@ const CLAIMS: &[Claim] = &[
         ),
     },
     Claim {
-        source: "src/engine/pipeline/settings.rs",
+        source: "src/engine/pipeline/depth/format.rs",
         words: "at most 2⁻²³ of the distance from it",
         proof: Proof::Test(
             "tests/internal/properties/depth.rs",
@@ -256,17 +256,17 @@ const CLAIMS: &[Claim] = &[
         ),
     },
     Claim {
-        source: "src/engine/pipeline/settings.rs",
+        source: "src/engine/pipeline/depth/format.rs",
         words: "floats are finest where perspective is coarsest, so distant surfaces z-fight less",
         proof: Proof::Test("tests/internal/depth_cases.rs", "close_surfaces_tie_as_often_as_theory_says"),
     },
     Claim {
-        source: "src/engine/pipeline/settings.rs",
+        source: "src/engine/pipeline/depth/format.rs",
         words: "in perspective nearly all steps lie close to the near plane",
         proof: Proof::Here(nearly_all_steps_lie_near),
     },
     Claim {
-        source: "src/engine/pipeline/settings.rs",
+        source: "src/engine/pipeline/raster/fill_rule.rs",
         words: "Shared edges are drawn exactly once.",
         proof: Proof::Test(
             "tests/internal/properties/coverage.rs",
@@ -274,7 +274,7 @@ const CLAIMS: &[Claim] = &[
         ),
     },
     Claim {
-        source: "src/engine/pipeline/settings.rs",
+        source: "src/engine/pipeline/raster/fill_rule.rs",
         words: "shared edges are drawn twice",
         proof: Proof::Test("src/engine/lab/tests.rs", "a_shared_side_is_drawn_once_by_sound_rules_and_not_by_others"),
     },
@@ -513,7 +513,7 @@ fn the_converged_reference_has_all_samples() {
 }
 
 fn nearly_all_steps_lie_near() {
-    let scale = DepthScale::perspective(DepthMapping::Standard, DepthEncoding::Unorm24, 0.1, 1e4);
+    let scale = DepthScale::perspective(DepthMapping::STANDARD, DepthEncoding::Unorm24, 0.1, 1e4);
     // At ten times the near plane 90 % of the steps are used, at a hundred times 99 %.
     for (distance, share) in [(1.0, 0.9), (10.0, 0.99)] {
         assert!((f64::from(scale.stored(distance)) - share).abs() < 1e-3, "{distance}");
@@ -652,14 +652,8 @@ fn depths_tie_as_often_as_the_table_says() {
     const PLANES: [f64; 2] = [0.1, 1e4];
     let [near, far] = [PLANES[0], PLANES[1] / (1.0 + GAP)];
     let chapter = read("assets/manual/13-conventions.md");
-    for (format, mapping, encoding) in [
-        ("f32", DepthMapping::Standard, DepthEncoding::F32),
-        ("reversed-f32", DepthMapping::Reversed, DepthEncoding::F32),
-        ("reversed-infinite", DepthMapping::ReversedInfinite, DepthEncoding::F32),
-        ("unorm24", DepthMapping::Standard, DepthEncoding::Unorm24),
-        ("unorm16", DepthMapping::Standard, DepthEncoding::Unorm16),
-        ("w-buffer", DepthMapping::Linear, DepthEncoding::F32),
-    ] {
+    for format in DepthFormat::ALL {
+        let (mapping, encoding, format) = (format.mapping(), format.encoding(), format.id());
         let scale = DepthScale::perspective(mapping, encoding, PLANES[0] as f32, PLANES[1] as f32);
         let found = [ties(&scale, |t| near * (far / near).powf(t)), ties(&scale, |t| near + (far - near) * t)];
         let row = chapter.lines().find(|line| line.starts_with(&format!("| `{format}` | ")) && line.ends_with("% |"));

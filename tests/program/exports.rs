@@ -5,8 +5,10 @@ use std::process::{Command, Output};
 
 use rasterscope::chain::{Frame, Recipe, Renderer};
 use rasterscope::image::picture::{Picture, Sample};
+use rasterscope::inspect::buffers::BufferChannels;
 use rasterscope::inspect::view::{Value, value};
 use rasterscope::inspect::{Buffer, capture, inspect};
+use rasterscope::pipeline::settings::Choice as _;
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::{Scene, SceneSource};
 use std::sync::Arc;
@@ -82,36 +84,35 @@ fn buffers_in_a_file_are_bit_for_bit_those_of_the_inspector() {
             let shown = |buffer| value(buffer, &frame, Some(&buffers), x, y);
             let bits = |name: &str| float(&picture, name, pixel).to_bits();
             let none = |name: &str| float(&picture, name, pixel).is_nan();
-            for (channel, name) in ["R", "G", "B"].into_iter().enumerate() {
-                let expected = linear(frame.image().at(x, y)[channel]);
-                assert!((f64::from(float(&picture, name, pixel)) - expected).abs() < 1e-6, "{name} {pixel:?}");
-            }
-            assert_eq!(float(&picture, "A", pixel), 1.0);
-            match shown(Buffer::Depth) {
-                Value::Number(depth) => assert_eq!(bits("Z"), depth.to_bits(), "{pixel:?}"),
-                _ => assert!(none("Z"), "{pixel:?}"),
-            }
-            for (buffer, name) in [(Buffer::Lambda, "lambda"), (Buffer::PerspectiveLambda, "weight")] {
-                let names = ["0", "1", "2"].map(|corner| format!("{name}.{corner}"));
-                match shown(buffer) {
-                    Value::Weights(weights) => {
-                        assert_eq!(names.each_ref().map(|name| bits(name)), weights.map(f32::to_bits), "{pixel:?}");
+            for buffer in Buffer::ALL.iter().filter(|buffer| !buffer.is_motion()) {
+                match (buffer.channels(), shown(*buffer)) {
+                    (BufferChannels::Color([red, green, blue, alpha]), _) => {
+                        for (channel, name) in [red, green, blue].into_iter().enumerate() {
+                            let expected = linear(frame.image().at(x, y)[channel]);
+                            assert!(
+                                (f64::from(float(&picture, name, pixel)) - expected).abs() < 1e-6,
+                                "{name} {pixel:?}"
+                            );
+                        }
+                        assert_eq!(float(&picture, alpha, pixel), 1.0);
                     }
-                    _ => assert!(names.iter().all(|name| none(name)), "{pixel:?}"),
+                    (BufferChannels::Number(name), Value::Number(number)) => {
+                        assert_eq!(bits(name), number.to_bits(), "{name} {pixel:?}");
+                    }
+                    (BufferChannels::Number(name), _) => assert!(none(name), "{name} {pixel:?}"),
+                    (BufferChannels::Weights(names), Value::Weights(weights)) => {
+                        assert_eq!(names.map(bits), weights.map(f32::to_bits), "{names:?} {pixel:?}");
+                    }
+                    (BufferChannels::Weights(names), _) => assert!(names.into_iter().all(none), "{names:?} {pixel:?}"),
+                    (BufferChannels::Count(name) | BufferChannels::Triangle(name), value) => {
+                        let count = match value {
+                            Value::Count(count) => count,
+                            Value::Triangle(id) => id.0,
+                            _ => u32::MAX,
+                        };
+                        assert_eq!(integer(&picture, name, pixel), count, "{name} {pixel:?}");
+                    }
                 }
-            }
-            let count = |value| match value {
-                Value::Count(count) => count,
-                Value::Triangle(id) => id.0,
-                _ => u32::MAX,
-            };
-            for (buffer, name) in [
-                (Buffer::TriangleId, "id.triangle"),
-                (Buffer::Overdraw, "overdraw"),
-                (Buffer::Shaded, "shaded"),
-                (Buffer::Hits, "hits"),
-            ] {
-                assert_eq!(integer(&picture, name, pixel), count(shown(buffer)), "{name} {pixel:?}");
             }
         }
     }

@@ -70,10 +70,10 @@ impl Depth {
     /// Returns the values that the depth buffer stores for the view depths.
     pub(super) fn answer(&self, control: &Control<'_>) -> Result<DepthAnswer, Unanswered> {
         let mapping = match self.mapping {
-            Mapping::Standard => DepthMapping::Standard,
-            Mapping::Reversed => DepthMapping::Reversed,
-            Mapping::ReversedInf => DepthMapping::ReversedInfinite,
-            Mapping::Linear => DepthMapping::Linear,
+            Mapping::Standard => DepthMapping::STANDARD,
+            Mapping::Reversed => DepthMapping::REVERSED,
+            Mapping::ReversedInf => DepthMapping::REVERSED_INFINITE,
+            Mapping::Linear => DepthMapping::LINEAR,
             Mapping::StandardInf => {
                 let reason = "`standard_inf` is not supported: no depth format stores an infinitely far plane as 1";
                 return Err(Refusal(reason.to_owned()).into());

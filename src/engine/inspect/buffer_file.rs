@@ -7,7 +7,7 @@ use std::io;
 
 use glam::{DMat4, DVec3, Vec2, Vec3};
 
-use super::buffers::{Buffer, Buffers};
+use super::buffers::{Buffer, BufferChannels, Buffers};
 use super::intermediate::inv_w_at;
 use super::view::{self, Value};
 use crate::chain::{Frame, Recipe, redraw};
@@ -18,6 +18,7 @@ use crate::pipeline::LastStage;
 use crate::pipeline::interpolate::{AttributeSelection, Fragment, interpolate};
 use crate::pipeline::observe::Observer;
 use crate::pipeline::plan::PipelinePart;
+use crate::pipeline::settings::Choice as _;
 use crate::pipeline::shade::{PlacedMesh, Shader};
 use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::Scene;
@@ -49,33 +50,18 @@ impl BufferSource<'_> {
     /// Returns all buffers as channels of a picture.
     fn picture(&self) -> Picture {
         let buffers = super::capture(self.scene, self.recipe, self.frame);
-        let buffers = buffers.completed_for(Buffer::Hits, self.scene, self.recipe, self.frame);
-        let buffers = buffers.completed_for(Buffer::ReprojectionError, self.scene, self.recipe, self.frame);
+        let complete =
+            |buffers: Buffers, buffer: &Buffer| buffers.completed_for(*buffer, self.scene, self.recipe, self.frame);
+        let buffers = Buffer::ALL.iter().fold(buffers, complete);
         let mut surfaces = Surfaces::new(self);
         redraw(self.scene, self.recipe, self.frame, LastStage::Shade, &mut surfaces);
         let surfaces = surfaces.samples;
         let mut channels = Channels { frame: self.frame, buffers: &buffers, surfaces: &surfaces, list: Vec::new() };
-        let linear = &Tables::get().linear_of_code;
-        for (name, channel) in ["R", "G", "B"].into_iter().zip(0..) {
-            channels.color(name, |codes| linear[usize::from(codes[channel])]);
+        let is_in_motion = self.frame.before.is_some();
+        for buffer in Buffer::ALL.iter().filter(|buffer| is_in_motion || !buffer.is_motion()) {
+            channels.buffer(*buffer);
         }
-        channels.color("A", |[.., alpha]| f32::from(alpha) / 255.0);
-        channels.number("Z", Buffer::Depth);
-        for corner in 0..3 {
-            channels.weight(&format!("lambda.{corner}"), Buffer::Lambda, corner);
-            channels.weight(&format!("weight.{corner}"), Buffer::PerspectiveLambda, corner);
-        }
-        channels.count("id.triangle", Buffer::TriangleId);
-        channels.count("overdraw", Buffer::Overdraw);
-        channels.count("shaded", Buffer::Shaded);
-        channels.count("hits", Buffer::Hits);
-        if self.frame.before.is_some() {
-            channels.number("motion.X", Buffer::MotionX);
-            channels.number("motion.Y", Buffer::MotionY);
-            channels.count("disocclusion", Buffer::Disocclusion);
-            channels.number("previous.X", Buffer::PreviousX);
-            channels.number("previous.Y", Buffer::PreviousY);
-            channels.number("reprojection.error", Buffer::ReprojectionError);
+        if is_in_motion {
             for (name, jitter) in ["jitter.X", "jitter.Y"].into_iter().zip(self.frame.jitter_px(self.recipe)) {
                 channels.floats(name, |_, _| Some(jitter as f32));
             }
@@ -135,6 +121,26 @@ impl Channels<'_> {
         self.add(name, Samples::U32(values.into_pixels()));
     }
 
+    /// Adds the channels of a buffer.
+    fn buffer(&mut self, buffer: Buffer) {
+        let linear = &Tables::get().linear_of_code;
+        match buffer.channels() {
+            BufferChannels::Color([red, green, blue, alpha]) => {
+                for (name, channel) in [red, green, blue].into_iter().zip(0..) {
+                    self.color(name, buffer, |codes| linear[usize::from(codes[channel])]);
+                }
+                self.color(alpha, buffer, |[.., alpha]| f32::from(alpha) / 255.0);
+            }
+            BufferChannels::Number(name) => self.number(name, buffer),
+            BufferChannels::Count(name) | BufferChannels::Triangle(name) => self.count(name, buffer),
+            BufferChannels::Weights(names) => {
+                for (corner, name) in names.into_iter().enumerate() {
+                    self.weight(name, buffer, corner);
+                }
+            }
+        }
+    }
+
     /// Adds a channel of the values of a buffer that the inspector shows.
     fn value(&mut self, name: &str, buffer: Buffer, of: impl Fn(Value) -> Option<f32>) {
         let (frame, buffers) = (self.frame, self.buffers);
@@ -148,8 +154,8 @@ impl Channels<'_> {
         });
     }
 
-    fn color(&mut self, name: &str, of: impl Fn(Rgba8) -> f32) {
-        self.value(name, Buffer::Color, |value| match value {
+    fn color(&mut self, name: &str, buffer: Buffer, of: impl Fn(Rgba8) -> f32) {
+        self.value(name, buffer, |value| match value {
             Value::Color(codes) => Some(of(codes)),
             _ => None,
         });

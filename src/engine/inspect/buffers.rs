@@ -1,186 +1,389 @@
-//! Quantities of a frame as images: the winning triangle of each sample, its weights, overdraw and shading counts.
-//!
-//! An observer collects these quantities while the frame is drawn again; normal drawing has no overhead.
+//! Quantities of a frame as images. Each declares its names, the function that returns its values, their range, and the
+//! channels of files that hold them.
 
-use super::hits::Hits;
-use super::reprojection::errors;
-use crate::chain::{Frame, MotionBuffers, Recipe, redraw};
-use crate::image::{Image, Rgba8};
-use crate::pipeline::LastStage;
-use crate::pipeline::interpolate::{Fragment, affine_weights};
-use crate::pipeline::observe::Observer;
-use crate::pipeline::raster::RasterSample;
-use crate::pipeline::settings::{Choice, choice};
-use crate::pipeline::viewport::ScreenTriangle;
-use crate::scene::seams::Seams;
+use super::recording::BufferOrigin;
+pub use super::recording::{Buffers, capture};
+use super::reprojection::previous_position_px;
+use super::value::{Range, Value};
+use crate::chain::{Frame, MotionBuffers, Recipe};
+use crate::image::Image;
+use crate::pipeline::choice::{Label, registry};
 use crate::scene::{Scene, TriangleId};
 
-choice! {
+registry! {
     /// A quantity that can be displayed instead of the colour.
-    pub Buffer {
-        Color = "color", "Colour", "The finished picture.", also ["final", "color buffer", "framebuffer"];
-        Depth = "depth", "Depth", "The depth buffer at the end of the frame.", also ["zbuffer", "z-buffer", "depth buffer"];
-        TriangleId = "triangle-id", "Triangle id", "The triangle that won each sample, one colour per triangle.";
-        Lambda = "lambda", "Barycentric: linear", "Screen-space weights of the winning triangle: λ0 red, λ1 green, λ2 blue.";
-        PerspectiveLambda = "perspective-lambda", "Barycentric: perspective-correct", "Weights of attributes in the winning triangle; equal to the linear ones if interpolation is affine.";
-        Overdraw = "overdraw", "Overdraw",
-            "Number of triangles that cover each sample, whether or not they pass the depth test.",
-            also ["heatmap", "fill rate"];
-        Shaded = "shaded", "Times shaded", "Number of times each sample was shaded: work that the depth test did not save.";
-        MotionX = "motion-x", "Motion: x",
-            "Position of the surface in the preceding frame minus its position now, in px to the right. Exact: from the transforms of both frames.",
-            also ["motion vector", "velocity", "optical flow"];
-        MotionY = "motion-y", "Motion: y",
-            "Position of the surface in the preceding frame minus its position now, in px downwards.",
-            also ["motion vector", "velocity", "optical flow"];
-        Disocclusion = "disocclusion", "Disocclusion",
-            "1 where the preceding frame does not show the surface: it was hidden, outside the picture or behind the eye.";
-        PreviousX = "previous-x", "Previous position: x",
-            "Position of the surface in the preceding frame, in px of that frame from the left.", also ["reprojection"];
-        PreviousY = "previous-y", "Previous position: y",
-            "Position of the surface in the preceding frame, in px of that frame from the top.", also ["reprojection"];
-        ReprojectionError = "reprojection-error", "Reprojection error",
-            "Largest difference of a channel, in sRGB codes, from the colour at the previous position. Both frames are drawn without history, anti-aliasing and post filter.",
-            also ["motion vector", "ghosting"];
-        Hits = "hits", "Hit count", "Number of triangles that cover each sample, without depth test. Cracks along shared edges are blue, double hits orange.";
+    pub Buffer: BufferFacts {
+        Color = COLOR;
+        Depth = DEPTH;
+        TriangleId = TRIANGLE_ID;
+        Lambda = LAMBDA;
+        PerspectiveLambda = PERSPECTIVE_LAMBDA;
+        Overdraw = OVERDRAW;
+        Shaded = SHADED;
+        MotionX = MOTION_X;
+        MotionY = MOTION_Y;
+        Disocclusion = DISOCCLUSION;
+        PreviousX = PREVIOUS_X;
+        PreviousY = PREVIOUS_Y;
+        ReprojectionError = REPROJECTION_ERROR;
+        Hits = HITS;
     }
 }
 
-/// All displayable quantities of one frame, in the packed layout of its framebuffer.
-#[derive(Clone, Debug)]
-pub struct Buffers {
-    /// Triangle shaded last at each sample, or [`TriangleId::NONE`]. Among blended triangles, this is normally the
-    /// nearest.
-    pub triangle: Image<TriangleId>,
-    /// Screen-space barycentric weights of the winning triangle at each sample, for corners 0, 1 and 2.
-    pub lambda: Image<[f32; 3]>,
-    /// Weights used to interpolate the attributes of the winning triangle at each sample.
-    pub perspective_lambda: Image<[f32; 3]>,
-    /// Whether a depth was stored at each sample; blended triangles store none.
-    pub depth_stored: Image<bool>,
-    /// Number of triangles that cover each sample, whether or not they pass the depth test.
-    pub overdraw: Image<u32>,
-    /// Number of times that each sample was shaded.
-    pub shaded: Image<u32>,
-    /// Motion since the preceding frame; `None` until it is displayed, or if there is none.
-    pub motion: Option<MotionBuffers>,
-    /// Difference from the colour at the position in the preceding frame, in sRGB codes, of every rasterized pixel; NaN
-    /// outside that frame. `None` until it is displayed, or if there is no motion.
-    pub reprojection_error: Option<Image<f32>>,
-    /// Hit counts, cracks and double hits; `None` until [`Buffer::Hits`] is displayed.
-    pub hits: Option<Hits>,
+/// Facts that a buffer declares about itself.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BufferFacts {
+    pub(crate) label: Label,
+    pub(crate) origin: BufferOrigin,
+    /// Kind of the values, and the channels of OpenEXR files that hold them.
+    pub(crate) channels: BufferChannels,
+    /// Default colour map of numbers.
+    pub(crate) map: BufferMap,
+    /// Function that returns the value at a sample, or `None` if there is none.
+    pub(crate) value: fn(&SampleContext<'_>) -> Option<Value>,
+    /// Function that returns the range of the colour map, or `None` if there is none.
+    pub(crate) range: fn(&Frame, Option<&Buffers>) -> Option<Range>,
 }
 
-/// Draws the frame again and records all quantities except the hits and the motion.
-///
-/// # Examples
-/// ```
-/// # use rasterscope_engine::chain::{Recipe, run};
-/// # use rasterscope_engine::pipeline::viewport::Viewport;
-/// # use rasterscope_engine::scene::builtin;
-/// #
-/// # let scene = builtin::by_id("interpenetrating").unwrap().build();
-/// # let (recipe, viewport) = (Recipe::default(), Viewport { width: 64, height: 36 });
-/// # let frame = run(&scene, &scene.home, &recipe, viewport, &mut ());
-/// use rasterscope_engine::inspect::capture;
-/// use rasterscope_engine::scene::TriangleId;
-///
-/// let buffers = capture(&scene, &recipe, &frame);
-/// assert_eq!(buffers.overdraw.at(32, 18), 2);
-/// assert_eq!(buffers.triangle.at(32, 18), TriangleId(1));
-/// assert_eq!(buffers.triangle.at(0, 0), TriangleId::NONE);
-///
-/// let [a, b, c] = buffers.lambda.at(32, 18);
-/// assert!((a + b + c - 1.0).abs() < 1e-5);
-/// ```
-pub fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Buffers {
-    let (width, height) = frame.drawn.color.size();
-    let mut buffers = Buffers {
-        triangle: Image::filled(width, height, TriangleId::NONE),
-        lambda: Image::filled(width, height, [0.0; 3]),
-        perspective_lambda: Image::filled(width, height, [0.0; 3]),
-        depth_stored: Image::filled(width, height, false),
-        overdraw: Image::filled(width, height, 0),
-        shaded: Image::filled(width, height, 0),
-        motion: None,
-        reprojection_error: None,
-        hits: None,
-    };
-    redraw(scene, recipe, frame, LastStage::Shade, &mut buffers);
-    buffers
+/// Kind of the values of a buffer, with the names of their channels in OpenEXR files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BufferChannels {
+    /// [`Value::Color`]: red, green, blue and alpha.
+    Color([&'static str; 4]),
+    /// [`Value::Number`].
+    Number(&'static str),
+    /// [`Value::Count`].
+    Count(&'static str),
+    /// [`Value::Weights`]: one channel per corner.
+    Weights([&'static str; 3]),
+    /// [`Value::Triangle`].
+    Triangle(&'static str),
 }
+
+/// Default colour map of the numbers of a buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum BufferMap {
+    /// From dark blue over green to yellow.
+    Magnitude,
+    /// Grey, for buffers in which colours mark faults.
+    Grey,
+    /// White in the middle of the range.
+    Diverging,
+}
+
+/// Sample whose value is read.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SampleContext<'a> {
+    pub(crate) frame: &'a Frame,
+    pub(crate) buffers: Option<&'a Buffers>,
+    /// Column in the framebuffer of the frame.
+    pub(crate) column: u32,
+    /// Row in the framebuffer of the frame.
+    pub(crate) row: u32,
+}
+
+impl<'a> SampleContext<'a> {
+    /// Returns the triangle that won the sample, with the buffers; `None` if none did.
+    fn winner(&self) -> Option<(TriangleId, &'a Buffers)> {
+        let buffers = self.buffers?;
+        let triangle = buffers.triangle.at(self.column, self.row);
+        (triangle != TriangleId::NONE).then_some((triangle, buffers))
+    }
+
+    /// Returns the count of an image of counts.
+    fn count(&self, counts: impl Fn(&'a Buffers) -> Option<&'a Image<u32>>) -> Option<Value> {
+        Some(Value::Count(counts(self.buffers?)?.at(self.column, self.row)))
+    }
+
+    /// Returns the pixel of the rasterized picture.
+    fn pixel(&self) -> (u32, u32) {
+        self.frame.drawn.grid.pixel(self.column, self.row)
+    }
+
+    /// Returns a number that is computed from the motion at the pixel.
+    fn moved(&self, number: impl Fn(&MotionBuffers, (u32, u32)) -> f32) -> Option<Value> {
+        Some(Value::Number(number(self.buffers?.motion.as_ref()?, self.pixel())))
+    }
+
+    /// Returns the stored depth; `None` if no fragment stored its depth. Without buffers, the depth is compared with the
+    /// clear depth, so a fragment at exactly that depth is not detected.
+    fn depth(&self) -> Option<f32> {
+        let stored = self.frame.drawn.depth.as_ref()?.at(self.column, self.row);
+        let drawn = match self.buffers {
+            Some(buffers) => buffers.depth_stored.at(self.column, self.row),
+            None => stored != self.frame.drawn.clear_depth,
+        };
+        drawn.then_some(stored)
+    }
+}
+
+/// Returns the range from 0 to the greatest of the finite numbers.
+fn from_zero(numbers: impl Iterator<Item = f32>) -> Option<Range> {
+    Range::fit(numbers).map(|range| Range { low: 0.0, ..range })
+}
+
+/// Returns the range from 0 to the greatest count.
+fn of_counts(counts: &Image<u32>) -> Option<Range> {
+    from_zero(counts.pixels().iter().map(|count| *count as f32))
+}
+
+/// Returns the range of one axis of the motion, symmetrical around 0.
+fn of_motion(frame: &Frame, buffers: Option<&Buffers>, axis: usize) -> Option<Range> {
+    let motion = buffers?.motion.as_ref()?;
+    let (width, height) = (frame.raster.width, frame.raster.height);
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let lengths = pixels.map(|(x, y)| motion.vector_px(x, y)[axis].abs()).filter(|length| length.is_finite());
+    let most = lengths.fold(0.0, f32::max);
+    Some(Range { low: -most, high: most })
+}
+
+/// Returns the range from 0 to `high` if there is motion.
+fn with_motion(buffers: Option<&Buffers>, high: f32) -> Option<Range> {
+    buffers?.motion.as_ref().map(|_| Range { low: 0.0, high })
+}
+
+const COLOR: BufferFacts = BufferFacts {
+    label: Label {
+        id: "color",
+        name: "Colour",
+        help: "The finished picture.",
+        synonyms: &["final", "color buffer", "framebuffer"],
+    },
+    origin: BufferOrigin::Picture,
+    channels: BufferChannels::Color(["R", "G", "B", "A"]),
+    map: BufferMap::Magnitude,
+    value: |at| {
+        let (x, y) = at.pixel();
+        at.frame.image().get(x, y).map(Value::Color)
+    },
+    range: |_, _| None,
+};
+
+const DEPTH: BufferFacts = BufferFacts {
+    label: Label {
+        id: "depth",
+        name: "Depth",
+        help: "The depth buffer at the end of the frame.",
+        synonyms: &["zbuffer", "z-buffer", "depth buffer"],
+    },
+    origin: BufferOrigin::DepthBuffer,
+    channels: BufferChannels::Number("Z"),
+    map: BufferMap::Magnitude,
+    value: |at| at.depth().map(Value::Number),
+    range: |frame, buffers| {
+        let (width, height) = frame.drawn.color.size();
+        let samples = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
+        Range::fit(samples.filter_map(|(column, row)| SampleContext { frame, buffers, column, row }.depth()))
+    },
+};
+
+const TRIANGLE_ID: BufferFacts = BufferFacts {
+    label: Label {
+        id: "triangle-id",
+        name: "Triangle id",
+        help: "The triangle that won each sample, one colour per triangle.",
+        synonyms: &[],
+    },
+    origin: BufferOrigin::Drawing,
+    channels: BufferChannels::Triangle("id.triangle"),
+    map: BufferMap::Magnitude,
+    value: |at| at.winner().map(|(triangle, _)| Value::Triangle(triangle)),
+    range: |_, _| None,
+};
+
+const LAMBDA: BufferFacts = BufferFacts {
+    label: Label {
+        id: "lambda",
+        name: "Barycentric: linear",
+        help: "Screen-space weights of the winning triangle: λ0 red, λ1 green, λ2 blue.",
+        synonyms: &[],
+    },
+    origin: BufferOrigin::Drawing,
+    channels: BufferChannels::Weights(["lambda.0", "lambda.1", "lambda.2"]),
+    map: BufferMap::Magnitude,
+    value: |at| at.winner().map(|(_, buffers)| Value::Weights(buffers.lambda.at(at.column, at.row))),
+    range: |_, _| None,
+};
+
+const PERSPECTIVE_LAMBDA: BufferFacts = BufferFacts {
+    label: Label {
+        id: "perspective-lambda",
+        name: "Barycentric: perspective-correct",
+        help: "Weights of attributes in the winning triangle; equal to the linear ones if interpolation is affine.",
+        synonyms: &[],
+    },
+    channels: BufferChannels::Weights(["weight.0", "weight.1", "weight.2"]),
+    value: |at| at.winner().map(|(_, buffers)| Value::Weights(buffers.perspective_lambda.at(at.column, at.row))),
+    ..LAMBDA
+};
+
+const OVERDRAW: BufferFacts = BufferFacts {
+    label: Label {
+        id: "overdraw",
+        name: "Overdraw",
+        help: "Number of triangles that cover each sample, whether or not they pass the depth test.",
+        synonyms: &["heatmap", "fill rate"],
+    },
+    origin: BufferOrigin::Drawing,
+    channels: BufferChannels::Count("overdraw"),
+    map: BufferMap::Magnitude,
+    value: |at| at.count(|buffers| Some(&buffers.overdraw)),
+    range: |_, buffers| of_counts(&buffers?.overdraw),
+};
+
+const SHADED: BufferFacts = BufferFacts {
+    label: Label {
+        id: "shaded",
+        name: "Times shaded",
+        help: "Number of times each sample was shaded: work that the depth test did not save.",
+        synonyms: &[],
+    },
+    origin: BufferOrigin::Drawing,
+    channels: BufferChannels::Count("shaded"),
+    map: BufferMap::Magnitude,
+    value: |at| at.count(|buffers| Some(&buffers.shaded)),
+    range: |_, buffers| of_counts(&buffers?.shaded),
+};
+
+const MOTION_X: BufferFacts = BufferFacts {
+    label: Label {
+        id: "motion-x",
+        name: "Motion: x",
+        help: "Position of the surface in the preceding frame minus its position now, in px to the right. Exact: from \
+               the transforms of both frames.",
+        synonyms: &["motion vector", "velocity", "optical flow"],
+    },
+    origin: BufferOrigin::Motion,
+    channels: BufferChannels::Number("motion.X"),
+    map: BufferMap::Diverging,
+    value: |at| at.moved(|motion, (x, y)| motion.vector_px(x, y)[0]),
+    range: |frame, buffers| of_motion(frame, buffers, 0),
+};
+
+const MOTION_Y: BufferFacts = BufferFacts {
+    label: Label {
+        id: "motion-y",
+        name: "Motion: y",
+        help: "Position of the surface in the preceding frame minus its position now, in px downwards.",
+        synonyms: &["motion vector", "velocity", "optical flow"],
+    },
+    origin: BufferOrigin::Motion,
+    channels: BufferChannels::Number("motion.Y"),
+    map: BufferMap::Diverging,
+    value: |at| at.moved(|motion, (x, y)| motion.vector_px(x, y)[1]),
+    range: |frame, buffers| of_motion(frame, buffers, 1),
+};
+
+const DISOCCLUSION: BufferFacts = BufferFacts {
+    label: Label {
+        id: "disocclusion",
+        name: "Disocclusion",
+        help: "1 where the preceding frame does not show the surface: it was hidden, outside the picture or behind the \
+               eye.",
+        synonyms: &[],
+    },
+    origin: BufferOrigin::Motion,
+    channels: BufferChannels::Count("disocclusion"),
+    map: BufferMap::Magnitude,
+    value: |at| {
+        let (x, y) = at.pixel();
+        Some(Value::Count(at.buffers?.motion.as_ref()?.is_disoccluded(x, y).into()))
+    },
+    range: |_, buffers| with_motion(buffers, 1.0),
+};
+
+const PREVIOUS_X: BufferFacts = BufferFacts {
+    label: Label {
+        id: "previous-x",
+        name: "Previous position: x",
+        help: "Position of the surface in the preceding frame, in px of that frame from the left.",
+        synonyms: &["reprojection"],
+    },
+    origin: BufferOrigin::Motion,
+    channels: BufferChannels::Number("previous.X"),
+    map: BufferMap::Magnitude,
+    value: |at| at.moved(|motion, pixel| previous_position_px(motion, pixel)[0]),
+    range: |frame, buffers| with_motion(buffers, frame.raster.width as f32),
+};
+
+const PREVIOUS_Y: BufferFacts = BufferFacts {
+    label: Label {
+        id: "previous-y",
+        name: "Previous position: y",
+        help: "Position of the surface in the preceding frame, in px of that frame from the top.",
+        synonyms: &["reprojection"],
+    },
+    origin: BufferOrigin::Motion,
+    channels: BufferChannels::Number("previous.Y"),
+    map: BufferMap::Magnitude,
+    value: |at| at.moved(|motion, pixel| previous_position_px(motion, pixel)[1]),
+    range: |frame, buffers| with_motion(buffers, frame.raster.height as f32),
+};
+
+const REPROJECTION_ERROR: BufferFacts = BufferFacts {
+    label: Label {
+        id: "reprojection-error",
+        name: "Reprojection error",
+        help: "Largest difference of a channel, in sRGB codes, from the colour at the previous position. Both frames \
+               are drawn without history, anti-aliasing and post filter.",
+        synonyms: &["motion vector", "ghosting"],
+    },
+    origin: BufferOrigin::Reprojection,
+    channels: BufferChannels::Number("reprojection.error"),
+    map: BufferMap::Magnitude,
+    value: |at| {
+        let (x, y) = at.pixel();
+        let error = at.buffers?.reprojection_error.as_ref()?.at(x, y);
+        (!error.is_nan()).then_some(Value::Number(error))
+    },
+    range: |_, buffers| from_zero(buffers?.reprojection_error.as_ref()?.pixels().iter().copied()),
+};
+
+const HITS: BufferFacts = BufferFacts {
+    label: Label {
+        id: "hits",
+        name: "Hit count",
+        help: "Number of triangles that cover each sample, without depth test. Cracks along shared edges are blue, \
+               double hits orange.",
+        synonyms: &[],
+    },
+    origin: BufferOrigin::Hits,
+    channels: BufferChannels::Count("hits"),
+    map: BufferMap::Grey,
+    value: |at| at.count(|buffers| Some(&buffers.hits.as_ref()?.counts)),
+    range: |frame, buffers| {
+        let hits = buffers?.hits.as_ref()?;
+        let mut counts = hits.counts.map(|count| count as f32);
+        // Samples with faults have their own colours, so their counts are excluded. High counts there would leave few
+        // greys for the other samples.
+        for (column, row) in hits.faults.iter().filter_map(|fault| frame.drawn.grid.sample_at(fault.x, fault.y)) {
+            counts.set(column, row, f32::NAN);
+        }
+        from_zero(counts.pixels().iter().copied())
+    },
+};
 
 impl Buffer {
+    /// Returns the kind of the values, and the channels of OpenEXR files that hold them.
+    pub fn channels(self) -> BufferChannels {
+        self.facts().channels
+    }
+
     /// Whether the buffer needs the motion since the preceding frame.
-    pub(super) fn is_motion(self) -> bool {
-        matches!(
-            self,
-            Self::MotionX
-                | Self::MotionY
-                | Self::Disocclusion
-                | Self::PreviousX
-                | Self::PreviousY
-                | Self::ReprojectionError
-        )
+    pub fn is_motion(self) -> bool {
+        matches!(self.facts().origin, BufferOrigin::Motion | BufferOrigin::Reprojection)
     }
 }
 
 impl Buffers {
     /// Whether [`Self::completed_for`] has nothing to add for a buffer.
     pub fn is_complete_for(&self, buffer: Buffer, frame: &Frame) -> bool {
-        match buffer {
-            Buffer::Hits => self.hits.is_some(),
-            _ if frame.before.is_none() => true,
-            Buffer::ReprojectionError => self.reprojection_error.is_some(),
-            _ => self.motion.is_some() || !buffer.is_motion(),
-        }
+        self.has(buffer.facts().origin, frame)
     }
 
     /// Adds the hits or the motion if `buffer` shows them and they are missing; [`capture`] does not record them.
     pub fn completed_for(self, buffer: Buffer, scene: &Scene, recipe: &Recipe, frame: &Frame) -> Self {
-        match buffer {
-            _ if self.is_complete_for(buffer, frame) => self,
-            Buffer::Hits => Self { hits: Some(Hits::of(frame, &recipe.pipeline)), ..self },
-            _ => {
-                let motion = self.motion.or_else(|| frame.motion(scene, recipe));
-                let reprojection_error = match (&motion, buffer) {
-                    (Some(motion), Buffer::ReprojectionError) => errors(scene, recipe, frame, motion),
-                    _ => self.reprojection_error,
-                };
-                Self { motion, reprojection_error, ..self }
-            }
-        }
-    }
-}
-
-impl Buffers {
-    /// Whether hits were counted, but the cracks and double hits along open seams are still missing.
-    pub fn misses_seams(&self) -> bool {
-        self.hits.as_ref().is_some_and(|hits| hits.mesh.is_none())
-    }
-
-    /// Adds the cracks and double hits along the open seams of the scene, if hits were counted.
-    pub fn with_seams(self, scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seams) -> Self {
-        Self { hits: self.hits.map(|hits| hits.with_seams(scene, recipe, frame, seams)), ..self }
-    }
-}
-
-impl Observer for Buffers {
-    fn covered(&mut self, _triangle: &ScreenTriangle, sample: &RasterSample) {
-        let count = self.overdraw.at(sample.column, sample.row);
-        self.overdraw.set(sample.column, sample.row, count + 1);
-    }
-
-    fn depth_stored(&mut self, _triangle: &ScreenTriangle, sample: &RasterSample) {
-        self.depth_stored.set(sample.column, sample.row, true);
-    }
-
-    fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, _color: Rgba8) {
-        let (column, row) = (fragment.sample.column, fragment.sample.row);
-        self.triangle.set(column, row, triangle.id);
-        self.lambda.set(column, row, affine_weights(triangle, &fragment.sample));
-        self.perspective_lambda.set(column, row, fragment.weights);
-        let count = self.shaded.at(column, row);
-        self.shaded.set(column, row, count + 1);
+        let origin = buffer.facts().origin;
+        if self.has(origin, frame) { self } else { self.with(origin, scene, recipe, frame) }
     }
 }

@@ -4,7 +4,7 @@ mod text;
 
 use serde::{Deserialize, Serialize};
 
-use super::buffers::{Buffer, Buffers};
+use super::buffers::{Buffer, BufferChannels, Buffers};
 use super::range::{RangeFit, Rule, channels};
 use super::stages::NOT_DRAWN;
 use super::view::{self, Range, Value, fault_color};
@@ -91,11 +91,11 @@ pub enum ValueKind {
 impl ValueKind {
     /// Returns the kind of a buffer's values.
     pub fn of(buffer: Buffer) -> Self {
-        match buffer {
-            Buffer::Color => Self::Colors,
-            Buffer::Lambda | Buffer::PerspectiveLambda => Self::Weights,
-            Buffer::TriangleId => Self::Names,
-            _ => Self::Numbers,
+        match buffer.channels() {
+            BufferChannels::Color(_) => Self::Colors,
+            BufferChannels::Weights(_) => Self::Weights,
+            BufferChannels::Triangle(_) => Self::Names,
+            BufferChannels::Number(_) | BufferChannels::Count(_) => Self::Numbers,
         }
     }
 

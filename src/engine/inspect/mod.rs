@@ -58,6 +58,8 @@ pub mod project;
 
 pub mod range;
 
+mod recording;
+
 pub mod remedy;
 
 mod reprojection;
@@ -73,6 +75,8 @@ pub mod statistics;
 pub mod temporal;
 
 pub mod trace;
+
+mod value;
 
 mod verdict;
 

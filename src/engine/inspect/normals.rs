@@ -47,7 +47,7 @@ pub(crate) struct Projector {
 impl Projector {
     /// Creates the projection of a camera to a picture of this size, in pixels.
     pub(crate) fn new(camera: &Camera, viewport: Viewport) -> Self {
-        Self { clip_from_world: camera.clip_from_world_f64(viewport.aspect(), DepthMapping::Standard), viewport }
+        Self { clip_from_world: camera.clip_from_world_f64(viewport.aspect(), DepthMapping::STANDARD), viewport }
     }
 
     /// Projects a line segment from world space and returns its endpoints in px; `None` if no part of it lies between
@@ -183,7 +183,7 @@ mod tests {
         scene.instances.truncate(1);
         // Non-uniform scale: normals transform by the inverse transpose.
         scene.instances[0].world_from_model *= Mat4::from_scale(Vec3::new(1.0, 0.3, 2.0));
-        let clip_from_world = scene.home.clip_from_world(VIEW.aspect(), DepthMapping::Standard);
+        let clip_from_world = scene.home.clip_from_world(VIEW.aspect(), DepthMapping::STANDARD);
         let px = |at: Vec3| VIEW.pixels_from_ndc(clip_from_world.project_point3(at));
         let place = scene.instances[0].world_from_model;
         let mesh = scene.library.mesh(scene.instances[0].mesh);

@@ -138,8 +138,7 @@ impl Remedy {
 fn candidates(report: &PixelReport, recipe: &Recipe, camera: &Camera) -> Vec<Vec<Remedy>> {
     let settings = &recipe.pipeline;
     let mut groups = Vec::new();
-    let is_reversed = matches!(settings.depth_format, DepthFormat::ReversedF32 | DepthFormat::ReversedInfinite);
-    if !is_reversed && is_depth_contested(&report.fragments, DepthComparison::of(settings)) {
+    if !settings.reversed() && is_depth_contested(&report.fragments, DepthComparison::of(settings)) {
         groups.push(vec![Remedy::ReversedDepth]);
     }
     let is_absent = |cause| report.absent.iter().any(|absent| absent.cause == cause);

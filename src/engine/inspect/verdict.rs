@@ -281,7 +281,7 @@ mod tests {
     }
 
     fn records(encoding: DepthEncoding, fragments: &[(u32, f32)], stored: Option<f32>) -> Vec<FragmentRecord> {
-        let scale = DepthScale::perspective(DepthMapping::Standard, encoding, 1.0, 2.0);
+        let scale = DepthScale::perspective(DepthMapping::STANDARD, encoding, 1.0, 2.0);
         let depth = |depth: f32| DepthRecord::new(encoding.quantize(depth.into()), &scale);
         let record = |(place, (id, value)): (usize, &(u32, f32))| FragmentRecord {
             triangle: TriangleId(*id),

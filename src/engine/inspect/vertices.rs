@@ -246,7 +246,7 @@ mod tests {
                     Mat4::from_scale_rotation_translation(Vec3::ZERO, Quat::IDENTITY, place);
                 let object = ObjectVertices::new(&scene, &camera, &settings, SIZE, 0).unwrap();
                 let names: Vec<_> = object.stages(0).unwrap().outcode.planes().map(plane_name).collect();
-                let has_far_plane = orthographic || *format != DepthFormat::ReversedInfinite;
+                let has_far_plane = orthographic || format.mapping().has_far_plane();
                 let expected = if has_far_plane || expected == "near" { expected } else { "" };
                 assert_eq!(names.join(" "), expected, "{format:?} {orthographic} {distance}");
             }

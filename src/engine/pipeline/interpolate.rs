@@ -122,9 +122,7 @@ impl AttributeSelection {
             uv: plan.runs(PipelinePart::TextureCoordinates),
             color: plan.runs(PipelinePart::VertexColors),
             light: reads(Input::VertexLight),
-            source_weights: reads(Input::Weights)
-                || reads(Input::EyeDirection)
-                || plan.runs(PipelinePart::Highlight),
+            source_weights: reads(Input::Weights) || reads(Input::EyeDirection) || plan.runs(PipelinePart::Highlight),
             uv_gradient: (settings.filter.reads_mip_levels() && plan.runs(PipelinePart::Texels))
                 .then_some(settings.arithmetic),
         }

@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 
 use super::background::Background;
 pub use super::choice::{Choice, choice};
-use super::depth::DepthEncoding;
+pub use super::depth::DepthFormat;
+pub use super::raster::{Arithmetic, FillRule, Rasterizer};
 pub use super::shading::{SceneData, Shading};
-use crate::scene::DepthMapping;
 
 choice! {
     /// Execution strategy of the pipeline. All alternatives give the same picture, bit for bit, but differ in speed.
@@ -55,84 +55,6 @@ choice! {
 }
 
 choice! {
-    /// Algorithm that finds the samples inside a triangle. All except the two "as published" find the same samples, up
-    /// to the rounding errors of floats, but with different amounts of work.
-    pub Rasterizer {
-        BoundingBox = "bounding-box", "Bounding box",
-            "Tests every pixel in the bounding box of a triangle against the three edges: the simplest algorithm.";
-        Scanline = "scanline", "Scanline",
-            "Splits the triangle at its middle vertex; computes the first and last pixel inside on each row, and \
-             visits only those between.";
-        EdgeWalk = "edge-walk", "Edge walk",
-            "Walks down the longest edge and, on each row, from that edge towards the other two until it leaves the \
-             triangle.";
-        ActiveEdge = "active-edge", "Active edge list",
-            "Steps edges from row to row by their slope, and fills each row between the two active edges.";
-        Tiled = "tiled", "Tiled",
-            "Accepts or rejects squares of 64 × 64 and 8 × 8 pixels as a whole; tests single pixels only in squares \
-             that an edge crosses.";
-        BoundingBoxPublished = "bounding-box-published", "Bounding box (as published)",
-            "Wrong on purpose: samples at pixel corners, shared edges drawn twice, clockwise triangles not drawn.";
-        ScanlinePublished = "scanline-published", "Scanline (as published)",
-            "Wrong on purpose: rounds the vertex where it splits the triangle, starts rows at a vertex instead of at \
-             the row's centre, and draws both ends of a row.";
-    }
-}
-
-impl Rasterizer {
-    /// Returns the rasterizers that have no deliberate faults.
-    pub fn correct() -> impl Iterator<Item = Self> {
-        Self::ALL.iter().copied().filter(|rasterizer| !rasterizer.is_published())
-    }
-
-    /// Returns whether the rasterizer deliberately reproduces the faults of a commonly published version.
-    pub(crate) fn is_published(self) -> bool {
-        matches!(self, Self::BoundingBoxPublished | Self::ScanlinePublished)
-    }
-}
-
-choice! {
-    /// Arithmetic in which edge functions are computed to decide coverage.
-    pub Arithmetic {
-        Fixed = "fixed", "24.8 fixed point",
-            "Vertices are snapped to 1/256 px; from there on, everything is exact integer arithmetic, as in hardware.";
-        F32 = "f32", "f32",
-            "Single-precision floats on unsnapped vertices: a pixel centre close to an edge may fall on the wrong \
-             side.";
-        F64 = "f64", "f64",
-            "Double-precision floats on unsnapped vertices: wrong only where numbers differ by many orders of \
-             magnitude.";
-        Exact = "exact", "Exact",
-            "Unsnapped vertices, with every decision exact by adaptive predicates: the ground truth, but slower.";
-    }
-}
-
-choice! {
-    /// Fill rule: decides whether a triangle owns a pixel centre that lies exactly on one of its edges.
-    pub FillRule {
-        TopLeft = "top-left", "Top-left",
-            "A pixel centre on an edge belongs to the triangle for which it is a top or left edge. Shared edges are \
-             drawn exactly once.";
-        TopRight = "top-right", "Top-right", "The top-left rule mirrored in x. Also draws shared edges exactly once.";
-        BottomLeft = "bottom-left", "Bottom-left",
-            "The top-left rule mirrored in y, as in APIs whose y axis points up. Also draws shared edges exactly once.";
-        BottomRight = "bottom-right", "Bottom-right",
-            "The top-left rule mirrored in x and y. Also draws shared edges exactly once.";
-        Inclusive = "inclusive", "Inclusive",
-            "Every pixel centre on an edge is drawn. Wrong on purpose: shared edges are drawn twice.";
-        Exclusive = "exclusive", "Exclusive",
-            "No pixel centre on an edge is drawn. Wrong on purpose: shared edges leave cracks.";
-    }
-}
-
-impl FillRule {
-    /// Returns whether exactly one of two triangles that share an edge owns a pixel centre on that edge.
-    pub(crate) fn draws_shared_edges_once(self) -> bool {
-        !matches!(self, Self::Inclusive | Self::Exclusive)
-    }
-}
-
-choice! {
     /// Depth test: comparison that a fragment must pass to replace the stored depth. The names refer to standard depth;
     /// reversed depth mirrors the comparison.
     pub DepthTest {
@@ -142,29 +64,6 @@ choice! {
         Greater = "greater", "Greater",
             "The farther fragment wins: shows the back of the scene. The buffer is cleared to the near plane.";
         Always = "always", "Always", "Every fragment and its depth are written.";
-    }
-}
-
-choice! {
-    /// Format of the stored depths.
-    pub DepthFormat {
-        F32 = "f32", "f32",
-            "z/w as a float, 0 at the near plane and 1 at the far plane. Most of its precision lies close to the near \
-             plane.";
-        ReversedF32 = "reversed-f32", "Reversed f32",
-            "z/w as a float, 1 near and 0 far: floats are finest where perspective is coarsest, so distant surfaces \
-             z-fight less.";
-        ReversedInfinite = "reversed-infinite", "Reversed, infinite far",
-            "Reversed f32 with an infinite far plane: nothing is too far to be drawn. In orthographic views it is the \
-             same as reversed f32.";
-        Unorm24 = "unorm24", "unorm24",
-            "z/w in 24-bit steps, 0 near and 1 far, as on GPUs: in perspective nearly all steps lie close to the near \
-             plane.";
-        Unorm16 = "unorm16", "unorm16",
-            "z/w in 16-bit steps, 0 near and 1 far: surfaces z-fight wherever they are close together.";
-        WBuffer = "w-buffer", "w-buffer",
-            "Linear distance as a float, 0 at the near plane and 1 at the far plane: its steps are finest at the near \
-             plane and at most 2⁻²³ of the distance from it.";
     }
 }
 
@@ -411,27 +310,6 @@ impl Default for Settings {
             background: Background::Scene,
             force: DisabledOptimisation::Nothing,
             exact_ids: false,
-        }
-    }
-}
-
-impl DepthFormat {
-    /// Returns the mapping from distance along the view direction to stored depth.
-    pub fn mapping(self) -> DepthMapping {
-        match self {
-            Self::F32 | Self::Unorm24 | Self::Unorm16 => DepthMapping::Standard,
-            Self::ReversedF32 => DepthMapping::Reversed,
-            Self::ReversedInfinite => DepthMapping::ReversedInfinite,
-            Self::WBuffer => DepthMapping::Linear,
-        }
-    }
-
-    /// Returns the number format of stored depths.
-    pub fn encoding(self) -> DepthEncoding {
-        match self {
-            Self::F32 | Self::ReversedF32 | Self::ReversedInfinite | Self::WBuffer => DepthEncoding::F32,
-            Self::Unorm24 => DepthEncoding::Unorm24,
-            Self::Unorm16 => DepthEncoding::Unorm16,
         }
     }
 }

@@ -174,7 +174,7 @@ impl<'a> Transformer<'a> {
         if self.normals {
             varyings.normal = unit_or(self.world_normal(i).as_dvec3(), Vec3::ZERO);
             if self.light {
-                let [normal, light] = [varyings.normal, self.light_direction].map(Vec3::to_array);
+                let [normal, light] = [varyings.normal, self.light_direction].map(|vector| vector.to_array());
                 varyings.light = lambert(&normal, &light, settings.light.ambient);
             }
         }

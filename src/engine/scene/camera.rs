@@ -43,7 +43,7 @@ pub struct Camera {
     /// Distance of the near plane from the eye, in world units; greater than 0.
     pub near: f32,
     /// Distance of the far plane from the eye, in world units; greater than `near`. In perspective,
-    /// [`DepthMapping::ReversedInfinite`] ignores it.
+    /// [`DepthMapping::REVERSED_INFINITE`] ignores it.
     pub far: f32,
     /// Transform from this view to the drawn picture; `None` if the picture shows exactly this view. Not serialized.
     #[serde(skip)]
@@ -189,9 +189,7 @@ impl Camera {
     /// Returns the matrix from view space to clip space, where z/w is the depth of `mapping`. `aspect` is width over
     /// height.
     ///
-    /// In perspective, no matrix gives the depth of [`DepthMapping::Linear`] as z/w. For this mapping, z is used only
-    /// for clipping. It equals the z of the reversed mapping, which f32 represents well at both planes. The standard z
-    /// would round to w if far/near exceeded 2²⁴, and the far plane would be lost.
+    /// In perspective, z/w is the depth of [`DepthMapping::in_clip_space`].
     ///
     /// Entries are computed in f64 and rounded once (Upchurch and Desbrun, "Tightening the Precision of Perspective
     /// Rendering", 2012).
@@ -204,15 +202,14 @@ impl Camera {
                 let scale_y = 1.0 / (f64::from(fov_y) * 0.5).tan();
                 m.x_axis.x = (scale_y / f64::from(aspect)) as f32;
                 m.y_axis.y = scale_y as f32;
-                let z_from_z = match mapping {
-                    DepthMapping::Standard => far / (near - far),
-                    DepthMapping::Reversed | DepthMapping::Linear => near / (far - near),
-                    DepthMapping::ReversedInfinite => 0.0,
-                };
-                let z_from_one = match mapping {
-                    DepthMapping::Standard => near * z_from_z,
-                    DepthMapping::Reversed | DepthMapping::Linear => far * z_from_z,
-                    DepthMapping::ReversedInfinite => near,
+                // w is −z, and z/w is the depth of `mapping`, so clip-space z is that depth times w.
+                let mapping = mapping.in_clip_space();
+                let factor = mapping.factor([near, far]);
+                let [zero, _] = mapping.zero_and_one([near, far]);
+                let [z_from_z, z_from_one] = match mapping {
+                    DepthMapping::REVERSED_INFINITE => [0.0, factor],
+                    DepthMapping { reversed: true, .. } => [factor, zero * factor],
+                    DepthMapping { reversed: false, .. } => [-factor, zero * -factor],
                 };
                 m.z_axis.z = z_from_z as f32;
                 m.w_axis.z = z_from_one as f32;
@@ -222,7 +219,7 @@ impl Camera {
                 let scale_y = 2.0 / f64::from(height);
                 m.x_axis.x = (scale_y / f64::from(aspect)) as f32;
                 m.y_axis.y = scale_y as f32;
-                let (z_at_0, z_at_1) = if mapping.is_reversed() { (far, near) } else { (near, far) };
+                let [z_at_0, z_at_1] = mapping.zero_and_one([near, far]);
                 m.z_axis.z = (1.0 / (z_at_0 - z_at_1)) as f32;
                 m.w_axis.z = (z_at_0 / (z_at_0 - z_at_1)) as f32;
                 m.w_axis.w = 1.0;
@@ -234,7 +231,7 @@ impl Camera {
     /// Whether z = 0 in clip space is the far plane instead of the near plane.
     pub(crate) fn has_zero_at_far(&self, mapping: DepthMapping) -> bool {
         let is_perspective = matches!(self.projection, Projection::Perspective { .. });
-        mapping.is_reversed() || (mapping == DepthMapping::Linear && is_perspective)
+        if is_perspective { mapping.in_clip_space().is_reversed() } else { mapping.is_reversed() }
     }
 
     /// Returns the matrix from world space to clip space. `aspect` is width over height.
@@ -381,7 +378,7 @@ mod tests {
             let camera = Camera::look_at(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO).with_orthographic(orthographic);
             let near = camera.eye + camera.forward() * camera.near;
             let far = camera.eye + camera.forward() * camera.far;
-            for (mapping, ends) in [(DepthMapping::Standard, [0.0, 1.0]), (DepthMapping::Reversed, [1.0, 0.0])] {
+            for (mapping, ends) in [(DepthMapping::STANDARD, [0.0, 1.0]), (DepthMapping::REVERSED, [1.0, 0.0])] {
                 for (point, z) in [near, far].into_iter().zip(ends) {
                     let got = ndc(&camera, mapping, point).z;
                     assert!((got - z).abs() < 1e-5, "{orthographic} {mapping:?}: {got} for {z}");
@@ -393,8 +390,8 @@ mod tests {
     #[test]
     fn right_is_right_and_up_is_up() {
         let camera = Camera::look_at(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO);
-        assert!(ndc(&camera, DepthMapping::Standard, Vec3::X * 0.1).x > 0.0);
-        assert!(ndc(&camera, DepthMapping::Standard, Vec3::Y * 0.1).y > 0.0);
+        assert!(ndc(&camera, DepthMapping::STANDARD, Vec3::X * 0.1).x > 0.0);
+        assert!(ndc(&camera, DepthMapping::STANDARD, Vec3::Y * 0.1).y > 0.0);
     }
 
     #[test]
@@ -403,7 +400,7 @@ mod tests {
             let bounds = Aabb { min: Vec3::splat(-scale), max: Vec3::new(scale, 2.0 * scale, 3.0 * scale) };
             let camera = Camera::fit(bounds, Vec3::new(1.0, 1.0, 1.0));
             for corner in bounds.corners() {
-                let p = ndc(&camera, DepthMapping::Standard, corner);
+                let p = ndc(&camera, DepthMapping::STANDARD, corner);
                 assert!(p.abs().max_element() <= 1.0 && p.z >= 0.0, "{scale}: {p}");
             }
         }
@@ -432,7 +429,7 @@ mod tests {
         for (aspect, orthographic) in [0.05, 0.5, 1.0, 3.0].into_iter().flat_map(|a| [(a, false), (a, true)]) {
             let view = Camera::look_at(Vec3::ONE, Vec3::ZERO).with_orthographic(orthographic).refit(bounds, aspect);
             for corner in bounds.corners() {
-                let clip = view.clip_from_world(aspect, DepthMapping::Standard) * corner.extend(1.0);
+                let clip = view.clip_from_world(aspect, DepthMapping::STANDARD) * corner.extend(1.0);
                 let p = clip.xyz() / clip.w;
                 assert!(p.abs().max_element() <= 1.0 && p.z >= 0.0, "{aspect} {orthographic}: {p}");
             }

@@ -50,7 +50,7 @@ pub use camera::Projection;
 pub use camera::SubView;
 pub(crate) use camera_path::key_views;
 pub use camera_path::{CameraPath, KeyView};
-pub use depth_mapping::DepthMapping;
+pub use depth_mapping::{DepthCurve, DepthMapping};
 pub use error::SceneError;
 pub use error::Warning;
 pub use first_view::UpAxis;

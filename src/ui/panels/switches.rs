@@ -14,7 +14,7 @@ use crate::pipeline::observe::Fate;
 use crate::pipeline::plan::PipelinePart;
 use crate::pipeline::settings::{Choice as _, DepthTest, Execution, MIP_BIAS, SceneData, Shading, TexelFilter};
 use crate::scene::obj::TrMeaning;
-use crate::scene::{Camera, DepthMapping, Projection, SceneFormat, SceneSource, UpAxis, builtin};
+use crate::scene::{Camera, Projection, SceneFormat, SceneSource, UpAxis, builtin};
 use crate::ui::command::Command;
 use crate::ui::engine::{RenderedView, StageFigures};
 use crate::ui::files::FileCommand;
@@ -171,7 +171,7 @@ fn camera(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         }
     }
     let mapping = session.state.recipe.pipeline.depth_format.mapping();
-    planes(ui, &mut camera, mapping == DepthMapping::ReversedInfinite && !orthographic);
+    planes(ui, &mut camera, !mapping.has_far_plane() && !orthographic);
     if camera != session.state.camera {
         commands.push(Command::SetCamera(camera));
     }

@@ -15,16 +15,13 @@ use rasterscope::pipeline::settings::{
 };
 use rasterscope::pipeline::vertex::{DrawMatrices, transform};
 use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
-use rasterscope::scene::{Camera, DepthMapping, Mesh, Scene, TriangleId, builtin};
+use rasterscope::scene::{Camera, DepthCurve, DepthMapping, Mesh, Scene, TriangleId, builtin};
 
 use crate::internal::common::{DEPTH_BIASES, SceneBuilder, covered, cube, for_seeds, in_cube, mesh, render, scenes};
 
 const SIZE: (u32, u32) = (32, 24);
 
 const ENCODINGS: [DepthEncoding; 3] = [DepthEncoding::F32, DepthEncoding::Unorm24, DepthEncoding::Unorm16];
-
-const MAPPINGS: [DepthMapping; 4] =
-    [DepthMapping::Standard, DepthMapping::Reversed, DepthMapping::ReversedInfinite, DepthMapping::Linear];
 
 /// Returns a recipe with this depth format, a depth test that always passes, and no culling.
 fn always(format: DepthFormat) -> Recipe {
@@ -73,12 +70,12 @@ fn the_depth_scale_gives_the_depths_that_the_pipeline_stores() {
 #[test]
 fn no_farther_distance_is_ever_stored_as_nearer() {
     for planes in [[0.1, 1e4], [1e-30, 1e30], [1.0, 1.0_f32.next_up()], [1.0, 1e9], [1e-6, 1e-5], [7.0, 7.5]] {
-        for (mapping, encoding) in MAPPINGS.into_iter().flat_map(|m| ENCODINGS.map(|e| (m, e))) {
+        for (mapping, encoding) in DepthMapping::ALL.into_iter().flat_map(|m| ENCODINGS.map(|e| (m, e))) {
             let scale = DepthScale::perspective(mapping, encoding, planes[0], planes[1]);
             let [near, far] = planes.map(|w| scale.stored(w));
             let ends = if mapping.is_reversed() { [1.0, 0.0] } else { [0.0, 1.0] };
             assert_eq!(near, ends[0], "{mapping:?} {encoding:?}");
-            assert!(far == ends[1] || mapping == DepthMapping::ReversedInfinite, "{mapping:?} {encoding:?}: {far}");
+            assert!(far == ends[1] || !mapping.has_far_plane(), "{mapping:?} {encoding:?}: {far}");
             for_seeds(200, |rng| {
                 // Compares adjacent floats, where an inversion would occur first.
                 let mut w = log_uniform(rng, planes);
@@ -116,13 +113,15 @@ fn the_resolution_is_the_distance_between_two_neighbouring_depths() {
             for orthographic in [false, true] {
                 let camera = Camera { near: planes[0], far: planes[1], ..Camera::look_at(Vec3::ZERO, Vec3::NEG_Z) };
                 let scale = DepthScale::new(*format, &camera.with_orthographic(orthographic));
-                let depth = move |w: f64| match format.mapping() {
-                    mapping if orthographic && mapping.is_reversed() => (f - w) / (f - n),
-                    _ if orthographic => (w - n) / (f - n),
-                    DepthMapping::Standard => f * (w - n) / (w * (f - n)),
-                    DepthMapping::Reversed => n * (f - w) / (w * (f - n)),
-                    DepthMapping::ReversedInfinite => n / w,
-                    DepthMapping::Linear => (w - n) / (f - n),
+                let DepthMapping { curve, reversed } = format.mapping();
+                let curve = if orthographic { DepthCurve::Linear } else { curve };
+                let depth = move |w: f64| match (curve, reversed) {
+                    (DepthCurve::Hyperbolic, false) => f * (w - n) / (w * (f - n)),
+                    (DepthCurve::Hyperbolic, true) => n * (f - w) / (w * (f - n)),
+                    (DepthCurve::HyperbolicInfinite, false) => 1.0 - n / w,
+                    (DepthCurve::HyperbolicInfinite, true) => n / w,
+                    (DepthCurve::Linear, false) => (w - n) / (f - n),
+                    (DepthCurve::Linear, true) => (f - w) / (f - n),
                 };
                 for_seeds(50, |rng| {
                     // Closer to the far plane, depths can be so small that their steps are finer than f64 resolves at
@@ -159,13 +158,15 @@ fn a_far_plane_at_infinity_cuts_nothing_away() {
             recipe.pipeline.depth_format = *format;
             let frame = render(&scene, &recipe, SIZE);
             let drawn = frame.image().pixels().iter().filter(|p| p[..3] != scene.background).count();
-            if format.mapping() == DepthMapping::ReversedInfinite {
+            if !format.mapping().has_far_plane() {
                 assert!(drawn > 50, "{drawn} at {distance}");
                 let plan = &frame.plans[0];
                 assert!(!plan.runs(PipelinePart::Clipping), "wholly inside at {distance}");
-                // The front of the cube is at 0.8 of the distance.
-                let nearest = depths(&frame).iter().fold(0.0_f32, |a, b| a.max(*b));
-                assert!((nearest * distance * 0.8 / 0.1 - 1.0).abs() < 1e-6, "{nearest} at {distance}");
+                if format.mapping().is_reversed() {
+                    // The front of the cube is at 0.8 of the distance.
+                    let nearest = depths(&frame).iter().fold(0.0_f32, |a, b| a.max(*b));
+                    assert!((nearest * distance * 0.8 / 0.1 - 1.0).abs() < 1e-6, "{nearest} at {distance}");
+                }
             } else {
                 assert_eq!(drawn, 0, "{format:?} has a far plane");
             }
@@ -230,7 +231,7 @@ fn vertices_clipped_at_a_plane_have_exactly_the_depth_of_that_plane() {
                 }
             }
         }
-        let endless = format.mapping() == DepthMapping::ReversedInfinite;
+        let endless = !format.mapping().has_far_plane();
         assert!(cut[0] > 20 && (cut[1] > 20 || endless && cut[1] == 0), "{format:?}: {cut:?} vertices cut");
     }
 }

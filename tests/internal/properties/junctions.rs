@@ -85,7 +85,7 @@ fn seen(rng: &mut fastrand::Rng, mesh: Mesh) -> Scene {
 
 /// Returns points of the mesh projected into the picture, in pixels.
 fn projected(scene: &Scene, points: &[Vec3]) -> Vec<DVec3> {
-    let clip_from_world = scene.home.clip_from_world_f64(SIZE.0 as f32 / SIZE.1 as f32, DepthMapping::Standard);
+    let clip_from_world = scene.home.clip_from_world_f64(SIZE.0 as f32 / SIZE.1 as f32, DepthMapping::STANDARD);
     let clip_from_model = clip_from_world * scene.instances[0].world_from_model.as_dmat4();
     let px = |point: &Vec3| {
         let ndc = clip_from_model.project_point3(point.as_dvec3());

@@ -112,7 +112,7 @@ mod tests {
             let scene = builtin::by_id(id).unwrap().build();
             let frame = run(&scene, &scene.home, &recipe, SIZE, &mut ());
             let clip_from_world =
-                scene.home.clip_from_view(SIZE.aspect(), crate::scene::DepthMapping::Standard).as_dmat4()
+                scene.home.clip_from_view(SIZE.aspect(), crate::scene::DepthMapping::STANDARD).as_dmat4()
                     * scene.home.view_from_world_f64();
             for object in 0..scene.instances.len() as u32 {
                 let instance = &scene.instances[object as usize];

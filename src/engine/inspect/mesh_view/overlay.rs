@@ -106,7 +106,7 @@ struct MarkProjector {
 
 impl MarkProjector {
     fn new(outside: &Camera, size: Viewport) -> Self {
-        let clip_from_view = outside.clip_from_view(size.aspect(), DepthMapping::Reversed).as_dmat4();
+        let clip_from_view = outside.clip_from_view(size.aspect(), DepthMapping::REVERSED).as_dmat4();
         Self {
             clip_from_world: clip_from_view * outside.view_from_world_f64(),
             size,

@@ -461,7 +461,7 @@ fn t_junctions_are_marked_where_their_vertices_lie() {
     let bench = OverlayBench { scene, recipe, frame, watched: OnceLock::new() };
     let sheet = bench.sheet(Overlay::Junctions);
     let marked: Vec<_> = bench.pixels().filter(|(x, y)| !sheet.values.at(*x, *y).is_nan()).collect();
-    let clip_from_world = camera.clip_from_world(viewport.aspect(), crate::scene::DepthMapping::Standard);
+    let clip_from_world = camera.clip_from_world(viewport.aspect(), crate::scene::DepthMapping::STANDARD);
     let expected = [-0.5, 0.2].map(|x| {
         let (x, y) = viewport.pixels_from_ndc(clip_from_world.project_point3(glam::Vec3::new(x, 0.0, 0.0)));
         (x as u32, y as u32)

@@ -26,7 +26,7 @@ struct PlacedTriangle {
 impl PlacedTriangle {
     fn new(subject: &TracedFragment<'_>, camera: &Camera, instance: &Instance, mesh: &Mesh) -> Option<Self> {
         let Viewport { width, height } = subject.raster;
-        let clip_from_world = camera.clip_from_world_f64(subject.raster.aspect(), DepthMapping::Standard);
+        let clip_from_world = camera.clip_from_world_f64(subject.raster.aspect(), DepthMapping::STANDARD);
         let world_from_model = instance.world_from_model.as_dmat4();
         let clip_from_model = clip_from_world * world_from_model;
         let px_from_model = px_from_world(camera, (width, height)) * world_from_model;

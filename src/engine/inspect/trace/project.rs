@@ -7,12 +7,11 @@ use super::line::{Notable, TraceRecorder, TraceStage};
 use super::subject::TracedFragment;
 use crate::math::fixed::SUBPIXELS;
 use crate::pipeline::clip::ClipPlane;
-use crate::pipeline::depth::DepthLaw;
+use crate::pipeline::depth::{DepthLaw, DepthSource};
 use crate::pipeline::plan::{PipelinePart, PlanStep};
 use crate::pipeline::settings::Arithmetic;
 use crate::pipeline::vertex::ClipVertex;
 use crate::pipeline::viewport::{ScreenVertex, divided};
-use crate::scene::DepthMapping;
 
 /// Writes the trace lines for projecting all corners of the triangle.
 pub(super) fn write(subject: &TracedFragment<'_>, corners: &[NamedVertex], scribe: &mut TraceRecorder) {
@@ -63,20 +62,20 @@ fn position(
 /// Returns the formula for a corner's depth in [0, 1].
 fn depth_formula(subject: &TracedFragment<'_>, vertex: &ClipVertex, screen: &ScreenVertex) -> Formula {
     let scale = &subject.frame.geometry().depth_scale;
-    let [near, far, factor] = scale.planes_and_factor();
     if let Some(plane) = vertex.cut_at {
         let name =
             if subject.plane_of_view(plane) == ClipPlane::Near { "on the near plane" } else { "on the far plane" };
         return given(name, screen.depth);
     }
     let w = || given("w", vertex.position.w);
-    let (near, far, factor) = (given("near", near), given("far", far), given("factor", factor));
-    let depth = match scale.law() {
-        DepthLaw::Perspective(DepthMapping::Standard) => (w() - near) / w() * factor,
-        DepthLaw::Perspective(DepthMapping::Reversed) => (far - w()) / w() * factor,
-        DepthLaw::Perspective(DepthMapping::ReversedInfinite) => factor / w(),
-        DepthLaw::Perspective(DepthMapping::Linear) => (w() - near) * factor,
-        DepthLaw::Orthographic { .. } => given("clip z", vertex.position.z) / w(),
+    let DepthLaw { mapping, source } = scale.law();
+    let depth = match source {
+        DepthSource::Distance => {
+            let [zero, factor] = scale.zero_and_factor();
+            let zero = given(if mapping.is_reversed() { "far" } else { "near" }, zero);
+            mapping.depth(w(), zero, given("factor", factor))
+        }
+        DepthSource::ClipSpace => given("clip z", vertex.position.z) / w(),
     };
     depth.max(whole("0", 0)).min(whole("1", 1))
 }

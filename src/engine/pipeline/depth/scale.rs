@@ -25,7 +25,7 @@ use crate::pipeline::clip::ClipPlane;
 use crate::pipeline::settings::{DepthFormat, Settings};
 use crate::pipeline::vertex::ClipVertex;
 use crate::pipeline::viewport::ScreenVertex;
-use crate::scene::{Camera, DepthMapping, Projection};
+use crate::scene::{Camera, DepthCurve, DepthMapping, Projection};
 
 /// Mapping between distances and stored depths for one view. Distances are measured from the eye along the view
 /// direction, in world units.
@@ -38,23 +38,50 @@ pub struct DepthScale {
     encoding: DepthEncoding,
     near: f64,
     far: f64,
-    /// Constant factor in the formulas of [`DepthScale::depth`].
+    /// Distance of the plane where depth is 0. Not read if it is infinite.
+    zero: f64,
+    /// Constant factor of [`DepthMapping::depth`].
     factor: f64,
     bias: BiasRule,
 }
 
 /// Relation between distance and depth, which also determines how the depth of a vertex is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum DepthLaw {
+pub(crate) struct DepthLaw {
+    /// Mapping between distance and depth. In orthographic views it is linear.
+    pub(crate) mapping: DepthMapping,
+    /// Source of the depth of a vertex.
+    pub(crate) source: DepthSource,
+}
+
+/// Source of the depth of a vertex.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum DepthSource {
     /// Perspective projection: the distance is w, and depth is computed from it.
-    Perspective(DepthMapping),
-    /// Orthographic projection: depth is z/w, linear in the distance and decreasing with it if `reversed`.
-    Orthographic { reversed: bool },
+    Distance,
+    /// Orthographic projection: depth is z/w.
+    ClipSpace,
+}
+
+impl DepthLaw {
+    fn perspective(mapping: DepthMapping) -> Self {
+        Self { mapping, source: DepthSource::Distance }
+    }
+
+    fn orthographic(mapping: DepthMapping) -> Self {
+        Self { mapping: mapping.in_orthographic_view(), source: DepthSource::ClipSpace }
+    }
+
+    /// Returns whether depth is linear in world space rather than in screen space.
+    #[inline(always)]
+    fn is_linear_in_space(self) -> bool {
+        self.source == DepthSource::Distance && self.mapping.curve == DepthCurve::Linear
+    }
 }
 
 impl Default for DepthScale {
     fn default() -> Self {
-        Self::with_law(DepthLaw::Orthographic { reversed: false }, DepthEncoding::F32, [0.0, 1.0])
+        Self::with_law(DepthLaw::orthographic(DepthMapping::STANDARD), DepthEncoding::F32, [0.0, 1.0])
     }
 }
 
@@ -67,21 +94,21 @@ impl DepthScale {
     /// Returns the mapping of a view with the given depth format, without depth bias.
     pub(crate) fn new(format: DepthFormat, camera: &Camera) -> Self {
         let law = match camera.projection {
-            Projection::Perspective { .. } => DepthLaw::Perspective(format.mapping()),
-            Projection::Orthographic { .. } => DepthLaw::Orthographic { reversed: format.mapping().is_reversed() },
+            Projection::Perspective { .. } => DepthLaw::perspective(format.mapping()),
+            Projection::Orthographic { .. } => DepthLaw::orthographic(format.mapping()),
         };
         Self::with_law(law, format.encoding(), [camera.near, camera.far])
     }
 
     /// Returns the mapping of a perspective view with the given planes, 0 < `near` < `far`.
-    /// [`DepthMapping::ReversedInfinite`] ignores `far`.
+    /// Mappings without a far plane ignore `far`.
     ///
     /// # Examples
     /// ```
     /// use rasterscope_engine::pipeline::depth::{DepthEncoding, DepthScale};
     /// use rasterscope_engine::scene::DepthMapping;
     ///
-    /// let scale = DepthScale::perspective(DepthMapping::Standard, DepthEncoding::Unorm16, 1.0, 100.0);
+    /// let scale = DepthScale::perspective(DepthMapping::STANDARD, DepthEncoding::Unorm16, 1.0, 100.0);
     /// assert_eq!((scale.stored(1.0), scale.stored(100.0)), (0.0, 1.0));
     /// assert_eq!(scale.encoding().code(scale.stored(100.0)), Some(65_535));
     ///
@@ -90,18 +117,13 @@ impl DepthScale {
     /// assert!(scale.resolution(scale.stored(90.0)) > 1000.0 * scale.resolution(scale.stored(2.0)));
     /// ```
     pub fn perspective(mapping: DepthMapping, encoding: DepthEncoding, near: f32, far: f32) -> Self {
-        Self::with_law(DepthLaw::Perspective(mapping), encoding, [near, far])
+        Self::with_law(DepthLaw::perspective(mapping), encoding, [near, far])
     }
 
     fn with_law(law: DepthLaw, encoding: DepthEncoding, planes: [f32; 2]) -> Self {
         let [near, far] = planes.map(f64::from);
-        let factor = match law {
-            DepthLaw::Perspective(DepthMapping::Standard) => far / (far - near),
-            DepthLaw::Perspective(DepthMapping::Reversed) => near / (far - near),
-            DepthLaw::Perspective(DepthMapping::ReversedInfinite) => near,
-            DepthLaw::Perspective(DepthMapping::Linear) | DepthLaw::Orthographic { .. } => 1.0 / (far - near),
-        };
-        Self { law, encoding, near, far, factor, bias: BiasRule::OFF }
+        let [zero, _] = law.mapping.zero_and_one([near, far]);
+        Self { law, encoding, near, far, zero, factor: law.mapping.factor([near, far]), bias: BiasRule::OFF }
     }
 
     /// Returns the relation between distance and depth.
@@ -109,9 +131,9 @@ impl DepthScale {
         self.law
     }
 
-    /// Returns the distances of the near and the far plane, and the constant factor of [`DepthScale::depth`].
-    pub(crate) fn planes_and_factor(&self) -> [f64; 3] {
-        [self.near, self.far, self.factor]
+    /// Returns the distance of the plane where depth is 0, and the constant factor of [`DepthMapping::depth`].
+    pub(crate) fn zero_and_factor(&self) -> [f64; 2] {
+        [self.zero, self.factor]
     }
 
     /// Returns the number format of stored depths.
@@ -128,17 +150,8 @@ impl DepthScale {
     /// Returns the distance that a stored depth represents, up to rounding. The result is infinite for the depth of
     /// points at infinity.
     pub fn distance_of(&self, stored: f32) -> f64 {
-        let Self { near, far, factor, .. } = *self;
         let [depth, _] = self.encoding.depth_and_next(stored);
-        match self.law {
-            DepthLaw::Perspective(DepthMapping::Standard) => near / (1.0 - depth / factor),
-            DepthLaw::Perspective(DepthMapping::Reversed) => far * factor / (depth + factor),
-            DepthLaw::Perspective(DepthMapping::ReversedInfinite) => factor / depth,
-            DepthLaw::Perspective(DepthMapping::Linear) | DepthLaw::Orthographic { reversed: false } => {
-                near + depth / factor
-            }
-            DepthLaw::Orthographic { reversed: true } => far - depth / factor,
-        }
+        self.law.mapping.distance(depth, self.zero, self.factor)
     }
 
     /// Replaces each stored depth by the distance that it represents ([`DepthScale::distance_of`]), rounded to the
@@ -158,37 +171,27 @@ impl DepthScale {
     /// Returns the distances that eight stored depths represent, with the arithmetic of [`DepthScale::distance_of`].
     #[inline(always)]
     fn distances_of<S: Simd>(&self, simd: S, stored: F32<S>) -> F64<S> {
-        let Self { near, far, factor, .. } = *self;
         let depth = self.encoding.depths_of(simd, stored);
-        let number = |number| F64::splat(simd, number);
-        match self.law {
-            DepthLaw::Perspective(DepthMapping::Standard) => number(near) / (number(1.0) - depth / factor),
-            DepthLaw::Perspective(DepthMapping::Reversed) => number(far * factor) / (depth + factor),
-            DepthLaw::Perspective(DepthMapping::ReversedInfinite) => number(factor) / depth,
-            DepthLaw::Perspective(DepthMapping::Linear) | DepthLaw::Orthographic { reversed: false } => {
-                depth / factor + near
-            }
-            DepthLaw::Orthographic { reversed: true } => number(far) - depth / factor,
-        }
+        self.law.mapping.distance(depth, F64::splat(simd, self.zero), F64::splat(simd, self.factor))
     }
 
     /// Returns the depth resolution at a stored depth: the distance between the points that this depth and the next
     /// storable depth represent. Surfaces closer together than this may get equal depths. The result is infinite if the
     /// next depth represents infinity.
     pub fn resolution(&self, stored: f32) -> f64 {
-        let Self { near, far, .. } = *self;
+        let Self { near, far, law: DepthLaw { mapping, .. }, .. } = *self;
         let [a, b] = self.encoding.depth_and_next(stored);
         let step = (b - a).abs();
         // The closed form avoids cancellation: the two distances may agree in all digits, so they are not subtracted.
-        let hyperbolic = |factor: fn(f64, [f64; 2]) -> f64| {
-            let planes = [near, far];
-            near * far * (far - near) * step / (factor(a, planes) * factor(b, planes))
-        };
-        match self.law {
-            DepthLaw::Perspective(DepthMapping::Standard) => hyperbolic(|depth, [n, f]| (1.0 - depth) * f + depth * n),
-            DepthLaw::Perspective(DepthMapping::Reversed) => hyperbolic(|depth, [n, f]| (1.0 - depth) * n + depth * f),
-            DepthLaw::Perspective(DepthMapping::ReversedInfinite) => near * step / (a * b),
-            DepthLaw::Perspective(DepthMapping::Linear) | DepthLaw::Orthographic { .. } => (far - near) * step,
+        let [zero, one] = mapping.zero_and_one([near, far]);
+        match mapping.curve {
+            DepthCurve::Hyperbolic => {
+                let factor = |depth: f64| (1.0 - depth) * one + depth * zero;
+                near * far * (far - near) * step / (factor(a) * factor(b))
+            }
+            DepthCurve::HyperbolicInfinite if mapping.reversed => near * step / (a * b),
+            DepthCurve::HyperbolicInfinite => near * step / ((1.0 - a) * (1.0 - b)),
+            DepthCurve::Linear => (far - near) * step,
         }
     }
 
@@ -196,10 +199,10 @@ impl DepthScale {
     #[inline]
     pub(crate) fn of_vertex(&self, vertex: &ClipVertex) -> f64 {
         let (z, w) = (f64::from(vertex.position.z), f64::from(vertex.position.w));
-        let depth = match (vertex.cut_at, self.law) {
+        let depth = match (vertex.cut_at, self.law.source) {
             (Some(plane), _) => self.of_plane(plane),
-            (None, DepthLaw::Perspective(_)) => self.depth(w),
-            (None, DepthLaw::Orthographic { .. }) => z / w,
+            (None, DepthSource::Distance) => self.depth(w),
+            (None, DepthSource::ClipSpace) => z / w,
         };
         // Adding 0 turns −0, whose bits are far from those of its neighbours, into +0.
         depth.clamp(0.0, 1.0) + 0.0
@@ -209,31 +212,30 @@ impl DepthScale {
     /// is that of [`DepthScale::of_vertex`].
     #[inline(always)]
     pub(crate) fn of_lanes<S: Simd>(&self, simd: S, z: F32<S>, w: F32<S>) -> F64<S> {
-        let Self { near, far, factor, .. } = *self;
         let distance = widen(simd, w);
-        let depth = match self.law {
-            DepthLaw::Perspective(DepthMapping::Standard) => (distance - near) / distance * factor,
-            DepthLaw::Perspective(DepthMapping::Reversed) => (F64::splat(simd, far) - distance) / distance * factor,
-            DepthLaw::Perspective(DepthMapping::ReversedInfinite) => F64::splat(simd, factor) / distance,
-            DepthLaw::Perspective(DepthMapping::Linear) => (distance - near) * factor,
-            DepthLaw::Orthographic { .. } => widen(simd, z) / distance,
+        let depth = match self.law.source {
+            DepthSource::Distance => {
+                let [zero, factor] = each!(number in [self.zero, self.factor] => F64::splat(simd, number));
+                self.law.mapping.depth(distance, zero, factor)
+            }
+            DepthSource::ClipSpace => widen(simd, z) / distance,
         };
         clamp_f64(depth, 0.0, 1.0) + 0.0
     }
 
     /// Returns whether depth is linear in world space rather than in screen space.
     pub(crate) fn is_linear_in_space(&self) -> bool {
-        self.law == DepthLaw::Perspective(DepthMapping::Linear)
+        self.law.is_linear_in_space()
     }
 
     /// Returns the distance of a corner from the eye: w in perspective, otherwise the distance that its depth
     /// represents.
     pub(crate) fn distance(&self, corner: &ScreenVertex) -> f64 {
         let range = self.far - self.near;
-        match self.law {
-            DepthLaw::Perspective(_) => 1.0 / f64::from(corner.inv_w),
-            DepthLaw::Orthographic { reversed: false } => self.near + corner.depth * range,
-            DepthLaw::Orthographic { reversed: true } => self.far - corner.depth * range,
+        match self.law.source {
+            DepthSource::Distance => 1.0 / f64::from(corner.inv_w),
+            DepthSource::ClipSpace if self.law.mapping.reversed => self.far - corner.depth * range,
+            DepthSource::ClipSpace => self.near + corner.depth * range,
         }
     }
 
@@ -274,9 +276,10 @@ impl DepthScale {
 
     #[inline(always)]
     fn function(&self, depths: [f64; 3], doubled_area: f64) -> DepthFunction {
-        match self.law {
-            DepthLaw::Perspective(DepthMapping::Linear) => DepthFunction::linear_in_space(depths, self.encoding),
-            _ => DepthFunction::affine_on_screen(depths, doubled_area, self.encoding),
+        if self.law.is_linear_in_space() {
+            DepthFunction::linear_in_space(depths, self.encoding)
+        } else {
+            DepthFunction::affine_on_screen(depths, doubled_area, self.encoding)
         }
     }
 
@@ -284,22 +287,17 @@ impl DepthScale {
     /// plane or beyond the far plane.
     #[inline]
     fn depth(&self, distance: f64) -> f64 {
-        let Self { near, far, factor, .. } = *self;
-        match self.law {
-            DepthLaw::Perspective(DepthMapping::Standard) => (distance - near) / distance * factor,
-            DepthLaw::Perspective(DepthMapping::Reversed) => (far - distance) / distance * factor,
-            DepthLaw::Perspective(DepthMapping::ReversedInfinite) => factor / distance,
-            DepthLaw::Perspective(DepthMapping::Linear) | DepthLaw::Orthographic { reversed: false } => {
-                (distance - near) * factor
-            }
-            DepthLaw::Orthographic { reversed: true } => (far - distance) * factor,
-        }
+        self.law.mapping.depth(distance, self.zero, self.factor)
     }
 
     /// Returns the depth of a vertex that clipping placed on the plane z = 0 (near) or z = w (far) of clip space.
     fn of_plane(&self, plane: ClipPlane) -> f64 {
-        // With linear depth, clip-space z is reversed.
-        let mirrored = self.law == DepthLaw::Perspective(DepthMapping::Linear);
+        let mapping = self.law.mapping;
+        // The clip-space z of linear depth in perspective is that of another mapping.
+        let mirrored = match self.law.source {
+            DepthSource::Distance => mapping.in_clip_space().is_reversed() != mapping.is_reversed(),
+            DepthSource::ClipSpace => false,
+        };
         f64::from(u8::from((plane == ClipPlane::Far) != mirrored))
     }
 }

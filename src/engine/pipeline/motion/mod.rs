@@ -127,7 +127,7 @@ struct TriangleMotion {
 /// Returns the transform from world space to homogeneous pixels (x·w, y·w, w), and to the distance along the view axis.
 pub(crate) fn px_from_world(camera: &Camera, (width, height): (u32, u32)) -> DMat4 {
     let aspect = Viewport { width, height }.aspect();
-    let clip = camera.clip_from_world_f64(aspect, DepthMapping::Standard);
+    let clip = camera.clip_from_world_f64(aspect, DepthMapping::STANDARD);
     let half = [f64::from(width) * 0.5, f64::from(height) * 0.5];
     let (x, y, w) = (clip.row(0), clip.row(1), clip.row(3));
     let distance = -camera.view_from_world_f64().row(2);

@@ -7,7 +7,17 @@
 //! errors, so the edge drifts.
 
 use super::numbers::{BoundaryWalk, Numbers, RasterEdge};
-use super::{PixelRange, RasterTarget, RasterTriangle};
+use super::{PixelRange, RasterTarget, RasterTriangle, RasterizerFacts};
+use crate::pipeline::choice::Label;
+
+pub(super) const FACTS: RasterizerFacts = RasterizerFacts {
+    label: Label {
+        id: "active-edge",
+        name: "Active edge list",
+        help: "Steps edges from row to row by their slope, and fills each row between the two active edges.",
+        synonyms: &[],
+    },
+};
 
 /// Entry of the edge table: an edge with the rows on which it is active.
 #[derive(Clone, Copy)]

@@ -2,8 +2,8 @@
 
 use super::numbers::RasterEdge;
 use super::steps::EdgeSteps;
+use super::{Arithmetic, FillRule};
 use super::{Exact, Fixed, Floating, RasterSample, RasterTriangle, within_fixed_point};
-use crate::pipeline::settings::{Arithmetic, FillRule};
 
 /// [`RasterTriangle`] in an arithmetic that is chosen at run time. Its edge values agree with the coverage that
 /// [`super::cover`] returns.

@@ -4,7 +4,17 @@
 //! covered one, and many more for diagonal slivers. Clamping to the scissor bounds the work by the picture's size.
 
 use super::numbers::Numbers;
-use super::{RasterTarget, RasterTriangle};
+use super::{RasterTarget, RasterTriangle, RasterizerFacts};
+use crate::pipeline::choice::Label;
+
+pub(super) const FACTS: RasterizerFacts = RasterizerFacts {
+    label: Label {
+        id: "bounding-box",
+        name: "Bounding box",
+        help: "Tests every pixel in the bounding box of a triangle against the three edges: the simplest algorithm.",
+        synonyms: &[],
+    },
+};
 
 /// Emits the covered samples of a triangle, row by row.
 pub(super) fn cover<N: Numbers>(triangle: &RasterTriangle<N>, canvas: &mut RasterTarget<'_>) {

@@ -7,7 +7,18 @@
 //! the long edge. The end of a row is found by testing, which visits one sample beyond the triangle per row.
 
 use super::numbers::{Numbers, RasterEdge};
-use super::{RasterTarget, RasterTriangle};
+use super::{RasterTarget, RasterTriangle, RasterizerFacts};
+use crate::pipeline::choice::Label;
+
+pub(super) const FACTS: RasterizerFacts = RasterizerFacts {
+    label: Label {
+        id: "edge-walk",
+        name: "Edge walk",
+        help: "Walks down the longest edge and, on each row, from that edge towards the other two until it leaves the \
+               triangle.",
+        synonyms: &[],
+    },
+};
 
 /// Emits the covered samples of a triangle, row by row.
 pub(super) fn cover<N: Numbers>(triangle: &RasterTriangle<N>, canvas: &mut RasterTarget<'_>) {

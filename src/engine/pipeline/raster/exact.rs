@@ -9,10 +9,10 @@
 
 use robust::{Coord, orient2d};
 
+use super::fill_rule::FillRule;
 use super::float::{Floating, unit_scale};
 use super::numbers::{BoundaryWalk, Inward, Numbers, RasterEdge};
 use super::steps::{EdgeNumbers, EdgeSteps};
-use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::MAX_SIDE_PX;
 
 /// Arithmetic with exact decisions by adaptive predicates, on coordinates in pixels.

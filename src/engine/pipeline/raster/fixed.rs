@@ -12,10 +12,10 @@
 //! Range: with coordinates within ±2²⁸ grid steps ([`LIMIT_PX`]) differences need 30 bits, products 59, sums 61. In the
 //! pipeline's guard band (±2²⁴ grid steps) values stay below 2⁵³, so they are exact as f64 as well.
 
+use super::fill_rule::FillRule;
 use super::numbers::{BoundaryWalk, Inward, Numbers, RasterEdge};
 use super::steps::{EdgeNumbers, EdgeSteps};
 use crate::math::fixed::{HALF_PIXEL, SUBPIXELS, snap};
-use crate::pipeline::settings::FillRule;
 
 /// Largest magnitude of a coordinate, in pixels, for which all intermediate integers fit into 64 bits.
 pub(super) const LIMIT_PX: f32 = 1_048_576.0;

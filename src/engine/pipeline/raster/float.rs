@@ -8,9 +8,9 @@
 
 use num_traits::Float;
 
+use super::fill_rule::FillRule;
 use super::numbers::{BoundaryWalk, Inward, Numbers, RasterEdge};
 use super::steps::{EdgeNumbers, EdgeSteps, FloatSteps};
-use crate::pipeline::settings::FillRule;
 
 /// Rasterization arithmetic in IEEE 754 floats of type `F`.
 #[derive(Clone, Copy, Debug)]

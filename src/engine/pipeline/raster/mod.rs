@@ -1,7 +1,7 @@
 //! Rasterization: finds the samples that lie inside a triangle.
 //!
 //! A rasterizer knows nothing of depth or colour. It takes a [`RasterTriangle`] and emits the covered samples as
-//! [`Span`]s. Five algorithms, one file each, run in four kinds of arithmetic ([`numbers`]). In fixed point and in
+//! [`Span`]s. Each declares its names beside its algorithm. Five algorithms run in four kinds of arithmetic ([`numbers`]). In fixed point and in
 //! exact arithmetic all five find exactly the same samples; in floats they differ by rounding.
 
 pub(crate) mod numbers;
@@ -10,11 +10,15 @@ mod active_edge;
 
 mod any;
 
+mod arithmetic;
+
 mod bounding_box;
 
 mod edge_walk;
 
 mod exact;
+
+pub(super) mod fill_rule;
 
 mod fixed;
 
@@ -31,18 +35,92 @@ mod tiled;
 mod triangle;
 
 pub(crate) use any::AnyTriangle;
+pub use arithmetic::Arithmetic;
 pub(crate) use exact::Exact;
+pub use fill_rule::FillRule;
 pub(crate) use fixed::Fixed;
 pub(crate) use float::Floating;
 pub(crate) use triangle::RasterTriangle;
 
 use numbers::Numbers;
 
+use super::choice::{Choice as _, Label, registry};
 use super::grid::SampleGrid;
-use super::settings::{self, FillRule, Rasterizer};
 use super::triangle_list::{PixelBox, box_around};
 use super::viewport::Viewport;
 use crate::math::fixed::{snap, to_pixels};
+
+/// Declares the rasterizers: whether the algorithm is correct or published, its facts, and its function. Correct ones
+/// take the triangle in any arithmetic, published ones the corners in pixels.
+macro_rules! rasterizers {
+    ($($variant:ident = $kind:ident $facts:expr, $cover:path;)+) => {
+        registry! {
+            /// Algorithm that finds the samples inside a triangle. All except the published ones find the same samples,
+            /// up to the rounding errors of floats, but with different amounts of work.
+            pub Rasterizer: RasterizerFacts {
+                $($variant = $facts;)+
+            }
+        }
+
+        impl Rasterizer {
+            /// Returns whether the rasterizer deliberately reproduces the faults of a commonly published version.
+            pub(crate) fn is_published(self) -> bool {
+                match self { $(Self::$variant => is_published!($kind)),+ }
+            }
+
+            /// Emits the covered samples of a triangle.
+            fn cover<N: Numbers>(
+                self,
+                triangle: &RasterTriangle<N>,
+                corners_px: [[f32; 2]; 3],
+                canvas: &mut RasterTarget<'_>,
+            ) {
+                match self { $(Self::$variant => cover!($kind, $cover, triangle, corners_px, canvas)),+ }
+            }
+        }
+    };
+}
+
+macro_rules! is_published {
+    (correct) => {
+        false
+    };
+    (published) => {
+        true
+    };
+}
+
+macro_rules! cover {
+    (correct, $cover:path, $triangle:ident, $corners_px:ident, $canvas:ident) => {
+        $cover($triangle, $canvas)
+    };
+    (published, $cover:path, $triangle:ident, $corners_px:ident, $canvas:ident) => {
+        $cover($corners_px, $canvas)
+    };
+}
+
+rasterizers! {
+    BoundingBox = correct bounding_box::FACTS, bounding_box::cover;
+    Scanline = correct scanline::FACTS, scanline::cover;
+    EdgeWalk = correct edge_walk::FACTS, edge_walk::cover;
+    ActiveEdge = correct active_edge::FACTS, active_edge::cover;
+    Tiled = correct tiled::FACTS, tiled::cover;
+    BoundingBoxPublished = published published::BOUNDING_BOX, published::bounding_box;
+    ScanlinePublished = published published::SCANLINE, published::scanline;
+}
+
+/// Facts that a rasterizer declares about itself.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RasterizerFacts {
+    label: Label,
+}
+
+impl Rasterizer {
+    /// Returns the rasterizers that have no deliberate faults.
+    pub fn correct() -> impl Iterator<Item = Self> {
+        Self::ALL.iter().copied().filter(|rasterizer| !rasterizer.is_published())
+    }
+}
 
 /// Sample of a triangle: its position and its three edge values.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -195,15 +273,7 @@ pub(super) fn cover_samples<N: Numbers>(
     spans: &mut Vec<Span>,
 ) -> u64 {
     let mut canvas = RasterTarget { grid, scissor, spans, visited: 0 };
-    match rasterizer {
-        Rasterizer::BoundingBox => bounding_box::cover(triangle, &mut canvas),
-        Rasterizer::Scanline => scanline::cover(triangle, &mut canvas),
-        Rasterizer::EdgeWalk => edge_walk::cover(triangle, &mut canvas),
-        Rasterizer::ActiveEdge => active_edge::cover(triangle, &mut canvas),
-        Rasterizer::Tiled => tiled::cover(triangle, &mut canvas),
-        Rasterizer::BoundingBoxPublished => published::bounding_box(corners_px, &mut canvas),
-        Rasterizer::ScanlinePublished => published::scanline(corners_px, &mut canvas),
-    }
+    rasterizer.cover(triangle, corners_px, &mut canvas);
     canvas.visited
 }
 
@@ -235,7 +305,7 @@ pub(crate) use with_arithmetic;
 
 /// Returns the doubled signed area of a triangle, computed in `arithmetic`, and the factor by which its edge values are
 /// scaled. The area is positive if the triangle is clockwise for the viewer (y down), and 0 if a vertex is not finite.
-pub(crate) fn doubled_area(arithmetic: settings::Arithmetic, corners_px: [[f32; 2]; 3]) -> (f64, f64) {
+pub(crate) fn doubled_area(arithmetic: Arithmetic, corners_px: [[f32; 2]; 3]) -> (f64, f64) {
     with_arithmetic!(arithmetic, N => triangle::doubled_area::<N>(corners_px)).unwrap_or((0.0, 1.0))
 }
 
@@ -244,7 +314,7 @@ pub(crate) fn doubled_area(arithmetic: settings::Arithmetic, corners_px: [[f32; 
 /// triangles are both drawn.
 pub(crate) fn cover(
     rasterizer: Rasterizer,
-    arithmetic: settings::Arithmetic,
+    arithmetic: Arithmetic,
     corners_px: [[f32; 2]; 3],
     rule: FillRule,
     viewport: Viewport,
@@ -263,7 +333,7 @@ const BAND_ROWS: u32 = 64;
 /// same. `take` receives the spans of each band and the first row below the band. Bands far from the triangle are
 /// skipped. Stops at the first error that `take` returns.
 pub(crate) fn cover_in_bands<E>(
-    how: (Rasterizer, settings::Arithmetic, FillRule),
+    how: (Rasterizer, Arithmetic, FillRule),
     corners_px: [[f32; 2]; 3],
     viewport: Viewport,
     mut take: impl FnMut(&[Span], u32) -> Result<(), E>,
@@ -289,7 +359,7 @@ pub(crate) fn cover_in_bands<E>(
 /// Rasterizes a triangle like [`cover`], restricted to the samples of a grid inside a scissor rectangle. Appends the
 /// covered spans to `spans`.
 pub(crate) fn cover_within(
-    (rasterizer, arithmetic, rule): (Rasterizer, settings::Arithmetic, FillRule),
+    (rasterizer, arithmetic, rule): (Rasterizer, Arithmetic, FillRule),
     corners_px: [[f32; 2]; 3],
     area: (SampleGrid, Scissor),
     spans: &mut Vec<Span>,
@@ -304,17 +374,14 @@ pub(crate) fn cover_within(
 
 /// Replaces fixed point where its integers could overflow: if a coordinate exceeds [`fixed::LIMIT_PX`], returns the
 /// snapped vertices and exact arithmetic, which give the same coverage. Otherwise, returns the arguments unchanged.
-fn within_fixed_point(
-    corners_px: [[f32; 2]; 3],
-    arithmetic: settings::Arithmetic,
-) -> ([[f32; 2]; 3], settings::Arithmetic) {
+fn within_fixed_point(corners_px: [[f32; 2]; 3], arithmetic: Arithmetic) -> ([[f32; 2]; 3], Arithmetic) {
     let reach = corners_px.as_flattened().iter().all(|c| c.abs() <= fixed::LIMIT_PX);
-    if arithmetic != settings::Arithmetic::Fixed || reach {
+    if arithmetic != Arithmetic::Fixed || reach {
         return (corners_px, arithmetic);
     }
     // Floats this large are already multiples of the grid step.
     let snapped = |px: f32| if px.abs() <= fixed::LIMIT_PX { to_pixels(snap(px)) } else { px };
-    (corners_px.map(|corner| corner.map(snapped)), settings::Arithmetic::Exact)
+    (corners_px.map(|corner| corner.map(snapped)), Arithmetic::Exact)
 }
 
 #[cfg(test)]

@@ -4,8 +4,8 @@
 //! is inside, at which column a row crosses the edge, and the edge value at a pixel's centre. The arithmetic decides
 //! how vertices are represented and whether results are exact.
 
+use super::fill_rule::{EdgeOwner, FillRule};
 use super::steps::EdgeSteps;
-use crate::pipeline::settings::FillRule;
 
 /// Arithmetic in which triangles are rasterized.
 pub(crate) trait Numbers: Copy {
@@ -92,13 +92,10 @@ impl Inward {
     /// Returns whether, under a fill rule, pixel centres exactly on an edge with this direction belong to the triangle.
     pub(crate) fn owned(self, rule: FillRule) -> bool {
         let Self { right, down } = self;
-        match rule {
-            FillRule::TopLeft => right > 0 || (right == 0 && down > 0),
-            FillRule::TopRight => right < 0 || (right == 0 && down > 0),
-            FillRule::BottomLeft => right > 0 || (right == 0 && down < 0),
-            FillRule::BottomRight => right < 0 || (right == 0 && down < 0),
-            FillRule::Inclusive => true,
-            FillRule::Exclusive => false,
+        match rule.facts().owner {
+            EdgeOwner::Side { right: own, down: own_down } => right == own || (right == 0 && down == own_down),
+            EdgeOwner::Both => true,
+            EdgeOwner::Neither => false,
         }
     }
 

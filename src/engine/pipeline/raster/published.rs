@@ -3,10 +3,20 @@
 //! They compute in f64 whichever arithmetic is selected, so that visible errors are faults of the method and not of
 //! rounding.
 
-use super::{PixelRange, RasterTarget};
+use super::{PixelRange, RasterTarget, RasterizerFacts};
+use crate::pipeline::choice::Label;
 
 /// Height in pixels below which a side counts as horizontal.
 const FLAT_PX: f64 = 1e-6;
+
+pub(super) const BOUNDING_BOX: RasterizerFacts = RasterizerFacts {
+    label: Label {
+        id: "bounding-box-published",
+        name: "Bounding box (as published)",
+        help: "Wrong on purpose: samples at pixel corners, shared edges drawn twice, clockwise triangles not drawn.",
+        synonyms: &[],
+    },
+};
 
 /// Rasterizes by the bounding-box test as commonly published, with three faults. Samples lie at the pixels' top-left
 /// corners, which shifts the triangle by half a pixel. Samples on a shared edge are drawn by both triangles. Clockwise
@@ -33,6 +43,16 @@ pub(super) fn bounding_box(corners_px: [[f32; 2]; 3], canvas: &mut RasterTarget<
         }
     }
 }
+
+pub(super) const SCANLINE: RasterizerFacts = RasterizerFacts {
+    label: Label {
+        id: "scanline-published",
+        name: "Scanline (as published)",
+        help: "Wrong on purpose: rounds the vertex where it splits the triangle, starts rows at a vertex instead of \
+               at the row's centre, and draws both ends of a row.",
+        synonyms: &[],
+    },
+};
 
 /// Rasterizes by scan conversion as commonly published, with three faults. A rounded fourth vertex bends the long edge.
 /// Sides start at the vertex instead of at the first row's centre, which shifts rows by up to a pixel times the slope.

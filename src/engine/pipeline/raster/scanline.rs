@@ -7,7 +7,18 @@
 //! edge bounds no row.
 
 use super::numbers::{Numbers, RasterEdge};
-use super::{RasterTarget, RasterTriangle};
+use super::{RasterTarget, RasterTriangle, RasterizerFacts};
+use crate::pipeline::choice::Label;
+
+pub(super) const FACTS: RasterizerFacts = RasterizerFacts {
+    label: Label {
+        id: "scanline",
+        name: "Scanline",
+        help: "Splits the triangle at its middle vertex; computes the first and last pixel inside on each row, and \
+               visits only those between.",
+        synonyms: &[],
+    },
+};
 
 /// Emits the covered samples of a triangle, row by row.
 pub(super) fn cover<N: Numbers>(triangle: &RasterTriangle<N>, canvas: &mut RasterTarget<'_>) {

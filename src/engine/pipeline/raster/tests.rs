@@ -1,5 +1,5 @@
 use super::*;
-use crate::pipeline::settings::{Arithmetic, Choice as _};
+use crate::pipeline::settings::Arithmetic;
 
 const SIDE: u32 = 48;
 const PICTURE: Viewport = Viewport { width: SIDE, height: SIDE };

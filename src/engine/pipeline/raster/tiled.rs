@@ -7,7 +7,18 @@
 //! coverage of a pixel does not depend on the scissor.
 
 use super::numbers::{Numbers, RasterEdge};
-use super::{PixelRange, RasterTarget, RasterTriangle};
+use super::{PixelRange, RasterTarget, RasterTriangle, RasterizerFacts};
+use crate::pipeline::choice::Label;
+
+pub(super) const FACTS: RasterizerFacts = RasterizerFacts {
+    label: Label {
+        id: "tiled",
+        name: "Tiled",
+        help: "Accepts or rejects squares of 64 × 64 and 8 × 8 pixels as a whole; tests single pixels only in squares \
+               that an edge crosses.",
+        synonyms: &[],
+    },
+};
 
 /// Side lengths of the squares in pixels, from coarse to fine.
 const SIDES_PX: [i64; 2] = [64, 8];

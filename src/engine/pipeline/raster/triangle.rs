@@ -1,8 +1,8 @@
 //! Triangle set up for rasterization: its three edges, and the rows and columns that they enclose.
 
+use super::fill_rule::FillRule;
 use super::numbers::{Numbers, RasterEdge};
 use super::{PixelRange, RasterSample};
-use crate::pipeline::settings::FillRule;
 
 /// Triangle of nonzero area, set up for rasterization in one kind of arithmetic.
 #[derive(Clone, Copy, Debug)]

@@ -16,6 +16,7 @@ mod blinn_phong;
 pub(crate) mod cel;
 mod checker;
 mod depth;
+mod facing_ratio;
 mod gouraud;
 mod lambert;
 mod normals;
@@ -72,24 +73,42 @@ macro_rules! shadings {
 }
 
 macro_rules! kind {
-    (material) => { ShadingKind::Material };
-    (quantity) => { ShadingKind::Quantity };
-    (flat) => { ShadingKind::Flat };
+    (material) => {
+        ShadingKind::Material
+    };
+    (quantity) => {
+        ShadingKind::Quantity
+    };
+    (flat) => {
+        ShadingKind::Flat
+    };
 }
 
 macro_rules! light {
-    (material, $module:ident, $at:ident) => { $module::light($at) };
-    ($other:ident, $module:ident, $at:ident) => { $at.constant(1.0) };
+    (material, $module:ident, $at:ident) => {
+        $module::light($at)
+    };
+    ($other:ident, $module:ident, $at:ident) => {
+        $at.constant(1.0)
+    };
 }
 
 macro_rules! quantity {
-    (quantity, $module:ident, $at:ident) => { Some($module::color($at)) };
-    ($other:ident, $module:ident, $at:ident) => { None };
+    (quantity, $module:ident, $at:ident) => {
+        Some($module::color($at))
+    };
+    ($other:ident, $module:ident, $at:ident) => {
+        None
+    };
 }
 
 macro_rules! flat {
-    (flat, $module:ident, $at:ident) => { Some($module::color($at)) };
-    ($other:ident, $module:ident, $at:ident) => { None };
+    (flat, $module:ident, $at:ident) => {
+        Some($module::color($at))
+    };
+    ($other:ident, $module:ident, $at:ident) => {
+        None
+    };
 }
 
 shadings! {
@@ -101,6 +120,7 @@ shadings! {
     Cel = material cel;
     Checker = quantity checker;
     Normals = quantity normals;
+    FacingRatio = quantity facing_ratio;
     Uv = quantity uv;
     Barycentric = quantity barycentric;
     Depth = quantity depth;
@@ -321,5 +341,90 @@ impl Shading {
     pub(crate) const fn fits_lanes(self) -> bool {
         let reads_both = self.reads(Input::Normal) && self.reads(Input::VertexLight);
         self.reads_material() && !self.reads(Input::DarkTexture) && !reads_both
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use super::*;
+    use crate::pipeline::settings::Choice as _;
+
+    /// Inputs that note which of them a kernel reads.
+    #[derive(Default)]
+    struct Probe(Cell<u16>);
+
+    impl Probe {
+        fn note<T>(&self, input: Input, value: T) -> T {
+            self.0.set(self.0.get() | Inputs::of(&[input]).0);
+            value
+        }
+    }
+
+    impl LightInputs for Probe {
+        type Number = f32;
+
+        fn constant(&self, value: f32) -> f32 {
+            value
+        }
+
+        fn normal(&self) -> [f32; 3] {
+            self.note(Input::Normal, [0.0, 0.0, 1.0])
+        }
+
+        fn vertex_light(&self) -> f32 {
+            self.note(Input::VertexLight, 0.5)
+        }
+
+        fn light_direction(&self) -> [f32; 3] {
+            self.note(Input::LightDirection, [0.0, 0.6, 0.8])
+        }
+
+        fn ambient(&self) -> f32 {
+            self.note(Input::Ambient, 0.25)
+        }
+
+        fn dark_factor(&self) -> f32 {
+            self.note(Input::DarkTexture, 1.0)
+        }
+    }
+
+    impl SurfaceInputs for Probe {
+        fn eye_direction(&self) -> [f32; 3] {
+            self.note(Input::EyeDirection, [0.0, 0.0, 1.0])
+        }
+
+        fn uv(&self) -> [f32; 2] {
+            self.note(Input::Uv, [0.25, 0.75])
+        }
+
+        fn vertex_color(&self) -> [f32; 3] {
+            self.note(Input::VertexColor, [0.5; 3])
+        }
+
+        fn weights(&self) -> [f32; 3] {
+            self.note(Input::Weights, [0.25, 0.25, 0.5])
+        }
+
+        fn depth(&self) -> f32 {
+            self.note(Input::Depth, 0.5)
+        }
+
+        fn checker(&self) -> CheckerInputs<f32> {
+            self.note(Input::Checker, CheckerInputs { squares: 8.0, even: [1.0; 3], odd: [0.0; 3] })
+        }
+    }
+
+    #[test]
+    fn every_kernel_reads_exactly_the_inputs_that_it_declares() {
+        for shading in Shading::ALL {
+            let probe = Probe::default();
+            shading.light(&probe);
+            shading.quantity(&probe);
+            // The highlight is added outside of the kernel.
+            let outside = Inputs::of(&[Input::Specular]).0;
+            assert_eq!(probe.0.get(), shading.facts().reads.0 & !outside, "{shading:?}");
+        }
     }
 }

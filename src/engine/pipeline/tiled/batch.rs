@@ -396,7 +396,7 @@ mod tests {
         let mut random = fastrand::Rng::with_seed(4);
         let (mut small, mut large) = (0, 0);
         let grids = [SampleGrid::Block { step: 1 }, SampleGrid::Block { step: 3 }, SampleGrid::Checkerboard];
-        let linear = DepthScale::perspective(DepthMapping::Linear, DepthEncoding::F32, 0.1, 100.0);
+        let linear = DepthScale::perspective(DepthMapping::LINEAR, DepthEncoding::F32, 0.1, 100.0);
         let scales = [(DepthScale::default(), false), (linear, true)];
         for (grid, lanes) in grids.into_iter().flat_map(|grid| Lanes::all().map(move |lanes| (grid, lanes))) {
             let offsets = [[-96, 32], [96, -32]];

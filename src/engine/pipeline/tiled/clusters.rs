@@ -519,7 +519,7 @@ mod tests {
             let place = Vec3::new(number(), number(), -1.5 + number());
             let camera = Camera { near: 0.01, far: 10.0, ..Camera::look_at(Vec3::ZERO, Vec3::NEG_Z) };
             let camera = camera.with_orthographic(round % 5 == 0);
-            let projection = camera.clip_from_view(VIEWPORT.aspect(), DepthMapping::Standard);
+            let projection = camera.clip_from_view(VIEWPORT.aspect(), DepthMapping::STANDARD);
             let matrix =
                 projection * Mat4::from_translation(place) * Mat4::from_quat(turn) * shear * Mat4::from_scale(mirror);
             for culling in [Culling::Back, Culling::Front] {

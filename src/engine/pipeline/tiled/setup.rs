@@ -7,6 +7,7 @@ use super::record::Slot;
 use crate::math::fixed::SUBPIXELS;
 use crate::math::lanes::*;
 use crate::pipeline::depth::DepthScale;
+use crate::pipeline::raster::fill_rule::EdgeOwner;
 use crate::pipeline::raster::numbers::Inward;
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::ScreenVertex;
@@ -185,14 +186,12 @@ impl Setup {
 /// one. This is the vectorised form of [`Inward::owned`].
 #[inline(always)]
 pub(super) fn inside_thresholds<S: Simd, V: SimdBase<S>>([zero, one]: [V; 2], a: V, b: V, rule: FillRule) -> V {
-    let upright = a.simd_eq(zero);
-    let owned = match rule {
-        FillRule::TopLeft => a.simd_gt(zero) | (upright & b.simd_gt(zero)),
-        FillRule::TopRight => a.simd_lt(zero) | (upright & b.simd_gt(zero)),
-        FillRule::BottomLeft => a.simd_gt(zero) | (upright & b.simd_lt(zero)),
-        FillRule::BottomRight => a.simd_lt(zero) | (upright & b.simd_lt(zero)),
-        FillRule::Inclusive => return zero,
-        FillRule::Exclusive => return one,
+    let (right, down) = match rule.facts().owner {
+        EdgeOwner::Side { right, down } => (right, down),
+        EdgeOwner::Both => return zero,
+        EdgeOwner::Neither => return one,
     };
-    owned.select(zero, one)
+    let across = if right > 0 { a.simd_gt(zero) } else { a.simd_lt(zero) };
+    let along = if down > 0 { b.simd_gt(zero) } else { b.simd_lt(zero) };
+    (across | (a.simd_eq(zero) & along)).select(zero, one)
 }

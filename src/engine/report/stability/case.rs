@@ -175,7 +175,7 @@ impl StabilityCase {
     pub(crate) fn stored_as(mut self, mapping: DepthMapping, format: DepthStorage) -> Self {
         match &mut self.body {
             Body::Depth(depth) => {
-                depth.far = depth.far.filter(|_| mapping != DepthMapping::ReversedInf);
+                depth.far = depth.far.filter(|_| mapping.has_far_plane());
                 (depth.mapping, depth.format) = (mapping, format);
             }
             Body::DepthPairs(pairs) => (pairs.mapping, pairs.format) = (mapping, format),

@@ -6,14 +6,14 @@ use glam::{Mat4, Vec3};
 use serde::Serialize;
 
 use super::oracle::{DepthMapping, DepthStorage, ScreenCorner, Snap};
-use crate::pipeline::depth::{DepthScale, depth_at};
+use crate::pipeline::depth::{DepthEncoding, DepthScale, depth_at};
 use crate::pipeline::from_clip_space;
 use crate::pipeline::interpolate::{AttributeSelection, affine_weights, attribute_weights, interpolate};
 use crate::pipeline::raster::{self, AnyTriangle, Span};
 use crate::pipeline::settings::{Arithmetic, Choice as _, DepthFormat, FillRule, Interpolation, Rasterizer};
 use crate::pipeline::vertex::{ClipVertex, Varyings};
 use crate::pipeline::viewport::{ScreenTriangle, ScreenVertex, Viewport};
-use crate::scene::TriangleId;
+use crate::scene::{self, DepthCurve, TriangleId};
 
 /// Fill rule for pixel centres on edges, where a case does not specify one.
 const RULE: FillRule = FillRule::TopLeft;
@@ -178,16 +178,23 @@ pub(crate) fn depth_formats() -> &'static [DepthFormat] {
     DepthFormat::ALL
 }
 
-/// Returns the depth mapping and storage of a format.
+/// Returns the depth mapping and storage that a format declares, in the terms of the oracle.
 pub(crate) fn meaning(format: DepthFormat) -> (DepthMapping, DepthStorage) {
-    match format {
-        DepthFormat::F32 => (DepthMapping::Standard, DepthStorage::F32),
-        DepthFormat::ReversedF32 => (DepthMapping::Reversed, DepthStorage::F32),
-        DepthFormat::ReversedInfinite => (DepthMapping::ReversedInf, DepthStorage::F32),
-        DepthFormat::Unorm24 => (DepthMapping::Standard, DepthStorage::Unorm24),
-        DepthFormat::Unorm16 => (DepthMapping::Standard, DepthStorage::Unorm16),
-        DepthFormat::WBuffer => (DepthMapping::Linear, DepthStorage::F32),
-    }
+    let scene::DepthMapping { curve, reversed } = format.mapping();
+    let mapping = match (curve, reversed) {
+        (DepthCurve::Hyperbolic, false) => DepthMapping::Standard,
+        (DepthCurve::Hyperbolic, true) => DepthMapping::Reversed,
+        (DepthCurve::HyperbolicInfinite, false) => DepthMapping::StandardInf,
+        (DepthCurve::HyperbolicInfinite, true) => DepthMapping::ReversedInf,
+        (DepthCurve::Linear, false) => DepthMapping::Linear,
+        (DepthCurve::Linear, true) => DepthMapping::ReversedLinear,
+    };
+    let storage = match format.encoding() {
+        DepthEncoding::F32 => DepthStorage::F32,
+        DepthEncoding::Unorm24 => DepthStorage::Unorm24,
+        DepthEncoding::Unorm16 => DepthStorage::Unorm16,
+    };
+    (mapping, storage)
 }
 
 /// Depth buffer encoding of one view.

@@ -165,7 +165,7 @@ mod tests {
     fn the_floor_fills_the_bottom_of_wide_pictures() {
         let home = CHESS.build().home;
         for aspect in [1.6, 16.0 / 9.0] {
-            let world_from_clip = home.clip_from_world(aspect, DepthMapping::Standard).inverse();
+            let world_from_clip = home.clip_from_world(aspect, DepthMapping::STANDARD).inverse();
             for x in [-1.0, 1.0] {
                 let toward = world_from_clip.project_point3(Vec3::new(x, -1.0, 0.5)) - home.eye;
                 let hit = home.eye - toward * (home.eye.y / toward.y);

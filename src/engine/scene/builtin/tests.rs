@@ -83,7 +83,7 @@ fn colours_are_srgb_values_between_zero_and_one() {
 #[test]
 fn the_home_view_sees_the_middle_of_the_scene() {
     for (builtin, scene) in scenes() {
-        let clip = scene.home.clip_from_world(1.6, DepthMapping::Standard) * scene.bounds().center().extend(1.0);
+        let clip = scene.home.clip_from_world(1.6, DepthMapping::STANDARD) * scene.bounds().center().extend(1.0);
         let inside = clip.w > 0.0 && clip.x.abs() < clip.w && clip.y.abs() < clip.w && (0.0..clip.w).contains(&clip.z);
         assert!(inside, "{}: {clip}", builtin.id);
     }

@@ -166,7 +166,7 @@ mod tests {
     #[test]
     fn the_corners_of_the_triangle_have_different_depths() {
         let scene = TRIANGLE.build();
-        let clip_from_world = scene.home.clip_from_world(1.6, DepthMapping::Standard);
+        let clip_from_world = scene.home.clip_from_world(1.6, DepthMapping::STANDARD);
         let [a, b, c] = [0, 1, 2].map(|i| {
             let world = scene.instances[0].world_from_model * scene.library.meshes()[0].positions[i].extend(1.0);
             (clip_from_world * world).w

@@ -82,7 +82,7 @@ mod tests {
     fn far_gaps_vanish_in_standard_depth_and_survive_in_reversed_depth() {
         for (distance, gap) in [(100.0, 1e-3), (1000.0, 1e-1), (1000.0, 1e-2)] {
             let [standard, reversed] =
-                [DepthMapping::Standard, DepthMapping::Reversed].map(|mapping| depths(mapping, distance, gap));
+                [DepthMapping::STANDARD, DepthMapping::REVERSED].map(|mapping| depths(mapping, distance, gap));
             assert_eq!(standard[0], standard[1], "{distance} {gap}");
             assert!(reversed[0] < reversed[1], "{distance} {gap}");
         }

@@ -95,7 +95,7 @@ fn the_turntable_keeps_distance_and_height_and_turns_once() {
 #[test]
 fn the_shake_moves_the_picture_by_a_few_pixels() {
     let (home, path) = (home(), CameraPath::preset("shake").unwrap());
-    let clip_from_world = |view: &Camera| view.clip_from_world_f64(1.6, crate::scene::DepthMapping::Standard);
+    let clip_from_world = |view: &Camera| view.clip_from_world_f64(1.6, crate::scene::DepthMapping::STANDARD);
     let pixel = |view: &Camera| clip_from_world(view).project_point3(home.target.as_dvec3()).truncate() * 360.0;
     let steps = (0..100).map(|step| pixel(&path.at(&home, path.duration_s() * f64::from(step) / 100.0)).length());
     let largest = steps.fold(0.0, f64::max);

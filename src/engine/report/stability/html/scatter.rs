@@ -299,7 +299,12 @@ fn marker((x, y): (f64, f64), shape: usize, color: usize, r: f64, style: &str) -
             (-1.0, 1.0),
             (-0.4, 0.0),
         ]),
-        _ => polygon(&[(0.0, -1.2), (1.1, -0.3), (0.7, 1.0), (-0.7, 1.0), (-1.1, -0.3)]),
+        6 => polygon(&[(0.0, -1.2), (1.1, -0.3), (0.7, 1.0), (-0.7, 1.0), (-1.1, -0.3)]),
+        _ => {
+            let sides = shape - 1;
+            let corner = |corner: usize| (std::f64::consts::TAU * corner as f64 / sides as f64).sin_cos();
+            polygon(&(0..sides).map(corner).map(|(sin, cos)| (1.2 * sin, -1.2 * cos)).collect::<Vec<_>>())
+        }
     }
 }
 

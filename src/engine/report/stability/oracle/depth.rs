@@ -15,16 +15,25 @@ pub(crate) enum DepthMapping {
     Standard,
     /// 1 at the near plane, 0 at the far plane, hyperbolic.
     Reversed,
+    /// 1 − near / distance: 0 at the near plane, 1 at infinity.
+    StandardInf,
     /// near / distance: 1 at the near plane, 0 at infinity.
     ReversedInf,
     /// 0 at the near plane, 1 at the far plane, linear in the distance.
     Linear,
+    /// 1 at the near plane, 0 at the far plane, linear in the distance.
+    ReversedLinear,
 }
 
 impl DepthMapping {
     /// Returns whether smaller distances map to larger depths.
     pub(crate) fn is_reversed(self) -> bool {
-        matches!(self, Self::Reversed | Self::ReversedInf)
+        matches!(self, Self::Reversed | Self::ReversedInf | Self::ReversedLinear)
+    }
+
+    /// Returns whether the mapping has a far plane.
+    pub(crate) fn has_far_plane(self) -> bool {
+        !matches!(self, Self::StandardInf | Self::ReversedInf)
     }
 }
 
@@ -61,7 +70,7 @@ impl DepthStorage {
 }
 
 /// Returns the exact depth of a point at `distance`, or `None` if the distance is zero or a number is not finite.
-/// [`DepthMapping::ReversedInf`] ignores `far`; other mappings need a far plane that differs from the near plane.
+/// Mappings without a far plane ignore `far`; the others need one that differs from the near plane.
 pub(crate) fn exact_depth(mapping: DepthMapping, near: f32, far: Option<f32>, distance: f32) -> Option<BigRational> {
     let (near, z) = (exact(near)?, exact(distance)?);
     if z.is_zero() {
@@ -69,8 +78,10 @@ pub(crate) fn exact_depth(mapping: DepthMapping, near: f32, far: Option<f32>, di
     }
     let room = || Some(exact(far?)? - &near).filter(|room| !room.is_zero());
     Some(match mapping {
+        DepthMapping::StandardInf => (&z - near) / z,
         DepthMapping::ReversedInf => near / z,
         DepthMapping::Linear => (&z - &near) / room()?,
+        DepthMapping::ReversedLinear => (exact(far?)? - &z) / room()?,
         DepthMapping::Standard => exact(far?)? * (&z - &near) / (&z * room()?),
         DepthMapping::Reversed => &near * (exact(far?)? - &z) / (&z * room()?),
     })
@@ -110,16 +121,20 @@ mod tests {
 
     #[test]
     fn the_planes_are_where_the_mappings_say() {
-        use DepthMapping::{Linear, Reversed, ReversedInf, Standard};
+        use DepthMapping::{Linear, Reversed, ReversedInf, ReversedLinear, Standard, StandardInf};
         let at = |mapping, distance| exact_depth(mapping, 0.5, Some(8.0), distance).unwrap();
-        for (mapping, near, far, middle) in
-            [(Standard, 0, 1, rational(14, 15)), (Reversed, 1, 0, rational(1, 15)), (Linear, 0, 1, rational(7, 15))]
-        {
+        for (mapping, near, far, middle) in [
+            (Standard, 0, 1, rational(14, 15)),
+            (Reversed, 1, 0, rational(1, 15)),
+            (Linear, 0, 1, rational(7, 15)),
+            (ReversedLinear, 1, 0, rational(8, 15)),
+        ] {
             assert_eq!(at(mapping, 0.5), rational(near, 1));
             assert_eq!(at(mapping, 8.0), rational(far, 1));
             assert_eq!(at(mapping, 4.0), middle, "{mapping:?}");
         }
         assert_eq!(exact_depth(ReversedInf, 0.5, None, 4.0), Some(rational(1, 8)));
+        assert_eq!(exact_depth(StandardInf, 0.5, None, 4.0), Some(rational(7, 8)));
         assert_eq!(exact_depth(Standard, 0.5, None, 4.0), None);
         assert_eq!(exact_depth(Standard, 0.5, Some(0.5), 4.0), None);
     }
