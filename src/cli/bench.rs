@@ -24,8 +24,9 @@ use super::output;
 use super::parse;
 use super::scene_args::FrameArgs;
 
-/// Arguments of `bench`.
+/// Measure frame times, in total and per stage, and print counters and memory use
 #[derive(Args, Debug)]
+#[command(after_help = super::example("bench chess --frames 101"))]
 pub(crate) struct BenchArgs {
     #[command(flatten)]
     frame: FrameArgs,

@@ -14,8 +14,9 @@ use clap::Args;
 use super::failure::Failure;
 use super::{interrupt, output, parse};
 
-/// Arguments of `case`.
+/// Evaluate numerical cases: small inputs to one algorithm each, for comparison with exact answers
 #[derive(Args, Debug)]
+#[command(after_help = super::example("case line.json -o result.json"))]
 pub(crate) struct CaseArgs {
     /// Files with one case each
     #[arg(required = true, value_name = "CASE.json")]

@@ -10,8 +10,9 @@ use super::failure::Failure;
 use super::scene_args::{DrawnFrame, FrameArgs};
 use super::{output, parse};
 
-/// Arguments of `check`.
+/// Check assertions on every fragment of a frame; exit code 1 if one is violated
 #[derive(Args, Debug)]
+#[command(after_help = super::example("check cubes --assert owner"))]
 pub(crate) struct CheckArgs {
     #[command(flatten)]
     frame: FrameArgs,

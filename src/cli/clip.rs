@@ -14,8 +14,9 @@ use super::scene_args::FrameArgs;
 use super::sequence_args::ShotArgs;
 use super::{interrupt, output};
 
-/// Options of the command `clip`.
+/// Write the inputs of a temporal upscaler and converged references of the frames of a clip, for research
 #[derive(Args, Debug)]
+#[command(after_help = super::example("clip chess-motion --path turntable --frames 16 -o clip"))]
 pub(crate) struct ClipArgs {
     #[command(flatten)]
     frame: FrameArgs,

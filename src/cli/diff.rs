@@ -8,7 +8,7 @@ use std::sync::atomic::Ordering;
 use crate::chain::{Frame, Recipe, Renderer};
 use crate::image::file::write_png;
 use crate::image::{Image, Rgba8};
-use crate::inspect::fields::{FieldChange, changes};
+use crate::inspect::fields::changes;
 use crate::inspect::what_if::Changes;
 use crate::inspect::{Buffer, capture, view};
 use crate::measure::error::{ImageError, compare};
@@ -16,6 +16,7 @@ use crate::measure::machine::Machine;
 use crate::measure::motion::{FrameSequence, MotionError, Turn, between};
 use crate::measure::noise;
 use crate::measure::pair::{PairTimer, PairTimes};
+use crate::pipeline::settings::Choice as _;
 use crate::report::pictures::{MetricTable, PictureFigure, PicturePage};
 use clap::Args;
 use serde::Serialize;
@@ -26,8 +27,9 @@ use super::progress::ProgressLine;
 use super::scene_args::{FrameArgs, RequestedView};
 use super::{interrupt, output, parse};
 
-/// Arguments of `diff`.
+/// Compare a view under two sets of settings: which pixels change, by how much, and at what cost
 #[derive(Args, Debug)]
+#[command(after_help = super::example("diff chess --set filter=point --against filter=bilinear"))]
 pub(crate) struct DiffArgs {
     #[command(flatten)]
     frame: FrameArgs,
@@ -100,7 +102,10 @@ pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
     let report = DiffReport {
         scene: view.scene.name.clone(),
         size: [size.width, size.height],
-        fields: changes(&a, &b).into_iter().map(|FieldChange { key, before, after }| [key, before, after]).collect(),
+        fields: changes(&a, &b)
+            .into_iter()
+            .map(|change| [change.key.id().to_owned(), change.before, change.after])
+            .collect(),
         buffer: args.buffer,
         changed_pixels: changed.count,
         changed_share: changed.share(),
@@ -186,7 +191,7 @@ fn page(report: &DiffReport, [a, b, marked]: [Arc<Image<Rgba8>>; 3]) -> PictureP
 /// Returns the number and the share of the changed pixels as one line.
 fn changed_line(report: &DiffReport) -> String {
     let pixels = u64::from(report.size[0]) * u64::from(report.size[1]);
-    let name = crate::pipeline::settings::Choice::id(report.buffer);
+    let name = report.buffer.id();
     let (count, share) = (report.changed_pixels, report.changed_share * 100.0);
     format!("{name}: {count} of {pixels} pixels changed ({share:.4} %)\n")
 }

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use super::interrupt::INTERRUPTED;
 use crate::case::CaseError;
 use crate::chain::SetError;
 use crate::drawing::file::DrawingFileError;
@@ -19,6 +18,9 @@ const BAD_INPUT: u8 = 2;
 
 /// Exit code if the requested window cannot be opened.
 const NO_WINDOW: u8 = 3;
+
+/// Exit code of an interrupted process.
+pub(super) const INTERRUPTED: u8 = 130;
 
 /// Exit code for violated assertions, unequal pictures, and errors beyond a bound.
 const VIOLATED: u8 = 1;

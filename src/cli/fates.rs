@@ -12,8 +12,9 @@ use super::failure::Failure;
 use super::output;
 use super::scene_args::{DrawnFrame, FrameArgs};
 
-/// Arguments of `fates`.
+/// Print the fate of every triangle and every fragment, in total and per object
 #[derive(Args, Debug)]
+#[command(after_help = super::example("fates near-plane"))]
 pub(crate) struct FatesArgs {
     #[command(flatten)]
     frame: FrameArgs,

@@ -3,10 +3,7 @@
 use std::process::exit;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::failure::Failure;
-
-/// Exit code of an interrupted process.
-pub(crate) const INTERRUPTED: u8 = 130;
+use super::failure::{Failure, INTERRUPTED};
 
 static FLAG: AtomicBool = AtomicBool::new(false);
 

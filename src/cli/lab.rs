@@ -14,8 +14,9 @@ use super::failure::Failure;
 use super::output::is_html;
 use super::{output, parse};
 
-/// Arguments of `lab`.
+/// Run a page of the 2D lab, and write its drawing or an HTML page, or print its steps
 #[derive(Args, Debug)]
+#[command(after_help = super::example("lab polygons -o polygons.gif"))]
 pub(crate) struct LabArgs {
     /// Page of the lab to run
     #[arg(value_parser = parse::choice::<Page>())]

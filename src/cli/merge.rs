@@ -6,11 +6,14 @@ use crate::measure::part::{Experiment, Parts};
 use clap::Args;
 
 use super::failure::Failure;
+use super::shard::Merged;
 use super::upscaler_args::UpscalerArgs;
-use super::{explain_folder, interrupt, output, probe, report, stability};
+use super::{explain, interrupt, output, probe, report, stability};
 
-/// Arguments of `merge`: the parts, and the folder for the result.
+/// Combine the parts that `report`, `stability`, `probe` or `explain` wrote with --shard, for example on several
+/// machines, into the result of one run
 #[derive(Args, Debug)]
+#[command(after_help = super::example("merge part-1.json part-2.json -o result"))]
 pub(crate) struct MergeArgs {
     /// All parts of one experiment, in any order
     #[arg(value_name = "PART", required = true)]
@@ -30,14 +33,6 @@ const OUTPUT_HELP: &str = "Folder for the result; created if missing. Files:\n\
     probe: probe.json, probe.txt, heat-owner.png, heat-depth.png (with a depth test), heat-color.png\n\
     explain: explanations.json, explanations.txt";
 
-/// Result of an experiment.
-pub(crate) struct Merged {
-    /// Name and content of each file.
-    pub(crate) files: Vec<(&'static str, Vec<u8>)>,
-    /// Whether a part was interrupted.
-    pub(crate) partial: bool,
-}
-
 /// Runs `merge`: combines the parts, and writes the files only if all parts fit together.
 pub(crate) fn run(args: &MergeArgs) -> Result<(), Failure> {
     args.upscalers.register()?;
@@ -46,7 +41,7 @@ pub(crate) fn run(args: &MergeArgs) -> Result<(), Failure> {
         Experiment::Stability => stability::merge(parts)?,
         Experiment::Probe => probe::merge(parts)?,
         Experiment::Report => report::merge(parts)?,
-        Experiment::Explain => explain_folder::merge(parts)?,
+        Experiment::Explain => explain::merge(parts)?,
     };
     let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
     output::prepare_folder(&args.output, &names)?;

@@ -16,8 +16,9 @@ use super::scene_args::FrameArgs;
 use super::sequence_args::ShotArgs;
 use super::{interrupt, output, parse};
 
-/// Options of the command `motion`.
+/// Measure upscalers over the frames of a clip: quality, flicker and ghosting against the converged reference
 #[derive(Args, Debug)]
+#[command(after_help = super::example("motion fence --size 640x360 --frames 24 -o motion.html"))]
 pub(crate) struct MotionArgs {
     #[command(flatten)]
     frame: FrameArgs,

@@ -18,8 +18,9 @@ use super::seen_args::moment;
 use super::sequence_args::{SequenceRenderer, ShotArgs};
 use super::{output, parse};
 
-/// Arguments of `pixel`.
+/// Explain a pixel: list every fragment, which one won, and why, down to the texels
 #[derive(Args, Debug)]
+#[command(after_help = super::example("pixel chess --at 700,300 --trace"))]
 pub(crate) struct PixelArgs {
     #[command(flatten)]
     frame: FrameArgs,

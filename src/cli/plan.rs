@@ -22,8 +22,9 @@ use super::output;
 use super::progress::ProgressLine;
 use super::scene_args::{FrameArgs, RequestedView};
 
-/// Arguments of `plan`.
+/// Print which parts of the pipeline each draw runs and skips, and why
 #[derive(Args, Debug)]
+#[command(after_help = super::example("plan cubes --set shading=texture"))]
 pub(crate) struct PlanArgs {
     #[command(flatten)]
     frame: FrameArgs,

@@ -18,16 +18,16 @@ use clap::Args;
 use serde::Serialize;
 
 use super::failure::Failure;
-use super::merge::Merged;
 use super::scene_args::{FrameArgs, RequestedView};
-use super::shard::{ShardArgs, write_part};
+use super::shard::{Merged, ShardArgs, write_part};
 use super::{interrupt, output, parse};
 
 /// Maximum number of triangles listed in the text output.
 const MAX_LISTED: usize = 10;
 
-/// Arguments of `probe`.
+/// Move camera or vertices by a few units in the last place, and print which pixels and triangles change
 #[derive(Args, Debug)]
+#[command(after_help = super::example("probe z-fighting --ulps 2 -o heat.png"))]
 pub(crate) struct ProbeArgs {
     #[command(flatten)]
     frame: FrameArgs,

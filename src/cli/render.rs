@@ -31,8 +31,9 @@ use super::seen_args::moment;
 use super::sequence_args::{SequenceArgs, SequenceFrame, SequenceRenderer};
 use super::{output, parse};
 
-/// Arguments of `render`.
+/// Render one frame or one of its buffers to a PNG, or all its buffers to an OpenEXR file; with --frames, a sequence
 #[derive(Args, Debug)]
+#[command(after_help = super::example("render chess --buffer depth -o depth.png"))]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     frame: FrameArgs,

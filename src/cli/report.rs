@@ -19,18 +19,18 @@ use crate::upscale::Upscaling;
 use clap::Args;
 
 use super::failure::Failure;
-use super::merge::Merged;
 use super::progress::ProgressLine;
 use super::scene_args::{DEFAULT_SIZE, MemoryArgs, NamedScene};
-use super::shard::{ShardArgs, write_part};
+use super::shard::{Merged, ShardArgs, write_part};
 use super::upscaler_args::UpscalerArgs;
 use super::{interrupt, output, parse, scene_args};
 
 /// File names of the report's HTML page, CSV table and JSON.
 const FILES: [&str; 3] = ["index.html", "report.csv", "report.json"];
 
-/// Arguments of `report`.
+/// Measure error against run time of every upscaler, and write an HTML page, a CSV table and JSON
 #[derive(Args, Debug)]
+#[command(after_help = super::example("report chess --size 640x360 -o report"))]
 pub(crate) struct ReportArgs {
     /// Ids of built-in scenes, or paths of models or projects, whose settings and size other options override; the first built-in scene if omitted
     #[arg(value_name = "SCENE")]

@@ -14,8 +14,9 @@ use super::{interrupt, output};
 /// File names of the report's HTML page, CSV table and JSON.
 const FILES: [&str; 3] = ["index.html", "scaling.csv", "scaling.json"];
 
-/// Arguments of `scaling`.
+/// Measure the cost of a frame against triangles, pixels, layers and threads, as a table or an HTML page
 #[derive(Args, Debug)]
+#[command(after_help = super::example("scaling -o scaling"))]
 pub(crate) struct ScalingArgs {
     /// Folder for an HTML page, a CSV table and JSON; created if missing. Without a folder the table is printed
     #[arg(short, long, value_name = "DIR")]

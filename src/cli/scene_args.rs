@@ -5,10 +5,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
-use crate::chain::{Frame, PrecedingView, Recipe, Renderer, run};
+use crate::chain::{Frame, PrecedingView, Recipe, Renderer, SettingKey, run};
 use crate::inspect::project::{LoadedProject, Project};
 use crate::inspect::scrub::{Moment, Scrubber};
-use crate::pipeline::settings::{Arithmetic, Rasterizer};
+use crate::pipeline::settings::{Arithmetic, Choice as _, Rasterizer};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::obj::TrMeaning;
 use crate::scene::{
@@ -113,8 +113,8 @@ const CAMERA_HELP: &str = "Camera in world space, as JSON or as a path to a JSON
 /// Returns the help text of `--set`: every key with its accepted values, and an example.
 fn set_help() -> String {
     let mut help = "Setting to change; may be given several times, in any order. Keys and their values:\n".to_owned();
-    for (key, values) in Recipe::keys() {
-        help.push_str(&format!("  {key}: {values}\n"));
+    for key in SettingKey::ALL {
+        help.push_str(&format!("  {}: {}\n", key.id(), key.values()));
     }
     help.push_str("Example: --set shading=gouraud --set light.direction=1,0.5,0");
     help

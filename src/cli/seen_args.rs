@@ -67,8 +67,11 @@ pub(crate) fn moment(triangles: Option<usize>, fragments: Option<usize>) -> Opti
     triangles.map(|triangles| Moment { triangles, fragments })
 }
 
-/// Options for the initial state of the window.
+/// Open the window, or fail if no window can be opened
+///
+/// If neither a scene nor options are given, it resumes the scene, settings and view of the previous run.
 #[derive(Args, Clone, Debug)]
+#[command(after_help = super::example("window chess --set shading=gouraud"))]
 pub(crate) struct WindowArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,

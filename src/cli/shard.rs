@@ -1,4 +1,4 @@
-//! Option `--shard` of the experiments that can be divided, and output of their parts.
+//! Experiments that can be divided: the option `--shard`, the output of parts, and the merged result.
 
 use std::path::Path;
 
@@ -33,4 +33,12 @@ pub(crate) fn write_part(
         Some(path) => output::write(path, &text)?,
     }
     interrupt::outcome(partial)
+}
+
+/// Result of an experiment whose parts were merged.
+pub(crate) struct Merged {
+    /// Name and content of each file.
+    pub(crate) files: Vec<(&'static str, Vec<u8>)>,
+    /// Whether a part was interrupted.
+    pub(crate) partial: bool,
 }

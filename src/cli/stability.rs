@@ -12,13 +12,14 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::failure::Failure;
-use super::merge::Merged;
 use super::progress::ProgressLine;
-use super::shard::{ShardArgs, write_part};
+use super::shard::{Merged, ShardArgs, write_part};
 use super::{interrupt, output, parse};
 
-/// Arguments of `stability`.
+/// Measure numerical stability: run ill-conditioned and extreme cases on every rasterizer, arithmetic and depth
+/// format
 #[derive(Args, Debug)]
+#[command(after_help = super::example("stability --class slivers --html -o slivers.html"))]
 pub(crate) struct StabilityArgs {
     /// Class of cases to run; may be given several times. All if omitted
     #[arg(long, value_name = "CLASS", value_parser = class())]

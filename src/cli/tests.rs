@@ -1,3 +1,5 @@
+use clap::CommandFactory as _;
+
 use crate::inspect::display::Display;
 use crate::inspect::{Buffer, InspectionState, Intermediate, Stage};
 use crate::pipeline::settings::Choice as _;
@@ -130,5 +132,21 @@ fn only_a_start_without_options_resumes_the_previous_state() {
     assert!(takes_up("rasterscope"));
     for asked in ["triangle", "--set wireframe=true", "--at 3,4", "--buffer depth", "--picture 320x200"] {
         assert!(!takes_up(&format!("rasterscope {asked}")), "{asked}");
+    }
+}
+
+#[test]
+fn every_command_has_a_summary_and_an_example_that_is_valid() {
+    let commands = Cli::command();
+    assert!(commands.get_subcommands().count() > 20);
+    for command in commands.get_subcommands() {
+        let name = command.get_name();
+        let summary = command.get_about().unwrap_or_else(|| panic!("{name} has no summary")).to_string();
+        assert!(summary.starts_with(char::is_uppercase) && !summary.contains("rguments"), "{name}: {summary}");
+        let help = command.get_after_help().unwrap_or_else(|| panic!("{name} has no example")).to_string();
+        let example = help.lines().next().and_then(|line| line.strip_prefix("Example: ")).unwrap_or_default();
+        assert!(example.starts_with(&format!("rasterscope {name}")), "{name}: {example}");
+        let parsed = Cli::try_parse_from(words(example));
+        assert!(parsed.is_ok(), "{example}: {:?}", parsed.err());
     }
 }

@@ -12,8 +12,9 @@ use super::progress::ProgressLine;
 use super::scene_args::{FrameArgs, RequestedView};
 use super::{interrupt, output, parse};
 
-/// Arguments of `vector`.
+/// Export a scene as a vector drawing: wireframe, hidden-line drawing, or polygons
 #[derive(Args, Debug)]
+#[command(after_help = super::example("vector cubes --kind hidden-line -o cubes.svg"))]
 pub(crate) struct VectorArgs {
     #[command(flatten)]
     frame: FrameArgs,

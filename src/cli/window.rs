@@ -6,9 +6,10 @@
 use std::path::Path;
 
 use super::failure::Failure;
-use super::screenshot::{self, WorkbenchArgs};
-use super::seen_args::WindowArgs;
-use super::{output, workbench};
+use super::output;
+use super::screenshot;
+pub(crate) use super::seen_args::WindowArgs;
+use super::workbench::{self, WorkbenchArgs};
 
 /// File name of the screenshot that is written if the program starts without a command and no window can be opened.
 const FALLBACK_PICTURE: &str = "rasterscope.png";

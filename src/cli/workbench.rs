@@ -5,6 +5,8 @@
 //! (which causes a panic), or OpenGL is missing. This is the only file of the command line that uses the window;
 //! `workbench_absent` replaces this file in builds without the window.
 
+mod args;
+
 use std::panic::{self, AssertUnwindSafe};
 
 use clap::builder::TypedValueParser;
@@ -32,8 +34,10 @@ pub(crate) use crate::ui::workspace::{Panel, Workspace};
 use super::failure::Failure;
 use super::parse::{self, Either};
 use super::scene_args::{RequestedView, WARNED};
-use super::screenshot::{CompareArg, Open, ThemeArg, WorkbenchArgs};
 use super::seen_args::{SeenArgs, WindowArgs, moment};
+
+pub(crate) use args::WorkbenchArgs;
+use args::{CompareArg, Open, ThemeArg};
 
 /// Opens the window and returns when it is closed, or at once with an error if no window can be opened.
 pub(crate) fn open(view: RequestedView, args: &WindowArgs) -> Result<(), String> {

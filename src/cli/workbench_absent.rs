@@ -1,6 +1,9 @@
 //! Replacement for the workbench in builds without it (feature `ui` off): every function returns an error that names
 //! the missing feature.
 
+#[path = "workbench/args.rs"]
+mod args;
+
 use clap::builder::{StringValueParser, TypedValueParser};
 
 use crate::chain::Recipe;
@@ -11,8 +14,9 @@ use crate::pipeline::viewport::Viewport;
 
 use super::failure::Failure;
 use super::scene_args::RequestedView;
-use super::screenshot::WorkbenchArgs;
 use super::seen_args::{SeenArgs, WindowArgs};
+
+pub(crate) use args::WorkbenchArgs;
 
 const BUILT_WITHOUT: &str = "this program was built without the window (feature `ui`): \
     `window`, `screenshot`, `bench --window` and `bench --answers` are not available";

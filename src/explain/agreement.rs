@@ -8,11 +8,21 @@ use std::sync::LazyLock;
 
 use rasterscope_engine::image::{Image, Rgba8};
 
-use crate::setup::Rounding;
 use crate::window::Window;
 
 /// Largest difference, in 8-bit codes of any channel, at which two pixels count as equal.
 pub const TOLERANCE: u8 = 2;
+
+/// Rounding of colours to 8-bit codes, as it shows in differences from our codes, which are rounded to nearest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Rounding {
+    /// The nearest code: equal to ours.
+    Nearest,
+    /// The next lower code: in half of all pixels one less than ours.
+    Down,
+    /// The next higher code: in half of all pixels one more than ours.
+    Up,
+}
 
 /// Share of pixels that the model expects to disagree for reasons of no interest, such as rounded vertices at edges.
 const OUTLIERS: f64 = 0.03;

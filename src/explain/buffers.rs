@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use rasterscope_engine::image::{Image, Rgba8};
+use rasterscope_engine::scene::Camera;
 use serde::Serialize;
 
 use crate::depth_map::{DepthMap, bits, step};
-use crate::setup::Setup;
 use crate::window::Window;
 
 /// Cost of a pixel whose depth or id disagrees, in nats: about that of a colour that disagrees.
@@ -117,10 +117,10 @@ impl TheirBuffers {
     }
 
     /// Describes the agreement of the depths, before and after.
-    pub(crate) fn depth_report(&self, setup: &Setup, pair: [&BufferDifferences; 2]) -> Option<DepthReport> {
+    pub(crate) fn depth_report(&self, camera: &Camera, pair: [&BufferDifferences; 2]) -> Option<DepthReport> {
         let depth = self.depth.as_ref()?;
         let [differing_before, differing_after] = pair.map(|differences| count(&differences.depth));
-        let mapping = pair[1].map.map(|map| map.name(&setup.camera));
+        let mapping = pair[1].map.map(|map| map.name(camera));
         Some(DepthReport { mapping, bits: bits(depth.pixels()), differing_before, differing_after })
     }
 

@@ -4,9 +4,9 @@ use rasterscope_engine::chain::Renderer;
 use rasterscope_engine::image::{Image, Rgba8};
 
 use crate::agreement::TOLERANCE;
-use crate::explanation::Query;
 use crate::fault::{Change, Fault};
 use crate::faults::ALL;
+use crate::query::Query;
 use crate::setup::{OutputChange, Setup};
 
 /// Smallest share of the pixels without a surface that must have the measured colour of the background.

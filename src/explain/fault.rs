@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use crate::setup::{OutputChange, Rounding, Setup};
+use crate::agreement::Rounding;
+use crate::setup::{OutputChange, Setup};
 
 /// Known difference between another renderer and ours.
 #[derive(Clone, Copy, Debug)]
@@ -124,5 +125,33 @@ impl Fault {
     /// Returns the fault with other changes that have its effect.
     pub(crate) const fn or(self, variants: &'static [Change]) -> Self {
         Self { variants, ..self }
+    }
+}
+
+impl Setup {
+    /// Returns the setup with the faults added, in the given order. A difference whose value is measured in a picture,
+    /// such as the colour of the background, changes nothing.
+    pub fn with<'a>(&self, faults: impl IntoIterator<Item = &'a Fault>) -> Self {
+        self.changed(faults.into_iter().map(|fault| fault.change))
+    }
+
+    /// Returns the setup with changes, in the given order.
+    pub(crate) fn changed(&self, changes: impl IntoIterator<Item = Change>) -> Self {
+        let mut changed = self.clone();
+        for change in changes {
+            changed.add(change);
+        }
+        changed
+    }
+
+    fn add(&mut self, change: Change) {
+        match change {
+            // The assignments are constants, and a test sets each of them.
+            Change::Settings(assignments) => drop(self.recipe.set_all(assignments)),
+            Change::Setup(change) => change(self),
+            Change::Output(change) => self.output.push(change),
+            Change::Rounding(rounding) => self.rounding = rounding,
+            Change::Background(color) => self.background = color.or(self.background),
+        }
     }
 }

@@ -11,8 +11,8 @@ use rasterscope_engine::scene::TriangleId;
 use rasterscope_engine::upscale::Upscaling;
 use serde::Serialize;
 
-use crate::agreement::{TOLERANCE, difference};
-use crate::setup::{Rounding, Setup};
+use crate::agreement::{Rounding, TOLERANCE, difference};
+use crate::setup::Setup;
 
 /// Differing pixels of one object that no cause explains.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]

@@ -15,8 +15,8 @@ use rayon::prelude::*;
 use crate::agreement::{Agreement, Target};
 use crate::buffers::{BufferTarget, OurBuffers};
 use crate::candidate::Candidate;
-use crate::explanation::Evidence;
 use crate::fault::Slot;
+use crate::query::Evidence;
 use crate::setup::Setup;
 use crate::window::Window;
 

@@ -11,8 +11,8 @@ use rasterscope_engine::pipeline::viewport::Viewport;
 use rasterscope_engine::scene::{Camera, Scene, SubView};
 use rasterscope_engine::upscale::Upscaling;
 
+use crate::agreement::Rounding;
 use crate::buffers::{BufferTarget, NO_ID, OurBuffers};
-use crate::fault::{Change, Fault};
 use crate::window::Window;
 
 /// Everything that determines a drawing: scene, camera, recipe, size, and changes of the finished picture.
@@ -55,17 +55,6 @@ pub(crate) struct PixelChange {
     pub(crate) undo: fn(Rgba8) -> Rgba8,
 }
 
-/// Rounding of colours to 8-bit codes, as it shows in differences from our codes, which are rounded to nearest.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Rounding {
-    /// The nearest code: equal to ours.
-    Nearest,
-    /// The next lower code: in half of all pixels one less than ours.
-    Down,
-    /// The next higher code: in half of all pixels one more than ours.
-    Up,
-}
-
 /// Returns a scene to be edited. It loses its motion, because poses would not have the edits.
 pub(crate) fn edit(scene: &mut Arc<Scene>) -> &mut Scene {
     let scene = Arc::make_mut(scene);
@@ -77,32 +66,6 @@ impl Setup {
     /// Returns the setup of a correct drawing of `viewport` size.
     pub fn new(scene: Arc<Scene>, camera: Camera, recipe: Recipe, viewport: Viewport) -> Self {
         Self { scene, camera, recipe, viewport, output: Vec::new(), rounding: Rounding::Nearest, background: None }
-    }
-
-    /// Returns the setup with the faults added, in the given order. A difference whose value is measured in a picture,
-    /// such as the colour of the background, changes nothing.
-    pub fn with<'a>(&self, faults: impl IntoIterator<Item = &'a Fault>) -> Self {
-        self.changed(faults.into_iter().map(|fault| fault.change))
-    }
-
-    /// Returns the setup with changes, in the given order.
-    pub(crate) fn changed(&self, changes: impl IntoIterator<Item = Change>) -> Self {
-        let mut changed = self.clone();
-        for change in changes {
-            changed.add(change);
-        }
-        changed
-    }
-
-    fn add(&mut self, change: Change) {
-        match change {
-            // The assignments are constants, and a test sets each of them.
-            Change::Settings(assignments) => drop(self.recipe.set_all(assignments)),
-            Change::Setup(change) => change(self),
-            Change::Output(change) => self.output.push(change),
-            Change::Rounding(rounding) => self.rounding = rounding,
-            Change::Background(color) => self.background = color.or(self.background),
-        }
     }
 
     /// Returns the camera's sub-view for changes. If it has none yet, it is the whole picture.

@@ -8,10 +8,10 @@ use rasterscope_engine::image::{Image, Rgba8};
 use rasterscope_engine::pipeline::viewport::Viewport;
 use rasterscope_engine::scene::builtin;
 
-use crate::agreement::{TOLERANCE, differences};
+use crate::agreement::{Rounding, TOLERANCE, differences};
 use crate::buffers::TheirBuffers;
 use crate::fault::Change;
-use crate::setup::{OutputChange, PixelChange, Rounding};
+use crate::setup::{OutputChange, PixelChange};
 use crate::window::Window;
 use crate::{ALL, Confidence, ExplainError, Explanation, Kind, Query, Setup, by_id, explain, explain_with};
 
@@ -174,10 +174,10 @@ fn a_window_shows_the_pixels_of_the_whole_picture() {
 fn a_large_picture_is_searched_in_windows_where_it_differs() {
     let viewport = Viewport { width: 1024, height: 640 };
     let differing = Image::from_fn(1024, 640, |x, y| if x > 700 && y > 400 { 9 } else { u8::from(x == 0) });
-    let windows = Window::sample(viewport, &differing);
+    let windows = Window::sample(viewport, &differing.map(|code| code > TOLERANCE));
     assert!(windows.len() > 1 && windows.iter().all(|w| w.x + w.width <= 1024 && w.y + w.height <= 640));
     assert!(windows.iter().any(|window| window.of(&differing).pixels().iter().all(|code| *code == 9)));
-    assert_eq!(Window::sample(SIZE, &Image::filled(96, 54, 9)), [Window::whole(SIZE)]);
+    assert_eq!(Window::sample(SIZE, &Image::filled(96, 54, true)), [Window::whole(SIZE)]);
 
     let correct = Setup { viewport, ..correct("cubes") };
     let planted = ["texture-v-flipped", "depth-test-reversed"];

@@ -6,7 +6,8 @@ use serde::{Serialize, Serializer};
 
 use crate::agreement::TOLERANCE;
 use crate::buffers::{DepthReport, IdLevel, IdReport};
-use crate::explanation::{Cause, Confidence, Explanation, Tally};
+use crate::cause::{Cause, Tally};
+use crate::explanation::{Confidence, Explanation};
 use crate::fault::Kind;
 use crate::rest::Rest;
 

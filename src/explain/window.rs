@@ -6,8 +6,6 @@
 use rasterscope_engine::image::Image;
 use rasterscope_engine::pipeline::viewport::Viewport;
 
-use crate::agreement::TOLERANCE;
-
 /// Largest number of pixels of a picture that is searched as a whole.
 const MOST_PIXELS: u32 = 640 * 480;
 
@@ -43,14 +41,14 @@ impl Window {
     }
 
     /// Returns the windows on which a search draws: the whole picture, or those parts of a large one with most
-    /// differing pixels, spread over the picture. `differences` are those of all pixels, in codes.
-    pub(crate) fn sample(viewport: Viewport, differences: &Image<u8>) -> Vec<Self> {
+    /// differing pixels, spread over the picture. `differs` says for each pixel whether it differs.
+    pub(crate) fn sample(viewport: Viewport, differs: &Image<bool>) -> Vec<Self> {
         if viewport.width.saturating_mul(viewport.height) <= MOST_PIXELS {
             return vec![Self::whole(viewport)];
         }
         let mut cells: Vec<_> = Self::cells(viewport)
             .into_iter()
-            .map(|cell| (cell.of(differences).pixels().iter().filter(|code| **code > TOLERANCE).count() as u64, cell))
+            .map(|cell| (cell.of(differs).pixels().iter().filter(|differs| **differs).count() as u64, cell))
             .collect();
         let mut chosen: Vec<Self> = Vec::new();
         while chosen.len() < WINDOWS {

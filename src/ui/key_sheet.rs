@@ -2,13 +2,9 @@
 
 use eframe::egui::{Key, Label, RichText, ScrollArea, TextEdit, Ui, WidgetInfo, vec2};
 
-use super::command::{BINDINGS, Command, KeyBinding, MOUSE};
+use super::key_map::{BINDINGS, KeyBinding, MOUSE, Topic};
 use super::palette::fuzzy::fit;
 use super::theme::{space, tokens};
-use crate::ui::canvas_state::CanvasChange;
-use crate::ui::files::FileCommand;
-use crate::ui::stages::StageChange;
-use crate::ui::window_task::DialogCommand;
 
 /// Width of a column, in points.
 const COLUMN_POINTS: f32 = 380.0;
@@ -32,73 +28,6 @@ pub(crate) fn width(ui: &Ui) -> f32 {
 
 fn columns(ui: &Ui) -> usize {
     if ui.ctx().content_rect().width() >= 3.0 * COLUMN_POINTS + MARGIN_POINTS { 3 } else { 2 }
-}
-
-/// Topic under which keys and mouse gestures are listed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Topic {
-    Mouse,
-    Picture,
-    Pixel,
-    Stages,
-    Scene,
-    Settings,
-    Places,
-    Comparing,
-    Making,
-    Showing,
-    Arithmetic,
-    General,
-}
-
-impl Topic {
-    const ALL: [(Self, &'static str); 12] = [
-        (Self::Mouse, "Mouse"),
-        (Self::Picture, "Picture on the canvas"),
-        (Self::Pixel, "Picked pixel"),
-        (Self::Stages, "Stages"),
-        (Self::Making, "Frame playback"),
-        (Self::Showing, "Value range and overlays"),
-        (Self::Arithmetic, "Calculation of the picked pixel"),
-        (Self::Places, "Search and bookmarks"),
-        (Self::Scene, "Scene and view"),
-        (Self::Settings, "Settings"),
-        (Self::Comparing, "Comparing"),
-        (Self::General, "Other"),
-    ];
-
-    /// Returns the topic of a key binding, derived from its command.
-    fn of(binding: &KeyBinding) -> Self {
-        match (binding.command)() {
-            Command::NudgePick(..) | Command::Pick(_) | Command::Watch(_) | Command::StepFault(_) | Command::Escape => {
-                Self::Pixel
-            }
-            Command::Canvas(CanvasChange::Fit)
-            | Command::Canvas(CanvasChange::OneToOne)
-            | Command::File(FileCommand::SaveAs(_))
-            | Command::File(FileCommand::SavePicture)
-            | Command::File(FileCommand::SaveData)
-            | Command::File(FileCommand::CopyPicture) => Self::Picture,
-            Command::Stage(StageChange::Step(_)) | Command::Show(_) => Self::Stages,
-            Command::StepTriangle(_) | Command::LimitTriangles(_) | Command::Scrub(_) => Self::Making,
-            Command::Range(_) | Command::Overlays(_) => Self::Showing,
-            Command::Trace(_) => Self::Arithmetic,
-            Command::Dialog(DialogCommand::Open)
-            | Command::Canvas(CanvasChange::TogglePointerMode(_))
-            | Command::ResetCamera
-            | Command::Orbit(..)
-            | Command::FitCamera
-            | Command::SceneTime(_)
-            | Command::CameraPath(_)
-            | Command::MeshView(_) => Self::Scene,
-            Command::Undo | Command::Redo | Command::ChooseUpscaler(_) | Command::SetRecipe(_) => Self::Settings,
-            Command::Place(_) | Command::Dialog(DialogCommand::Palette) | Command::Dialog(DialogCommand::GoTo) => {
-                Self::Places
-            }
-            Command::Compare(_) | Command::WhatIf(_) => Self::Comparing,
-            _ => Self::General,
-        }
-    }
 }
 
 /// Line of the sheet: an action's keys or mouse gesture, and the description of the action.
@@ -179,7 +108,7 @@ fn lines(topic: Topic, filter: &str) -> Vec<SheetLine> {
     if topic == Topic::Mouse {
         lines.extend(MOUSE.iter().map(|(gesture, what)| SheetLine { keys: vec![(*gesture).to_owned()], what }));
     }
-    for binding in BINDINGS.iter().filter(|binding| Topic::of(binding) == topic) {
+    for binding in BINDINGS.iter().filter(|binding| binding.topic == topic) {
         match lines.iter_mut().find(|line| line.what == binding.description) {
             Some(known) => known.keys.push(key_name(binding)),
             None => lines.push(SheetLine { keys: vec![key_name(binding)], what: binding.description }),

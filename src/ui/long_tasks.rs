@@ -10,7 +10,7 @@ use crate::measure::skipped_work::Savings;
 use crate::report::stability::sweep::{StabilityProgress, StabilityReport};
 use crate::ui::features::Feature;
 use crate::ui::session::Session;
-use crate::ui::window_task::WindowTask;
+use crate::ui::window_task::{MeasureTask, WindowTask};
 
 /// Progress and results of measurements and exports that take long.
 #[derive(Debug, Default)]
@@ -60,11 +60,11 @@ impl Feature for LongTasks {
             MeasureCommand::CancelStability => tasks.stability.task.iter().for_each(BackgroundTask::cancel),
             MeasureCommand::CancelPlan => tasks.savings.task.iter().for_each(BackgroundTask::cancel),
             MeasureCommand::CancelScaling => tasks.scaling.task.iter().for_each(BackgroundTask::cancel),
-            MeasureCommand::MeasureUpscalers
-            | MeasureCommand::CancelUpscalers
-            | MeasureCommand::RunStability
-            | MeasureCommand::MeasurePlan
-            | MeasureCommand::MeasureScaling => return Some(WindowTask::Measure(change)),
+            MeasureCommand::MeasureUpscalers => return Some(WindowTask::Measure(MeasureTask::Upscalers)),
+            MeasureCommand::CancelUpscalers => return Some(WindowTask::Measure(MeasureTask::CancelUpscalers)),
+            MeasureCommand::RunStability => return Some(WindowTask::Measure(MeasureTask::Stability)),
+            MeasureCommand::MeasurePlan => return Some(WindowTask::Measure(MeasureTask::Plan)),
+            MeasureCommand::MeasureScaling => return Some(WindowTask::Measure(MeasureTask::Scaling)),
         }
         None
     }

@@ -67,6 +67,8 @@ pub(crate) mod window_task;
 
 pub(crate) mod command;
 
+pub(crate) mod key_map;
+
 pub(crate) mod timings;
 
 pub(crate) mod long_tasks;

@@ -5,11 +5,13 @@
 //! a name in the accessibility tree, by which tests also find it. A control in a row is named after the row's label.
 
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
+use eframe::egui::text::{LayoutJob, TextWrapping};
 use eframe::egui::{
-    self, Align, Button, Color32, ComboBox, DragValue, Id, Label, Layout, Rect, Response, RichText, Role, Sense,
-    Slider, SliderClamping, Stroke, StrokeKind, TextStyle, TextWrapMode, Ui, UiBuilder, Vec2, WidgetAtom, WidgetInfo,
-    vec2,
+    self, Align, Button, Color32, ComboBox, DragValue, FontId, Galley, Id, Label, Layout, Rect, Response, RichText,
+    Role, Sense, Slider, SliderClamping, Stroke, StrokeKind, TextStyle, TextWrapMode, Ui, UiBuilder, Vec2, WidgetAtom,
+    WidgetInfo, vec2,
 };
 
 use super::theme::{self, CONTROL_HEIGHT, Icon, space, tokens};
@@ -158,6 +160,13 @@ pub(crate) fn figure(ui: &mut Ui, text: &str, width: f32, color: Color32) -> Res
     ui.painter().text(rect.right_center(), egui::Align2::RIGHT_CENTER, text, font, color);
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, text));
     response
+}
+
+/// Lays out a line of text, truncated with `…` if it exceeds `width` points.
+pub(crate) fn elided(ui: &Ui, text: &str, font: FontId, color: Color32, width: f32) -> Arc<Galley> {
+    let mut job = LayoutJob::simple_singleline(text.to_owned(), font, color);
+    job.wrap = TextWrapping::truncate_at_width(width.max(0.0));
+    ui.painter().layout_job(job)
 }
 
 /// Returns a number field whose text is `text(value)`. A field that is only focused, for example with Tab, leaves the

@@ -2,7 +2,6 @@
 
 use super::compare::files::PictureRole;
 use super::files::FileCommand;
-use super::long_tasks::MeasureCommand;
 use super::save_as::SaveItem;
 use super::workspace::{Panel, WorkspaceChange};
 use crate::case::MinimalCase;
@@ -21,7 +20,7 @@ pub(crate) enum WindowTask {
     /// Saves the totals of all overlays.
     SaveOverlayTotals,
     /// Starts or cancels a measurement.
-    Measure(MeasureCommand),
+    Measure(MeasureTask),
     /// Stops drawing the frames before the shown one.
     CancelReplay,
     /// Prevents measurements of the current view from starting by themselves.
@@ -54,6 +53,21 @@ pub(crate) enum WindowTask {
     KeepInView((u32, u32)),
     /// Closes the manual, or otherwise applies [`Session::escape`](super::session::Session::escape).
     Escape,
+}
+
+/// Measurement that the window starts or cancels, because it needs threads or the worker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum MeasureTask {
+    /// Measures time and error of every upscaler.
+    Upscalers,
+    /// Cancels the measurement of the upscalers.
+    CancelUpscalers,
+    /// Runs the stability report.
+    Stability,
+    /// Measures how much frame time the current view saves by skipped work.
+    Plan,
+    /// Measures how the frame time scales.
+    Scaling,
 }
 
 /// Command that opens a dialog or the manual.

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
 use fastrand::Rng;
-use rasterscope::chain::{Frame, Recipe};
+use rasterscope::chain::{Frame, Recipe, SettingKey, ValueForm};
 use rasterscope::inspect::display::{ColorMap, Display};
 use rasterscope::inspect::fields::assignments;
 use rasterscope::inspect::find::{SearchTarget, find};
@@ -28,9 +28,6 @@ const SIZE: Viewport = Viewport { width: 19, height: 13 };
 
 /// Text of a valid camera file.
 const CAMERA: &str = r#"{"eye":[1.5,1.2,3.0],"target":[0,0,0],"up":[0,1,0],"fov_y_degrees":45,"near":0.1,"far":100}"#;
-
-/// Keys of all settings, each with the description of its values.
-static KEYS: LazyLock<Vec<(String, String)>> = LazyLock::new(Recipe::keys);
 
 /// Scene that is drawn and searched.
 static SCENE: LazyLock<Arc<Scene>> = LazyLock::new(|| Arc::new(scene_builder::ground_and_cube()));
@@ -88,23 +85,30 @@ fn damaged(rng: &mut Rng) -> String {
     format!("{kind} {}", String::from_utf8_lossy(&bytes).replace(['\n', '\r'], " "))
 }
 
-/// Returns a random setting `key=value`, whose value is one that the description of the key names, or a number.
+/// Returns a random setting `key=value`, whose value is one that the setting accepts, or a number.
 pub(crate) fn sound_setting(rng: &mut Rng) -> String {
-    let (key, values) = pick(rng, &KEYS);
-    let words: Vec<_> = values.split(", ").collect();
-    let word = pick(rng, &words).to_string();
-    let value = match word.split(' ').next() {
-        Some("number") => number_in_range(rng),
-        Some("whole") => rng.u32(..20).to_string(),
-        Some(count) if word.contains("comma-separated numbers") => {
-            let count = count.parse().unwrap_or(25);
-            (0..count).map(|_| number_in_range(rng)).collect::<Vec<_>>().join(",")
-        }
-        _ if word.contains('…') => (rng.u32(..11) * 10).to_string(),
-        _ => word.trim_start_matches('×').to_owned(),
+    let key = *pick(rng, SettingKey::ALL);
+    let values = key.values();
+    let words: Vec<_> = values.words.iter().map(|word| word.id.as_str()).collect();
+    let value = match values.form {
+        Some(form) if words.is_empty() || rng.bool() => value_of_form(rng, &form),
+        _ => (*pick(rng, &words)).to_owned(),
     };
-    let key = if rng.u8(..8) == 0 { key.replace('_', "-") } else { key.clone() };
-    format!("{key}={value}")
+    let id = if rng.u8(..8) == 0 { key.id().replace('_', "-") } else { key.id().to_owned() };
+    format!("{id}={value}")
+}
+
+fn value_of_form(rng: &mut Rng, form: &ValueForm) -> String {
+    match form {
+        ValueForm::Number(_) => number_in_range(rng),
+        ValueForm::Whole => rng.u32(..20).to_string(),
+        ValueForm::Percent(most) => rng.u32(..=*most).to_string(),
+        ValueForm::Numbers(lengths) => {
+            let length = *pick(rng, lengths);
+            (0..length).map(|_| number_in_range(rng)).collect::<Vec<_>>().join(",")
+        }
+        ValueForm::Color => format!("#{:06x}", rng.u32(..0x0100_0000)),
+    }
 }
 
 fn number_in_range(rng: &mut Rng) -> String {
@@ -221,7 +225,7 @@ fn settings_from_descriptions_are_mostly_accepted() {
             accepted.insert(setting.split('=').next().unwrap_or_default().replace('-', "_"));
         }
     }
-    let missing: Vec<_> = KEYS.iter().map(|(key, _)| key).filter(|key| !accepted.contains(*key)).collect();
+    let missing: Vec<_> = SettingKey::ALL.iter().filter(|key| !accepted.contains(key.id())).collect();
     // Settings that only some upscaling methods support are rejected by the default one.
-    assert!(missing.iter().all(|key| key.starts_with("upscaler.")), "{missing:?}");
+    assert!(missing.iter().all(|key| key.is_upscaler_option()), "{missing:?}");
 }

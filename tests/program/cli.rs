@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 use std::sync::Arc;
 
 use rasterscope::case::Task;
-use rasterscope::chain::Recipe;
+use rasterscope::chain::{Recipe, SettingKey};
 use rasterscope::drawing::file::EXTENSIONS;
 use rasterscope::image::{Image, Rgba8, file};
 use rasterscope::inspect::assertions::Assertion;
@@ -89,8 +89,8 @@ fn help_names_every_setting() {
     for command in COMMANDS_WITH_SETTINGS {
         let output = run(&folder, &[command, &["--help"]].concat());
         assert_success(&output);
-        for (key, _) in Recipe::keys() {
-            assert!(stdout(&output).contains(&format!("{key}: ")), "{command:?}: {key}");
+        for key in SettingKey::ALL {
+            assert!(stdout(&output).contains(&format!("{}: ", key.id())), "{command:?}: {key:?}");
         }
     }
 }
@@ -110,7 +110,7 @@ fn help_lists_ranges_and_exit_codes() {
 #[test]
 fn the_manual_names_every_setting_scene_method_buffer_and_kind_and_class_of_cases() {
     let manual: String = Chapter::ALL.iter().map(|chapter| chapter.text()).collect();
-    let settings = Recipe::keys().into_iter().map(|(key, _)| key);
+    let settings = SettingKey::ALL.iter().map(|key| key.id().to_owned());
     let scenes = builtin::ALL.iter().map(|scene| scene.id.to_owned());
     let methods = upscale::BUILT_IN.iter().map(|upscaler| upscaler.id().to_owned());
     let buffers = Buffer::ALL.iter().map(|buffer| buffer.id().to_owned());
@@ -766,7 +766,7 @@ fn bad_input_is_one_line_that_names_the_culprit() {
         (&["--frames", "2", "--path", "dance"], "dance"),
         (&["--frames", "2", "--time", "1"], "--time"),
         (&["--set", "shadign=gouraud"], "error: --set `shadign` is not a setting"),
-        (&["--set", "shading=phong"], "error: --set shading: unknown variant `phong`"),
+        (&["--set", "shading=phong"], "error: --set shading: `phong` is not one of texture, "),
         (&["--set", "shading"], "error: --set `shading` is not of the form key=value"),
         (&["--set", "light.direction=0,0,0"], "error: --set light.direction: the direction"),
         (&["--size", "0x48"], "0x48"),

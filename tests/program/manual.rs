@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use rasterscope::chain::Recipe;
+use rasterscope::chain::{Recipe, SettingKey};
 use rasterscope::explain::{self, Kind};
 use rasterscope::inspect::buffers::Buffer;
 use rasterscope::inspect::intermediate::Intermediate;
@@ -17,7 +17,6 @@ use rasterscope::pipeline::settings::Choice as _;
 use rasterscope::scene::builtin;
 use rasterscope::ui::key_sheet::keys_and_descriptions;
 use rasterscope::upscale;
-use serde_json::Value;
 
 /// Path of the program under test.
 const PROGRAM: &str = env!("CARGO_BIN_EXE_rasterscope");
@@ -78,19 +77,14 @@ fn faults() -> String {
 }
 
 fn settings() -> String {
-    /// Largest number of values that are listed. Only the mask of the post filter has more.
-    const MAX_NUMBERS: usize = 9;
-    let defaults = serde_json::to_value(Recipe::default()).expect("a recipe is plain data");
-    let number = |value: &Value| value.as_f64().map_or_else(String::new, |number| (number as f32).to_string());
-    let default = |key: &str| match defaults.pointer(&format!("/{}", key.replace('.', "/"))) {
-        Some(Value::String(word)) => code(word),
-        Some(Value::Array(items)) if items.len() > MAX_NUMBERS => "identity".to_owned(),
-        Some(Value::Array(items)) => code(&items.iter().map(number).collect::<Vec<_>>().join(",")),
-        Some(value @ Value::Number(_)) => code(&number(value)),
-        Some(other) => code(&other.to_string()),
-        None => panic!("no default of {key}"),
+    let defaults = Recipe::default();
+    // The mask is too long to be listed.
+    let default = |key: SettingKey| match key {
+        SettingKey::PostMask => "identity".to_owned(),
+        _ => code(&key.read(&defaults)),
     };
-    let rows = Recipe::keys().into_iter().map(|(key, accepted)| vec![code(&key), values(&accepted), default(&key)]);
+    let rows = SettingKey::ALL.iter();
+    let rows = rows.map(|key| vec![code(key.id()), values(&key.values().to_string()), default(*key)]);
     table("key | values | default", rows)
 }
 

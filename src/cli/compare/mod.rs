@@ -25,8 +25,9 @@ use clap::Args;
 use super::failure::Failure;
 use super::{output, parse};
 
-/// Arguments of `compare`.
+/// Measure the error between two picture files, or of both against a reference, without a scene
 #[derive(Args, Debug)]
+#[command(after_help = super::example("compare a.exr b.exr --reference converged.exr --max flip=0.05"))]
 pub(crate) struct CompareArgs {
     #[arg(value_name = "A", help = format!(
         "Picture A: {}. A sequence is named by its folder or by a pattern such as frame.####.exr", format_names()))]

@@ -7,13 +7,13 @@
 //! clamped to [0, 1] and encoded as sRGB, grey becomes RGB, and only the first frame of an animation is read. Colour
 //! profiles and orientation tags are ignored, because a texture needs its texels unchanged.
 
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use image::codecs::png::PngEncoder;
-use image::{DynamicImage, ExtendedColorType, ImageEncoder as _, ImageFormat, ImageReader, Limits};
+use image::{DynamicImage, ExtendedColorType, ImageEncoder as _, ImageFormat};
 use thiserror::Error;
 
+use super::decoder::{MAX_PIXELS, MAX_SIDE, reader};
 use super::picture::formats::{self, Codec, Format};
 use super::picture::{Picture, standard};
 use super::{Image, Rgba8};
@@ -21,16 +21,6 @@ use crate::{disk, text};
 
 /// Maximum size of an image file that can be read, in bytes.
 const MAX_FILE_BYTES: u64 = 256 << 20;
-
-/// Maximum width and height of an image that can be read, in pixels.
-pub(super) const MAX_SIDE: u32 = 16_384;
-
-/// Maximum number of pixels of an image that can be read (8192 × 8192). Decoding and converting such an image takes
-/// well under a gigabyte of memory.
-pub(super) const MAX_PIXELS: u64 = 1 << 26;
-
-/// Maximum number of bytes that an image decoder may allocate.
-pub(super) const MAX_DECODER_BYTES: u64 = 256 << 20;
 
 /// Error from reading or writing an image file.
 #[derive(Debug, Error)]
@@ -158,7 +148,7 @@ impl PictureFile {
     }
 
     /// Decodes the exact samples of all channels.
-    pub(super) fn decode_samples(self) -> Result<Picture, ImageFileError> {
+    fn decode_samples(self) -> Result<Picture, ImageFileError> {
         let Self { path, bytes, format, .. } = self;
         let decoded = match format.codec {
             Codec::Own(_, decode) => decode(&bytes),
@@ -171,6 +161,14 @@ impl PictureFile {
     }
 }
 
+impl Picture {
+    /// Reads a picture file of any supported format. The picture is never empty, and has at most 16 384 pixels per side
+    /// and 8192 × 8192 in total. Reading takes less than a gigabyte of memory.
+    pub fn read(path: &Path) -> Result<Self, ImageFileError> {
+        PictureFile::read_header(path)?.decode_samples()
+    }
+}
+
 fn undecodable(path: &Path, format: &Format, reason: &str) -> ImageFileError {
     ImageFileError::Undecodable { path: path.to_owned(), kind: format.name, reason: text::message(reason) }
 }
@@ -179,17 +177,6 @@ fn undecodable(path: &Path, format: &Format, reason: &str) -> ImageFileError {
 pub fn is_named_picture(path: &Path) -> bool {
     formats::ALL.iter().any(|format| format.has_suffix_of(path))
         || path.extension().and_then(ImageFormat::from_extension).is_some()
-}
-
-/// Returns an image reader for the bytes of a file, with a limit on the memory that decoding may allocate.
-pub(super) fn reader(bytes: &[u8], format: ImageFormat) -> ImageReader<Cursor<&[u8]>> {
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-    let mut limits = Limits::default();
-    limits.max_image_width = None;
-    limits.max_image_height = None;
-    limits.max_alloc = Some(MAX_DECODER_BYTES);
-    reader.limits(limits);
-    reader
 }
 
 /// Returns the likely content of a file that is in no supported format.
@@ -251,6 +238,8 @@ pub fn encode_png(image: &Image<Rgba8>) -> std::io::Result<Vec<u8>> {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Cursor;
+
     use super::*;
 
     fn picture(alpha: u8) -> Image<Rgba8> {

@@ -2,6 +2,8 @@
 
 pub mod color;
 
+mod decoder;
+
 pub mod file;
 
 pub mod pfm;

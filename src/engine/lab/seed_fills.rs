@@ -1,13 +1,15 @@
 //! Lab page on filling a region of a painted grid from a seed.
 
+mod picture;
+
 use glam::DVec2;
 
-use super::picture::painted;
 use super::recording::{Ink, Mark, MethodComparison, MethodResult, RecordedStep, Recording, Tone, cell, pair, time_of};
 use crate::flat2d::seed_fill::{Connectivity, FillCriterion, seed_fill};
 use crate::flat2d::stack_fill::stack_fill;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::{Choice, choice};
+use picture::painted;
 
 choice! {
     /// Criterion by which a pixel belongs to the filled region.

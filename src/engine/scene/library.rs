@@ -2,36 +2,9 @@
 
 use std::sync::Arc;
 
-use super::{Material, Mesh, Texture};
+use super::ids::{MaterialId, MeshId, TextureId};
+use super::{Alpha, Material, Mesh, Texture, Transparency};
 use crate::text;
-
-macro_rules! id {
-    ($(#[$doc:meta])* $visibility:vis $name:ident) => {
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-        $visibility struct $name(u32);
-
-        impl $name {
-            /// Returns the index of the item in its library.
-            pub(crate) fn index(self) -> usize {
-                self.0 as usize
-            }
-        }
-    };
-}
-
-id!(
-    /// Identifier of a mesh in a [`Library`].
-    pub MeshId
-);
-id!(
-    /// Identifier of a material in a [`Library`].
-    pub MaterialId
-);
-id!(
-    /// Identifier of a texture in a [`Library`].
-    pub TextureId
-);
 
 /// Owner of all meshes, materials and textures of a scene. Only the library creates identifiers, so they never dangle.
 /// Copies share every mesh and texture that does not change.
@@ -131,5 +104,30 @@ impl Library {
     pub(crate) fn bytes(&self) -> usize {
         self.meshes.iter().map(|mesh| mesh.bytes()).sum::<usize>()
             + self.textures.iter().map(Texture::bytes).sum::<usize>()
+    }
+}
+
+impl Material {
+    /// Returns the transparency of this material for a shading that samples only the textures in `read`. The material's
+    /// opacity and the alpha channel of each of these textures imply a transparency. The strongest one wins: blended
+    /// before alpha-tested before opaque. [`Material::transparency`] replaces it where alpha may be below 1.
+    pub(crate) fn transparency(&self, library: &Library, read: impl IntoIterator<Item = TextureId>) -> Transparency {
+        match (self.transparency, self.implied_transparency(library, read)) {
+            (Some(Transparency::AlphaTested), _) if self.alpha_cutoff > 1.0 => Transparency::AlphaTested,
+            (Some(fixed), Transparency::AlphaTested | Transparency::Blended) => fixed,
+            (_, implied) => implied,
+        }
+    }
+
+    fn implied_transparency(&self, library: &Library, read: impl IntoIterator<Item = TextureId>) -> Transparency {
+        if self.opacity < 1.0 {
+            return Transparency::Blended;
+        }
+        let of_texture = |id| match library.texture(id).alpha() {
+            Alpha::Opaque => Transparency::Opaque,
+            Alpha::AllOrNothing => Transparency::AlphaTested,
+            Alpha::Graded => Transparency::Blended,
+        };
+        read.into_iter().map(of_texture).max().unwrap_or_default()
     }
 }

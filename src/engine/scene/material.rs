@@ -3,8 +3,7 @@
 use glam::{Vec2, Vec3};
 use serde::Serialize;
 
-use super::texture::Alpha;
-use super::{Library, TextureId};
+use super::ids::TextureId;
 
 /// Transparency of a surface: opaque, alpha-tested or blended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
@@ -95,29 +94,6 @@ impl Material {
     /// Creates a white material with a texture and full opacity.
     pub(crate) fn textured(name: impl Into<String>, texture: TextureId) -> Self {
         Self { texture: Some(texture), ..Self::plain(name, Vec3::ONE) }
-    }
-
-    /// Returns the transparency of this material for a shading that samples only the textures in `read`. The material's
-    /// opacity and the alpha channel of each of these textures imply a transparency. The strongest one wins: blended
-    /// before alpha-tested before opaque. [`Material::transparency`] replaces it where alpha may be below 1.
-    pub(crate) fn transparency(&self, library: &Library, read: impl IntoIterator<Item = TextureId>) -> Transparency {
-        match (self.transparency, self.implied_transparency(library, read)) {
-            (Some(Transparency::AlphaTested), _) if self.alpha_cutoff > 1.0 => Transparency::AlphaTested,
-            (Some(fixed), Transparency::AlphaTested | Transparency::Blended) => fixed,
-            (_, implied) => implied,
-        }
-    }
-
-    fn implied_transparency(&self, library: &Library, read: impl IntoIterator<Item = TextureId>) -> Transparency {
-        if self.opacity < 1.0 {
-            return Transparency::Blended;
-        }
-        let of_texture = |id| match library.texture(id).alpha() {
-            Alpha::Opaque => Transparency::Opaque,
-            Alpha::AllOrNothing => Transparency::AlphaTested,
-            Alpha::Graded => Transparency::Blended,
-        };
-        read.into_iter().map(of_texture).max().unwrap_or_default()
     }
 }
 

@@ -22,7 +22,7 @@ pub(crate) mod first_view;
 
 pub(crate) mod format;
 
-pub mod gltf;
+mod ids;
 
 pub(crate) mod library;
 
@@ -33,8 +33,6 @@ pub(crate) mod material;
 pub(crate) mod mesh;
 
 mod mips;
-
-pub mod obj;
 
 pub mod seams;
 
@@ -55,10 +53,9 @@ pub use error::SceneError;
 pub use error::Warning;
 pub use first_view::UpAxis;
 pub use format::SceneFormat;
+pub use format::{gltf, obj};
+pub(crate) use ids::{MaterialId, MeshId, TextureId};
 pub use library::Library;
-pub(crate) use library::MaterialId;
-pub(crate) use library::MeshId;
-pub(crate) use library::TextureId;
 pub use load::LoadControl;
 pub use load::Loaded;
 pub use load::MemoryLimit;

@@ -19,7 +19,7 @@ choice! {
 }
 
 /// Maximum of [`Upscaling::sharpening`], in percent.
-pub(super) const MAX_SHARPENING: u32 = 100;
+pub(crate) const MAX_SHARPENING: u32 = 100;
 
 /// Upscaler with its scale and options. It is always valid: options that the upscaler does not offer are replaced by
 /// offered ones.

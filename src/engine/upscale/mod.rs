@@ -59,6 +59,7 @@ pub(crate) use checkerboard::CHECKERBOARD_EDGES;
 pub(crate) use checkerboard::CHECKERBOARD_SURFACES;
 pub(crate) use checkerboard::CHECKERBOARD_TEMPORAL;
 pub use choice::FilterSpace;
+pub(crate) use choice::MAX_SHARPENING;
 pub use choice::Upscaling;
 pub(crate) use cubic::CATMULL_ROM;
 pub(crate) use cubic::MITCHELL;

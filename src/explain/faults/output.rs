@@ -3,8 +3,9 @@
 use rasterscope_engine::image::Rgba8;
 use rasterscope_engine::image::color::{decode, encode};
 
+use crate::agreement::Rounding;
 use crate::fault::{Change, Fault, Slot};
-use crate::setup::{OutputChange, PixelChange, Rounding};
+use crate::setup::{OutputChange, PixelChange};
 
 pub(super) const FAULTS: &[Fault] = &[
     Fault::error("flip-vertical", "the picture is upside down", Slot::RowOrder, Change::Output(OutputChange::FlipRows)),

@@ -8,13 +8,12 @@ use crate::scene::SceneSource;
 use crate::scene::obj::TrMeaning;
 use crate::ui::command::Command;
 use crate::ui::files::FileCommand;
-use crate::ui::long_tasks::MeasureCommand;
 use crate::ui::palette::Palette;
 use crate::ui::panels::add_upscaler::AddUpscalerDialog;
 use crate::ui::panels::dialogs::{Dialog, OpenDialog};
 use crate::ui::probe;
 use crate::ui::save_as::{Destination, SaveItem};
-use crate::ui::window_task::{DialogCommand, WindowTask};
+use crate::ui::window_task::{DialogCommand, MeasureTask, WindowTask};
 use crate::ui::worker::WorkerRequest;
 use crate::ui::workspace::WorkspaceChange;
 
@@ -33,7 +32,7 @@ impl Workbench {
             WindowTask::Save(item) => self.save_item(ui, item, Destination::Automatic),
             WindowTask::SaveCase(case) => self.write_case(ui, &case, Destination::Automatic),
             WindowTask::SaveOverlayTotals => self.save_overlay_totals(ui),
-            WindowTask::Measure(command) => self.perform_measure_command(ui, command),
+            WindowTask::Measure(task) => self.perform_measure_task(ui, task),
             WindowTask::CancelReplay => self.worker.send(WorkerRequest::CancelReplay),
             WindowTask::DeclineMeasurement => self.measuring.idle.decline(self.session.request()),
             WindowTask::StartProbe => probe::start(&mut self.session, ui.ctx()),
@@ -94,22 +93,17 @@ impl Workbench {
         }
     }
 
-    fn perform_measure_command(&mut self, ui: &Ui, command: MeasureCommand) {
-        match command {
-            MeasureCommand::MeasureUpscalers => self.measure(),
-            MeasureCommand::CancelUpscalers => {
+    fn perform_measure_task(&mut self, ui: &Ui, task: MeasureTask) {
+        match task {
+            MeasureTask::Upscalers => self.measure(),
+            MeasureTask::CancelUpscalers => {
                 self.measuring.idle.decline(self.session.request());
                 self.session.features.tasks.measuring = None;
                 self.worker.send(WorkerRequest::CancelMeasure);
             }
-            MeasureCommand::RunStability => self.measure_stability(ui),
-            MeasureCommand::MeasurePlan => self.measure_plan(ui),
-            MeasureCommand::MeasureScaling => self.measure_scaling(ui),
-            // The session completes these.
-            MeasureCommand::CancelStability
-            | MeasureCommand::ShowStability(_)
-            | MeasureCommand::CancelPlan
-            | MeasureCommand::CancelScaling => {}
+            MeasureTask::Stability => self.measure_stability(ui),
+            MeasureTask::Plan => self.measure_plan(ui),
+            MeasureTask::Scaling => self.measure_scaling(ui),
         }
     }
 

@@ -4,12 +4,12 @@
 use eframe::egui::{Align2, Color32, FontId, Rect, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::FatesChange;
-use super::panel::elided;
 use crate::inspect::fates::{Bin, FragmentFate, TriangleFate};
 use crate::pipeline::settings::Choice;
 use crate::ui::command::Command;
 use crate::ui::format;
 use crate::ui::theme::{RADIUS, Tokens, font_size, space, tokens};
+use crate::ui::widgets::elided;
 
 /// Height of a row, which holds a bar and its text, in points.
 const ROW: f32 = 19.0;

@@ -2,7 +2,6 @@
 
 use eframe::egui::{Align2, Color32, FontId, Rect, Role, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2};
 
-use super::panel::elided;
 use super::{FatesChange, FatesView};
 use crate::inspect::fates::{Fates, FragmentFate};
 use crate::pipeline::settings::Choice as _;
@@ -10,7 +9,7 @@ use crate::scene::TriangleId;
 use crate::ui::command::Command;
 use crate::ui::format;
 use crate::ui::theme::{Icon, RADIUS, font_size, space, tokens};
-use crate::ui::widgets::icon_button;
+use crate::ui::widgets::{elided, icon_button};
 
 /// Height of a row, in points.
 const ROW: f32 = 20.0;

@@ -4,12 +4,12 @@ use eframe::egui::{Align2, Color32, FontId, Rect, Role, ScrollArea, Sense, Ui, W
 
 use super::FatesChange;
 use super::funnel::BinnedFate as _;
-use super::panel::elided;
 use crate::inspect::fates::{FragmentFate, ObjectFates, TriangleCounts, TriangleFate};
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
 use crate::ui::format;
 use crate::ui::theme::{RADIUS, font_size, space, tokens};
+use crate::ui::widgets::elided;
 
 /// Height of a row, in points.
 const ROW: f32 = 20.0;

@@ -1,9 +1,6 @@
 //! The panel “Triangle fates”: funnels of triangles and fragments, table of objects, and list of filtered triangles.
 
-use std::sync::Arc;
-
-use eframe::egui::text::{LayoutJob, TextWrapping};
-use eframe::egui::{Align, Color32, FontId, Galley, Layout, RichText, ScrollArea, Ui, Vec2, vec2};
+use eframe::egui::{Align, Layout, RichText, ScrollArea, Ui, Vec2, vec2};
 
 use super::{FatesView, funnel, list, objects};
 use crate::inspect::fates::{Fates, FragmentFate, TriangleFate};
@@ -135,11 +132,4 @@ fn funnel(ui: &mut Ui, what: &str, content: impl FnOnce(&mut Ui)) {
         ui.spacing_mut().item_spacing.y = 0.0;
         content(ui);
     });
-}
-
-/// Lays out a line of text, truncated with `…` if it exceeds `width` points.
-pub(super) fn elided(ui: &Ui, text: &str, font: FontId, color: Color32, width: f32) -> Arc<Galley> {
-    let mut job = LayoutJob::simple_singleline(text.to_owned(), font, color);
-    job.wrap = TextWrapping::truncate_at_width(width.max(0.0));
-    ui.painter().layout_job(job)
 }

@@ -2,11 +2,12 @@
 //! dragging pans.
 
 use eframe::egui::{
-    Align2, Color32, CornerRadius, FontId, Pos2, Rect, Role, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, WidgetInfo,
+    Align2, Color32, CornerRadius, FontId, Rect, Role, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, WidgetInfo,
     emath::GuiRounding as _, pos2, vec2,
 };
 use glam::DVec2;
 
+use super::grid_view::{GridView, HANDLE};
 use super::{Lab, LabChange, palette, pointer};
 use crate::lab::recording::{Mark, Tone};
 use crate::ui::theme::{space, tokens};
@@ -22,31 +23,6 @@ const DOT: f32 = 3.5;
 
 /// Radius of a dot drawn in the weak (less prominent) tone, in points.
 const SMALL_DOT: f32 = 1.3;
-
-/// Radius of a draggable handle, in points.
-pub(super) const HANDLE: f32 = 6.0;
-
-/// Transform between positions on the grid and positions on the screen.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct GridView {
-    /// Scale of the grid, in points per pixel.
-    pub(super) scale: f32,
-    /// Screen position of the upper left corner of pixel (0, 0), in points.
-    pub(super) origin: Pos2,
-}
-
-impl GridView {
-    /// Maps a position from the grid, in pixels, to the screen, in points.
-    pub(super) fn screen(self, place: DVec2) -> Pos2 {
-        self.origin + vec2(place.x as f32, place.y as f32) * self.scale
-    }
-
-    /// Maps a position from the screen, in points, to the grid, in pixels.
-    pub(super) fn place(self, at: Pos2) -> DVec2 {
-        let place = (at - self.origin) / self.scale;
-        DVec2::new(place.x.into(), place.y.into())
-    }
-}
 
 /// Draws the grid and handles pointer input.
 pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {

@@ -5,6 +5,8 @@ mod palette;
 
 mod grid;
 
+mod grid_view;
+
 mod pointer;
 
 mod transport;

@@ -3,7 +3,7 @@
 use eframe::egui::{CursorIcon, Id, PointerButton, Pos2, Response, Ui};
 use glam::DVec2;
 
-use super::grid::{GridView, HANDLE};
+use super::grid_view::{GridView, HANDLE};
 use super::{Lab, LabChange};
 use crate::flat2d::line::midpoint_line;
 use crate::lab::Lesson;
@@ -96,7 +96,7 @@ fn act(
                 sampling.choose(pixel);
             }
         }
-        _ => {}
+        Lesson::Lines(_) | Lesson::Circles(_) | Lesson::Primitives(_) | Lesson::Triangles(_) => {}
     }
 }
 

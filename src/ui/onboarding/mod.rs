@@ -124,10 +124,10 @@ impl Onboarding {
 
     /// Advances the coach if the user has done what its step explains, by this command.
     pub(crate) fn observe_command(&mut self, command: &Command) {
-        match (self.step, command) {
-            (Some(CoachStep::Move), Command::SetCamera(_) | Command::Orbit(..)) => self.moved.0 = true,
-            (Some(CoachStep::Pick), Command::Pick(Some(_))) => self.apply(OnboardingChange::NextStep),
-            _ => {}
+        self.moved.0 |=
+            self.step == Some(CoachStep::Move) && matches!(command, Command::SetCamera(_) | Command::Orbit(..));
+        if self.step == Some(CoachStep::Pick) && matches!(command, Command::Pick(Some(_))) {
+            self.apply(OnboardingChange::NextStep);
         }
     }
 

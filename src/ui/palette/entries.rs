@@ -3,34 +3,26 @@
 //! uses.
 
 use super::fuzzy::{self, FuzzyMatch};
-use crate::chain::Recipe;
+use crate::chain::{Recipe, SettingKey, Word};
 use crate::inspect::find::SearchTarget;
 use crate::inspect::outline::OutlineKind;
 use crate::inspect::overlays::Overlay;
-use crate::inspect::{Buffer, Intermediate, Stage, fields, lesson};
+use crate::inspect::{Buffer, Intermediate, Stage, lesson};
 use crate::pipeline::settings::Choice as _;
 use crate::scene::{SceneSource, builtin};
-use crate::ui::appearance::AppearanceChange;
-use crate::ui::camera_path::CameraPathChange;
-use crate::ui::command::{BINDINGS, Command};
+use crate::ui::command::Command;
 use crate::ui::compare::files::PictureRole;
-use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::engine::Shown;
 use crate::ui::files::FileCommand;
-use crate::ui::filmstrip::FilmstripChange;
+use crate::ui::key_map::{BINDINGS, KEYLESS};
 use crate::ui::key_sheet::key_name;
 use crate::ui::legend_strip;
-use crate::ui::long_tasks::MeasureCommand;
-use crate::ui::onboarding::OnboardingChange;
-use crate::ui::over_time::OverTimeChange;
 use crate::ui::overlays::OverlayChange;
-use crate::ui::panels::switches;
+use crate::ui::panels::setting_row::owner;
 use crate::ui::place;
 use crate::ui::save_as::SaveItem;
-use crate::ui::session::{PictureSize, Session};
+use crate::ui::session::Session;
 use crate::ui::stages::StageChange;
-use crate::ui::temporal::TemporalChange;
-use crate::ui::timings::TimingsChange;
 use crate::ui::what_if;
 use crate::ui::window_task::DialogCommand;
 use crate::ui::workspace::{Panel, Workspace, WorkspaceChange};
@@ -245,60 +237,11 @@ fn commands() -> Vec<PaletteEntry> {
             entries.push(entry(EntryKind::Command, binding.description, command).also(synonyms));
         }
     }
-    let keyless = |title: &str, command| entry(EntryKind::Command, title, command);
-    entries.extend([
-        keyless("Fit the scene into the view", Command::FitCamera).also(["frame all"]),
-        keyless("Mirror the scene along z", Command::MirrorZ).also(["handedness", "flip z"]),
-        keyless("Reset all settings", Command::ResetRecipe).also(["reset", "defaults"]),
-        keyless("Save the picked triangle as a case file", Command::File(FileCommand::SaveCase)),
-        keyless("Restart upscaler processes", Command::RestartUpscalers).also(["external", "retry"]),
-        keyless("Switch between dark and light theme", Command::Appearance(AppearanceChange::ToggleTheme))
-            .also(["dark mode", "light mode"]),
-        keyless("Reduce motion", Command::Appearance(AppearanceChange::ToggleMotion)).also([
-            "animation",
-            "accessibility",
-            "blinking",
-            "smooth scrolling",
-        ]),
-        keyless("Add key view to the camera path", Command::CameraPath(CameraPathChange::Add)).also([
-            "record",
-            "keyframe",
-            "animation",
-        ]),
-        keyless("Remove key view of the camera path", Command::CameraPath(CameraPathChange::Remove)),
-        keyless("Remove the camera path", Command::CameraPath(CameraPathChange::Clear)),
-        keyless("Measure errors over time", Command::OverTime(OverTimeChange::Measure)).also(["flicker", "motion"]),
-        keyless("Manage bookmarks", Command::Dialog(DialogCommand::Bookmarks)),
-        keyless("Compare all upscalers in tiles", Command::Compare(CompareChange::Every(None))),
-        keyless("Earlier frames of the picked pixel", Command::Temporal(TemporalChange::Toggle)).also([
-            "history",
-            "ghosting",
-            "contribution",
-        ]),
-        keyless("Filmstrip of all upscaling methods", Command::Filmstrip(FilmstripChange::Toggle)).also(["thumbnails"]),
-        keyless(
-            "Pin the current settings as A and compare later changes with them",
-            Command::WhatIf(what_if::WhatIfChange::PinNow),
-        ),
-        keyless("Restore the settings from before the last change", Command::WhatIf(what_if::WhatIfChange::Revert)),
-        keyless(
-            "Save the compared pictures and their errors as an HTML page",
-            Command::File(FileCommand::SaveComparison),
-        ),
-        keyless("Stop comparing", Command::Compare(CompareChange::Mode(Mode::Off))),
-        keyless("Add an upscaler process…", Command::Dialog(DialogCommand::AddUpscaler))
-            .also(["external", "python", "plugin", "custom"]),
-        keyless("Measure all upscalers", Command::Measure(MeasureCommand::MeasureUpscalers)).also(["profile"]),
-        keyless("Measure the savings of skipped work", Command::Measure(MeasureCommand::MeasurePlan)),
-        keyless("Measure scaling", Command::Measure(MeasureCommand::MeasureScaling)),
-        keyless("Run the stability report", Command::Measure(MeasureCommand::RunStability)),
-        keyless("Save all frame times as CSV", Command::Timings(TimingsChange::Export)).also(["csv"]),
-        keyless("Match the picture size to the window", Command::SetSize(PictureSize::MatchWindow))
-            .also(["resolution"]),
-        keyless("Show the start card", Command::Onboarding(OnboardingChange::OpenCard)).also(["welcome", "examples"]),
-        keyless("Start the introduction in four steps", Command::Onboarding(OnboardingChange::StartCoach))
-            .also(["tutorial", "tour", "coach"]),
-    ]);
+    entries.extend(
+        KEYLESS.iter().map(|named| {
+            entry(EntryKind::Command, named.title, (named.command)()).also(named.synonyms.iter().copied())
+        }),
+    );
     for role in PictureRole::LISTED {
         let title = format!("Open picture as {}…", role.name());
         let open = entry(EntryKind::Command, title, Command::Dialog(DialogCommand::OpenPicture(role)));
@@ -357,38 +300,36 @@ fn scenes(session: &Session) -> impl Iterator<Item = PaletteEntry> {
 /// Returns one entry for every value of each setting that has a finite set of values, and one entry for each other
 /// setting.
 fn settings(session: &Session) -> Vec<PaletteEntry> {
-    let recipe = session.state.recipe;
-    let now = fields::fields(&recipe);
-    let mut entries = Vec::new();
-    for ((key, values), (_, present)) in Recipe::keys().into_iter().zip(now) {
-        let choices = fields::choices(&recipe, &values, &key);
-        let owner = switches::owner(&key);
-        for choice in &choices {
-            let mut changed = recipe;
-            // Skips values that the recipe rejects.
-            if changed.set(&format!("{key}={choice}")).is_ok() {
-                let set = entry(EntryKind::Setting, format!("{key} = {choice}"), Command::SetRecipe(changed));
-                let synonyms = Recipe::synonyms(&format!("{key}={choice}"));
-                entries.push(set.with("", *choice == present).also(synonyms).owned_by(owner));
-            }
-        }
-        if choices.is_empty() {
-            let action = Action::Type(format!("{key}="));
-            let title = format!("{key} = …  (now {present})");
-            let help = format!("{values}: type a value and press Enter");
-            entries.push(PaletteEntry {
-                kind: EntryKind::Setting,
-                title,
-                synonyms: Recipe::synonyms(&format!("{key}=")),
-                help,
-                key: String::new(),
-                is_current: false,
-                action,
-                owner,
-            });
-        }
+    SettingKey::ALL.iter().flat_map(|key| values(*key, &session.state.recipe)).collect()
+}
+
+fn values(key: SettingKey, recipe: &Recipe) -> Vec<PaletteEntry> {
+    let present = key.read(recipe);
+    let words = key.choices(recipe);
+    if words.is_empty() {
+        return vec![PaletteEntry {
+            kind: EntryKind::Setting,
+            title: format!("{} = …  (now {present})", key.id()),
+            synonyms: key.synonyms().to_vec(),
+            help: format!("{}: type a value and press Enter", key.values()),
+            key: String::new(),
+            is_current: false,
+            action: Action::Type(format!("{}=", key.id())),
+            owner: owner(key),
+        }];
     }
-    entries
+    words.into_iter().filter_map(|word| value(key, recipe, &word)).collect()
+}
+
+/// Returns the entry that sets a setting to a word.
+fn value(key: SettingKey, recipe: &Recipe, word: &Word) -> Option<PaletteEntry> {
+    let mut changed = *recipe;
+    changed.set(&format!("{}={}", key.id(), word.id)).ok()?;
+    // The synonyms of a switch name what it turns on.
+    let of_key = if key.values().is_switch() && word.id != "true" { &[] } else { key.synonyms() };
+    let set = entry(EntryKind::Setting, format!("{} = {}", key.id(), word.id), Command::SetRecipe(changed));
+    let synonyms = of_key.iter().chain(word.synonyms).copied();
+    Some(set.with(word.help, word.id == key.read(recipe)).also(synonyms).owned_by(owner(key)))
 }
 
 /// Returns an entry for a typed assignment such as `light.ambient=0.3`, if it is valid.
@@ -398,7 +339,7 @@ pub(crate) fn assignment(session: &Session, typed: &str) -> Option<PaletteEntry>
     let (key, value) = typed.split_once('=')?;
     let title = format!("Set {} to {}", key.trim(), value.trim());
     let set = entry(EntryKind::Setting, title, Command::SetRecipe(recipe));
-    Some(set.with("", recipe == session.state.recipe).owned_by(switches::owner(&key.trim().replace('-', "_"))))
+    Some(set.with("", recipe == session.state.recipe).owned_by(SettingKey::by_id(key).and_then(owner)))
 }
 
 /// Returns an entry for a typed destination, which must be a pixel, a triangle or a vertex. Object names are excluded,

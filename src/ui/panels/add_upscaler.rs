@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use eframe::egui::{Button, Key, RichText, TextEdit, Ui};
 
-use super::dialogs::modal;
+use super::modal::modal;
 use crate::chain::Recipe;
 use crate::manual::Chapter;
 use crate::ui::command::Command;

@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
-use eframe::egui::{Frame, Id, Key, Modal, RichText, TextEdit, Ui};
+use eframe::egui::{Key, RichText, TextEdit, Ui};
 
 use super::add_upscaler::AddUpscalerDialog;
+use super::modal::{modal, modal_of_width};
 use super::system_dialog::{Answer, SystemDialog};
 use crate::image::picture::{format_names, suffixes};
 use crate::inspect::project;
@@ -76,24 +77,6 @@ impl Dialog {
     pub(crate) fn is_open(&self) -> bool {
         !matches!(self, Self::Closed)
     }
-}
-
-/// Shows `content` as a dialog; `content` returns `true` to close it. Returns whether the dialog stays open.
-pub(crate) fn modal(ui: &Ui, title: &str, content: impl FnOnce(&mut Ui) -> bool) -> bool {
-    /// Width of a dialog that contains little text and one field, in points.
-    const WIDTH: f32 = 440.0;
-    modal_of_width(ui, title, WIDTH, content)
-}
-
-fn modal_of_width(ui: &Ui, title: &str, width: f32, content: impl FnOnce(&mut Ui) -> bool) -> bool {
-    let modal =
-        Modal::new(Id::unique(("dialog", title.to_owned()))).frame(Frame::window(ui.style())).show(ui.ctx(), |ui| {
-            ui.set_width(width);
-            ui.heading(title);
-            ui.add_space(8.0);
-            content(ui)
-        });
-    !modal.should_close() && !modal.inner
 }
 
 impl OpenDialog {

@@ -18,6 +18,8 @@ pub(crate) mod menu;
 
 pub(crate) mod message;
 
+pub(crate) mod modal;
+
 pub(crate) mod pipeline;
 
 pub(crate) mod skipped_work;
@@ -25,6 +27,9 @@ pub(crate) mod skipped_work;
 mod scene_menu;
 
 pub(crate) mod scaling;
+
+pub(crate) mod setting_row;
+
 mod smooth;
 
 pub(crate) mod stability;

@@ -3,116 +3,78 @@
 
 use eframe::egui::{Grid, Ui};
 
-use super::pick;
-use super::switches::note;
-use crate::antialias::settings::{AntialiasMethod, Antialiasing, PostFilter, PostFilterKind};
-use crate::chain::Recipe;
+use super::setting_row::{note, setting, setting_row};
+use crate::antialias::settings::{AntialiasMethod, PostFilter, PostFilterKind};
+use crate::chain::{Recipe, SettingKey};
+use crate::pipeline::settings::Choice;
 use crate::ui::theme::space;
-use crate::ui::widgets::{choice, integer_field, number_field, row, slider};
-use crate::upscale::{self, Upscaling};
+use crate::ui::widgets::{choice, number_field, row, slider};
 
 /// Draws the anti-aliasing settings.
-pub(super) fn antialias(ui: &mut Ui, antialias: &mut Antialiasing) {
-    row(ui, "Anti-aliasing", "Reduction of jagged edges and moiré: method and sample pattern", |ui| {
-        pick(ui, &mut antialias.method)
-    });
-    note(ui, crate::pipeline::settings::Choice::help(antialias.method));
+pub(super) fn antialias(ui: &mut Ui, recipe: &mut Recipe) {
+    setting(ui, SettingKey::AntialiasMethod, recipe);
+    let antialias = recipe.antialias;
+    note(ui, antialias.method.help());
     if antialias.is_off() {
         return;
     }
     if antialias.method != AntialiasMethod::RotatedGrid {
-        row(ui, "Samples", "Samples per rendered pixel", |ui| pick(ui, &mut antialias.samples));
+        setting(ui, SettingKey::AntialiasSamples, recipe);
     }
     if antialias.method == AntialiasMethod::Jittered {
-        row(ui, "Seed", "Different seeds give different sample positions", |ui| {
-            ui.add(integer_field(&mut antialias.seed))
-        });
+        setting(ui, SettingKey::AntialiasSeed, recipe);
     }
-    row(ui, "Averaged values", "Values that are averaged into a pixel: linear light or sRGB codes", |ui| {
-        pick(ui, &mut antialias.light)
-    });
+    setting(ui, SettingKey::AntialiasLight, recipe);
 }
 
 /// Draws the settings of the upscaler: its method and the options of the method.
 pub(super) fn upscaler(ui: &mut Ui, recipe: &mut Recipe) {
-    let before = recipe.upscaler;
-    let mut method = before.method();
-    let methods: Vec<_> = upscale::all().iter().map(|u| (u.id(), u.name(), u.help())).collect();
-    row(ui, "Method", "Upscaling method, which reconstructs the pixels that are not drawn", |ui| {
-        choice(ui, &mut method, &methods)
-    });
-    let chosen = before.with_method(method).unwrap_or(before);
-    recipe.upscaler = choices(ui, chosen);
+    setting(ui, SettingKey::UpscalerMethod, recipe);
+    options(ui, recipe);
     note(ui, recipe.upscaler.upscaler().help());
     if let Some(failure) = recipe.upscaler.upscaler().failure() {
         note(ui, &failure);
     }
 }
 
-/// Draws the options of the current upscaling method. Returns the upscaler with the selected options.
-fn choices(ui: &mut Ui, chosen: Upscaling) -> Upscaling {
-    let offers = chosen.upscaler().offers();
-    let mut result = chosen;
+/// Draws the options of which the upscaling method offers a choice.
+fn options(ui: &mut Ui, recipe: &mut Recipe) {
+    let offers = recipe.upscaler.upscaler().offers();
     if offers.scales.len() > 1 {
-        let mut scale = chosen.scale();
-        let names: Vec<_> = offers.scales.iter().map(|s| (*s, format!("×{s}"))).collect();
-        let options: Vec<_> = names.iter().map(|(s, name)| (*s, name.as_str(), "Scale factor per axis")).collect();
-        row(ui, "Scale", "Scale factor per axis: ×4 draws one of sixteen pixels", |ui| {
-            choice(ui, &mut scale, &options)
-        });
-        result = result.with_scale(scale);
+        scale(ui, recipe);
     }
-    if offers.anchors.len() > 1 {
-        let mut anchor = chosen.anchor();
-        row(ui, "Anchor", "Position of a drawn sample in the block of pixels that it represents", |ui| {
-            pick(ui, &mut anchor)
-        });
-        result = result.with_anchor(anchor);
+    let options = [
+        (SettingKey::UpscalerAnchor, offers.anchors.len() > 1),
+        (SettingKey::UpscalerLight, offers.lights.len() > 1),
+        (SettingKey::UpscalerDeringing, offers.deringing),
+        (SettingKey::UpscalerSharpening, offers.sharpening),
+        (SettingKey::UpscalerRectification, offers.history),
+        (SettingKey::UpscalerHistoryFilter, offers.history),
+        (SettingKey::UpscalerLuminanceWeighting, offers.history),
+    ];
+    for (key, _) in options.into_iter().filter(|(_, is_offered)| *is_offered) {
+        setting(ui, key, recipe);
     }
-    if offers.lights.len() > 1 {
-        let mut light = chosen.light();
-        row(ui, "Filtered values", "Values that are filtered: sRGB codes or linear light", |ui| pick(ui, &mut light));
-        result = result.with_light(light);
-    }
-    if offers.deringing {
-        let mut deringing = chosen.deringing();
-        row(ui, "De-ringing", "Clamps each pixel to the range of the drawn pixels around it", |ui| {
-            ui.checkbox(&mut deringing, "")
-        });
-        result = result.with_deringing(deringing);
-    }
-    if offers.sharpening {
-        let mut sharpening = chosen.sharpening() as f32;
-        row(ui, "Sharpening", "Strength, in percent of the strongest sharpening that creates no new extremes", |ui| {
-            slider(ui, &mut sharpening, 0.0..=100.0, " %", 0)
-        });
-        result = result.with_sharpening(sharpening.round() as u32);
-    }
-    if offers.history {
-        let mut history = chosen.history();
-        row(ui, "Rectification", "Change of the history so that it agrees with the samples around the pixel", |ui| {
-            pick(ui, &mut history.rectification)
-        });
-        row(ui, "History filter", "Filter that reads the history between its pixels", |ui| {
-            pick(ui, &mut history.filter)
-        });
-        row(ui, "Luminance weighting", "Blends colours with weights 1 / (1 + luminance)", |ui| {
-            ui.checkbox(&mut history.luminance_weighting, "")
-        });
-        result = result.with_history(history);
-    }
-    result
+}
+
+/// Draws the scale of the upscaler, with the factors written as ×2.
+fn scale(ui: &mut Ui, recipe: &mut Recipe) {
+    let mut scale = recipe.upscaler.scale();
+    let scales = recipe.upscaler.upscaler().offers().scales;
+    let names: Vec<_> = scales.iter().map(|scale| (*scale, format!("×{scale}"))).collect();
+    let options: Vec<_> = names.iter().map(|(s, name)| (*s, name.as_str(), "Scale factor per axis")).collect();
+    setting_row(ui, SettingKey::UpscalerScale, |ui| choice(ui, &mut scale, &options));
+    recipe.upscaler = recipe.upscaler.with_scale(scale);
 }
 
 /// Draws the settings of the post filter.
-pub(super) fn post(ui: &mut Ui, post: &mut PostFilter) {
-    let mut filter = post.filter;
-    row(ui, "Post filter", "Filter applied to the finished picture", |ui| pick(ui, &mut filter));
-    *post = post.with_filter(filter);
+pub(super) fn post(ui: &mut Ui, recipe: &mut Recipe) {
+    setting(ui, SettingKey::PostFilter, recipe);
+    let post = &mut recipe.post;
     if post.is_off() {
         return;
     }
-    note(ui, crate::pipeline::settings::Choice::help(post.filter));
+    note(ui, post.filter.help());
     let strength = match post.filter {
         PostFilterKind::Blur => Some(("Radius", "Distance from the centre of the blur mask to its edge", " px", 0)),
         PostFilterKind::Gaussian => Some(("Deviation", "Standard deviation of the Gaussian blur", " px", 1)),
@@ -126,16 +88,12 @@ pub(super) fn post(ui: &mut Ui, post: &mut PostFilter) {
         row(ui, label, help, |ui| slider(ui, &mut post.strength, 0.0..=most, unit, decimals));
     }
     if post.filter == PostFilterKind::Motion {
-        row(ui, "Direction", "Direction of the motion, clockwise from the right", |ui| {
-            slider(ui, &mut post.angle_degrees, -180.0..=180.0, "°", 0)
-        });
+        setting_row(ui, SettingKey::PostAngle, |ui| slider(ui, &mut post.angle_degrees, -180.0..=180.0, "°", 0));
     }
     if post.filter == PostFilterKind::Custom {
         mask(ui, post);
     }
-    row(ui, "Filter space", "Values that the post filter mixes: linear light or sRGB codes", |ui| {
-        pick(ui, &mut post.light)
-    });
+    setting(ui, SettingKey::PostLight, recipe);
 }
 
 /// Draws a grid for editing the 5 × 5 weights of the convolution mask.

@@ -3,16 +3,17 @@
 
 use std::collections::BTreeSet;
 
-use eframe::egui::{Label, RichText, Ui};
+use eframe::egui::Ui;
 
-use super::{pick, skipped_work, smooth};
-use crate::chain::{Recipe, execution};
+use super::setting_row::{note, others, setting, setting_row};
+use super::{skipped_work, smooth};
+use crate::chain::{Recipe, SettingKey, execution};
 use crate::inspect::Stage;
 use crate::measure::noise::WITHIN;
 use crate::pipeline::background::Background;
 use crate::pipeline::observe::Fate;
 use crate::pipeline::plan::PipelinePart;
-use crate::pipeline::settings::{Choice as _, DepthTest, Execution, MIP_BIAS, SceneData, Shading, TexelFilter};
+use crate::pipeline::settings::{Choice as _, DepthTest, Execution, SceneData, Shading, TexelFilter};
 use crate::scene::obj::TrMeaning;
 use crate::scene::{Camera, Projection, SceneFormat, SceneSource, UpAxis, builtin};
 use crate::ui::command::Command;
@@ -20,38 +21,24 @@ use crate::ui::engine::{RenderedView, StageFigures};
 use crate::ui::files::FileCommand;
 use crate::ui::format;
 use crate::ui::session::Session;
-use crate::ui::theme::{Icon, tokens};
+use crate::ui::theme::Icon;
 use crate::ui::widgets::{choice, combo, drag, drag_by, icon_button, row, slider, value_row};
 
 /// Draws the settings and statistics of a stage.
 pub(crate) fn ui(ui: &mut Ui, stage: Stage, session: &Session, recipe: &mut Recipe, commands: &mut Vec<Command>) {
+    others(ui, stage, recipe);
     match stage {
         Stage::Assemble => assemble(ui, session, commands),
         Stage::Transform => camera(ui, session, commands),
         Stage::Clip => clip(ui, session),
         Stage::Project => project(ui),
-        Stage::Cull => cull(ui, session, recipe),
+        Stage::Cull => cull(ui, session),
         Stage::Rasterize => rasterize(ui, session, recipe),
         Stage::Depth => depth(ui, recipe),
-        Stage::Interpolate => interpolate(ui, session, recipe),
+        Stage::Interpolate => interpolate(ui, session),
         Stage::Shade => shade(ui, session, recipe),
         Stage::Upscale => upscaling(ui, session, recipe),
     }
-}
-
-/// Returns the stage whose switches include the setting with the dotted key `key`; `None` if no stage has a switch for it.
-pub(crate) fn owner(key: &str) -> Option<Stage> {
-    let group = key.split('.').next()?;
-    Some(match group {
-        "culling" => Stage::Cull,
-        "execution" | "rasterizer" | "arithmetic" | "fill_rule" | "wireframe" => Stage::Rasterize,
-        "depth_test" | "depth_format" | "depth_bias" => Stage::Depth,
-        "interpolation" => Stage::Interpolate,
-        "shading" | "light" | "checker" | "filter" | "max_anisotropy" | "mip_bias" | "address" | "alpha"
-        | "blending" | "background" | "color_space" => Stage::Shade,
-        "antialias" | "upscaler" | "post" => Stage::Upscale,
-        _ => return None,
-    })
 }
 
 fn assemble(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
@@ -206,11 +193,6 @@ fn planes(ui: &mut Ui, camera: &mut Camera, endless: bool) {
     }
 }
 
-/// Draws an explanatory note below a setting.
-pub(super) fn note(ui: &mut Ui, text: impl Into<String>) {
-    ui.add(Label::new(RichText::new(text).small().color(tokens(ui).text_weak)).wrap());
-}
-
 fn clip(ui: &mut Ui, session: &Session) {
     let (Some(view), Some(figures)) = (&session.view, &session.features.stages.figures) else { return };
     value_row(
@@ -247,8 +229,7 @@ fn project(ui: &mut Ui) {
     note(ui, "Vertices are snapped to 1/256 px, so that edge functions are exact integers.");
 }
 
-fn cull(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
-    row(ui, "Culling", "Facing of the triangles that are culled", |ui| pick(ui, &mut recipe.pipeline.culling));
+fn cull(ui: &mut Ui, session: &Session) {
     let Some(figures) = &session.features.stages.figures else { return };
     for fate in [Fate::BackFacing, Fate::FrontFacing, Fate::ZeroArea] {
         fate_row(ui, figures, fate);
@@ -256,12 +237,7 @@ fn cull(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
 }
 
 fn rasterize(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
-    row(
-        ui,
-        "Execution",
-        "Tile by tile on all threads, or triangle by triangle on one; the picture is the same, bit for bit",
-        |ui| pick(ui, &mut recipe.execution),
-    );
+    setting(ui, SettingKey::Execution, recipe);
     match execution(&session.scene, recipe) {
         (_, Some(obstacle)) => note(ui, format!("Drawn in classic execution: {obstacle}.")),
         (Execution::Tiled, None) => {
@@ -269,18 +245,9 @@ fn rasterize(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
         }
         (Execution::Classic, None) => {}
     }
-    row(ui, "Algorithm", "Algorithm that finds the samples inside a triangle", |ui| {
-        pick(ui, &mut recipe.pipeline.rasterizer)
-    });
-    row(ui, "Arithmetic", "Number format in which coverage is computed", |ui| {
-        pick(ui, &mut recipe.pipeline.arithmetic)
-    });
-    row(ui, "Fill rule", "Rule that decides whether a pixel centre exactly on an edge is covered", |ui| {
-        pick(ui, &mut recipe.pipeline.fill_rule)
-    });
-    row(ui, "Wireframe", "Draws the snapped edges of all drawn triangles over the picture", |ui| {
-        ui.checkbox(&mut recipe.wireframe, "");
-    });
+    for key in [SettingKey::Rasterizer, SettingKey::Arithmetic, SettingKey::FillRule, SettingKey::Wireframe] {
+        setting(ui, key, recipe);
+    }
     let Some(figures) = &session.features.stages.figures else { return };
     value_row(
         ui,
@@ -296,13 +263,6 @@ fn rasterize(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     );
 }
 
-const CONSTANT_BIAS_HELP: &str = "Added to all depths of a triangle before the test, in the smallest steps of the \
-                                  format: for floats, units in the last place of the triangle's greatest depth. A \
-                                  positive bias moves surfaces away, or towards the viewer with a reversed format";
-
-const SLOPE_BIAS_HELP: &str = "Added to all depths of a triangle before the test, times its slope: the change of its \
-                               depth per pixel along x or y, whichever is greater";
-
 /// Change of the constant depth bias per dragged point, in smallest steps of the depth format.
 const CONSTANT_BIAS_STEP: f64 = 1.0;
 
@@ -310,38 +270,28 @@ const CONSTANT_BIAS_STEP: f64 = 1.0;
 const SLOPE_BIAS_STEP: f64 = 0.05;
 
 fn depth(ui: &mut Ui, recipe: &mut Recipe) {
-    row(ui, "Test", "Depth test: condition under which a fragment replaces the stored one", |ui| {
-        pick(ui, &mut recipe.pipeline.depth_test)
-    });
+    setting(ui, SettingKey::DepthTest, recipe);
     if recipe.pipeline.depth_test == DepthTest::Off {
         note(ui, "Without a depth test, no depth is stored, so there is no format and no bias to choose.");
         return;
     }
-    row(ui, "Format", "Number format of the depth buffer, and mapping of distance to depth", |ui| {
-        pick(ui, &mut recipe.pipeline.depth_format)
-    });
-    let (step, slope) = (CONSTANT_BIAS_STEP, SLOPE_BIAS_STEP);
-    row(ui, "Constant bias", CONSTANT_BIAS_HELP, |ui| drag_by(ui, &mut recipe.pipeline.depth_bias.constant, step));
-    row(ui, "Slope-scaled bias", SLOPE_BIAS_HELP, |ui| drag_by(ui, &mut recipe.pipeline.depth_bias.slope, slope));
+    setting(ui, SettingKey::DepthFormat, recipe);
+    let bias = &mut recipe.pipeline.depth_bias;
+    setting_row(ui, SettingKey::DepthBiasConstant, |ui| drag_by(ui, &mut bias.constant, CONSTANT_BIAS_STEP));
+    setting_row(ui, SettingKey::DepthBiasSlope, |ui| drag_by(ui, &mut bias.slope, SLOPE_BIAS_STEP));
 }
 
-fn interpolate(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
-    row(ui, "Attributes", "Interpolation of texture coordinates, normals and colours", |ui| {
-        pick(ui, &mut recipe.pipeline.interpolation)
-    });
+fn interpolate(ui: &mut Ui, session: &Session) {
     if let Some(view) = &session.view {
         note_skipped(ui, view, PipelinePart::PerspectiveDivision);
     }
 }
 
-const MIP_BIAS_HELP: &str = "Added to the level of detail, in mip levels: negative values are sharper but show moiré. \
-                             Temporal upscalers that draw fewer pixels want log₂(drawn width / full width) − 1";
-
 fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     let recommended_mip_bias = recipe.recommended_mip_bias();
     let settings = &mut recipe.pipeline;
     let (offered, reason) = offered_shadings(session, settings.shading);
-    row(ui, "Shading", "Source of the fragments' colour", |ui| choice(ui, &mut settings.shading, &offered));
+    setting_row(ui, SettingKey::Shading, |ui| choice(ui, &mut settings.shading, &offered));
     if !reason.is_empty() {
         note(ui, reason);
     }
@@ -350,11 +300,10 @@ fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     }
     let settings = &mut recipe.pipeline;
     if settings.shading.reads_checker() {
-        row(ui, "Squares", "Number of checkerboard squares per unit of texture coordinate", |ui| {
-            slider(ui, &mut settings.checker.squares, 1.0..=64.0, "", 1)
-        });
-        for (label, color) in [("Even square", &mut settings.checker.even), ("Odd square", &mut settings.checker.odd)] {
-            row(ui, label, "Colour of every other square of the checkerboard", |ui| {
+        let checker = &mut settings.checker;
+        setting_row(ui, SettingKey::CheckerSquares, |ui| slider(ui, &mut checker.squares, 1.0..=64.0, "", 1));
+        for (key, color) in [(SettingKey::CheckerEven, &mut checker.even), (SettingKey::CheckerOdd, &mut checker.odd)] {
+            setting_row(ui, key, |ui| {
                 let mut rgb = color.to_array();
                 if ui.color_edit_button_rgb(&mut rgb).changed() {
                     *color = rgb.into();
@@ -364,45 +313,40 @@ fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     }
     let Some(view) = &session.view else { return };
     if view.frame.plans.iter().any(|p| p.runs(PipelinePart::Texels)) {
-        row(ui, "Filter", "Filter that samples a texture between texel centres", |ui| pick(ui, &mut settings.filter));
-        if settings.filter == TexelFilter::Anisotropic {
-            let help = "Maximum number of samples per pixel along the major axis of its footprint";
-            row(ui, "Max. anisotropy", help, |ui| pick(ui, &mut settings.max_anisotropy));
+        setting(ui, SettingKey::Filter, recipe);
+        if recipe.pipeline.filter == TexelFilter::Anisotropic {
+            setting(ui, SettingKey::MaxAnisotropy, recipe);
         }
-        if settings.filter.reads_mip_levels() {
-            row(ui, "Mip bias", MIP_BIAS_HELP, |ui| slider(ui, &mut settings.mip_bias, MIP_BIAS, "", 2));
-            if settings.mip_bias != recommended_mip_bias {
+        if recipe.pipeline.filter.reads_mip_levels() {
+            setting(ui, SettingKey::MipBias, recipe);
+            if recipe.pipeline.mip_bias != recommended_mip_bias {
                 let label = format!("Set mip bias to {}", format::fixed(recommended_mip_bias.into(), 2));
                 if ui.button(label).on_hover_text("Use the mip bias that suits the upscaler").clicked() {
-                    settings.mip_bias = recommended_mip_bias;
+                    recipe.pipeline.mip_bias = recommended_mip_bias;
                 }
             }
         }
-        row(ui, "Texture wrap", "Texels for texture coordinates outside 0…1", |ui| pick(ui, &mut settings.address));
-        row(ui, "Alpha", "Treatment of alpha when the filter mixes texels", |ui| pick(ui, &mut settings.alpha));
+        setting(ui, SettingKey::Address, recipe);
+        setting(ui, SettingKey::Alpha, recipe);
     } else {
         note_skipped(ui, view, PipelinePart::Texels);
     }
     if view.frame.plans.iter().any(|p| p.runs(PipelinePart::Blending)) {
-        row(ui, "Blending order", "Order in which the fragments of blended materials are blended", |ui| {
-            pick(ui, &mut settings.blending.order)
-        });
+        setting(ui, SettingKey::BlendingOrder, recipe);
     } else {
         note_skipped(ui, view, PipelinePart::Blending);
     }
-    background(ui, session, &mut settings.background);
+    background(ui, session, &mut recipe.pipeline.background);
     for part in [PipelinePart::NormalMap, PipelinePart::Highlight, PipelinePart::Emission] {
-        if settings.shading.reads_material() && !view.frame.plans.iter().any(|plan| plan.runs(part)) {
+        if recipe.pipeline.shading.reads_material() && !view.frame.plans.iter().any(|plan| plan.runs(part)) {
             note_skipped(ui, view, part);
         }
     }
-    row(ui, "Colour space", "Colour space in which light is computed and textures are filtered", |ui| {
-        pick(ui, &mut settings.color_space)
-    });
+    setting(ui, SettingKey::ColorSpace, recipe);
 }
 
 fn background(ui: &mut Ui, session: &Session, background: &mut Background) {
-    row(ui, "Background", "Colour of the pixels that no triangle covers", |ui| {
+    setting_row(ui, SettingKey::Background, |ui| {
         let mut color = background.resolve(session.scene.background);
         if ui.color_edit_button_srgb(&mut color).changed() {
             *background = Background::Color(color);
@@ -453,13 +397,11 @@ fn light(ui: &mut Ui, recipe: &mut Recipe) {
     if !recipe.pipeline.shading.reads_ambient() {
         return;
     }
-    row(ui, "Ambient", "Fraction of the light that reaches every surface, whatever its direction", |ui| {
-        slider(ui, &mut recipe.pipeline.light.ambient, 0.0..=1.0, "", 2)
-    });
+    setting(ui, SettingKey::LightAmbient, recipe);
 }
 
 fn upscaling(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
-    smooth::antialias(ui, &mut recipe.antialias);
+    smooth::antialias(ui, recipe);
     smooth::upscaler(ui, recipe);
     let share = session.features.timings.share_of_native(&session.request(), session.state.recipe.upscaler);
     let is_noise = session.features.timings.is_within_noise_of_native(session.state.recipe.upscaler);
@@ -478,17 +420,5 @@ fn upscaling(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
             "Share of the picture's pixels that are rasterized and shaded",
         );
     }
-    smooth::post(ui, &mut recipe.post);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_setting_with_a_switch_has_an_owner() {
-        let keys = Recipe::keys().into_iter().map(|(key, _)| key);
-        let without: Vec<_> = keys.filter(|key| owner(key).is_none()).collect();
-        assert_eq!(without, ["force"], "no stage has a switch for it");
-    }
+    smooth::post(ui, recipe);
 }

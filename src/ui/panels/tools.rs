@@ -60,6 +60,27 @@ pub(super) struct ToolContext<'a> {
     pub(super) commands: &'a mut Vec<Command>,
 }
 
+/// Control of a tool.
+enum ToolControl {
+    /// Plain button.
+    Button(ToolButton),
+    /// Menu of the size of the picture.
+    PictureSize,
+    /// Button of the list of overlays, with their number.
+    Overlays,
+    /// One button for each pointer mode.
+    PointerModes,
+    /// Zoom factor as text.
+    ZoomFactor,
+}
+
+/// Button that pushes a command.
+struct ToolButton {
+    icon: Icon,
+    name: &'static str,
+    command: Command,
+}
+
 impl Tool {
     /// All tools, in the order in which they keep their place in a narrow bar.
     const BY_PRIORITY: [Self; 10] = [
@@ -103,83 +124,88 @@ impl Tool {
         }
     }
 
-    /// Returns icon, name and command of a tool that is a plain button.
-    fn button(self, session: &Session) -> Option<(Icon, &'static str, Command)> {
-        Some(match self {
-            Self::Fit => (Icon::Maximize, "Fit the picture into the canvas  (F)", Command::Canvas(CanvasChange::Fit)),
-            Self::OneToOne => {
-                (Icon::Square, "Show one picture pixel per screen pixel  (0)", Command::Canvas(CanvasChange::OneToOne))
+    /// Returns the control of the tool.
+    fn control(self, session: &Session) -> ToolControl {
+        let button = |icon, name, command| ToolControl::Button(ToolButton { icon, name, command });
+        match self {
+            Self::Fit => {
+                button(Icon::Maximize, "Fit the picture into the canvas  (F)", Command::Canvas(CanvasChange::Fit))
             }
-            Self::Tiles => (
+            Self::OneToOne => button(
+                Icon::Square,
+                "Show one picture pixel per screen pixel  (0)",
+                Command::Canvas(CanvasChange::OneToOne),
+            ),
+            Self::Tiles => button(
                 Icon::Columns2,
                 "Compare pictures side by side  (T)",
                 Command::Compare(CompareChange::Toggle(Mode::Tiles)),
             ),
-            Self::MeshView => (
+            Self::MeshView => button(
                 Icon::Box,
                 "Show the mesh view: the scene from a second camera  (M)",
                 Command::MeshView(mesh_view::MeshViewChange::Toggle),
             ),
-            Self::WhatIf => (
+            Self::WhatIf => button(
                 Icon::Diff,
                 "Show the effect of the last change of a setting  (X)",
                 Command::WhatIf(what_if::WhatIfChange::Toggle),
             ),
-            Self::Range => (
+            Self::Range => button(
                 Icon::ChartColumn,
                 "Show the range controls and the histogram over the picture",
                 Command::Range(range::RangeChange::Open(!session.features.range.open)),
             ),
-            Self::PictureSize | Self::Overlays | Self::PointerModes | Self::ZoomFactor => return None,
-        })
+            Self::PictureSize => ToolControl::PictureSize,
+            Self::Overlays => ToolControl::Overlays,
+            Self::PointerModes => ToolControl::PointerModes,
+            Self::ZoomFactor => ToolControl::ZoomFactor,
+        }
     }
 
     /// Draws the tool in the bar.
     pub(super) fn show(self, ui: &mut Ui, cx: &mut ToolContext<'_>) {
-        if let Some((icon, name, command)) = self.button(cx.session) {
-            if icon_button(ui, icon, name).clicked() {
-                cx.commands.push(command);
+        match self.control(cx.session) {
+            ToolControl::Button(ToolButton { icon, name, command }) => {
+                if icon_button(ui, icon, name).clicked() {
+                    cx.commands.push(command);
+                }
             }
-            return;
-        }
-        match self {
-            Self::PictureSize => picture_size::menu(ui, cx.session, cx.commands),
-            Self::Overlays => overlays_button(ui, cx, ""),
-            Self::PointerModes => {
+            ToolControl::PictureSize => picture_size::menu(ui, cx.session, cx.commands),
+            ToolControl::Overlays => overlays_button(ui, cx, ""),
+            ToolControl::PointerModes => {
                 // The bar is laid out from right to left.
                 for mode in POINTER_MODES.into_iter().rev() {
                     pointer_mode(ui, cx, mode, false);
                 }
                 ui.separator();
             }
-            Self::ZoomFactor => {
+            ToolControl::ZoomFactor => {
                 ui.label(RichText::new(zoom_text(cx.scale)).monospace().color(tokens(ui).text_weak))
                     .on_hover_text("Zoom. To set it, press Ctrl+G and type, for example, 800% 12,34");
             }
-            _ => {}
         }
     }
 
     /// Draws the tool as an entry of the menu.
     fn entry(self, ui: &mut Ui, cx: &mut ToolContext<'_>) {
-        if let Some((icon, name, command)) = self.button(cx.session) {
-            if ui.button((theme::icon(icon), name)).clicked() {
-                cx.commands.push(command);
-                ui.close();
+        match self.control(cx.session) {
+            ToolControl::Button(ToolButton { icon, name, command }) => {
+                if ui.button((theme::icon(icon), name)).clicked() {
+                    cx.commands.push(command);
+                    ui.close();
+                }
             }
-            return;
-        }
-        match self {
-            Self::Overlays => overlays_button(ui, cx, "Overlays  (O)"),
-            Self::PointerModes => {
+            ToolControl::PictureSize => picture_size::menu(ui, cx.session, cx.commands),
+            ToolControl::Overlays => overlays_button(ui, cx, "Overlays  (O)"),
+            ToolControl::PointerModes => {
                 for mode in POINTER_MODES {
                     pointer_mode(ui, cx, mode, true);
                 }
             }
-            Self::ZoomFactor => {
+            ToolControl::ZoomFactor => {
                 ui.label(RichText::new(format!("Zoom: {}", zoom_text(cx.scale))).color(tokens(ui).text_weak));
             }
-            _ => self.show(ui, cx),
         }
     }
 }

@@ -3,7 +3,8 @@
 use eframe::egui::{Button, Ui};
 
 use super::PlaceChange;
-use crate::ui::command::{BINDINGS, Command};
+use crate::ui::command::Command;
+use crate::ui::key_map::BINDINGS;
 use crate::ui::key_sheet::key_name;
 use crate::ui::session::Session;
 use crate::ui::window_task::DialogCommand;

@@ -5,6 +5,7 @@ use eframe::egui::{
     self, Align, Button, Label, Layout, Rect, Response, RichText, Ui, UiBuilder, Vec2, WidgetInfo, vec2,
 };
 
+use super::figures::row;
 use super::plot::{HistogramPlot, color_of};
 use super::{RangeChange, figures};
 use crate::inspect::display::{ColorMap, ValueKind};
@@ -74,15 +75,6 @@ pub(crate) fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &RenderedVi
         }
     }
     commands.extend(changes.into_iter().map(Command::Range));
-}
-
-/// Draws a row of the card with a height of [`ROW_HEIGHT`] points.
-pub(super) fn row(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
-    let size = vec2(ui.available_width(), ROW_HEIGHT);
-    ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
-        ui.spacing_mut().item_spacing.x = space::XS;
-        content(ui);
-    });
 }
 
 fn title(ui: &mut Ui, view: &RenderedView, changes: &mut Vec<RangeChange>, commands: &mut Vec<Command>) {

@@ -1,16 +1,15 @@
 //! Statistics of the shown quantity as text: minimum, maximum, mean and standard deviation, and the numbers of finite,
 //! NaN and infinite values.
 
-use eframe::egui::{Align, Label, Layout, RichText, Ui};
+use eframe::egui::{Align, Label, Layout, RichText, Ui, vec2};
 
 use super::RangeChange;
-use super::card::row;
 use super::plot::short;
 use crate::inspect::display::ValueKind;
 use crate::inspect::statistics::Statistics;
 use crate::measure::region::PixelRegion;
 use crate::ui::format;
-use crate::ui::theme::{Icon, tokens};
+use crate::ui::theme::{Icon, ROW_HEIGHT, space, tokens};
 use crate::ui::widgets::icon_button;
 
 /// Column heading and help text of each statistic.
@@ -23,6 +22,15 @@ pub(crate) const COLUMNS: [(&str, &str); 7] = [
     ("#NaN", "Number of NaN values"),
     ("#Inf", "Number of infinite values of either sign"),
 ];
+
+/// Draws a row of the card with a height of [`ROW_HEIGHT`] points.
+pub(super) fn row(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
+    let size = vec2(ui.available_width(), ROW_HEIGHT);
+    ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+        ui.spacing_mut().item_spacing.x = space::XS;
+        content(ui);
+    });
+}
 
 /// Formats the statistics of one channel, in the order of [`COLUMNS`].
 pub(crate) fn texts(figures: &Statistics) -> [String; 7] {

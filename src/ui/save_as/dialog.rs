@@ -7,7 +7,7 @@ use eframe::egui::{Button, Key, Label, RichText, Role, TextEdit, Ui, WidgetInfo}
 use super::SaveItem;
 use crate::ui::command::Command;
 use crate::ui::files::FileCommand;
-use crate::ui::panels::dialogs::modal;
+use crate::ui::panels::modal::modal;
 use crate::ui::panels::system_dialog::{Answer, SystemDialog};
 use crate::ui::session::Session;
 use crate::ui::theme::tokens;

@@ -68,7 +68,15 @@ impl SaveItem {
             Self::LabRun => session.features.lab.open,
             Self::CameraPath => !session.features.camera_path.keys.is_empty(),
             Self::Animation(_) => session.scene_frame_count().is_some(),
-            _ => true,
+            Self::Picture
+            | Self::Values
+            | Self::Buffers
+            | Self::Pixel
+            | Self::Outline(..)
+            | Self::LabDrawing(_)
+            | Self::Case
+            | Self::FrameTimes
+            | Self::Project => true,
         }
     }
 

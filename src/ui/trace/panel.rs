@@ -3,7 +3,7 @@
 use eframe::egui::style::ScrollAnimation;
 use eframe::egui::{self, Align, Color32, Layout, Rect, RichText, ScrollArea, TextEdit, Ui, vec2};
 
-use super::table::{TraceColumns, explain, headings, table_row};
+use super::table::{ROW, TraceColumns, explain, headings, table_row};
 use super::{TraceChange, TraceView};
 use crate::inspect::trace::{Notable, StepDirection, Trace, TraceLine};
 use crate::manual::Chapter;
@@ -26,9 +26,6 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     controls: None,
     content: |ui, cx| framed(ui, |ui| self::ui(ui, cx.session, cx.commands)),
 };
-
-/// Height of a row of the table, in points.
-pub(super) const ROW: f32 = 19.0;
 
 /// Draws the buttons for stepping through the trace, the filter field, and the copy button.
 fn controls(ui: &mut Ui, trace: &Trace, session: &Session, commands: &mut Vec<Command>) {

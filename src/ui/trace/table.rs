@@ -2,13 +2,15 @@
 
 use eframe::egui::{Align2, Color32, FontId, Rect, RichText, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::panel::ROW;
 use super::{TraceChange, TraceView};
 use crate::inspect::trace::{Trace, TraceLine};
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
 use crate::ui::engine::Shown;
 use crate::ui::theme::{Icon, font_size, paint_icon, tokens};
+
+/// Height of a row of the table, in points.
+pub(super) const ROW: f32 = 19.0;
 
 // Widths of the columns, in points. The formula takes the rest.
 const STAGE: f32 = 72.0;

@@ -3,7 +3,8 @@
 use eframe::egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::Queryable as _;
 use rasterscope::ui::appearance::AppearanceChange;
-use rasterscope::ui::command::{BINDINGS, Command, MOUSE};
+use rasterscope::ui::command::Command;
+use rasterscope::ui::key_map::{BINDINGS, MOUSE};
 use rasterscope::ui::session::WindowState;
 use rasterscope::ui::workspace::Panel;
 

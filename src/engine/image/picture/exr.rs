@@ -16,7 +16,7 @@ use exr::meta::{BlockDescription, MetaData};
 use exr::prelude::{ReadChannels as _, ReadLayers as _, read};
 
 use super::{Channel, DataWindow, Picture, Samples};
-use crate::image::file::{MAX_PIXELS, MAX_SIDE};
+use crate::image::decoder::{MAX_PIXELS, MAX_SIDE};
 
 /// Maximum size of all decoded samples, in bytes. With the file itself, reading stays below a gigabyte.
 const MAX_SAMPLE_BYTES: u64 = 512 << 20;

@@ -4,8 +4,7 @@ use std::path::Path;
 
 use image::ImageFormat;
 
-use super::{Picture, exr, standard};
-use crate::image::pfm;
+use super::{Picture, exr, pfm, standard};
 
 /// Function that returns the width and height in pixels from the header of a file.
 type SizeReader = fn(&[u8]) -> Result<(u32, u32), String>;

@@ -7,15 +7,15 @@ pub(super) mod exr;
 
 pub(super) mod formats;
 
+pub(super) mod pfm;
+
 pub(super) mod standard;
 
 use std::fmt;
-use std::path::Path;
 
 use half::f16;
 
 use super::color::{self, Tables};
-use super::file::{ImageFileError, PictureFile};
 use super::{Image, Rgba8};
 
 pub(crate) use exr::write::{RenderAttributes, encode as encode_exr};
@@ -214,12 +214,6 @@ impl Picture {
             Channel::new(name.to_owned(), Samples::U8(codes), window)
         };
         Self::new("drawing", image.size(), ["R", "G", "B"].into_iter().enumerate().map(channel).collect())
-    }
-
-    /// Reads a picture file of any supported format. The picture is never empty, and has at most 16 384 pixels per side
-    /// and 8192 × 8192 in total. Reading takes less than a gigabyte of memory.
-    pub fn read(path: &Path) -> Result<Self, ImageFileError> {
-        PictureFile::read_header(path)?.decode_samples()
     }
 
     /// Returns the name of the file's format, such as `OpenEXR`.

@@ -7,7 +7,7 @@ use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 
 use super::{Channel, DataWindow, Picture, Samples};
-use crate::image::file;
+use crate::image::decoder::{MAX_DECODER_BYTES, reader};
 
 /// Converts a decoded image to a picture of the format named `format`.
 ///
@@ -43,14 +43,14 @@ pub(super) fn decode_tiff(bytes: &[u8]) -> Result<Picture, String> {
     if let Some(wide) = wide_tiff(bytes) {
         return wide;
     }
-    let decoded = file::reader(bytes, ImageFormat::Tiff).decode().map_err(|error| error.to_string())?;
+    let decoded = reader(bytes, ImageFormat::Tiff).decode().map_err(|error| error.to_string())?;
     of_dynamic("TIFF", decoded)
 }
 
 /// Decodes floats and 32-bit integers. Returns `None` for all other TIFF files.
 fn wide_tiff(bytes: &[u8]) -> Option<Result<Picture, String>> {
     let mut limits = Limits::default();
-    let max_bytes = file::MAX_DECODER_BYTES as usize;
+    let max_bytes = MAX_DECODER_BYTES as usize;
     (limits.decoding_buffer_size, limits.intermediate_buffer_size) = (max_bytes, max_bytes);
     let mut decoder = Decoder::new(Cursor::new(bytes)).ok()?.with_limits(limits);
     let kind = decoder.colortype().ok()?;

@@ -31,6 +31,8 @@ pub mod observations;
 
 pub(crate) mod oracle;
 
+mod plan;
+
 pub(crate) mod spans;
 
 pub mod subject;

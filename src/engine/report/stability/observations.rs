@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::case::StabilityCase;
 use super::measure::{Expected, MeasureOutcome, answer};
-use super::sweep::{StabilityPlan, StabilityProgress, SweepStage};
+use super::plan::{StabilityPlan, StabilityProgress, SweepStage};
 use super::timing::{Time, time_class};
 use crate::measure::machine::Machine;
 use crate::measure::noise::Pairs;

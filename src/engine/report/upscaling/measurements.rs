@@ -9,8 +9,8 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
+use super::plan::{NamedView, PlanRecord, UpscalingPlan, UpscalingProgress, with};
 use super::skipping::{self, PixelShareTimes};
-use super::sweep::{NamedView, NativeTimes, Parts, PlanRecord, UpscalingPlan, UpscalingProgress, with};
 use crate::chain::{Frame, FrameTimes, Recipe};
 use crate::image::{Image, Rgba8, png_text};
 use crate::measure::against::ErrorMetrics;
@@ -28,6 +28,28 @@ const CROP: (u32, u32) = (160, 110);
 /// Maximum number of rounds for the comparison of two ways to draw fewer pixels. Each round draws 20 images on one
 /// thread.
 const SHARE_ROUNDS: usize = 9;
+
+/// Median times of native rendering, in milliseconds.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct NativeTimes {
+    /// Time of a frame.
+    pub(crate) frame: f64,
+    /// Time from rasterization to shading.
+    pub(crate) pixels: f64,
+}
+
+/// Time spent in each part of a frame, in milliseconds.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct Parts {
+    /// Median geometry time, from planning to culling, in milliseconds.
+    pub(crate) geometry: f64,
+    /// Median pixel time, from rasterization to shading, in milliseconds.
+    pub(crate) pixels: f64,
+    /// Median upscaling time without transfers, in milliseconds.
+    pub(crate) upscale: f64,
+    /// Median time of transfers to and from the process of the upscaler, in milliseconds; 0 within this process.
+    pub(crate) transfer: f64,
+}
 
 /// Measurements of one shard.
 #[derive(Clone, Debug, Serialize, Deserialize)]

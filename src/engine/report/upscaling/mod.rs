@@ -16,6 +16,8 @@ pub mod measurements;
 
 pub mod page;
 
+mod plan;
+
 mod plot;
 
 pub(crate) mod skipping;

@@ -2,9 +2,10 @@
 
 use std::io;
 
+use super::measurements::NativeTimes;
 use super::plot;
 use super::skipping::PixelShareTimes;
-use super::sweep::{NativeTimes, SceneReport, UpscalingReport, UpscalingRow};
+use super::sweep::{SceneReport, UpscalingReport, UpscalingRow};
 use crate::measure::error::ImageError;
 use crate::measure::metric::Metric;
 use crate::measure::motion::Turn;

@@ -16,9 +16,6 @@ use crate::ui::theme::{CONTROL_HEIGHT, space};
 use crate::ui::widgets::{combo, icon_button};
 use crate::upscale::{Anchor, Upscaling};
 
-/// Height of the row above a picture, in points.
-pub(super) const HEADER: f32 = CONTROL_HEIGHT + space::XS;
-
 /// Draws the row above a picture: one header, or two headers side by side for A and B.
 pub(super) fn headers(ui: &mut Ui, index: usize, place: TileLayout, session: &Session, commands: &mut Vec<Command>) {
     if session.features.comparison.mode == Mode::Tiles {

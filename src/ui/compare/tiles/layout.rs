@@ -3,10 +3,12 @@
 use eframe::egui::{Rect, Vec2, vec2};
 
 use super::figures::{LINE, figure_lines};
-use super::header::HEADER;
 use crate::ui::compare::Mode;
 use crate::ui::session::{PictureSize, Session};
-use crate::ui::theme::space;
+use crate::ui::theme::{CONTROL_HEIGHT, space};
+
+/// Height of the row above a picture, in points.
+const HEADER: f32 = CONTROL_HEIGHT + space::XS;
 
 /// Gap between tiles, in points.
 const GAP: f32 = space::XS;

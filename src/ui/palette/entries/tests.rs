@@ -2,6 +2,7 @@ use std::sync::Arc;
 
 use super::*;
 use crate::scene::TriangleId;
+use crate::ui::session::PictureSize;
 
 fn run(command: Command) -> Action {
     Action::Run(Box::new(command))
@@ -34,7 +35,7 @@ fn everything_with_a_name_has_an_entry() {
     assert!(Stage::ALL.iter().all(|stage| offers(EntryKind::Stage, stage.name())));
     assert!(upscale::all().iter().all(|upscaler| offers(EntryKind::Upscaler, upscaler.name())));
     assert!(Panel::ALL.iter().all(|panel| offers(EntryKind::Panel, panel.name())));
-    assert!(Recipe::keys().iter().all(|(key, _)| offers(EntryKind::Setting, &format!("{key} = "))));
+    assert!(SettingKey::ALL.iter().all(|key| offers(EntryKind::Setting, &format!("{} = ", key.id()))));
 }
 
 #[test]
@@ -46,10 +47,10 @@ fn setting_entries_set_their_value_and_mark_the_current_one() {
     wanted.set("fill_rule=inclusive").unwrap();
     assert_eq!(find("fill_rule = inclusive").action, run(Command::SetRecipe(wanted)));
     assert!(find("fill_rule = top-left").is_current && !find("fill_rule = inclusive").is_current);
-    for (key, _) in Recipe::keys() {
-        let of_key = entries.iter().filter(|entry| entry.title.starts_with(&format!("{key} = ")));
+    for key in SettingKey::ALL {
+        let of_key = entries.iter().filter(|entry| entry.title.starts_with(&format!("{} = ", key.id())));
         let holding = of_key.filter(|entry| entry.is_current || matches!(entry.action, Action::Type(_)));
-        assert_eq!(holding.count(), 1, "{key} has exactly one value");
+        assert_eq!(holding.count(), 1, "{key:?} has exactly one value");
     }
 }
 

@@ -3,6 +3,8 @@ use std::sync::{LazyLock, Mutex};
 
 use super::*;
 use crate::case::Case as CaseFile;
+use crate::pipeline::settings::{Arithmetic, Rasterizer};
+use crate::report::stability::catalogue;
 use crate::report::stability::csv::csv;
 use crate::report::stability::html::html;
 use crate::report::stability::measure::{Expected, answer};

@@ -1,4 +1,8 @@
+use std::sync::Arc;
+
 use super::*;
+use crate::measure::reference::Reference;
+use crate::pipeline::viewport::Viewport;
 use crate::scene::SceneSource;
 
 fn plan(viewport: Viewport, rounds: usize) -> UpscalingPlan {

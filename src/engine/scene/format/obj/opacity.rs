@@ -5,7 +5,6 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::libraries::Libraries;
 use super::mtl::{Description, Descriptions, Located};
 use crate::scene::warnings::Warnings;
 
@@ -25,14 +24,15 @@ pub enum TrMeaning {
 /// Minimum difference at which two opacities count as different.
 const DIFFERENT: f32 = 1e-3;
 
-/// Whether `Tr` means opacity in a model that uses the materials `used`. Warns if opacity was inferred.
+/// Whether `Tr` means opacity in a model that uses the materials `used` of `all` materials. Warns if opacity was
+/// inferred.
 pub(super) fn tr_is_opacity(
     meaning: TrMeaning,
     used: &[&Description],
-    libraries: &Libraries,
+    all: &Descriptions,
+    is_meshlab: bool,
     warnings: &mut Warnings,
 ) -> bool {
-    let all = &libraries.descriptions;
     let written: Vec<&Located<f32>> = all.values().filter_map(|material| material.tr.as_ref()).collect();
     let Some(first) = written.iter().min_by_key(|tr| tr.line) else { return false };
     match meaning {
@@ -40,7 +40,7 @@ pub(super) fn tr_is_opacity(
         TrMeaning::Opacity => return true,
         TrMeaning::Auto => {}
     }
-    let reason = if libraries.is_meshlab() {
+    let reason = if is_meshlab {
         "the file was written by MeshLab"
     } else if agrees_with_dissolve(all) {
         "it equals `d` where both are given"

@@ -10,8 +10,8 @@ use gltf_json::mesh::{Primitive, Semantic};
 use gltf_json::validation::Checked;
 
 use super::accessors::Accessors;
-use super::meshes::{Vertices, matching};
 use super::nodes::Placed;
+use super::vertices::{Vertices, matching};
 use super::{Failure, Remarks};
 use crate::scene::animation::{Influence, Joint, MorphTarget, Skin};
 use crate::scene::load::{Load, bytes_of};

@@ -37,14 +37,14 @@ use self::mtl::{Description, PictureReference, TextureOptions};
 pub use self::opacity::TrMeaning;
 use self::textures::{Reading, Textures, Use, repeats_alpha};
 use self::vertices::Stopped;
-use super::format::SceneFormat;
-use super::load::{BACKGROUND, Load, MAX_COORDINATE};
-use super::warnings::Warnings;
-use super::{
+use super::SceneFormat;
+use crate::disk;
+use crate::scene::load::{BACKGROUND, Load, MAX_COORDINATE};
+use crate::scene::warnings::Warnings;
+use crate::scene::{
     Camera, Instance, Library, LoadControl, Loaded, Material, MaterialId, Mesh, MeshData, Scene, SceneError, UpAxis,
     Warning,
 };
-use crate::disk;
 
 /// Fractions of the loading time that the five loading steps take, for progress reports. The values are those of a file
 /// of 10 million triangles without normals.

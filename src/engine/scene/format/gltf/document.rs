@@ -3,12 +3,13 @@
 use std::ops::Range;
 use std::path::Path;
 
+use gltf_json::extensions::texture::TextureTransform;
+use gltf_json::material::NormalTexture;
 use gltf_json::mesh::Semantic;
 use gltf_json::validation::{Checked, Error, Validate as _};
 use gltf_json::{Path as JsonPath, Root};
 use serde::Deserialize;
 
-use super::materials::transform_of_normals;
 use super::{Failure, Remarks};
 use crate::scene::SceneError;
 use crate::scene::load::Load;
@@ -221,4 +222,11 @@ pub(super) fn remark_unrendered(root: &Root, remarks: &mut Remarks<'_>) {
     if root.scenes.len() > 1 {
         remarks.note(format!("only the default scene of {} is shown", root.scenes.len()));
     }
+}
+
+/// Returns the transform of a normal map, or the reason why it is malformed. Returns `None` if it has none.
+pub(super) fn transform_of_normals(info: &NormalTexture) -> Option<serde_json::Result<TextureTransform>> {
+    // The JSON crate has a type for this extension, but no field for it in normal maps.
+    let transform = info.extensions.as_ref()?.others.get("KHR_texture_transform")?;
+    Some(TextureTransform::deserialize(transform))
 }

@@ -202,7 +202,7 @@ mod tests {
     #[test]
     fn the_manual_has_this_table() {
         assert!(
-            include_str!("../../../../assets/manual/12-scenes-and-file-formats.md").contains(&markdown()),
+            include_str!("../../../../../assets/manual/12-scenes-and-file-formats.md").contains(&markdown()),
             "the manual should have:\n{}",
             markdown()
         );

@@ -66,7 +66,7 @@ impl Libraries {
         let used: Vec<&Description> = names.filter_map(|name| self.descriptions.get(name)).collect();
         let has_plain = parts.iter().any(|part| part.material.is_none());
         let decisive = if has_plain { &[] } else { used.as_slice() };
-        opacity::tr_is_opacity(meaning, decisive, self, warnings)
+        opacity::tr_is_opacity(meaning, decisive, &self.descriptions, self.is_meshlab(), warnings)
     }
 
     /// Warns if materials are loaded but no face uses one.

@@ -1,5 +1,7 @@
 //! `rasterscope explain`: finds the faults of another renderer by which its picture of a scene differs from ours.
 
+mod folder;
+
 use std::fmt::{self, Display, Formatter};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,24 +20,27 @@ use super::failure::Failure;
 use super::progress::ProgressLine;
 use super::scene_args::{RequestedView, SceneArgs};
 use super::shard::ShardArgs;
-use super::{explain_folder, interrupt, output, parse};
+use super::{interrupt, output, parse};
+
+pub(super) use folder::merge;
 
 /// Names of the pictures that are written.
-pub(super) const PICTURES: [&str; 3] = ["ours.png", "ours-with-faults.png", "unexplained.png"];
+const PICTURES: [&str; 3] = ["ours.png", "ours-with-faults.png", "unexplained.png"];
 
-/// Arguments of `explain`.
+/// Find the faults of another renderer by which its picture of a scene differs from ours
 #[derive(Args, Debug)]
+#[command(after_help = super::example("explain theirs.png model.obj --camera view.json"))]
 pub(crate) struct ExplainArgs {
     /// Picture that another renderer drew of the scene, of any size; or a folder, all of whose pictures are explained, in
     /// the order of their names
     #[arg(value_name = "PICTURE")]
-    pub(super) picture: PathBuf,
+    picture: PathBuf,
 
     #[command(flatten)]
-    pub(super) scene: SceneArgs,
+    scene: SceneArgs,
 
     #[command(flatten)]
-    pub(super) shard: ShardArgs,
+    shard: ShardArgs,
 
     /// Picture of the depths that the other renderer stored, in any linear, reciprocal or logarithmic mapping: a float
     /// or grey picture, or an OpenEXR file with a channel `Z`
@@ -48,20 +53,20 @@ pub(crate) struct ExplainArgs {
 
     /// Fault that is not considered; may be given several times. The known faults are listed in the manual
     #[arg(long, value_name = "FAULT", value_parser = fault)]
-    pub(super) without: Vec<String>,
+    without: Vec<String>,
 
     /// Pixel whose colours are printed: theirs, ours, and ours with the faults; may be given several times
     #[arg(long, value_name = "X,Y", value_parser = parse::pixel)]
-    pub(super) at: Vec<(u32, u32)>,
+    at: Vec<(u32, u32)>,
 
     /// Print JSON instead of text
     #[arg(long, conflicts_with = "shard")]
-    pub(super) json: bool,
+    json: bool,
 
     /// Folder for three pictures: ours.png, ours-with-faults.png, and unexplained.png with only the pixels in colour that
     /// still differ. With a folder of pictures, one subfolder for each; with --shard, file for the part
     #[arg(short, long, value_name = "FOLDER")]
-    pub(super) output: Option<PathBuf>,
+    output: Option<PathBuf>,
 }
 
 /// Colours of one pixel, as sRGB codes.
@@ -75,7 +80,7 @@ struct PixelColors {
 
 /// Explanation of one picture, as JSON and as text.
 #[derive(Serialize)]
-pub(super) struct ExplanationReport {
+struct ExplanationReport {
     scene: String,
     size: [u32; 2],
     #[serde(flatten)]
@@ -95,7 +100,7 @@ pub(crate) fn run(args: &ExplainArgs) -> Result<(), Failure> {
         if args.depth.is_some() || args.ids.is_some() {
             return Err(Failure::Usage("--depth and --ids belong to one picture, not to a folder or shard".to_owned()));
         }
-        return explain_folder::run(args);
+        return folder::run(args);
     }
     if let Some(folder) = &args.output {
         output::prepare_folder(folder, &PICTURES)?;
@@ -114,7 +119,7 @@ pub(crate) fn run(args: &ExplainArgs) -> Result<(), Failure> {
 }
 
 /// Reads a picture, and checks that it contains the requested pixels.
-pub(super) fn picture(args: &ExplainArgs, path: &Path) -> Result<Image<Rgba8>, Failure> {
+fn picture(args: &ExplainArgs, path: &Path) -> Result<Image<Rgba8>, Failure> {
     let theirs = read(path)?;
     let (width, height) = theirs.size();
     match args.at.iter().find(|(x, y)| *x >= width || *y >= height) {
@@ -124,7 +129,7 @@ pub(super) fn picture(args: &ExplainArgs, path: &Path) -> Result<Image<Rgba8>, F
 }
 
 /// Explains a picture, and writes the drawings to `folder`. Returns `None` if interrupted.
-pub(super) fn explained(
+fn explained(
     args: &ExplainArgs,
     view: &RequestedView,
     theirs: Image<Rgba8>,

@@ -29,11 +29,11 @@ const MAX_PAIRS: usize = 100_000_000;
 
 /// Point where the outline crosses itself, on the edge from corner `edge` to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::scene::obj) struct OutlineCrossing {
+pub(in crate::scene::format::obj) struct OutlineCrossing {
     /// Index of the corner where the edge starts.
-    pub(in crate::scene::obj) edge: u32,
+    pub(in crate::scene::format::obj) edge: u32,
     /// Position on the edge, from 0 at its start to 1 at its end.
-    pub(in crate::scene::obj) place: f64,
+    pub(in crate::scene::format::obj) place: f64,
 }
 
 /// Returns the triangles of the regions with a non-zero winding number. Appends the points where edges cross each other

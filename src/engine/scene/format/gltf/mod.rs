@@ -27,6 +27,7 @@ mod nodes;
 mod textures;
 mod topology;
 mod uris;
+mod vertices;
 
 use std::path::Path;
 
@@ -37,12 +38,12 @@ use self::accessors::Accessors;
 use self::materials::Materials;
 use self::meshes::Meshes;
 use self::nodes::Placed;
-use super::animation::{Animation, Attachment};
-use super::format::SceneFormat;
-use super::load::{BACKGROUND, Load, MAX_COORDINATE, bytes_of};
-use super::obj::TrMeaning;
-use super::warnings::Warnings;
-use super::{Camera, Instance, Library, LoadControl, Loaded, Scene, SceneError, UpAxis};
+use super::SceneFormat;
+use crate::scene::animation::{Animation, Attachment};
+use crate::scene::load::{BACKGROUND, Load, MAX_COORDINATE, bytes_of};
+use crate::scene::obj::TrMeaning;
+use crate::scene::warnings::Warnings;
+use crate::scene::{Camera, Instance, Library, LoadControl, Loaded, Scene, SceneError, UpAxis};
 
 /// Entry of the format in the list of formats.
 pub(super) const FORMAT: SceneFormat = SceneFormat {

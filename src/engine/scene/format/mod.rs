@@ -3,10 +3,13 @@
 //! The command line, the window and the error messages read this list. A new format is a module with a `FORMAT`, and a
 //! line in [`SceneFormat::ALL`].
 
+pub mod gltf;
+pub mod obj;
+
 use std::path::Path;
 
-use super::obj::TrMeaning;
-use super::{LoadControl, Loaded, SceneError, gltf, obj};
+use self::obj::TrMeaning;
+use super::{LoadControl, Loaded, SceneError};
 use crate::disk;
 
 /// File format of models.

@@ -11,9 +11,9 @@ use gltf_json::extensions::texture::TextureTransform;
 use gltf_json::material::{AlphaMode, NormalTexture};
 use gltf_json::texture::{Info, MagFilter, WrappingMode};
 use gltf_json::{Index, Root, texture};
-use serde::Deserialize as _;
 
 use super::buffers::Buffers;
+use super::document::transform_of_normals;
 use super::textures::Textures;
 use super::{Remarks, name_or, valid};
 use crate::image::color::encode;
@@ -61,13 +61,6 @@ impl Placement {
         let (sin, cos) = (libm::sinf(self.rotation), libm::cosf(self.rotation));
         Mat2::from_cols(Vec2::new(cos, -sin), Vec2::new(sin, cos)) * (self.scale * uv) + self.offset
     }
-}
-
-/// Returns the transform of a normal map, or the reason why it is malformed. Returns `None` if it has none.
-pub(super) fn transform_of_normals(info: &NormalTexture) -> Option<serde_json::Result<TextureTransform>> {
-    // The JSON crate has a type for this extension, but no field for it in normal maps.
-    let transform = info.extensions.as_ref()?.others.get("KHR_texture_transform")?;
-    Some(TextureTransform::deserialize(transform))
 }
 
 /// Materials of a file, each created at its first use.

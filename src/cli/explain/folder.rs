@@ -17,13 +17,12 @@ use crate::pipeline::viewport::Viewport;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::explain::{ExplainArgs, PICTURES, explained, picture};
-use super::failure::Failure;
-use super::merge::Merged;
-use super::progress::ProgressLine;
-use super::scene_args::RequestedView;
-use super::shard::write_part;
-use super::{interrupt, output};
+use super::{ExplainArgs, PICTURES, explained, picture};
+use crate::cli::failure::Failure;
+use crate::cli::progress::ProgressLine;
+use crate::cli::scene_args::RequestedView;
+use crate::cli::shard::{Merged, write_part};
+use crate::cli::{interrupt, output};
 
 /// Last line of the text of an interrupted run.
 const PARTIAL: &str = "# partial: interrupted before every picture was explained\n";
@@ -104,7 +103,7 @@ pub(super) fn run(args: &ExplainArgs) -> Result<(), Failure> {
 }
 
 /// Merges the parts of a folder's explanations.
-pub(super) fn merge(parts: Parts) -> Result<Merged, Failure> {
+pub(in crate::cli) fn merge(parts: Parts) -> Result<Merged, Failure> {
     let (plan, runs) = parts.into_runs(check)?;
     let partial = runs.iter().any(|run| run.partial);
     let results: Explanations = runs.into_iter().flat_map(|run| run.results).collect();
