@@ -4,11 +4,8 @@
 //! The display never changes the data: pixels are drawn as squares at scales of 1:1 and above, and filtered only below
 //! 1:1. The pixel grid and the values appear when pixels are large enough for them.
 
-use std::sync::Arc;
-
 use eframe::egui::{
-    self, Align2, Color32, ColorImage, FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, TextureHandle,
-    TextureId, TextureOptions, Ui, Vec2, WidgetInfo, pos2, vec2,
+    self, Align2, Color32, FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 
 use super::changed_layer::{self, ChangedLayer};
@@ -18,6 +15,7 @@ use super::fates::overlay::SelectionLayer;
 use super::format;
 use super::navigate::navigate;
 use super::overlays::{self, marks};
+use super::picture_texture::PictureTexture;
 use super::range::{self, card, region};
 use super::scrub::outline;
 use super::session::Session;
@@ -25,7 +23,7 @@ use super::theme::{MARK_EDGE, ON_PIXEL, PIXEL_GRID, font_size, tokens};
 use super::vertices;
 use super::watch;
 use super::what_if;
-use super::zoom::{Placement, Zoom};
+use super::zoom::{PlacedPicture, Placement, Zoom};
 use crate::image::color::luma;
 use crate::image::{Image, Rgba8};
 use crate::inspect::view::Value;
@@ -35,33 +33,6 @@ const GRID_FROM: f32 = 10.0;
 
 /// Minimum scale at which pixel values are drawn as text, in points per picture pixel.
 const NUMBERS_FROM: f32 = 48.0;
-
-/// GPU texture of a picture, uploaded when the picture changes.
-#[derive(Default)]
-pub(super) struct PictureTexture {
-    texture: Option<TextureHandle>,
-    uploaded: Option<Arc<Image<Rgba8>>>,
-}
-
-impl PictureTexture {
-    /// Uploads a picture if it has changed, and returns its texture. The texture is filtered with the nearest texel
-    /// when magnified and linearly when minified.
-    pub(super) fn show(&mut self, ui: &Ui, picture: &Arc<Image<Rgba8>>) -> TextureId {
-        let (width, height) = picture.size();
-        let image = || ColorImage::from_rgba_premultiplied([width as usize, height as usize], picture.as_bytes());
-        let minification = TextureOptions::LINEAR.minification;
-        let options = TextureOptions { minification, ..TextureOptions::NEAREST };
-        let same = self.uploaded.as_ref().is_some_and(|old| Arc::ptr_eq(old, picture));
-        self.uploaded = Some(picture.clone());
-        if let Some(texture) = &mut self.texture {
-            if !same {
-                texture.set(image(), options);
-            }
-            return texture.id();
-        }
-        self.texture.insert(ui.ctx().load_texture("picture", image(), options)).id()
-    }
-}
 
 /// State of the canvas: zoom, pointer state and the texture of the picture.
 #[derive(Default)]
@@ -114,9 +85,10 @@ impl CanvasView {
             return response;
         };
         let placement = self.zoom.placement(ui, rect, view.picture.size());
-        let over = (&response, placement, view.picture.height());
-        let boxes = self.region_drag.follow(ui, &response, (placement, view.picture.size()), session, commands);
-        navigate(ui, over, !boxes, &mut self.zoom, session, commands);
+        let picture =
+            PlacedPicture { response: &response, placement, size_px: view.picture.size(), drag_is_free: true };
+        let drag_is_free = !self.region_drag.follow(ui, picture, session, commands);
+        navigate(ui, PlacedPicture { drag_is_free, ..picture }, &mut self.zoom, session, commands);
         let placement = self.zoom.placement(ui, rect, view.picture.size());
         self.pick(&response, placement, view, commands);
         self.paint(ui, placement, session, view);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use eframe::egui::{Color32, Painter, Rect, Ui, Vec2, pos2, vec2};
 
-use super::canvas::PictureTexture;
+use super::picture_texture::PictureTexture;
 use super::zoom::Placement;
 use crate::image::color::SIGNAL;
 use crate::image::{Image, Rgba8};

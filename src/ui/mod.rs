@@ -69,6 +69,8 @@ pub(crate) mod command;
 
 pub(crate) mod key_map;
 
+mod picture_texture;
+
 pub(crate) mod timings;
 
 pub(crate) mod long_tasks;

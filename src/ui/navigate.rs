@@ -1,11 +1,11 @@
 //! Navigation over a picture of the scene by pointer and flying keys: pan and zoom the picture, or orbit, pan and dolly
 //! the camera.
 
-use eframe::egui::{self, Pos2, Response, Ui, Vec2};
+use eframe::egui::{self, Ui, Vec2};
 
 use super::command::Command;
 use super::session::{PointerMode, Session};
-use super::zoom::{Placement, Zoom};
+use super::zoom::{PlacedPicture, Zoom};
 
 /// Zoom rate of the wheel per point: scrolling by d points scales the picture by e^(d · rate).
 pub(super) const WHEEL_RATE: f32 = 0.004;
@@ -20,17 +20,15 @@ pub(super) const FLY_RATE: f32 = 0.8;
 pub(crate) const FLYING_KEYS: [egui::Key; 6] =
     [egui::Key::D, egui::Key::A, egui::Key::E, egui::Key::Q, egui::Key::W, egui::Key::S];
 
-/// Turns pointer input over a picture of `height_px` rows into a new zoom or a new camera. If `drag_is_free` is
-/// `false`, the caller itself handles drags with the primary button, for example to select a region, and this function
-/// ignores them.
+/// Turns pointer input over a picture into a new zoom or a new camera.
 pub(crate) fn navigate(
     ui: &Ui,
-    (response, placement, height_px): (&Response, Placement, u32),
-    drag_is_free: bool,
+    picture: PlacedPicture<'_>,
     zoom: &mut Zoom,
     session: &Session,
     commands: &mut Vec<Command>,
 ) {
+    let PlacedPicture { response, placement, size_px, drag_is_free } = picture;
     let delta = response.drag_delta();
     let camera_mode = session.features.canvas.pointer_mode == PointerMode::Camera;
     let shift = ui.input(|i| i.modifiers.shift);
@@ -39,7 +37,7 @@ pub(crate) fn navigate(
     if (middle || primary) && delta != Vec2::ZERO {
         let mut camera = session.state.camera;
         if shift {
-            let height = height_px as f32 * placement.points_per_px;
+            let height = size_px.1 as f32 * placement.points_per_px;
             camera.pan(glam::Vec2::new(delta.x / height, delta.y / height));
             commands.push(Command::SetCamera(camera));
         } else if middle || session.features.canvas.pointer_mode == PointerMode::Pan {
@@ -52,22 +50,14 @@ pub(crate) fn navigate(
     if response.hovered() && session.features.canvas.pointer_mode == PointerMode::Pan {
         ui.set_cursor_icon(if primary { egui::CursorIcon::Grabbing } else { egui::CursorIcon::Grab });
     }
-    if let Some(pointer) = response.hover_pos() {
-        wheel(ui, pointer, placement, zoom, session, commands);
-    }
+    wheel(ui, picture, zoom, session, commands);
     if camera_mode && response.hovered() {
         fly(ui, session, commands);
     }
 }
 
-fn wheel(
-    ui: &Ui,
-    pointer: Pos2,
-    placement: Placement,
-    zoom: &mut Zoom,
-    session: &Session,
-    commands: &mut Vec<Command>,
-) {
+fn wheel(ui: &Ui, picture: PlacedPicture<'_>, zoom: &mut Zoom, session: &Session, commands: &mut Vec<Command>) {
+    let Some(pointer) = picture.response.hover_pos() else { return };
     let (scroll, pinch, ctrl) =
         ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta(), i.modifiers.command || i.modifiers.ctrl));
     if session.features.canvas.pointer_mode == PointerMode::Camera || ctrl {
@@ -81,7 +71,7 @@ fn wheel(
     }
     let factor = (scroll * WHEEL_RATE).exp() * pinch;
     if factor != 1.0 {
-        zoom.enlarge(ui, placement, pointer, factor);
+        zoom.enlarge(ui, picture.placement, pointer, factor);
     }
 }
 

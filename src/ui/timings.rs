@@ -8,6 +8,8 @@ pub(crate) mod history;
 
 mod list;
 
+pub(crate) mod window_times;
+
 pub(crate) use budget::BudgetWinner;
 pub(crate) use list::MethodList;
 pub(crate) use list::RowOrder;
@@ -16,6 +18,7 @@ pub(crate) use list::TimingsChange;
 use std::collections::{BTreeMap, VecDeque};
 
 use self::history::FrameHistory;
+use self::window_times::WindowTimes;
 use super::engine::Request;
 use super::look::Look;
 use super::worker::{MeasureRequest, MethodError};
@@ -31,7 +34,6 @@ use crate::ui::features::Feature;
 use crate::ui::save_as::SaveItem;
 use crate::ui::session::Session;
 use crate::ui::window_task::WindowTask;
-use crate::ui::window_time::WindowTimes;
 use crate::upscale::Upscaling;
 
 /// Maximum number of recent frames stored for each upscaler.

@@ -1,8 +1,6 @@
 //! Time spent in the user interface itself: laying out the panels, tessellating them and submitting the triangles to
 //! the graphics driver. The picture is not included, because other threads draw it.
 
-use std::collections::VecDeque;
-
 use super::app::Workbench;
 use super::command::Command;
 use super::compare::{CompareChange as Compare, Mode};
@@ -24,7 +22,7 @@ use crate::lab::Page;
 use crate::measure::metric::Metric;
 use crate::measure::motion::Turn;
 use crate::measure::reference::Reference;
-use crate::measure::timing::{Summary, summarize};
+use crate::measure::timing::summarize;
 use crate::measure::window_cost::WindowCost;
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
@@ -32,30 +30,6 @@ use crate::ui::stages::StageChange;
 use crate::ui::window_task::DialogCommand;
 use crate::upscale::Upscaling;
 use eframe::egui::{self, Event, Pos2, Vec2};
-
-/// Maximum number of recent window frames whose times are stored.
-const RECENT: usize = 240;
-
-/// CPU times of the window's most recent frames, in milliseconds.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct WindowTimes {
-    recent: VecDeque<f64>,
-}
-
-impl WindowTimes {
-    /// Adds the CPU time of a window frame, in milliseconds.
-    pub(crate) fn record(&mut self, milliseconds: f64) {
-        if self.recent.len() == RECENT {
-            self.recent.pop_front();
-        }
-        self.recent.push_back(milliseconds);
-    }
-
-    /// Returns statistics of the recorded times, in milliseconds; `None` if there are none.
-    pub(crate) fn summary(&self) -> Option<Summary> {
-        summarize(&self.recent.iter().copied().collect::<Vec<_>>())
-    }
-}
 
 /// Number of unmeasured passes at the start, in which sizes converge, pictures are drawn and fonts are rasterized.
 const WARM_UP_PASSES: usize = 12;
@@ -182,16 +156,6 @@ fn pointer(window: Vec2, pass: usize) -> Event {
 mod tests {
     use super::*;
     use crate::ui::InitialView;
-
-    #[test]
-    fn old_passes_make_room_for_new_ones() {
-        let mut times = WindowTimes::default();
-        assert!(times.summary().is_none());
-        times.record(900.0);
-        (0..RECENT).for_each(|_| times.record(2.0));
-        let summary = times.summary().unwrap();
-        assert_eq!((summary.n, summary.max), (RECENT, 2.0));
-    }
 
     #[test]
     fn each_part_of_the_window_is_timed_and_uploads_no_textures_at_rest() {

@@ -3,7 +3,7 @@
 //! A picture that is strongly enlarged, or fitted without shrinking, has an integer scale: all its pixels have equal
 //! size. Rectangles of the same size that share a [`Zoom`] show the same part of their pictures.
 
-use eframe::egui::{Pos2, Rect, Ui, Vec2, pos2, vec2};
+use eframe::egui::{Pos2, Rect, Response, Ui, Vec2, pos2, vec2};
 
 /// Minimum and maximum scale, in screen pixels per picture pixel.
 const SCALE_RANGE: (f32, f32) = (1.0 / 32.0, 256.0);
@@ -71,6 +71,20 @@ impl Placement {
             |from: f32, to: f32, size: u32| (from.max(0.0) as u32).min(size)..(to.max(0.0).ceil() as u32).min(size);
         (range(min.x, max.x, width), range(min.y, max.y, height))
     }
+}
+
+/// Picture in the window that reacts to the pointer.
+#[derive(Clone, Copy)]
+pub(crate) struct PlacedPicture<'a> {
+    /// Reaction of its rectangle to the pointer.
+    pub(crate) response: &'a Response,
+    /// Placement of the picture in the rectangle.
+    pub(crate) placement: Placement,
+    /// Width and height of the picture, in pixels.
+    pub(crate) size_px: (u32, u32),
+    /// Whether drags with the primary button move picture or camera. Otherwise they have another effect, for example the
+    /// selection of a region.
+    pub(crate) drag_is_free: bool,
 }
 
 impl Zoom {

@@ -27,6 +27,9 @@ macro_rules! targets {
         $(#[test] $(#[$condition])* fn $test() {
             driver::fuzz($target);
         })+
+
+        /// Names of the targets, by the functions that run them.
+        const TARGETS: &[&str] = &[$(stringify!($test)),+];
     };
 }
 
@@ -39,4 +42,11 @@ targets! {
     recipes: recipes::Recipes;
     #[cfg(feature = "ui")] preferences: preferences::StoredPreferences;
     #[cfg(feature = "window-tests")] window: window::Window;
+}
+
+#[test]
+fn every_format_of_models_has_a_target() {
+    for format in rasterscope::scene::SceneFormat::ALL {
+        assert!(format.extensions.iter().any(|extension| TARGETS.contains(extension)), "{}", format.name);
+    }
 }

@@ -1,7 +1,9 @@
 //! Tests of the window, tests of the sources, and what the fuzz targets share with the tests of the engine. They are
 //! compiled into the root package.
 
+mod cycles;
 mod layering;
+mod module_graph;
 pub(crate) mod samples;
 pub(crate) mod scene_builder;
 pub(crate) mod sound;

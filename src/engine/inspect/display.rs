@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::buffers::{Buffer, BufferChannels, Buffers};
 use super::range::{RangeFit, Rule, channels};
-use super::stages::NOT_DRAWN;
+use super::view::NOT_DRAWN;
 use super::view::{self, Range, Value, fault_color};
 use crate::chain::Frame;
 use crate::image::color::quantize;

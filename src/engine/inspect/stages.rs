@@ -6,7 +6,7 @@
 
 use super::buffers::Buffer;
 use super::fates::Rejections;
-use super::view;
+use super::view::{self, NOT_DRAWN};
 use crate::chain::{Frame, Recipe, redraw};
 use crate::image::{Image, Rgba8};
 use crate::math::fixed::to_pixels;
@@ -66,9 +66,6 @@ const BACKGROUND_COLOR: Rgba8 = [20, 20, 20, 255];
 const REMAINING_COLOR: Rgba8 = [222, 222, 222, 255];
 const CLIPPED_COLOR: Rgba8 = [240, 150, 40, 255];
 const REJECTED_COLOR: Rgba8 = [214, 72, 72, 255];
-
-/// Colour of pixels that were not drawn but left to the upscaler.
-pub(crate) const NOT_DRAWN: Rgba8 = [12, 12, 12, 255];
 
 /// Returns the picture of `frame` after the pipeline stage `stage`.
 pub fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, stage: Stage) -> Image<Rgba8> {

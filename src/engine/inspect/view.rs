@@ -3,7 +3,6 @@
 use super::buffers::{Buffer, BufferMap, Buffers, SampleContext};
 use super::hits::FaultKind;
 use super::recording::BufferOrigin;
-use super::stages::NOT_DRAWN;
 pub use super::value::{Range, Value};
 use crate::chain::Frame;
 use crate::image::color::quantize;
@@ -16,6 +15,9 @@ pub fn magnitude_color(position: f32) -> Rgba8 {
     let [r, g, b] = colorous::VIRIDIS.eval_continuous(f64::from(position.clamp(0.0, 1.0))).as_array();
     [r, g, b, 255]
 }
+
+/// Colour of pixels that were not drawn but left to the upscaler.
+pub(crate) const NOT_DRAWN: Rgba8 = [12, 12, 12, 255];
 
 /// Colour of a crack: a pixel along a shared edge that too few triangles hit. Colour-blind people can distinguish it
 /// from [`DOUBLE_HIT`].

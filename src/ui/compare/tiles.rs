@@ -26,13 +26,14 @@ use crate::image::{Image, Rgba8};
 use crate::inspect::view::Value;
 use crate::inspect::what_if::Changes;
 use crate::measure::region::PixelRegion;
-use crate::ui::canvas::{PictureTexture, grid, marker, numbers};
+use crate::ui::canvas::{grid, marker, numbers};
 use crate::ui::changed_layer::{self, ChangedLayer};
 use crate::ui::command::Command;
 use crate::ui::navigate::navigate;
+use crate::ui::picture_texture::PictureTexture;
 use crate::ui::session::Session;
 use crate::ui::theme::{MARK_EDGE, RADIUS, font_size, space, tokens};
-use crate::ui::zoom::{Placement, Zoom};
+use crate::ui::zoom::{PlacedPicture, Placement, Zoom};
 
 /// Distance from the wipe line within which the pointer grabs it, in points.
 const HOLD: f32 = 7.0;
@@ -88,9 +89,10 @@ impl TilesView {
             let response = ui.allocate_rect(place.picture, Sense::click_and_drag());
             let placement = zoom.placement(ui, place.picture, size);
             if compared.is_some() {
-                self.input(ui, (&response, placement, size), zoom, session, commands);
+                let picture = PlacedPicture { response: &response, placement, size_px: size, drag_is_free: true };
+                self.input(ui, picture, zoom, session, commands);
                 hovered = hovered.or(response.hover_pos().and_then(|at| placement.pixel_at(at, size)));
-                pick(&response, placement, size, (session, index), commands);
+                pick(picture, index, session, commands);
             }
             responses.push(response);
         }
@@ -101,9 +103,9 @@ impl TilesView {
                 Some(compared) => self.picture(ui, index, (*place, placement, response), compared, session),
                 None => waiting(ui, place.picture),
             }
-            let painter = ui.painter().with_clip_rect(place.picture);
             if compared.is_some() {
-                marks(ui, &painter, placement, size, (session, self.dragging), cross);
+                let picture = PlacedPicture { response, placement, size_px: size, drag_is_free: true };
+                self.marks(ui, picture, cross, session);
             }
             if let Some((compared, pixel)) = compared.zip(hovered_before.or(session.pick)) {
                 files::readout(ui, *place, index, pixel, (session, compared));
@@ -120,11 +122,12 @@ impl TilesView {
     fn input(
         &mut self,
         ui: &Ui,
-        (response, placement, size): (&Response, Placement, (u32, u32)),
+        picture: PlacedPicture<'_>,
         zoom: &mut Zoom,
         session: &Session,
         commands: &mut Vec<Command>,
     ) {
+        let PlacedPicture { response, placement, size_px: size, .. } = picture;
         let comparison = &session.features.comparison;
         let rect = response.rect;
         let nearest = |at: egui::Pos2| {
@@ -157,7 +160,7 @@ impl TilesView {
                 None => {}
             }
         }
-        let is_free = self.dragging.is_none();
+        let drag_is_free = self.dragging.is_none();
         if response.drag_stopped()
             && let Some(dragging) = self.dragging.take()
             && let TileDrag::Region(from, to) = dragging
@@ -165,7 +168,37 @@ impl TilesView {
             commands.push(Command::Compare(CompareChange::Region(Some(between(from, to)))));
             commands.push(Command::Compare(CompareChange::DrawRegion(false)));
         }
-        navigate(ui, (response, placement, size.1), is_free, zoom, session, commands);
+        navigate(ui, PlacedPicture { drag_is_free, ..picture }, zoom, session, commands);
+    }
+
+    /// Draws the picked pixel, the region, and a cross at the pixel hovered in another tile.
+    fn marks(&self, ui: &Ui, picture: PlacedPicture<'_>, cross: Option<(u32, u32)>, session: &Session) {
+        let PlacedPicture { response, placement, size_px: (width, height), .. } = picture;
+        let painter = &ui.painter().with_clip_rect(response.rect);
+        if let Some(pixel) = session.pick.filter(|(x, y)| *x < width && *y < height) {
+            marker(painter, placement, pixel, tokens(ui).accent);
+        }
+        if let Some((x, y)) = cross {
+            let pixel = placement.rect_of(x, y);
+            let arm = 8.0 + pixel.width() / 2.0;
+            for color in [Stroke::new(3.0, MARK_EDGE), Stroke::new(1.0, tokens(ui).text_strong)] {
+                let center = pixel.center();
+                painter.hline(center.x - arm..=center.x - pixel.width() / 2.0 - 2.0, center.y, color);
+                painter.hline(center.x + pixel.width() / 2.0 + 2.0..=center.x + arm, center.y, color);
+                painter.vline(center.x, center.y - arm..=center.y - pixel.width() / 2.0 - 2.0, color);
+                painter.vline(center.x, center.y + pixel.width() / 2.0 + 2.0..=center.y + arm, color);
+            }
+        }
+        let drawn = match self.dragging {
+            Some(TileDrag::Region(from, to)) => Some(between(from, to)),
+            _ => session.features.comparison.region,
+        };
+        if let Some(PixelRegion { left, top, right, bottom }) = drawn {
+            let (first, last) = (placement.rect_of(left, top), placement.rect_of(right, bottom));
+            let rect = Rect::from_min_max(first.min, last.min);
+            painter.rect_stroke(rect, 0.0, Stroke::new(3.0, MARK_EDGE), StrokeKind::Outside);
+            painter.rect_stroke(rect, 0.0, Stroke::new(1.0, tokens(ui).accent), StrokeKind::Outside);
+        }
     }
 
     fn picture(
@@ -292,13 +325,9 @@ fn waiting(ui: &Ui, rect: Rect) {
     ui.painter().text(rect.center(), Align2::CENTER_CENTER, "Drawing …", small(), tokens(ui).text_weak);
 }
 
-fn pick(
-    response: &Response,
-    placement: Placement,
-    size: (u32, u32),
-    (session, index): (&Session, usize),
-    commands: &mut Vec<Command>,
-) {
+/// Selects the tile of this index, and picks the pixel under the pointer if it is clicked.
+fn pick(picture: PlacedPicture<'_>, index: usize, session: &Session, commands: &mut Vec<Command>) {
+    let PlacedPicture { response, placement, size_px: size, .. } = picture;
     let questioned = response.clicked_by(egui::PointerButton::Primary)
         || response.clicked_by(egui::PointerButton::Secondary)
         || response.dragged_by(egui::PointerButton::Secondary);
@@ -314,41 +343,6 @@ fn pick(
     }
     if let Some(pixel) = placement.pixel_at(at, size) {
         commands.push(Command::Pick(Some(pixel)));
-    }
-}
-
-/// Draws the picked pixel, the region, and a cross at the pixel hovered in another tile.
-fn marks(
-    ui: &Ui,
-    painter: &Painter,
-    placement: Placement,
-    (width, height): (u32, u32),
-    (session, dragging): (&Session, Option<TileDrag>),
-    cross: Option<(u32, u32)>,
-) {
-    if let Some(pixel) = session.pick.filter(|(x, y)| *x < width && *y < height) {
-        marker(painter, placement, pixel, tokens(ui).accent);
-    }
-    if let Some((x, y)) = cross {
-        let pixel = placement.rect_of(x, y);
-        let arm = 8.0 + pixel.width() / 2.0;
-        for color in [Stroke::new(3.0, MARK_EDGE), Stroke::new(1.0, tokens(ui).text_strong)] {
-            let center = pixel.center();
-            painter.hline(center.x - arm..=center.x - pixel.width() / 2.0 - 2.0, center.y, color);
-            painter.hline(center.x + pixel.width() / 2.0 + 2.0..=center.x + arm, center.y, color);
-            painter.vline(center.x, center.y - arm..=center.y - pixel.width() / 2.0 - 2.0, color);
-            painter.vline(center.x, center.y + pixel.width() / 2.0 + 2.0..=center.y + arm, color);
-        }
-    }
-    let drawn = match dragging {
-        Some(TileDrag::Region(from, to)) => Some(between(from, to)),
-        _ => session.features.comparison.region,
-    };
-    if let Some(PixelRegion { left, top, right, bottom }) = drawn {
-        let (first, last) = (placement.rect_of(left, top), placement.rect_of(right, bottom));
-        let rect = Rect::from_min_max(first.min, last.min);
-        painter.rect_stroke(rect, 0.0, Stroke::new(3.0, MARK_EDGE), StrokeKind::Outside);
-        painter.rect_stroke(rect, 0.0, Stroke::new(1.0, tokens(ui).accent), StrokeKind::Outside);
     }
 }
 

@@ -8,7 +8,7 @@ use eframe::egui::{Color32, Painter, Rect, Ui, pos2};
 use crate::image::{Image, Rgba8};
 use crate::inspect::fates::{Fates, SelectionVisibility};
 use crate::inspect::selection::TriangleSelection;
-use crate::ui::canvas::PictureTexture;
+use crate::ui::picture_texture::PictureTexture;
 use crate::ui::session::Session;
 use crate::ui::theme::tokens;
 use crate::ui::zoom::Placement;

@@ -35,21 +35,35 @@ pub(super) const LEFT: [Tool; 5] = [Tool::Tiles, Tool::WhatIf, Tool::MeshView, T
 /// Tools at the right end of the bar, from right to left.
 const RIGHT: [Tool; 5] = [Tool::PointerModes, Tool::OneToOne, Tool::Fit, Tool::ZoomFactor, Tool::PictureSize];
 
-/// Pointer modes, each with its icon, name and help text.
-const POINTER_MODES: [(PointerMode, Icon, &str, &str); 3] = [
-    (
-        PointerMode::Orbit,
-        Icon::Rotate3d,
-        "Orbit mode",
-        "drag to orbit the camera, scroll to zoom, middle-drag to pan the picture, click to pick a pixel",
-    ),
-    (PointerMode::Pan, Icon::Hand, "Pan mode", "drag to pan the picture, scroll to zoom  (P)"),
-    (
-        PointerMode::Camera,
-        Icon::Video,
-        "Camera mode",
-        "drag to orbit the camera, scroll to dolly, W A S D Q E to fly  (C)",
-    ),
+/// Button that selects a pointer mode.
+#[derive(Clone, Copy)]
+struct PointerModeButton {
+    mode: PointerMode,
+    icon: Icon,
+    name: &'static str,
+    help: &'static str,
+}
+
+/// Buttons of all pointer modes.
+const POINTER_MODES: [PointerModeButton; 3] = [
+    PointerModeButton {
+        mode: PointerMode::Orbit,
+        icon: Icon::Rotate3d,
+        name: "Orbit mode",
+        help: "drag to orbit the camera, scroll to zoom, middle-drag to pan the picture, click to pick a pixel",
+    },
+    PointerModeButton {
+        mode: PointerMode::Pan,
+        icon: Icon::Hand,
+        name: "Pan mode",
+        help: "drag to pan the picture, scroll to zoom  (P)",
+    },
+    PointerModeButton {
+        mode: PointerMode::Camera,
+        icon: Icon::Video,
+        name: "Camera mode",
+        help: "drag to orbit the camera, scroll to dolly, W A S D Q E to fly  (C)",
+    },
 ];
 
 /// Inputs of the tools, and the list to which they append commands.
@@ -249,12 +263,8 @@ fn labelled(icon: Icon, words: &str) -> Button<'_> {
     }
 }
 
-fn pointer_mode(
-    ui: &mut Ui,
-    cx: &mut ToolContext<'_>,
-    (mode, icon, name, help): (PointerMode, Icon, &str, &str),
-    with_name: bool,
-) {
+fn pointer_mode(ui: &mut Ui, cx: &mut ToolContext<'_>, button: PointerModeButton, with_name: bool) {
+    let PointerModeButton { mode, icon, name, help } = button;
     let words = if with_name { name } else { "" };
     let button = labelled(icon, words).selected(cx.session.features.canvas.pointer_mode == mode);
     let response = ui.add(button).on_hover_text(format!("{name}: {help}"));

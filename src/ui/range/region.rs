@@ -1,13 +1,13 @@
 //! Selection of a region of the picture by dragging on the canvas.
 
-use eframe::egui::{CursorIcon, Painter, PointerButton, Pos2, Rect, Response, Stroke, StrokeKind, Ui};
+use eframe::egui::{CursorIcon, Painter, PointerButton, Pos2, Rect, Stroke, StrokeKind, Ui};
 
 use super::RangeChange;
 use crate::measure::region::PixelRegion;
 use crate::ui::command::Command;
 use crate::ui::session::{PointerMode, Session};
 use crate::ui::theme::{MARK_EDGE, tokens};
-use crate::ui::zoom::Placement;
+use crate::ui::zoom::{PlacedPicture, Placement};
 
 /// Region being dragged, given by the pixels at two opposite corners.
 #[derive(Clone, Copy, Debug, Default)]
@@ -16,16 +16,16 @@ pub(crate) struct RegionDrag {
 }
 
 impl RegionDrag {
-    /// Handles the selection of a region with the pointer, on a picture of `size` pixels. Returns whether dragging
-    /// currently selects a region.
+    /// Handles the selection of a region with the pointer on a picture. Returns whether dragging currently selects a
+    /// region.
     pub(crate) fn follow(
         &mut self,
         ui: &Ui,
-        response: &Response,
-        (placement, size): (Placement, (u32, u32)),
+        picture: PlacedPicture<'_>,
         session: &Session,
         commands: &mut Vec<Command>,
     ) -> bool {
+        let PlacedPicture { response, placement, size_px: size, .. } = picture;
         // In camera mode, dragging with Shift pans the camera.
         let is_free = session.features.canvas.pointer_mode != PointerMode::Camera;
         let wanted = session.features.range.draws_region || is_free && ui.input(|i| i.modifiers.shift_only());

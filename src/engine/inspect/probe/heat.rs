@@ -1,18 +1,8 @@
 //! Heat map of a probe's findings: bright colours on changed pixels, and a dim grey picture of the scene elsewhere.
 
-use super::ProbeFindings;
+use super::{Heat, ProbeFindings};
 use crate::image::color::luma;
 use crate::image::{Image, Rgba8};
-use crate::pipeline::settings::{Choice, choice};
-
-choice! {
-    /// Aspect in which the stability probe compares pixels.
-    pub Heat {
-        Owner = "owner", "Owner", "Number of runs in which a different triangle was visible at the pixel.";
-        Depth = "depth", "Depth", "Number of runs in which the stored depth of the pixel differed, even by one step.";
-        Color = "color", "Colour", "Number of runs in which the colour of the pixel differed.";
-    }
-}
 
 /// Colour-map position of the smallest count, in [0, 1]. Excluding the darkest part of the map keeps a single change
 /// visible on the dim picture.

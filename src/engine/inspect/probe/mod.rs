@@ -33,7 +33,6 @@ use crate::scene::{Camera, Scene};
 
 pub use counts::ProbeCounts;
 pub use findings::{Changed, Fragile, ProbeFindings, ProbeSummary};
-pub use heat::Heat;
 pub use heat::map_color;
 pub use heat::picture;
 
@@ -42,6 +41,15 @@ choice! {
     pub JitterTarget {
         Camera = "camera", "Camera", "Eye and target move along x, y and z by up to the given number of units in the last place of their largest coordinate: the whole picture is recomputed.";
         Vertices = "vertices", "Vertices", "Every vertex moves along x, y and z by up to the given number of units in the last place of its largest coordinate; vertices at the same position move together.";
+    }
+}
+
+choice! {
+    /// Aspect in which the stability probe compares pixels.
+    pub Heat {
+        Owner = "owner", "Owner", "Number of runs in which a different triangle was visible at the pixel.";
+        Depth = "depth", "Depth", "Number of runs in which the stored depth of the pixel differed, even by one step.";
+        Color = "color", "Colour", "Number of runs in which the colour of the pixel differed.";
     }
 }
 

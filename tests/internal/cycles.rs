@@ -1,0 +1,123 @@
+//! Checks that the modules of a folder do not import each other in a cycle.
+//!
+//! The rule: the modules of one folder, each of which stands for all modules below it, can be put in an order in which
+//! each imports only from those before it. An import counts for the module that defines the item, so that a re-export
+//! neither hides a cycle nor makes one. A module may use what its ancestors define themselves, because a folder is one
+//! thing with its parts; and a module uses those below it. Code that is compiled only for tests is not checked.
+
+use std::collections::BTreeSet;
+
+use super::module_graph::{ModuleGraph, cycles};
+
+/// Cycle that remains, with the reason.
+struct Remaining {
+    /// Folder, as a path from its crate on.
+    folder: &'static str,
+    /// Modules of the cycle, in alphabetical order, separated by spaces.
+    modules: &'static str,
+    /// Reason why the cycle is still there.
+    reason: &'static str,
+}
+
+/// Cycles that remain. The list may only become shorter.
+const REMAINING: &[Remaining] = &[
+    Remaining {
+        folder: "rasterscope::ui",
+        modules: "appearance camera_path canvas canvas_state checks command compare engine explaining fates fault_bar \
+                  features files filmstrip first_pick key_map key_sheet lab legend_strip long_tasks look manual \
+                  mesh_view navigate onboarding open_case over_time overlays palette panels picked_point \
+                  picture_panel picture_size place probe range save_as scene_time scrub sequences session stages \
+                  temporal timings trace vertices watch what_if window_task worker workspace",
+        reason: "The session owns the state of all features, and each feature changes the session and draws itself.",
+    },
+    Remaining {
+        folder: "rasterscope_engine::chain",
+        modules: "frame pixel_samples renderer run samples view",
+        reason: "A frame computes its converged reference on demand, with the renderer that makes frames.",
+    },
+    Remaining {
+        folder: "rasterscope_engine::inspect",
+        modules: "history pixel remedy verdict",
+        reason: "The report of a pixel holds the verdict and the remedies that are computed from it.",
+    },
+    Remaining {
+        folder: "rasterscope_engine::inspect::trace",
+        modules: "attributes geometry shade texture",
+        reason: "The stages share the names of axes and channels, and the formula of diffuse light.",
+    },
+    Remaining {
+        folder: "rasterscope_engine::pipeline",
+        modules: "clip depth footprint interpolate observe plan raster sample settings shade triangle_list vertex \
+                  viewport",
+        reason: "Observers see the data of all stages, settings name depth encodings, and plans depend on what \
+                 shaders read.",
+    },
+    Remaining {
+        folder: "rasterscope_engine::pipeline::raster",
+        modules: "numbers steps",
+        reason: "Steps of edge functions are generic over the numbers that declare them.",
+    },
+    Remaining {
+        folder: "rasterscope_engine::pipeline::tiled",
+        modules: "edge_number lattice",
+        reason: "Lattices are generic over the numbers of edge functions, which are evaluated on lattices.",
+    },
+    Remaining {
+        folder: "rasterscope_engine::pipeline::tiled",
+        modules: "kernel mipmap queue target",
+        reason: "Kernels, queues and targets share the patch of samples that is shaded at once.",
+    },
+    Remaining {
+        folder: "rasterscope_engine::pipeline::tiled",
+        modules: "pending sample_positions tested tile",
+        reason: "A tile and its rows of tested samples share their size and sample positions.",
+    },
+    Remaining {
+        folder: "rasterscope_engine::pipeline::tiled",
+        modules: "record setup",
+        reason: "A record holds the edge functions whose setup finds its slot.",
+    },
+    Remaining {
+        folder: "rasterscope_engine::upscale",
+        modules: "choice history jitter sample_rows taa ycocg",
+        reason: "The choice of an upscaler holds history options, and methods with history read the choice.",
+    },
+    Remaining {
+        folder: "rasterscope_engine::upscale::separable",
+        modules: "fixed_avx2 gather_avx2",
+        reason: "Both kernels share the block of samples and the table of gathered samples.",
+    },
+];
+
+/// Maximum number of imports that are listed for a new cycle.
+const MAX_LISTED: usize = 40;
+
+#[test]
+fn modules_of_a_folder_import_each_other_in_one_direction() {
+    let graph = ModuleGraph::read();
+    assert!(graph.len() > 700, "only {} modules seen", graph.len());
+    let mut known: BTreeSet<(&str, &str)> = REMAINING.iter().map(|cycle| (cycle.folder, cycle.modules)).collect();
+    let mut new = String::new();
+    for (folder, imports) in graph.sibling_imports() {
+        let folder = folder.join("::");
+        for cycle in cycles(imports.keys()) {
+            let modules = cycle.iter().copied().collect::<Vec<_>>().join(" ");
+            let entry = known.iter().copied().find(|entry| *entry == (folder.as_str(), modules.as_str()));
+            if entry.is_some_and(|entry| known.remove(&entry)) {
+                continue;
+            }
+            new += &format!("{folder}: {modules}\n");
+            let within = imports.iter().filter(|((from, to), _)| cycle.contains(&**from) && cycle.contains(&**to));
+            for ((from, to), module) in within.take(MAX_LISTED) {
+                new += &format!("    {from} imports {to}, in {}\n", module.join("::"));
+            }
+        }
+    }
+    assert!(new.is_empty(), "cycles of imports:\n{new}");
+    assert!(known.is_empty(), "cycles that no longer exist are still listed: {known:?}");
+}
+
+#[test]
+fn every_remaining_cycle_has_a_reason() {
+    assert!(REMAINING.iter().all(|cycle| cycle.reason.ends_with('.')));
+}
