@@ -257,11 +257,10 @@ impl Engine {
             self.retire(view.frame);
         }
         let fresh = last.is_none();
-        let needs_replay = last.as_ref().is_some_and(|view| view.needs_replay);
         let (frame, rasterized, kept_buffers, kept_captured, kept, needs_replay) = match last {
             Some(view) => {
                 let kept = Some((view.request, view.look_result));
-                (view.frame, view.rasterized, view.buffers, view.captured, kept, needs_replay)
+                (view.frame, view.rasterized, view.buffers, view.captured, kept, view.needs_replay)
             }
             None => {
                 let Rendered { frame, rasterized, needs_replay } = match replayed {

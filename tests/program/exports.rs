@@ -232,6 +232,16 @@ fn check_page(folder: &Path, name: &str) -> String {
 /// File name that would be a script if it were not escaped.
 const ATTACK: &str = "<script>alert('1')<|script> & co";
 
+#[test]
+fn a_camera_path_of_a_pixel_needs_the_number_of_a_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    let args = ["pixel", "triangle", "--at", "1,1", "--size", "16x9", "--path", "turntable"];
+    let output = run(folder.path(), &args);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("--path needs --frame"));
+    succeed(folder.path(), &[&args[..], &["--frame", "1"]].concat());
+}
+
 #[cfg(unix)]
 #[test]
 fn the_page_of_a_pixel_is_written_again_by_its_command() {
