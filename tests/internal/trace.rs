@@ -21,7 +21,7 @@ use rasterscope::inspect::trace::TraceLine;
 use rasterscope::inspect::{PixelReport, Trace, inspect};
 use rasterscope::pipeline::settings::{
     AddressMode, AlphaMode, Arithmetic, BlendingOrder, Choice, ColorSpace, Culling, DepthFormat, DepthTest,
-    DisabledOptimisation, Execution, FillRule, Interpolation, Rasterizer, Shading, TexelFilter,
+    DisabledOptimisation, Execution, FillRule, Interpolation, MaxAnisotropy, Rasterizer, Shading, TexelFilter,
 };
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::{Scene, Transparency};
@@ -67,6 +67,8 @@ fn factors() -> Vec<Vec<String>> {
         values::<Culling>("culling"),
         values::<Interpolation>("interpolation"),
         values::<TexelFilter>("filter"),
+        values::<MaxAnisotropy>("max_anisotropy"),
+        ["0", "-1.5", "2"].map(|levels| format!("mip_bias={levels}")).into(),
         values::<AddressMode>("address"),
         values::<AlphaMode>("alpha"),
         values::<ColorSpace>("color_space"),
