@@ -75,6 +75,7 @@ pub(super) struct ToolContext<'a> {
 }
 
 /// Control of a tool.
+#[expect(clippy::large_enum_variant, reason = "a few live for the time of one call")]
 enum ToolControl {
     /// Plain button.
     Button(ToolButton),

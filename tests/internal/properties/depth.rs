@@ -156,6 +156,8 @@ fn a_far_plane_at_infinity_cuts_nothing_away() {
         for format in DepthFormat::ALL {
             let mut recipe = Recipe::default();
             recipe.pipeline.depth_format = *format;
+            // Without reversal, large distances round to the depth of the cleared buffer.
+            recipe.pipeline.depth_test = DepthTest::LessEqual;
             let frame = render(&scene, &recipe, SIZE);
             let drawn = frame.image().pixels().iter().filter(|p| p[..3] != scene.background).count();
             if !format.mapping().has_far_plane() {

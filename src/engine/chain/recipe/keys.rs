@@ -263,7 +263,7 @@ setting_keys! {
         );
     UpscalerDeringing = "upscaler.deringing", Upscale placed, "De-ringing",
         "Clamps each pixel to the range of the drawn pixels around it",
-        option!(Upscaling::deringing, Upscaling::with_deringing, |offers| all_or(offers.deringing, false));
+        option!(Upscaling::deringing, Upscaling::with_deringing, |offers| all_or(offers.deringing, &false));
     UpscalerHistoryFilter = "upscaler.history.filter", Upscale placed, "History filter",
         "Filter that reads the history between its pixels",
         option!(
@@ -271,7 +271,7 @@ setting_keys! {
             |upscaling: Upscaling, filter: HistoryFilter| {
                 upscaling.with_history(HistoryOptions { filter, ..upscaling.history() })
             },
-            |offers| all_or(offers.history, HistoryOptions::DEFAULT.filter)
+            |offers| all_or(offers.history, &HistoryOptions::DEFAULT.filter)
         );
     UpscalerLuminanceWeighting = "upscaler.history.luminance_weighting", Upscale placed, "Luminance weighting",
         "Blends colours with weights 1 / (1 + luminance)",
@@ -280,7 +280,7 @@ setting_keys! {
             |upscaling: Upscaling, luminance_weighting: bool| {
                 upscaling.with_history(HistoryOptions { luminance_weighting, ..upscaling.history() })
             },
-            |offers| all_or(offers.history, HistoryOptions::DEFAULT.luminance_weighting)
+            |offers| all_or(offers.history, &HistoryOptions::DEFAULT.luminance_weighting)
         );
     UpscalerRectification = "upscaler.history.rectification", Upscale placed, "Rectification",
         "Change of the history so that it agrees with the samples around the pixel",
@@ -289,7 +289,7 @@ setting_keys! {
             |upscaling: Upscaling, rectification: Rectification| {
                 upscaling.with_history(HistoryOptions { rectification, ..upscaling.history() })
             },
-            |offers| all_or(offers.history, HistoryOptions::DEFAULT.rectification)
+            |offers| all_or(offers.history, &HistoryOptions::DEFAULT.rectification)
         );
     UpscalerLight = "upscaler.light", Upscale placed, "Filtered values",
         "Values that are filtered: sRGB codes or linear light",
@@ -403,7 +403,7 @@ fn strength_ranges() -> String {
 }
 
 /// Returns all values of a type if a method offers a choice, otherwise only `default`.
-fn all_or<T: SettingValue>(is_offered: bool, default: T) -> Values {
+fn all_or<T: SettingValue>(is_offered: bool, default: &T) -> Values {
     if is_offered { T::values() } else { Values::of_words([Word::plain(default.text())]) }
 }
 
@@ -421,6 +421,7 @@ fn offered_by_any(offered: fn(Offers) -> Values) -> Values {
 }
 
 /// Option of the upscaler: how to read and to replace it, and the values that a method offers.
+#[derive(Clone, Copy)]
 struct UpscalerOption<T> {
     read: fn(Upscaling) -> T,
     write: fn(Upscaling, T) -> Upscaling,

@@ -251,7 +251,7 @@ impl SettingValue for MaskWeights {
     }
 
     fn is_finite(&self) -> bool {
-        self.iter().all(|weight| weight.is_finite())
+        self.iter().all(SettingValue::is_finite)
     }
 }
 

@@ -47,10 +47,10 @@ impl TextureReader<'_> {
             self.locate_in_both(simd, layout, uv, &levels, (&mut fine, out));
             let is_taken = probes.count.simd_gt(f32x16::splat(simd, probe as f32));
             let read = self.read_sixteen(simd, layout, (&fine, Some(out)));
-            for channel in 0..4 {
-                let sum = f32x16::load_array_ref(simd, &out.filtered[channel]);
-                let sum = if probe == 0 { read[channel] } else { is_taken.select(sum + read[channel], sum) };
-                sum.store_array(&mut out.filtered[channel]);
+            for (stored, read) in out.filtered.iter_mut().zip(read) {
+                let sum = f32x16::load_array_ref(simd, stored);
+                let sum = if probe == 0 { read } else { is_taken.select(sum + read, sum) };
+                sum.store_array(stored);
             }
         }
         if most > 1 {
