@@ -211,7 +211,10 @@ fn the_nearest_offered_scale_is_used_and_options_not_offered_are_dropped() {
 fn native_rendering_gives_way_to_the_default_scale_of_a_method() {
     let labels = ["bilinear", "fsr1", "fsr2", "taa", "accumulation", "checkerboard"]
         .map(|method| Upscaling::NATIVE.with_method(method).map(Upscaling::label).unwrap_or_default());
-    assert_eq!(labels, ["Bilinear ×1.5", "FSR 1 ×1.5", "FSR 2 ×1.5", "TAA ×1", "Accumulation ×1", "Checkerboard"]);
+    assert_eq!(
+        labels,
+        ["Bilinear ×1.5", "FSR 1 ×1.5", "FSR 2 ×1.5", "TAA ×1", "Temporal accumulation ×1", "Checkerboard"]
+    );
     for upscaler in BUILT_IN {
         assert!(upscaler.offers().scales.contains(&Upscaling::NATIVE.with_method(upscaler.id()).unwrap().scale()));
     }
