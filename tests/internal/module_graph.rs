@@ -46,7 +46,7 @@ impl ModuleGraph {
         let mut graph = Self { modules: BTreeMap::new(), names: BTreeMap::new() };
         for (folder, name) in CRATES {
             let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src").join(folder);
-            graph.add(&root.join("lib.rs"), &root, vec![name.to_owned()]);
+            graph.add(&root.join("lib.rs"), &root, &vec![name.to_owned()]);
         }
         let names = graph.modules.iter().map(|(path, module)| {
             let named = module.imports.iter().filter_map(|(name, mention)| {
@@ -61,17 +61,17 @@ impl ModuleGraph {
     }
 
     /// Adds the module in a file, and the modules below it. Files of modules below it lie in `folder`.
-    fn add(&mut self, file: &Path, folder: &Path, path: ModulePath) {
+    fn add(&mut self, file: &Path, folder: &Path, path: &ModulePath) {
         let text = fs::read_to_string(file).unwrap();
         let mut reader = Reader { tokens: tokens(&text), at: 0, module: Module::default(), children: Vec::new() };
-        reader.items(&path);
+        reader.items(path);
         let Reader { module, children, .. } = reader;
         self.modules.insert(path.clone(), module);
         for name in children {
             let child = [&path[..], std::slice::from_ref(&name)].concat();
             let files: [PathBuf; 2] = [folder.join(format!("{name}.rs")), folder.join(&name).join("mod.rs")];
             if let Some(file) = files.iter().find(|file| file.is_file() && !self.modules.contains_key(&child)) {
-                self.add(file, &folder.join(&name), child);
+                self.add(file, &folder.join(&name), &child);
             }
         }
     }
