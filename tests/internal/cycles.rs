@@ -31,19 +31,9 @@ const REMAINING: &[Remaining] = &[
         reason: "The session owns the state of all features, and each feature changes the session and draws itself.",
     },
     Remaining {
-        folder: "rasterscope_engine::chain",
-        modules: "frame pixel_samples renderer run samples view",
-        reason: "A frame computes its converged reference on demand, with the renderer that makes frames.",
-    },
-    Remaining {
         folder: "rasterscope_engine::inspect",
         modules: "history pixel remedy verdict",
         reason: "The report of a pixel holds the verdict and the remedies that are computed from it.",
-    },
-    Remaining {
-        folder: "rasterscope_engine::inspect::trace",
-        modules: "attributes geometry shade texture",
-        reason: "The stages share the names of axes and channels, and the formula of diffuse light.",
     },
     Remaining {
         folder: "rasterscope_engine::pipeline",

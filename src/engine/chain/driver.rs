@@ -3,7 +3,8 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::executor::{DrawnArea, Executed, Executor, Pass, Purpose};
+use super::area::DrawnArea;
+use super::executor::{Executed, Executor, Pass, Purpose};
 use super::finish::{Finished, finish};
 use super::pool::BufferPool;
 use super::view::{Surfaces, gbuffer_recipe, outlines, raster_camera, raster_viewport, sampling_after, surfaces};

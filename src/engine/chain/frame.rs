@@ -13,8 +13,6 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::Geometry;
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::framebuffer::Framebuffer;
-use crate::pipeline::gbuffer::GBuffer;
-use crate::pipeline::motion::MotionVectors;
 use crate::pipeline::plan::DrawPlan;
 use crate::pipeline::settings::Execution;
 use crate::pipeline::tiled::TiledReport;
@@ -97,16 +95,6 @@ pub struct Frame {
     pub tiled: Option<TiledReport>,
 }
 
-/// Buffers of a frame that is no longer needed. Those that are still referenced elsewhere are missing.
-pub(super) struct FrameBuffers {
-    pub(super) drawn: Framebuffer,
-    /// Full-resolution picture, if it is stored separately.
-    pub(super) full: Option<Image<Rgba8>>,
-    pub(super) history: Option<History>,
-    pub(super) gbuffer: Option<GBuffer>,
-    pub(super) motion: Option<MotionVectors>,
-}
-
 impl Frame {
     /// Returns the geometry of the frame, with the list of rasterized triangles. After a tiled execution, which does not
     /// need it in this form, the first call computes it, and later calls return the same.
@@ -152,20 +140,19 @@ impl Frame {
         self.history.as_ref().filter(|_| is_still).map_or(0, |past| past.still_frames)
     }
 
-    /// Decomposes the frame into buffers for reuse.
-    pub(super) fn into_buffers(self) -> FrameBuffers {
+    /// Gives the buffers of the frame to a pool, except those that something else still shares.
+    pub(super) fn give_buffers(self, pool: &mut BufferPool) {
         let full = match self.unfiltered {
             Unfiltered::Kept(picture) => Some(picture),
             Unfiltered::Finished | Unfiltered::Drawn => self.finished,
         };
-        let (gbuffer, motion) = self.surfaces.map(|shown| (shown.gbuffer, shown.motion)).unzip();
-        FrameBuffers {
-            drawn: self.drawn,
-            full,
-            history: self.history.and_then(Arc::into_inner),
-            gbuffer: gbuffer.and_then(Arc::into_inner),
-            motion: motion.flatten().and_then(Arc::into_inner),
-        }
+        pool.give_codes(self.drawn.color);
+        self.drawn.depth.into_iter().for_each(|depth| pool.give_numbers(depth));
+        full.into_iter().for_each(|full| pool.give_codes(full));
+        self.history.and_then(Arc::into_inner).into_iter().for_each(|history| pool.give_history(history));
+        let Some(Surfaces { gbuffer, motion, .. }) = self.surfaces else { return };
+        Arc::into_inner(gbuffer).into_iter().for_each(|surfaces| pool.give_surfaces(surfaces));
+        motion.and_then(Arc::into_inner).into_iter().for_each(|vectors| pool.give_vectors(vectors));
     }
 
     /// Returns the history that the next frame may read, or `None` if the upscaler reads no history or the frame has no

@@ -1,6 +1,7 @@
 //! Entry point for drawing, shared by the window, the command line, reports and tests: renders a [`Frame`] of a scene
 //! as seen by a camera, with the settings of a [`Recipe`].
 
+mod area;
 mod driver;
 mod executor;
 mod finish;
@@ -8,20 +9,24 @@ mod frame;
 mod motion;
 mod pixel_samples;
 mod pool;
+mod progressive;
 mod recipe;
 mod renderer;
+pub(crate) mod replay;
 mod run;
-pub mod samples;
+pub(crate) mod samples;
 #[cfg(test)]
 mod tests;
 mod view;
 pub mod whole;
 
+pub use crate::pipeline::framebuffer::KeepDepth;
 pub use crate::pipeline::motion::FrameView;
 pub use frame::Frame;
 pub(crate) use frame::FrameTimes;
 pub use frame::PrecedingView;
 pub use motion::MotionBuffers;
+pub use progressive::ProgressiveRender;
 pub use recipe::Recipe;
 pub use recipe::SetError;
 pub use recipe::SettingKey;
@@ -29,7 +34,6 @@ pub use recipe::SettingStage;
 pub use recipe::ValueForm;
 pub use recipe::Values;
 pub use recipe::Word;
-pub use renderer::KeepDepth;
 pub use renderer::Renderer;
 pub use renderer::execution;
 pub(crate) use run::prepare_again;

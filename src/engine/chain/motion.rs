@@ -1,6 +1,7 @@
 //! Motion data of a picture: vectors, disocclusion and distances, drawn on demand.
 
-use super::executor::{Drawing, DrawnArea};
+use super::area::DrawnArea;
+use super::executor::Drawing;
 use super::view::{ids_recipe, raster_camera, sampling_after};
 use super::{Frame, Recipe};
 use crate::image::{Image, Rgba8};

@@ -1,8 +1,8 @@
 //! Buffers that successive frames reuse.
 
-use super::frame::{Frame, FrameBuffers};
+use std::sync::Arc;
+
 use crate::image::{Image, Rgba8};
-use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::gbuffer::GBuffer;
 use crate::pipeline::motion::MotionVectors;
 use crate::upscale::{Accumulated, History};
@@ -40,34 +40,32 @@ impl BufferPool {
         self.vectors.pop()
     }
 
-    /// Adds a buffer.
+    /// Adds a buffer with four bytes per pixel.
     pub(super) fn give_codes(&mut self, image: Image<Rgba8>) {
         give(&mut self.codes, image);
     }
 
-    /// Adds the buffers of a frame that is no longer needed, except those that something else still shares.
-    pub(super) fn give_frame(&mut self, frame: Frame) {
-        let FrameBuffers { drawn: Framebuffer { color, depth, .. }, full, history, gbuffer, motion } =
-            frame.into_buffers();
-        self.give_codes(color);
-        depth.into_iter().for_each(|depth| give(&mut self.numbers, depth));
-        full.into_iter().for_each(|full| self.give_codes(full));
-        gbuffer.into_iter().for_each(|surfaces| self.give_surfaces(surfaces));
-        motion.into_iter().for_each(|vectors| give(&mut self.vectors, vectors));
-        history.into_iter().for_each(|history| self.give_history(history));
+    /// Adds a buffer with one number per pixel.
+    pub(super) fn give_numbers(&mut self, image: Image<f32>) {
+        give(&mut self.numbers, image);
     }
 
-    fn give_history(&mut self, History { picture, accumulated, surfaces, .. }: History) {
+    /// Adds the buffers of motion vectors.
+    pub(super) fn give_vectors(&mut self, vectors: MotionVectors) {
+        give(&mut self.vectors, vectors);
+    }
+
+    /// Adds the buffers of a G-buffer.
+    pub(super) fn give_surfaces(&mut self, GBuffer { object, distance }: GBuffer) {
+        self.give_codes(object);
+        self.give_numbers(distance);
+    }
+
+    /// Adds the buffers of a history, except those that something else still shares.
+    pub(super) fn give_history(&mut self, History { picture, accumulated, surfaces, .. }: History) {
         picture.into_iter().for_each(|picture| self.give_codes(picture));
         accumulated.into_iter().for_each(|accumulated| give(&mut self.histories, accumulated));
-        if let Some(surfaces) = std::sync::Arc::into_inner(surfaces) {
-            self.give_surfaces(surfaces);
-        }
-    }
-
-    fn give_surfaces(&mut self, GBuffer { object, distance }: GBuffer) {
-        self.give_codes(object);
-        give(&mut self.numbers, distance);
+        Arc::into_inner(surfaces).into_iter().for_each(|surfaces| self.give_surfaces(surfaces));
     }
 
     /// Returns the memory use in bytes.

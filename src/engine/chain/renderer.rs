@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::driver::FrameRequest;
 use super::executor::{ClassicExecutor, TiledExecutor};
 use super::pool::BufferPool;
-use super::{Frame, Recipe};
+use super::{Frame, KeepDepth, Recipe};
 use crate::math::lanes::Lanes;
 use crate::pipeline::settings::Execution;
 use crate::pipeline::tiled;
@@ -58,15 +58,6 @@ impl Default for Renderer {
     fn default() -> Self {
         Self { memory: tiled::TiledMemory::default(), lanes: Lanes::best(), pool: BufferPool::default(), past: None }
     }
-}
-
-/// Whether the depth buffer of a frame is kept after drawing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum KeepDepth {
-    /// The depths are kept with the frame.
-    Yes,
-    /// The depths may be discarded after their last use in drawing.
-    No,
 }
 
 impl Renderer {
@@ -133,7 +124,7 @@ impl Renderer {
 
     /// Takes back the buffers of a frame that is no longer needed, for reuse.
     pub fn recycle(&mut self, frame: Frame) {
-        self.pool.give_frame(frame);
+        frame.give_buffers(&mut self.pool);
     }
 
     /// Returns the size in bytes of the buffers held from frame to frame.

@@ -5,27 +5,21 @@
 //! from pixel to pixel, or if shading does not run per sample, the classic execution draws triangles one by one into
 //! rows of samples. The tiled execution has kernels of its own for these methods.
 
-use std::sync::Arc;
-
 use rayon::prelude::*;
 
-use super::executor::DrawnArea;
-use super::view::{raster_camera, raster_viewport};
-use super::{Frame, KeepDepth, Recipe, Renderer};
-use crate::antialias::pattern::{Pattern, jitter, jittered_positions};
-use crate::antialias::resolve::{self, Mean};
+use super::Recipe;
+use super::area::DrawnArea;
+use crate::antialias::pattern::{jitter, jittered_positions};
+use crate::antialias::resolve;
 use crate::antialias::settings::{AntialiasMethod, Antialiasing};
 use crate::image::{Image, Rgba8};
 use crate::math::fixed::snap;
 use crate::pipeline::framebuffer::Framebuffer;
-use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::multisample::{self, CandidatePositions, ShadingRate};
 use crate::pipeline::raster::Scissor;
-use crate::pipeline::settings::{ColorSpace, TexelFilter as TextureFilter};
-use crate::pipeline::viewport::Viewport;
-use crate::pipeline::{Extent, Geometry, LastStage, draw, prepare};
-use crate::scene::{Camera, Scene};
-use crate::upscale::{CENTRE, Sampling};
+use crate::pipeline::{Extent, Geometry};
+use crate::scene::Scene;
+use crate::upscale::CENTRE;
 
 /// Returns the sample position of each pass, in pixels from the pixel's top left corner. The list is empty if the
 /// method has no passes.
@@ -64,7 +58,7 @@ pub(super) fn per_pixel(scene: &Scene, geometry: &Geometry, recipe: &Recipe, are
 }
 
 /// Returns the candidate positions of each sample of a pixel, in pixels from the pixel's centre.
-fn candidates(antialias: Antialiasing) -> Vec<Vec<[f32; 2]>> {
+pub(super) fn candidates(antialias: Antialiasing) -> Vec<Vec<[f32; 2]>> {
     let from_centre = |[x, y]: [f64; 2]| [(x - CENTRE[0]) as f32, (y - CENTRE[1]) as f32];
     let places = match antialias.method {
         AntialiasMethod::Jittered => jittered_positions(antialias.samples.side()),
@@ -85,7 +79,7 @@ pub(crate) fn places_on_grid(antialias: Antialiasing) -> Vec<Vec<[i32; 2]>> {
 
 /// Draws all samples of the pixels in the scissor rectangle of `extent`. Returns one framebuffer per sample position;
 /// each starts as a copy of `cleared`.
-fn sampled(
+pub(super) fn sampled(
     scene: &Scene,
     geometry: &Geometry,
     recipe: &Recipe,
@@ -101,139 +95,9 @@ fn sampled(
     frames
 }
 
-/// Draws the given pixels of a frame again and returns the samples of each, in drawing order. There is one sample per
-/// pixel unless the frame is anti-aliased. Pixels that were not drawn have no samples.
-pub(crate) fn replay(scene: &Scene, recipe: &Recipe, frame: &Frame, pixels: &[(u32, u32)]) -> Vec<Vec<Rgba8>> {
-    let Frame { antialias, sampling, viewport, camera, .. } = frame;
-    if antialias.is_off() {
-        return replay_pass(scene, recipe, frame, frame.geometry(), pixels)
-            .into_iter()
-            .map(|s| s.into_iter().collect())
-            .collect();
-    }
-    if antialias.is_per_pixel() {
-        return pixels.iter().map(|pixel| replay_pixel(scene, recipe, frame, *pixel)).collect();
-    }
-    let passes: Vec<Vec<Option<Rgba8>>> = passes(*antialias)
-        .into_par_iter()
-        .map(|offset| {
-            let seen = raster_camera(camera, *sampling, *viewport, offset);
-            let geometry = prepare(scene, &seen, &recipe.pipeline, raster_viewport(*sampling, *viewport), &mut ());
-            replay_pass(scene, recipe, frame, &geometry, pixels)
-        })
-        .collect();
-    (0..pixels.len()).map(|pixel| passes.iter().filter_map(|pass| pass[pixel]).collect()).collect()
-}
-
-/// Draws one sample of each given pixel again, from the triangles in `geometry`. Returns the colour of each pixel, or
-/// `None` for a pixel that was not drawn.
-fn replay_pass(
-    scene: &Scene,
-    recipe: &Recipe,
-    frame: &Frame,
-    geometry: &Geometry,
-    pixels: &[(u32, u32)],
-) -> Vec<Option<Rgba8>> {
-    let grid = frame.drawn.grid;
-    let color = |&(x, y): &(u32, u32)| {
-        let sample = grid.sample_at(x, y)?;
-        let mut one = Framebuffer::one_sample(grid, sample, scene.background, &recipe.pipeline);
-        let extent = Extent { triangles: 0..geometry.triangles.len(), scissor: Scissor::pixel(x, y) };
-        draw(scene, geometry, &recipe.pipeline, &extent, LastStage::Shade, &mut one, &mut ());
-        Some(one.color.at(0, 0))
-    };
-    pixels.iter().map(color).collect()
-}
-
-/// Draws all samples of one pixel again, for a per-pixel method. Returns an empty list if the pixel was not drawn.
-fn replay_pixel(scene: &Scene, recipe: &Recipe, frame: &Frame, (x, y): (u32, u32)) -> Vec<Rgba8> {
-    let Some(sample) = frame.drawn.grid.sample_at(x, y) else { return Vec::new() };
-    let cleared = Framebuffer::one_sample(frame.drawn.grid, sample, scene.background, &recipe.pipeline);
-    let extent = Extent { triangles: 0..frame.geometry().triangles.len(), scissor: Scissor::pixel(x, y) };
-    let places = candidates(frame.antialias);
-    let frames = sampled(scene, frame.geometry(), recipe, &extent, (&places, cleared));
-    frames.iter().map(|frame| frame.color.at(0, 0)).collect()
-}
-
 /// Returns the sample positions in a drawn pixel, in pixels from its top left corner, in the order of [`replay`].
 pub(crate) fn places(antialias: Antialiasing, (x, y): (u32, u32)) -> Vec<[f64; 2]> {
     antialias.pattern().offsets(x, y)
-}
-
-/// Progressive rendering that adds one sample per pixel at a time, so that a caller can show progress and stop. Samples
-/// follow the low-discrepancy pattern; a single sample lies at the pixel's centre. The samples are averaged in linear
-/// light.
-#[derive(Debug)]
-pub struct ProgressiveRender {
-    scene: Arc<Scene>,
-    camera: Camera,
-    recipe: Recipe,
-    viewport: Viewport,
-    places: Vec<[f64; 2]>,
-    mean: Mean,
-    renderer: Renderer,
-}
-
-impl ProgressiveRender {
-    /// Starts rendering with only the pipeline settings of the recipe: without upscaler, filter, wireframe and
-    /// mip-mapping.
-    pub(crate) fn new(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, viewport: Viewport, samples: u32) -> Self {
-        let mut bare = Recipe { pipeline: recipe.pipeline, execution: recipe.execution, ..Recipe::default() };
-        if bare.pipeline.filter.reads_mip_levels() {
-            bare.pipeline.filter = TextureFilter::Bilinear;
-        }
-        Self {
-            scene: Arc::clone(scene),
-            camera: *camera,
-            recipe: bare,
-            viewport,
-            places: Pattern::LowDiscrepancy { count: samples }.offsets(0, 0),
-            mean: Mean::new(viewport.width, viewport.height, ColorSpace::Linear),
-            renderer: Renderer::default(),
-        }
-    }
-
-    /// Draws the next sample of every pixel; returns `false` if none is left.
-    pub fn step(&mut self) -> bool {
-        let Some(place) = self.places.get(self.mean.samples() as usize) else { return false };
-        let seen = raster_camera(&self.camera, Sampling::Grid(SampleGrid::FULL), self.viewport, *place);
-        let frame = self.renderer.render(&self.scene, &seen, &self.recipe, self.viewport, KeepDepth::No);
-        self.mean.add(frame.image());
-        self.renderer.recycle(frame);
-        true
-    }
-
-    /// Returns the mean of the samples drawn so far, in linear light.
-    pub fn linear(&self) -> Image<[f32; 3]> {
-        self.mean.linear()
-    }
-
-    /// Returns the mean of the samples drawn so far.
-    pub fn picture(&self) -> Image<Rgba8> {
-        self.mean.picture()
-    }
-}
-
-/// Returns the camera with a sub-view that puts the sample of each rasterized pixel at `place`, or `None` if no
-/// sub-view is needed. `place` is in pixels from the pixel's top left corner.
-pub(super) fn jittered_camera(
-    camera: &Camera,
-    sampling: Sampling,
-    viewport: Viewport,
-    place: [f64; 2],
-) -> Option<Camera> {
-    let moved = |step: f64| [0, 1].map(|axis| (place[axis] - CENTRE[axis]) * step);
-    let (step, [x, y]) = match sampling {
-        Sampling::Grid(_) if place == CENTRE => return None,
-        Sampling::Grid(_) => (1.0, moved(1.0)),
-        Sampling::Lattice(lattice) => {
-            let step = lattice.scale.value();
-            (step, moved(step).map(|by| by + lattice.origin_px()))
-        }
-    };
-    let window = raster_viewport(sampling, viewport).window(viewport, step, [x, y]);
-    let sub_view = camera.sub_view.map_or(window, |own| own.followed_by(window));
-    Some(Camera { sub_view: Some(sub_view), ..*camera })
 }
 
 #[cfg(test)]
@@ -244,7 +108,8 @@ mod tests {
     use crate::antialias::area::triangle_area;
     use crate::antialias::settings::SampleCount;
     use crate::chain::run;
-    use crate::pipeline::settings::{Choice as _, Shading};
+    use crate::pipeline::settings::{Choice as _, ColorSpace, Shading};
+    use crate::pipeline::viewport::Viewport;
     use crate::scene::builtin;
 
     const SIZE: Viewport = Viewport { width: 61, height: 47 };

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::samples;
+use super::replay;
 use super::*;
 use crate::antialias::settings::Antialiasing;
 use crate::image::{Image, Rgba8};
@@ -116,7 +116,7 @@ fn every_pixel_of_a_frame_with_a_past_is_replayed() {
                     how.upscaler().taps(how, &frame.as_drawn(&frame.drawn.color), (size.width, size.height), (x, y));
                 let pixels: Vec<_> = taps.iter().map(|tap| (tap.x, tap.y)).collect();
                 let mut known = Image::filled(frame.drawn.color.width(), frame.drawn.color.height(), [255, 0, 173, 1]);
-                for (samples, at) in samples::replay(&scene, &recipe, &frame, &pixels).iter().zip(&pixels) {
+                for (samples, at) in replay::replay(&scene, &recipe, &frame, &pixels).iter().zip(&pixels) {
                     let (column, row) = frame.drawn.grid.sample_at(at.0, at.1).unwrap();
                     known.set(column, row, samples[0]);
                 }

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::Recipe;
 use super::pool::BufferPool;
-use super::{Recipe, samples};
 use crate::math::lanes::Lanes;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::gbuffer::GBuffer;
@@ -121,7 +121,7 @@ pub(super) fn raster_viewport(sampling: Sampling, Viewport { width, height }: Vi
 /// Returns the camera of the picture that is rasterized before upscaling. The sample of each rasterized pixel lies at
 /// `place`, in pixels from the pixel's top left corner.
 pub(super) fn raster_camera(camera: &Camera, sampling: Sampling, viewport: Viewport, place: [f64; 2]) -> Camera {
-    samples::jittered_camera(camera, sampling, viewport, place).unwrap_or(*camera)
+    jittered_camera(camera, sampling, viewport, place).unwrap_or(*camera)
 }
 
 /// Returns the triangles of the full picture if the wireframe needs them and the rasterized picture is smaller, else
@@ -129,4 +129,21 @@ pub(super) fn raster_camera(camera: &Camera, sampling: Sampling, viewport: Viewp
 pub(super) fn outlines(scene: &Scene, camera: &Camera, recipe: &Recipe, viewport: Viewport) -> Option<TriangleList> {
     let drawn_smaller = matches!(recipe.upscaler.sampling(), Sampling::Lattice(_));
     (recipe.wireframe && drawn_smaller).then(|| prepare(scene, camera, &recipe.pipeline, viewport, &mut ()).triangles)
+}
+
+/// Returns the camera with a sub-view that puts the sample of each rasterized pixel at `place`, or `None` if no
+/// sub-view is needed. `place` is in pixels from the pixel's top left corner.
+fn jittered_camera(camera: &Camera, sampling: Sampling, viewport: Viewport, place: [f64; 2]) -> Option<Camera> {
+    let moved = |step: f64| [0, 1].map(|axis| (place[axis] - CENTRE[axis]) * step);
+    let (step, [x, y]) = match sampling {
+        Sampling::Grid(_) if place == CENTRE => return None,
+        Sampling::Grid(_) => (1.0, moved(1.0)),
+        Sampling::Lattice(lattice) => {
+            let step = lattice.scale.value();
+            (step, moved(step).map(|by| by + lattice.origin_px()))
+        }
+    };
+    let window = raster_viewport(sampling, viewport).window(viewport, step, [x, y]);
+    let sub_view = camera.sub_view.map_or(window, |own| own.followed_by(window));
+    Some(Camera { sub_view: Some(sub_view), ..*camera })
 }

@@ -12,7 +12,7 @@ use super::remedy::Remedy;
 use super::temporal::PixelHistory;
 use super::verdict::verdict;
 use crate::antialias::{post, resolve};
-use crate::chain::{Frame, Recipe, samples};
+use crate::chain::{Frame, Recipe, replay, samples};
 use crate::image::{Image, Rgba8};
 use crate::math::fixed::{HALF_PIXEL, SUBPIXELS, to_pixels};
 use crate::pipeline::framebuffer::Framebuffer;
@@ -269,7 +269,7 @@ pub(super) fn replayed(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y:
     let (how, upscaler) = (recipe.upscaler, recipe.upscaler.upscaler());
     let taps = upscaler.taps(how, &frame.as_drawn(&frame.drawn.color), (width, height), (x, y));
     let pixels: Vec<_> = taps.iter().map(|tap| (tap.x, tap.y)).collect();
-    let replayed = samples::replay(scene, recipe, frame, &pixels);
+    let replayed = replay::replay(scene, recipe, frame, &pixels);
     let sources: Vec<_> = taps.into_iter().zip(&replayed).map(|(tap, samples)| source(frame, tap, samples)).collect();
     let main = (0..sources.len()).max_by(|a, b| sources[*a].tap.weight.total_cmp(&sources[*b].tap.weight));
     // A frame of at most 2 × 2 pixels may draw no pixel at all. All its pixels then come from the history.

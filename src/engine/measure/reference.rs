@@ -7,8 +7,8 @@
 
 use std::sync::Arc;
 
+pub use crate::chain::ProgressiveRender;
 use crate::chain::Recipe;
-pub use crate::chain::samples::ProgressiveRender;
 use crate::pipeline::settings::{Choice, choice};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};

@@ -27,6 +27,15 @@ pub struct Framebuffer {
     pub(crate) depth_scale: DepthScale,
 }
 
+/// Whether the depth buffer of a frame is kept after drawing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KeepDepth {
+    /// The depths are kept with the frame.
+    Yes,
+    /// The depths may be discarded after their last use in drawing.
+    No,
+}
+
 impl Framebuffer {
     /// Returns a cleared framebuffer for a full picture of `width` × `height` px. `background` is the scene's
     /// background colour, as sRGB codes; the settings may replace it.
@@ -73,10 +82,10 @@ impl Framebuffer {
         viewport: Viewport,
         (color, depth): (Option<Image<Rgba8>>, Option<Image<f32>>),
         settings: &Settings,
-        keep_depth: bool,
+        keep_depth: KeepDepth,
     ) -> Self {
         let (width, height) = grid.packed_size(viewport.width, viewport.height);
-        let needs_depth = keep_depth && settings.depth_test != DepthTest::Off;
+        let needs_depth = keep_depth == KeepDepth::Yes && settings.depth_test != DepthTest::Off;
         Self {
             grid,
             origin: (0, 0),

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::{DrawnArea, Executed, Executor, Pass, PassTimes, Purpose};
+use super::{Executed, Executor, Pass, PassTimes, Purpose};
+use crate::chain::area::DrawnArea;
 use crate::chain::frame::LazyGeometry;
 use crate::chain::pool::BufferPool;
 use crate::chain::samples;

@@ -10,15 +10,14 @@ use std::time::Duration;
 pub(super) use classic::{ClassicExecutor, Drawing};
 pub(super) use tiled::TiledExecutor;
 
+use super::area::DrawnArea;
 use super::frame::LazyGeometry;
 use super::pool::BufferPool;
 use super::{KeepDepth, Recipe};
 use crate::pipeline::framebuffer::Framebuffer;
-use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::plan::DrawPlan;
 use crate::pipeline::settings::Execution;
 use crate::pipeline::tiled::TiledReport;
-use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 
 /// Draws the passes of one frame.
@@ -55,27 +54,6 @@ pub(super) enum Purpose {
     Supersample,
     /// The ids and depths of the visible surfaces, for upscalers that read them.
     Surfaces,
-}
-
-/// Pixels that are drawn.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct DrawnArea {
-    /// Grid that selects the drawn pixels of the rasterized picture.
-    pub(super) grid: SampleGrid,
-    /// Size of the rasterized picture.
-    pub(super) raster: Viewport,
-}
-
-impl DrawnArea {
-    /// Selects all pixels of a picture.
-    pub(super) fn full(raster: Viewport) -> Self {
-        Self { grid: SampleGrid::FULL, raster }
-    }
-
-    /// Returns the size of the packed picture of the drawn pixels.
-    pub(super) fn packed_size(self) -> (u32, u32) {
-        self.grid.packed_size(self.raster.width, self.raster.height)
-    }
 }
 
 /// Result of drawing the passes of a frame, besides the samples.

@@ -36,8 +36,8 @@ impl<'a> TiledExecutor<'a> {
         pool: &mut BufferPool,
     ) -> (Framebuffer, TiledReport) {
         let (Pass { scene, camera, area, .. }, settings) = (pass, &pass.recipe.pipeline);
-        let (size, keep) = (area.packed_size(), pass.keep_depth == KeepDepth::Yes);
-        let memory = (pool.codes(size), if keep { pool.numbers(size) } else { None });
+        let (size, keep) = (area.packed_size(), pass.keep_depth);
+        let memory = (pool.codes(size), if keep == KeepDepth::Yes { pool.numbers(size) } else { None });
         let mut drawn = Framebuffer::reusing(area.grid, area.raster, memory, settings, keep);
         drawn.depth_scale = DepthScale::of(settings, camera);
         let target = (&mut drawn, samples);

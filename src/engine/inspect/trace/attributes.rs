@@ -3,16 +3,13 @@
 use glam::Vec2;
 
 use super::formula::{Formula, given, sum};
-use super::geometry::AXES;
 use super::line::{TraceRecorder, TraceStage};
+use super::names::{AXES, CHANNELS};
 use super::subject::TracedFragment;
 use crate::inspect::intermediate::Intermediate;
 use crate::pipeline::interpolate::{edge_slopes, weight_gradient};
 use crate::pipeline::settings::Arithmetic;
 use crate::pipeline::vertex::Varyings;
-
-/// Names of the colour channels.
-pub(super) const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
 /// Writes the trace lines for every attribute that the draw interpolates.
 pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {

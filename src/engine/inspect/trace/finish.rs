@@ -1,8 +1,8 @@
 //! Trace from the drawn samples to the pixel of the full picture: resolve, upscaler, post filter and wireframe.
 
-use super::attributes::CHANNELS;
 use super::formula::{given, sum, whole};
 use super::line::{TraceRecorder, TraceStage};
+use super::names::CHANNELS;
 use super::shade::encoded;
 use crate::chain::{Frame, Recipe};
 use crate::image::Rgba8;

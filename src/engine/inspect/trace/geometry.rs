@@ -5,14 +5,12 @@ use glam::{DMat4, DVec4, Vec4};
 use super::formula::{Formula, given, sum, whole};
 use super::inputs::{FormulaInputs, vector};
 use super::line::{Notable, TraceRecorder, TraceStage};
+use super::names::AXES;
 use super::subject::TracedFragment;
 use crate::pipeline::clip::{ClipPlane, Cut, EdgeCut, MIN_W, Polygon, guard_band_widening};
 use crate::pipeline::plan::{PipelinePart, PlanStep};
 use crate::pipeline::shading::{Input, LightInputs as _, lambert};
 use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
-
-/// Names of the components of a vector.
-pub(super) const AXES: [&str; 4] = ["x", "y", "z", "w"];
 
 /// A vertex in clip space, and its name in trace lines.
 #[derive(Clone, Debug)]

@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 use glam::Vec3;
 
-use super::attributes::CHANNELS;
 use super::formula::{Formula, constant, given};
+use super::names::CHANNELS;
 use super::subject::TracedFragment;
 use crate::pipeline::depth::depth_at;
 use crate::pipeline::settings::Checker;

@@ -20,6 +20,7 @@ mod geometry;
 mod inputs;
 mod line;
 mod motion;
+mod names;
 mod number;
 mod project;
 mod shade;

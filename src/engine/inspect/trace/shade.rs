@@ -2,11 +2,11 @@
 
 use glam::Vec3;
 
-use super::attributes::CHANNELS;
 use super::formula::{Formula, Function, fraction, given, sum, whole};
-use super::geometry::{AXES, unit_component};
+use super::geometry::unit_component;
 use super::inputs::FormulaInputs;
 use super::line::{Notable, TraceRecorder, TraceStage};
+use super::names::{AXES, CHANNELS};
 use super::subject::TracedFragment;
 use super::texture::number_formula;
 use crate::image::Rgba8;

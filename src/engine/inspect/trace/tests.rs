@@ -86,7 +86,7 @@ fn every_trace_matches_the_frame_and_its_formulas() {
 
 /// Asserts that each line whose value is also part of the frame or the report matches that value bit for bit.
 fn agrees(report: &PixelReport, frame: &Frame, trace: &Trace) {
-    for (channel, name) in attributes::CHANNELS.into_iter().enumerate() {
+    for (channel, name) in names::CHANNELS.into_iter().enumerate() {
         let code = f64s(trace, &format!("pixel {name}"));
         assert_eq!(code, Some(frame.image().at(report.x, report.y)[channel].into()));
     }
@@ -103,7 +103,7 @@ fn agrees(report: &PixelReport, frame: &Frame, trace: &Trace) {
         assert_eq!(f64s(trace, "code"), record.depth.code.map(f64::from));
     }
     let Some(shading) = &record.shading else { return };
-    for (channel, name) in attributes::CHANNELS.into_iter().enumerate() {
+    for (channel, name) in names::CHANNELS.into_iter().enumerate() {
         assert_eq!(f64s(trace, &format!("{name} code")), Some(shading.color[channel].into()));
     }
     if let (Some(cosine), Some(_)) = (shading.cosine, line(trace, "N·L")) {

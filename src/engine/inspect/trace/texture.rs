@@ -2,9 +2,9 @@
 
 use glam::Vec2;
 
-use super::attributes::CHANNELS;
 use super::formula::{Formula, Function, fraction, given, sum, whole};
 use super::line::{Notable, TraceRecorder, TraceStage};
+use super::names::CHANNELS;
 use super::subject::TracedFragment;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::footprint::{TextureRead, TextureReads};
