@@ -232,7 +232,7 @@ fn a_cancelled_measurement_stops_and_the_worker_continues() {
 #[test]
 fn requests_take_precedence_over_measuring() {
     let mut worker = Worker::spawn(|| ());
-    let measured = request("chess", (160, 120));
+    let measured = request("chess", (32, 24));
     worker.send(measure(measured, Turn::default()));
     answers_until(&mut worker, |answer| matches!(answer, WorkerResponse::Sample { .. }));
     worker.send(show(&request("triangle", (16, 16))));

@@ -768,7 +768,7 @@ fn bad_input_is_one_line_that_names_the_culprit() {
         (&["--set", "shadign=gouraud"], "error: --set `shadign` is not a setting"),
         (&["--set", "shading=phong"], "error: --set shading: `phong` is not one of texture, "),
         (&["--set", "shading"], "error: --set `shading` is not of the form key=value"),
-        (&["--set", "light.direction=0,0,0"], "error: --set light.direction: the direction"),
+        (&["--set", "light.direction=0,0,0"], "error: --set light.direction: must not be zero"),
         (&["--size", "0x48"], "0x48"),
         (&["--size", "16385x1"], "16385x1"),
         (&["--size", "16384x16384"], "16384x16384"),

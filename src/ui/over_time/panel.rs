@@ -24,7 +24,7 @@ pub(crate) const PANEL: PanelSpec = PanelSpec {
     help: "Error of the compared upscalers in every frame; click a frame to show it",
     synonyms: &["motion", "flicker", "ghosting", "lag", "clip", "temporal"],
     chapter: Chapter::ErrorAgainstTime,
-    grows: true,
+    grows: false,
     titled: true,
     controls: Some(|ui, cx| controls(ui, cx.session, cx.commands)),
     content: |ui, cx| self::ui(ui, cx.session, cx.commands),
