@@ -95,7 +95,8 @@ pub(super) fn sampled(
     frames
 }
 
-/// Returns the sample positions in a drawn pixel, in pixels from its top left corner, in the order of [`replay`].
+/// Returns the sample positions in a drawn pixel, in pixels from its top left corner, in the order of
+/// [`replay`](super::replay::replay).
 pub(crate) fn places(antialias: Antialiasing, (x, y): (u32, u32)) -> Vec<[f64; 2]> {
     antialias.pattern().offsets(x, y)
 }

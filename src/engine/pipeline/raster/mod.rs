@@ -329,7 +329,7 @@ pub(crate) fn cover(
 /// largest squares.
 const BAND_ROWS: u32 = 64;
 
-/// Rasterizes a triangle like [`cover`], but in bands of rows from top to bottom; the spans and their order are the
+/// Rasterizes a triangle like [`cover()`], but in bands of rows from top to bottom; the spans and their order are the
 /// same. `take` receives the spans of each band and the first row below the band. Bands far from the triangle are
 /// skipped. Stops at the first error that `take` returns.
 pub(crate) fn cover_in_bands<E>(
@@ -356,7 +356,7 @@ pub(crate) fn cover_in_bands<E>(
     Ok(())
 }
 
-/// Rasterizes a triangle like [`cover`], restricted to the samples of a grid inside a scissor rectangle. Appends the
+/// Rasterizes a triangle like [`cover()`], restricted to the samples of a grid inside a scissor rectangle. Appends the
 /// covered spans to `spans`.
 pub(crate) fn cover_within(
     (rasterizer, arithmetic, rule): (Rasterizer, Arithmetic, FillRule),
