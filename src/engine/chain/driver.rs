@@ -18,7 +18,7 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 use crate::upscale::{History, Sampling, UpscaleInputs};
 
-/// Frame to draw.
+/// Inputs of one frame, before it is drawn.
 pub(super) struct FrameRequest<'a> {
     pub(super) scene: &'a Scene,
     pub(super) camera: &'a Camera,
@@ -33,7 +33,7 @@ pub(super) struct FrameRequest<'a> {
 }
 
 impl FrameRequest<'_> {
-    /// Draws the frame.
+    /// Draws the samples with an executor, and makes the finished picture from them.
     pub(super) fn draw<E: Executor>(self, mut executor: E, pool: &mut BufferPool) -> Frame {
         let begun = Instant::now();
         let samples = FrameSamples::new(&self);

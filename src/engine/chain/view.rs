@@ -49,7 +49,7 @@ pub(super) struct Surfaces {
     pub(super) gbuffer: Arc<GBuffer>,
     /// `None` if there is no preceding frame, or if camera and scene are still.
     pub(super) motion: Option<Arc<MotionVectors>>,
-    /// See [`FrameInputs::reactivity`].
+    /// Reactivity of every instance, as [`FrameInputs::reactivity`] describes it.
     pub(super) reactivity: Option<Arc<[f32]>>,
 }
 

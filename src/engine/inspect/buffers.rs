@@ -48,15 +48,15 @@ pub(crate) struct BufferFacts {
 /// Kind of the values of a buffer, with the names of their channels in OpenEXR files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BufferChannels {
-    /// [`Value::Color`]: red, green, blue and alpha.
+    /// Colours, as [`Value::Color`]: red, green, blue and alpha.
     Color([&'static str; 4]),
-    /// [`Value::Number`].
+    /// Numbers, as [`Value::Number`].
     Number(&'static str),
-    /// [`Value::Count`].
+    /// Integers from 0, as [`Value::Count`].
     Count(&'static str),
-    /// [`Value::Weights`]: one channel per corner.
+    /// Barycentric weights, as [`Value::Weights`]: one channel per corner.
     Weights([&'static str; 3]),
-    /// [`Value::Triangle`].
+    /// Identifiers of triangles, as [`Value::Triangle`].
     Triangle(&'static str),
 }
 

@@ -7,9 +7,8 @@
 //! All shading modes that use the material add its emission last.
 
 mod blinn_phong;
-
+mod inputs;
 mod normal_map;
-
 mod surface;
 
 use std::ops::{Add, Div, Mul};
@@ -18,17 +17,17 @@ pub(crate) use blinn_phong::EyeDirections;
 pub(crate) use blinn_phong::Highlight;
 pub(crate) use blinn_phong::Viewpoint;
 use glam::{Vec2, Vec3};
+use inputs::{FragmentInputs, SurfacePoint};
 pub(crate) use normal_map::NormalMap;
 pub(crate) use surface::PlacedMesh;
 
-use super::depth::depth_at;
 use super::footprint::{MipFilter, TextureReads};
 use super::interpolate::{AttributeSelection, Fragment};
 use super::plan::{DrawPlan, PipelinePart};
 use super::sample::Sampler;
-use super::settings::{AddressMode, AlphaMode, Checker, ColorSpace, Settings, TexelFilter};
+use super::settings::{AddressMode, AlphaMode, ColorSpace, Settings, TexelFilter};
 pub(crate) use super::shading::id_color;
-use super::shading::{CheckerInputs, FlatInputs, Input, LightInputs, SurfaceInputs, cel};
+use super::shading::{FlatInputs, Input, cel};
 use super::viewport::ScreenTriangle;
 use crate::image::color::{Tables, decode_rgb, quantize};
 use crate::image::{Image, Rgba8};
@@ -477,119 +476,6 @@ impl<'a> Shader<'a> {
     /// Returns the world-space unit vector from a fragment towards the eye; zero unless the shading reads it.
     pub(crate) fn eye_direction(&self, fragment: &Fragment) -> Vec3 {
         self.eye.map_or(Vec3::ZERO, |eye| eye.at(fragment))
-    }
-}
-
-/// Inputs of the light at a fragment, in floats.
-#[derive(Clone, Copy, Debug)]
-struct FragmentInputs<'a> {
-    shader: &'a Shader<'a>,
-    fragment: &'a Fragment,
-}
-
-impl LightInputs for FragmentInputs<'_> {
-    type Number = f32;
-
-    #[inline(always)]
-    fn constant(&self, value: f32) -> f32 {
-        value
-    }
-
-    #[inline(always)]
-    fn normal(&self) -> [f32; 3] {
-        self.shader.unit_normal(self.fragment).to_array()
-    }
-
-    #[inline(always)]
-    fn vertex_light(&self) -> f32 {
-        self.fragment.light
-    }
-
-    #[inline(always)]
-    fn light_direction(&self) -> [f32; 3] {
-        self.shader.light_direction.to_array()
-    }
-
-    #[inline(always)]
-    fn ambient(&self) -> f32 {
-        self.shader.settings.light.ambient
-    }
-
-    #[inline(always)]
-    fn dark_factor(&self) -> f32 {
-        self.shader.dark_factor()
-    }
-}
-
-/// Inputs of a quantity at a fragment, in floats.
-#[derive(Clone, Copy, Debug)]
-struct SurfacePoint<'a> {
-    inputs: FragmentInputs<'a>,
-    triangle: &'a ScreenTriangle,
-}
-
-impl LightInputs for SurfacePoint<'_> {
-    type Number = f32;
-
-    #[inline(always)]
-    fn constant(&self, value: f32) -> f32 {
-        value
-    }
-
-    #[inline(always)]
-    fn normal(&self) -> [f32; 3] {
-        self.inputs.normal()
-    }
-
-    #[inline(always)]
-    fn vertex_light(&self) -> f32 {
-        self.inputs.vertex_light()
-    }
-
-    #[inline(always)]
-    fn light_direction(&self) -> [f32; 3] {
-        self.inputs.light_direction()
-    }
-
-    #[inline(always)]
-    fn ambient(&self) -> f32 {
-        self.inputs.ambient()
-    }
-
-    #[inline(always)]
-    fn dark_factor(&self) -> f32 {
-        self.inputs.dark_factor()
-    }
-}
-
-impl SurfaceInputs for SurfacePoint<'_> {
-    fn eye_direction(&self) -> [f32; 3] {
-        self.inputs.shader.eye_direction(self.inputs.fragment).to_array()
-    }
-
-    #[inline(always)]
-    fn uv(&self) -> [f32; 2] {
-        self.inputs.fragment.uv.to_array()
-    }
-
-    #[inline(always)]
-    fn vertex_color(&self) -> [f32; 3] {
-        self.inputs.fragment.color.to_array()
-    }
-
-    #[inline(always)]
-    fn weights(&self) -> [f32; 3] {
-        self.inputs.fragment.source_weights.to_array()
-    }
-
-    #[inline(always)]
-    fn depth(&self) -> f32 {
-        depth_at(self.triangle, &self.inputs.fragment.sample)
-    }
-
-    fn checker(&self) -> CheckerInputs<f32> {
-        let Checker { squares, even, odd } = self.inputs.shader.settings.checker;
-        CheckerInputs { squares, even: even.to_array(), odd: odd.to_array() }
     }
 }
 

@@ -28,13 +28,13 @@ pub(crate) struct ReplayProgress {
 pub(crate) struct ReplayedFrame {
     /// Request for the frame.
     pub(crate) request: Request,
-    /// The frame.
+    /// Frame with the history of all frames of its sequence.
     pub(crate) frame: Frame,
     /// Renderer that holds the history of the frame.
     pub(crate) renderer: Renderer,
 }
 
-/// Result of one step.
+/// Result of [`Replayer::step`].
 #[derive(Debug)]
 pub(crate) enum ReplayStep {
     /// One more frame was drawn.

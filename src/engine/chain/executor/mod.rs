@@ -20,12 +20,12 @@ use crate::pipeline::settings::Execution;
 use crate::pipeline::tiled::TiledReport;
 use crate::scene::{Camera, Scene};
 
-/// Draws the passes of one frame.
+/// Way to draw the passes of one frame: triangle after triangle, or tile after tile.
 pub(super) trait Executor {
     /// Execution mode that the frame reports.
     const EXECUTION: Execution;
 
-    /// Draws one pass.
+    /// Draws the samples of one pass into a new framebuffer.
     fn draw(&mut self, pass: &Pass<'_>, pool: &mut BufferPool) -> Framebuffer;
 
     /// Returns what is known about the drawn passes of the frame. `frame` is its pass [`Purpose::Frame`], which need not
@@ -45,7 +45,7 @@ pub(super) struct Pass<'a> {
     pub(super) keep_depth: KeepDepth,
 }
 
-/// Use of a pass.
+/// What the samples of a pass are used for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Purpose {
     /// The samples at the pixel centres with their depths, and the colours unless the frame has passes of the next kind.

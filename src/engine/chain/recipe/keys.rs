@@ -10,15 +10,15 @@ use crate::upscale::{self, HistoryFilter, HistoryOptions, MAX_SHARPENING, Offers
 /// Pipeline stage whose switches include a setting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SettingStage {
-    /// Culling by facing.
+    /// Removal of triangles by the side that faces the eye.
     Cull,
-    /// Rasterization, and the execution mode.
+    /// Coverage of samples; also the execution mode.
     Rasterize,
-    /// Depth test.
+    /// Test and format of depths.
     Depth,
-    /// Interpolation of attributes.
+    /// Interpolation of vertex attributes across a triangle.
     Interpolate,
-    /// Shading, with textures, light, blending and background.
+    /// Colours of fragments: shading, textures, light, blending and background.
     Shade,
     /// Everything after shading: resolve, upscaling and post filter.
     Upscale,
@@ -157,6 +157,19 @@ macro_rules! option {
     };
 }
 
+/// Access to a field of the [`HistoryOptions`] of the upscaler.
+macro_rules! history_option {
+    ($field:ident: $type:ty) => {
+        option!(
+            |upscaling: Upscaling| upscaling.history().$field,
+            |upscaling: Upscaling, $field: $type| {
+                upscaling.with_history(HistoryOptions { $field, ..upscaling.history() })
+            },
+            |offers| all_or(offers.history, &HistoryOptions::DEFAULT.$field)
+        )
+    };
+}
+
 setting_keys! {
     Address = "address", Shade placed, "Texture wrap", "Texels for texture coordinates outside 0…1",
         field!(pipeline.address), also ["wrap", "texture wrap", "tiling"];
@@ -266,31 +279,13 @@ setting_keys! {
         option!(Upscaling::deringing, Upscaling::with_deringing, |offers| all_or(offers.deringing, &false));
     UpscalerHistoryFilter = "upscaler.history.filter", Upscale placed, "History filter",
         "Filter that reads the history between its pixels",
-        option!(
-            |upscaling: Upscaling| upscaling.history().filter,
-            |upscaling: Upscaling, filter: HistoryFilter| {
-                upscaling.with_history(HistoryOptions { filter, ..upscaling.history() })
-            },
-            |offers| all_or(offers.history, &HistoryOptions::DEFAULT.filter)
-        );
+        history_option!(filter: HistoryFilter);
     UpscalerLuminanceWeighting = "upscaler.history.luminance_weighting", Upscale placed, "Luminance weighting",
         "Blends colours with weights 1 / (1 + luminance)",
-        option!(
-            |upscaling: Upscaling| upscaling.history().luminance_weighting,
-            |upscaling: Upscaling, luminance_weighting: bool| {
-                upscaling.with_history(HistoryOptions { luminance_weighting, ..upscaling.history() })
-            },
-            |offers| all_or(offers.history, &HistoryOptions::DEFAULT.luminance_weighting)
-        );
+        history_option!(luminance_weighting: bool);
     UpscalerRectification = "upscaler.history.rectification", Upscale placed, "Rectification",
         "Change of the history so that it agrees with the samples around the pixel",
-        option!(
-            |upscaling: Upscaling| upscaling.history().rectification,
-            |upscaling: Upscaling, rectification: Rectification| {
-                upscaling.with_history(HistoryOptions { rectification, ..upscaling.history() })
-            },
-            |offers| all_or(offers.history, &HistoryOptions::DEFAULT.rectification)
-        );
+        history_option!(rectification: Rectification);
     UpscalerLight = "upscaler.light", Upscale placed, "Filtered values",
         "Values that are filtered: sRGB codes or linear light",
         option!(

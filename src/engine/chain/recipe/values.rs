@@ -15,7 +15,7 @@ use crate::upscale::Scale;
 pub struct Word {
     /// Word in files and on the command line.
     pub id: String,
-    /// Display name.
+    /// Name in menus.
     pub name: String,
     /// Help text; empty if the name needs none.
     pub help: &'static str,
@@ -75,7 +75,7 @@ impl fmt::Display for ValueForm {
 /// Values that a setting accepts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Values {
-    /// Accepted words.
+    /// Words that are values, such as the names of methods.
     pub words: Vec<Word>,
     /// Form of further values.
     pub form: Option<ValueForm>,
@@ -121,7 +121,7 @@ impl fmt::Display for Values {
 
 /// Type of a setting's value, with its conversion from and to text.
 pub(super) trait SettingValue: Sized {
-    /// Returns all values.
+    /// Returns all values of the type, as words or as a form such as a number.
     fn values() -> Values;
 
     /// Parses a value. Returns an error message that describes the accepted values if there is none with this text.
