@@ -143,22 +143,17 @@ impl<'a> FrameSamples<'a> {
         // Only for its depths: the passes give the colours.
         let centres = (keep_depth == KeepDepth::Yes).then(|| executor.draw(&self.pass(Purpose::Frame), pool));
         let mut average = Average::new(recipe, self.area.packed_size());
-        let first = executor.draw(&self.pass_at(*first, Purpose::Supersample), pool);
-        average.add(&first.color);
+        let mut first = executor.draw(&self.pass_at(*first, Purpose::Supersample), pool);
+        average.add(std::mem::replace(&mut first.color, Image::filled(0, 0, [0; 4])), pool);
         for place in others {
-            let pass = executor.draw(&self.pass_at(*place, Purpose::Supersample), pool);
-            average.add(&pass.color);
-            pool.give_codes(pass.color);
+            average.add(executor.draw(&self.pass_at(*place, Purpose::Supersample), pool).color, pool);
         }
-        let mut drawn = match centres {
-            Some(centres) => {
-                pool.give_codes(first.color);
-                centres
-            }
-            None => first,
-        };
-        let (mean, resolve) = average.finish();
-        pool.give_codes(std::mem::replace(&mut drawn.color, mean));
+        let mut drawn = centres.unwrap_or(first);
+        let (mean, resolve) = average.finish(pool);
+        let unused = std::mem::replace(&mut drawn.color, mean);
+        if unused.bytes() > 0 {
+            pool.give_codes(unused);
+        }
         (drawn, resolve)
     }
 }
@@ -166,25 +161,37 @@ impl<'a> FrameSamples<'a> {
 /// Mean of supersampling passes.
 struct Average {
     mean: Mean,
+    /// Passes that are not yet added.
+    drawn: Vec<Image<Rgba8>>,
     /// Time spent on averaging, without the passes themselves.
     time: Duration,
 }
 
 impl Average {
-    fn new(recipe: &Recipe, (width, height): (u32, u32)) -> Self {
-        Self { mean: Mean::new(width, height, recipe.antialias.light), time: Duration::ZERO }
+    /// Number of passes that are added at once.
+    const TOGETHER: usize = 4;
+
+    fn new(recipe: &Recipe, size: (u32, u32)) -> Self {
+        Self { mean: Mean::new(size, recipe.antialias.light), drawn: Vec::new(), time: Duration::ZERO }
     }
 
-    fn add(&mut self, pass: &Image<Rgba8>) {
-        let begun = Instant::now();
-        self.mean.add(pass);
-        self.time += begun.elapsed();
+    fn add(&mut self, pass: Image<Rgba8>, pool: &mut BufferPool) {
+        if self.drawn.len() == Self::TOGETHER {
+            let begun = Instant::now();
+            self.mean.add(&self.drawn);
+            self.time += begun.elapsed();
+            self.drawn.drain(..).for_each(|drawn| pool.give_codes(drawn));
+        }
+        self.drawn.push(pass);
     }
 
-    fn finish(self) -> (Image<Rgba8>, Duration) {
+    fn finish(self, pool: &mut BufferPool) -> (Image<Rgba8>, Duration) {
+        let spare = self.drawn.first().and_then(|drawn| pool.codes(drawn.size()));
         let begun = Instant::now();
-        let picture = self.mean.picture();
-        (picture, self.time + begun.elapsed())
+        let picture = self.mean.picture(&self.drawn, spare);
+        let time = self.time + begun.elapsed();
+        self.drawn.into_iter().for_each(|drawn| pool.give_codes(drawn));
+        (picture, time)
     }
 }
 

@@ -17,7 +17,7 @@ pub(super) struct BufferPool {
 }
 
 /// Most buffers of one kind that are kept: a frame has no more of them, and neither has the history that it reads.
-const MOST: usize = 4;
+const MOST: usize = 6;
 
 impl BufferPool {
     /// Removes a buffer with four bytes per pixel, preferably of `size` px.

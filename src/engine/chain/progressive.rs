@@ -41,7 +41,7 @@ impl ProgressiveRender {
             recipe: bare,
             viewport,
             places: Pattern::LowDiscrepancy { count: samples }.offsets(0, 0),
-            mean: Mean::new(viewport.width, viewport.height, ColorSpace::Linear),
+            mean: Mean::new((viewport.width, viewport.height), ColorSpace::Linear),
             renderer: Renderer::default(),
         }
     }
@@ -51,7 +51,7 @@ impl ProgressiveRender {
         let Some(place) = self.places.get(self.mean.samples() as usize) else { return false };
         let seen = raster_camera(&self.camera, Sampling::Grid(SampleGrid::FULL), self.viewport, *place);
         let frame = self.renderer.render(&self.scene, &seen, &self.recipe, self.viewport, KeepDepth::No);
-        self.mean.add(frame.image());
+        self.mean.add(std::slice::from_ref(frame.image()));
         self.renderer.recycle(frame);
         true
     }
@@ -63,6 +63,6 @@ impl ProgressiveRender {
 
     /// Returns the mean of the samples drawn so far.
     pub fn picture(&self) -> Image<Rgba8> {
-        self.mean.picture()
+        self.mean.picture(&[], None)
     }
 }

@@ -139,7 +139,7 @@ impl<T: Copy> Image<T> {
 
     #[inline]
     fn index(&self, x: u32, y: u32) -> usize {
-        debug_assert!(x < self.width && y < self.height, "({x}, {y}) outside {}×{}", self.width, self.height);
+        assert!(x < self.width && y < self.height, "({x}, {y}) outside {}×{}", self.width, self.height);
         y as usize * self.width as usize + x as usize
     }
 }

@@ -37,7 +37,7 @@ impl Machine {
             threads: std::thread::available_parallelism().map_or(1, usize::from),
             load_at_start: load_average(),
             load_at_end: None,
-            optimized: !cfg!(debug_assertions),
+            optimized: matches!(env!("RASTERSCOPE_OPT_LEVEL"), "2" | "3" | "s" | "z"),
             version: env!("CARGO_PKG_VERSION").to_owned(),
         }
     }

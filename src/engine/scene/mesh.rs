@@ -167,7 +167,7 @@ impl Mesh {
     /// Returns the mesh with other positions and normals, as many as before, and with the same triangles. Normals must be
     /// finite.
     pub(super) fn moved(&self, positions: Vec<Vec3>, normals: Vec<Vec3>) -> Self {
-        debug_assert!(positions.len() == self.positions.len() && normals.len() == self.normals.len());
+        assert!(positions.len() == self.positions.len() && normals.len() == self.normals.len());
         let MeshData { name, uvs, colors, triangles, .. } = self.data.clone();
         let data = MeshData { name, positions, normals, uvs, colors, triangles };
         Self {

@@ -16,12 +16,10 @@ pub(super) struct Block {
 }
 
 impl Block {
-    /// Creates the block of still pixels with these distances. Missing ones are 0.
+    /// Creates the block of still pixels with these distances.
     #[inline(always)]
-    pub(super) fn still(distances: &[f32]) -> Self {
-        let mut distance = [0.0; BLOCK];
-        distance[..distances.len()].copy_from_slice(distances);
-        Self { across_px: [0.0; BLOCK], down_px: [0.0; BLOCK], distance }
+    pub(super) fn still(distance: &[f32; BLOCK]) -> Self {
+        Self { across_px: [0.0; BLOCK], down_px: [0.0; BLOCK], distance: *distance }
     }
 
     /// Sets the motion of the pixels in `range`, which show one triangle. The block starts at pixel `at`.
@@ -36,11 +34,39 @@ impl Block {
             moved.down_px[column] = point.down_px;
             moved.distance[column] = point.distance;
         }
-        self.across_px[range.clone()].copy_from_slice(&moved.across_px[range.clone()]);
-        self.down_px[range.clone()].copy_from_slice(&moved.down_px[range.clone()]);
-        if motion.object != GBuffer::NO_OBJECT {
-            self.distance[range.clone()].copy_from_slice(&moved.distance[range]);
+        if motion.object == GBuffer::NO_OBJECT {
+            moved.distance = self.distance;
         }
+        if range == (0..BLOCK) {
+            *self = moved;
+            return;
+        }
+        for column in range {
+            self.across_px[column] = moved.across_px[column];
+            self.down_px[column] = moved.down_px[column];
+            self.distance[column] = moved.distance[column];
+        }
+    }
+}
+
+/// Returns the pixels of a row that begin at column `first`; `missing` for those beyond its end.
+#[inline(always)]
+pub(super) fn load<T: Copy>(row: &[T], first: usize, missing: T) -> [T; BLOCK] {
+    let rest = &row[first..];
+    rest.first_chunk().copied().unwrap_or_else(|| {
+        let mut block = [missing; BLOCK];
+        block[..rest.len()].copy_from_slice(rest);
+        block
+    })
+}
+
+/// Stores the pixels of a row that begin at column `first`, without those beyond its end.
+#[inline(always)]
+pub(super) fn store<T: Copy>(row: &mut [T], first: usize, block: &[T; BLOCK]) {
+    let rest = &mut row[first..];
+    match rest.first_chunk_mut() {
+        Some(whole) => *whole = *block,
+        None => rest.copy_from_slice(&block[..rest.len()]),
     }
 }
 

@@ -63,6 +63,12 @@ impl MotionVectors {
         }
     }
 
+    /// Returns the vector of a pixel, in pixels to the right and downwards, if the preceding frame shows its surface.
+    pub(crate) fn visible_vector(&self, (x, y): (u32, u32)) -> Option<[f32; 2]> {
+        let is_visible = self.visible.at(x, y) == Self::VISIBLE;
+        is_visible.then(|| [self.across_px.at(x, y), self.down_px.at(x, y)])
+    }
+
     /// Returns the memory use in bytes.
     pub(crate) fn bytes(&self) -> usize {
         self.across_px.bytes() + self.down_px.bytes() + self.visible.bytes()
@@ -249,11 +255,10 @@ impl<'a> FrameMotion<'a> {
     #[inline(always)]
     fn resolve_row<S: Simd>(&self, simd: S, y: u32, row: &mut MotionRow<'_>, cache: &mut Cache) {
         for first in (0..row.ids.len()).step_by(BLOCK) {
-            let pixels = first..(first + BLOCK).min(row.ids.len());
-            let ids = &mut row.ids[pixels.clone()];
-            let mut block = Block::still(&row.distances[pixels.clone()]);
+            let mut ids = block::load(row.ids, first, GBuffer::NO_OBJECT);
+            let mut block = Block::still(&block::load(row.distances, first, 0.0));
             let mut start = 0;
-            while start < ids.len() {
+            while start < BLOCK {
                 let id = ids[start];
                 // Most blocks show a single triangle.
                 let end = if ids == [id; BLOCK] {
@@ -266,15 +271,13 @@ impl<'a> FrameMotion<'a> {
                 ids[start..end].fill(motion.object);
                 start = end;
             }
-            row.across_px[pixels.clone()].copy_from_slice(&block.across_px[..ids.len()]);
-            row.down_px[pixels.clone()].copy_from_slice(&block.down_px[..ids.len()]);
-            let mut objects = [GBuffer::NO_OBJECT; BLOCK];
-            objects[..ids.len()].copy_from_slice(ids);
+            block::store(row.ids, first, &ids);
+            block::store(row.across_px, first, &block.across_px);
+            block::store(row.down_px, first, &block.down_px);
             let Some(before) = self.before else { continue };
-            let shown = before.shows_moved(simd, (first as u32, y), &objects, &block);
-            for (visible, shown) in row.visible[pixels].iter_mut().zip(shown) {
-                *visible = if shown { MotionVectors::VISIBLE } else { 0 };
-            }
+            let shown = before.shows_moved(simd, (first as u32, y), &ids, &block);
+            let visible = shown.map(|shown| if shown { MotionVectors::VISIBLE } else { 0 });
+            block::store(row.visible, first, &visible);
         }
     }
 }

@@ -56,6 +56,7 @@ impl PlaneMotion {
     }
 
     /// Prepares the motion of the [`BLOCK`] pixels of row `y` that start at column `first`.
+    #[inline(always)]
     pub(super) fn block(&self, first: u32, y: u32) -> MotionBlock {
         let at = DVec3::new(f64::from(first) + 0.5, f64::from(y) + 0.5, 1.0);
         let w = self.w.dot(at);

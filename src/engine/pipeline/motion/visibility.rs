@@ -33,40 +33,101 @@ impl GBuffer {
         objects: &[Rgba8; BLOCK],
         block: &Block,
     ) -> [bool; BLOCK] {
-        let [across, down, distance] = each!(numbers in [&block.across_px, &block.down_px, &block.distance] => f32x16::load_array_ref(simd, numbers));
-        let [x, y] = [
-            f32x16::load_array(simd, COLUMNS) + (at.0 as f32 + 0.5) + across,
-            f32x16::splat(simd, at.1 as f32 + 0.5) + down,
-        ];
-        let places = Places { x: x.to_array(), y: y.to_array() };
         let mut visible = [false; BLOCK];
-        // Distances of the four pixels around the positions at which all of them show the object.
-        let (mut around, mut shows_object) = ([[0.0; BLOCK]; 4], [false; BLOCK]);
-        for lane in 0..BLOCK {
-            let (object, vector) = (objects[lane], [block.across_px[lane], block.down_px[lane]]);
-            if vector == [0.0; 2] {
-                let pixel = (at.0 + lane as u32, at.1);
-                visible[lane] = pixel.0 < self.object.width() && self.shows(pixel, object, block.distance[lane]);
-            } else if let Some(distances) = self.distances_of_one_object(places.at(lane), object) {
-                shows_object[lane] = true;
-                for (all, distance) in around.iter_mut().zip(distances) {
-                    all[lane] = distance;
-                }
-            } else {
-                visible[lane] = self.shows_partly(places.at(lane), object, block.distance[lane]);
-            }
+        for (half, visible) in visible.as_chunks_mut().0.iter_mut().enumerate() {
+            let points = MovedPoints {
+                at: (at.0 + (half * LANES) as u32, at.1),
+                objects: &objects.as_chunks().0[half],
+                across_px: &block.across_px.as_chunks().0[half],
+                down_px: &block.down_px.as_chunks().0[half],
+                distance: &block.distance.as_chunks().0[half],
+            };
+            *visible = self.shows_eight(simd, &points);
         }
-        let [a, b, c, d] = each!(i in [0, 1, 2, 3] => f32x16::load_array(simd, around[i]));
+        visible
+    }
+
+    /// Whether this frame shows eight moved points.
+    #[inline(always)]
+    fn shows_eight<S: Simd>(&self, simd: S, points: &MovedPoints<'_>) -> [bool; LANES] {
+        let place = points.places(simd);
+        let around = self.around(simd, place);
+        let own = u32s(simd, points.objects);
+        let differences = each!(i in [0, 1, 2, 3] => around.object[i] ^ own);
+        let differences = (differences[0] | differences[1]) | (differences[2] | differences[3]);
+        let shows_object = around.is_inside & differences.simd_eq(u32x8::splat(simd, 0));
+        let zero = F32::splat(simd, 0.0);
+        let is_still = points.across(simd).simd_eq(zero) & points.down(simd).simd_eq(zero);
+        let distance = F32::load_array_ref(simd, points.distance);
+        let [a, b, c, d] = around.distance;
         let (nearest, farthest) = (a.min(b).min(c.min(d)), a.max(b).max(c.max(d)));
         let slack = farthest - nearest + distance * SAME_DISTANCE;
         let is_near =
             distance.simd_eq(nearest) | (distance.simd_ge(nearest - slack) & distance.simd_le(farthest + slack));
-        let zero = f32x16::splat(simd, 0.0);
-        let near = (is_near & distance.simd_gt(zero)).select(f32x16::splat(simd, 1.0), zero).to_array();
-        for lane in 0..BLOCK {
-            visible[lane] |= shows_object[lane] & (near[lane] != 0.0);
+        let is_simple = shows_object & !is_still;
+        let shown = (is_simple & is_near & distance.simd_gt(zero)).to_bitmask();
+        let (is_simple, is_still) = (is_simple.to_bitmask(), is_still.to_bitmask());
+        let mut visible = [false; LANES];
+        for (lane, visible) in visible.iter_mut().enumerate() {
+            *visible = shown >> lane & 1 != 0;
+        }
+        if is_simple != 0xff {
+            let [x, y] = each!(axis in [0, 1] => place[axis].to_array());
+            for lane in (0..LANES).filter(|lane| is_simple >> lane & 1 == 0) {
+                let (object, distance) = (points.objects[lane], points.distance[lane]);
+                let pixel = (points.at.0 + lane as u32, points.at.1);
+                visible[lane] = if is_still >> lane & 1 != 0 {
+                    pixel.0 < self.object.width() && self.shows(pixel, object, distance)
+                } else {
+                    self.shows_partly([x[lane], y[lane]], object, distance)
+                };
+            }
         }
         visible
+    }
+
+    /// Returns the four pixels around each of eight positions.
+    #[inline(always)]
+    fn around<S: Simd>(&self, simd: S, place: [F32<S>; 2]) -> Around<S> {
+        let (width, height) = self.object.size();
+        let [x, y] = each!(axis in [0, 1] => place[axis] - 0.5);
+        let (column, row) = (x.floor(), y.floor());
+        let (first, at) = (column.to_array()[0], row.to_array()[0]);
+        let is_adjacent = column.simd_eq(F32::load_array(simd, COLUMNS) + first) & row.simd_eq(F32::splat(simd, at));
+        let is_inside = first >= 0.0 && at >= 0.0 && first + (LANES as f32) < width as f32 && at + 1.0 < height as f32;
+        // Mostly, neighbours come from neighbours.
+        if is_inside && is_adjacent.all_true() {
+            let first = at as usize * width as usize + first as usize;
+            let read = each!(start in [first, first + 1, first + width as usize, first + width as usize + 1] => {
+                start..start + LANES
+            });
+            let zero = F32::splat(simd, 0.0);
+            return Around {
+                object: each!(i in [0, 1, 2, 3] => u32s(simd, &self.object.pixels()[read[i].clone()])),
+                distance: each!(i in [0, 1, 2, 3] => F32::from_slice(simd, &self.distance.pixels()[read[i].clone()])),
+                is_inside: zero.simd_eq(zero),
+            };
+        }
+        let [zero, last_x, last_y] = each!(number in [0, width - 1, height - 1] => F32::splat(simd, number as f32));
+        let is_inside = x.simd_ge(zero) & y.simd_ge(zero) & x.simd_lt(last_x) & y.simd_lt(last_y);
+        let [column, row] =
+            each!(place in [column, row] => is_inside.select(place, zero).to_int::<i32x8<S>>().to_array());
+        let inside = is_inside.to_bitmask();
+        let (mut object, mut distance) = ([[[0; 4]; LANES]; 4], [[0.0; LANES]; 4]);
+        for lane in (0..LANES).filter(|lane| inside >> lane & 1 != 0) {
+            let width = width as usize;
+            let first = row[lane] as usize * width + column[lane] as usize;
+            let read = first..first + width + 2;
+            let (objects, distances) = (&self.object.pixels()[read.clone()], &self.distance.pixels()[read]);
+            for (i, at) in [0, 1, width, width + 1].into_iter().enumerate() {
+                (object[i][lane], distance[i][lane]) = (objects[at], distances[at]);
+            }
+        }
+        Around {
+            object: each!(i in [0, 1, 2, 3] => u32s(simd, &object[i])),
+            distance: each!(i in [0, 1, 2, 3] => F32::load_array_ref(simd, &distance[i])),
+            is_inside,
+        }
     }
 
     /// Whether this frame shows an object at a position, at about the given distance, by the bilinear weights of the four
@@ -95,42 +156,56 @@ impl GBuffer {
         }
         weight >= LEAST_WEIGHT && is_near(distance, nearest, farthest)
     }
+}
 
-    /// Returns the distances of the four pixels around a position, if all of them show `object`. Nearly all positions are
-    /// like that, and need no weights.
+/// Eight adjacent pixels, and the motion of the points that they show.
+struct MovedPoints<'a> {
+    /// First pixel.
+    at: (u32, u32),
+    objects: &'a [Rgba8; LANES],
+    across_px: &'a [f32; LANES],
+    down_px: &'a [f32; LANES],
+    /// Distances in the preceding frame.
+    distance: &'a [f32; LANES],
+}
+
+impl MovedPoints<'_> {
     #[inline(always)]
-    fn distances_of_one_object(&self, [x, y]: [f32; 2], object: Rgba8) -> Option<[f32; 4]> {
-        let (width, height) = self.object.size();
-        let [x, y] = [x - 0.5, y - 0.5];
-        if !(x >= 0.0 && y >= 0.0 && x < (width - 1) as f32 && y < (height - 1) as f32) {
-            return None;
-        }
-        let width = width as usize;
-        let first = y as usize * width + x as usize;
-        let objects = &self.object.pixels()[first..][..width + 2];
-        let distances = &self.distance.pixels()[first..][..width + 2];
-        let [a, b, c, d] = [0, 1, width, width + 1].map(|at| u32::from_le_bytes(objects[at]));
-        let own = u32::from_le_bytes(object);
-        let differences = (a ^ own) | (b ^ own) | (c ^ own) | (d ^ own);
-        (differences == 0).then(|| [distances[0], distances[1], distances[width], distances[width + 1]])
+    fn across<S: Simd>(&self, simd: S) -> F32<S> {
+        F32::load_array_ref(simd, self.across_px)
+    }
+
+    #[inline(always)]
+    fn down<S: Simd>(&self, simd: S) -> F32<S> {
+        F32::load_array_ref(simd, self.down_px)
+    }
+
+    /// Returns the positions in the preceding frame, in pixels.
+    #[inline(always)]
+    fn places<S: Simd>(&self, simd: S) -> [F32<S>; 2] {
+        [
+            F32::load_array(simd, COLUMNS) + (self.at.0 as f32 + 0.5) + self.across(simd),
+            F32::splat(simd, self.at.1 as f32 + 0.5) + self.down(simd),
+        ]
     }
 }
 
-/// Positions in the preceding frame, in pixels.
-struct Places {
-    x: [f32; BLOCK],
-    y: [f32; BLOCK],
+/// The four pixels around each of eight positions: upper left, upper right, lower left, lower right.
+struct Around<S: Simd> {
+    object: [u32x8<S>; 4],
+    distance: [F32<S>; 4],
+    /// Whether all four pixels lie in the picture; where not, the other fields are not meaningful.
+    is_inside: mask32x8<S>,
 }
 
-impl Places {
-    #[inline(always)]
-    fn at(&self, lane: usize) -> [f32; 2] {
-        [self.x[lane], self.y[lane]]
-    }
-}
+/// Columns of eight adjacent pixels.
+const COLUMNS: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
-/// Columns of the pixels of a block.
-const COLUMNS: [f32; BLOCK] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
+/// Loads eight objects as numbers.
+#[inline(always)]
+fn u32s<S: Simd>(simd: S, objects: &[Rgba8]) -> u32x8<S> {
+    u8x32::from_slice(simd, objects.as_flattened()).bitcast()
+}
 
 /// Returns the pixels whose centres lie before and after a position along an axis of `length` px, and the interpolation
 /// weight of the second. The position must be inside the axis.

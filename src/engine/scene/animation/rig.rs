@@ -142,14 +142,14 @@ pub(crate) struct RigPose {
 impl Rig {
     /// Adds a node, whose parent must have been added before, and returns its index.
     pub(crate) fn add_node(&mut self, node: Node) -> usize {
-        debug_assert!(node.parent.is_none_or(|parent| parent < self.nodes.len()));
+        assert!(node.parent.is_none_or(|parent| parent < self.nodes.len()));
         self.nodes.push(node);
         self.nodes.len() - 1
     }
 
     /// Adds a channel of a node that has been added. A later channel of the same property replaces an earlier one.
     pub(crate) fn add_channel(&mut self, channel: Channel) {
-        debug_assert!(channel.node < self.nodes.len());
+        assert!(channel.node < self.nodes.len());
         self.channels.push(channel);
     }
 

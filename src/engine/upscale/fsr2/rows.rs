@@ -158,7 +158,7 @@ impl Fsr2Frame<'_> {
         surroundings.fill(simd, self.contrast, row.index.map(|index| samples.row(index)), (row.index, &read));
         let motion = self.history.as_ref().and_then(|(motion, _)| motion.vectors);
         if let (Some(motion), Some(frame)) = (motion, self.drawn.frame) {
-            vectors.fill(frame.gbuffer, motion, (columns, y));
+            vectors.fill(simd, frame.gbuffer, motion, (columns, y));
         }
         if let (Some(reactivity), Some(frame)) = (self.reactivity, self.drawn.frame) {
             reactive.fill(frame.gbuffer, reactivity, (columns, y));

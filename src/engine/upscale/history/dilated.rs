@@ -18,41 +18,52 @@ pub(in crate::upscale) struct DilatedVectors {
     down_px: Vec<f32>,
 }
 
-/// Surfaces of the pixels of a row, and their motion vectors.
-struct SurfaceRow<'a> {
-    distance: &'a [f32],
-    across_px: &'a [f32],
-    down_px: &'a [f32],
-    visible: &'a [u8],
-}
-
-impl SurfaceRow<'_> {
-    /// Replaces the nearest surface of a column by that of this row if it is nearer.
-    #[inline(always)]
-    fn replace(&self, index: usize, nearest: &mut Nearest) {
-        if self.distance[index] < nearest.distance {
-            *nearest = self.at(index);
-        }
-    }
-
-    /// Returns the surface of a pixel. Its vector is not a number if the previous frame does not show the surface.
-    #[inline(always)]
-    fn at(&self, index: usize) -> Nearest {
-        let is_visible = self.visible[index] == MotionVectors::VISIBLE;
-        Nearest {
-            distance: self.distance[index],
-            across_px: if is_visible { self.across_px[index] } else { f32::NAN },
-            down_px: self.down_px[index],
-        }
-    }
-}
-
-/// Nearest surface of a column.
+/// Surfaces of sixteen pixels of a row, and their motion vectors. That of a surface that the previous frame does not
+/// show is not a number.
 #[derive(Clone, Copy)]
-struct Nearest {
-    distance: f32,
-    across_px: f32,
-    down_px: f32,
+struct Surfaces<S: Simd> {
+    distance: f32x16<S>,
+    across_px: f32x16<S>,
+    down_px: f32x16<S>,
+}
+
+impl<S: Simd> Surfaces<S> {
+    /// Loads the pixels of row `y` that begin at column `from`. Those beyond its end are arbitrary.
+    #[inline(always)]
+    fn load(simd: S, gbuffer: &GBuffer, vectors: &MotionVectors, (from, y): (usize, u32)) -> Self {
+        let [distance, across_px, down_px] = each!(image in [&gbuffer.distance, &vectors.across_px, &vectors.down_px] => {
+            f32x16::load_array(simd, sixteen(image.row(y), from))
+        });
+        let mut visible = [0; WIDE];
+        for (wide, byte) in visible.iter_mut().zip(sixteen(vectors.visible.row(y), from)) {
+            *wide = u32::from(byte);
+        }
+        let is_visible =
+            u32x16::load_array(simd, visible).simd_eq(u32x16::splat(simd, u32::from(MotionVectors::VISIBLE)));
+        Self { distance, across_px: is_visible.select(across_px, f32x16::splat(simd, f32::NAN)), down_px }
+    }
+
+    /// Replaces surfaces by those that are nearer.
+    #[inline(always)]
+    fn or_nearer(self, other: Self) -> Self {
+        let is_nearer = other.distance.simd_lt(self.distance);
+        Self {
+            distance: is_nearer.select(other.distance, self.distance),
+            across_px: is_nearer.select(other.across_px, self.across_px),
+            down_px: is_nearer.select(other.down_px, self.down_px),
+        }
+    }
+}
+
+/// Returns the sixteen values of a row that begin at `from`; default values beyond its end.
+#[inline(always)]
+fn sixteen<T: Copy + Default>(row: &[T], from: usize) -> [T; WIDE] {
+    let rest = &row[from..];
+    rest.first_chunk().copied().unwrap_or_else(|| {
+        let mut all = [T::default(); WIDE];
+        all[..rest.len()].copy_from_slice(rest);
+        all
+    })
 }
 
 impl DilatedVectors {
@@ -64,8 +75,9 @@ impl DilatedVectors {
 
     /// Finds the nearest surfaces for a range of pixels of row `y`.
     #[inline(always)]
-    pub(in crate::upscale) fn fill(
+    pub(in crate::upscale) fn fill<S: Simd>(
         &mut self,
+        simd: S,
         gbuffer: &GBuffer,
         vectors: &MotionVectors,
         (columns, y): (&Range<usize>, u32),
@@ -73,21 +85,17 @@ impl DilatedVectors {
         let (width, height) = gbuffer.distance.size();
         let width = width as usize;
         let read = columns.start.saturating_sub(1)..(columns.end + 1).min(width);
-        let [at, above, below] = [y, y.saturating_sub(1), (y + 1).min(height - 1)].map(|row| SurfaceRow {
-            distance: &gbuffer.distance.row(row)[read.clone()],
-            across_px: &vectors.across_px.row(row)[read.clone()],
-            down_px: &vectors.down_px.row(row)[read.clone()],
-            visible: &vectors.visible.row(row)[read.clone()],
-        });
-        let stored = read.start + 1..read.end + 1;
-        let (distance, across_px, down_px) =
-            (&mut self.distance[stored.clone()], &mut self.across_px[stored.clone()], &mut self.down_px[stored]);
-        for index in 0..read.len() {
-            let mut nearest = at.at(index);
-            above.replace(index, &mut nearest);
-            below.replace(index, &mut nearest);
-            (distance[index], across_px[index], down_px[index]) =
-                (nearest.distance, nearest.across_px, nearest.down_px);
+        let rows = [y, y.saturating_sub(1), (y + 1).min(height - 1)];
+        for from in read.clone().step_by(WIDE) {
+            let [at, above, below] = each!(i in [0, 1, 2] => Surfaces::load(simd, gbuffer, vectors, (from, rows[i])));
+            let nearest = at.or_nearer(above).or_nearer(below);
+            for (stored, numbers) in [
+                (&mut self.distance, nearest.distance),
+                (&mut self.across_px, nearest.across_px),
+                (&mut self.down_px, nearest.down_px),
+            ] {
+                numbers.store_slice(&mut stored[from + 1..][..WIDE]);
+            }
         }
         for numbers in [&mut self.distance, &mut self.across_px, &mut self.down_px] {
             if read.start == 0 {

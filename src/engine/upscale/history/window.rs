@@ -12,8 +12,13 @@ pub(in crate::upscale) struct PastPlaces<S: Simd> {
     pub(in crate::upscale) fraction: [f32x16<S>; 2],
     /// Whether the previous frame shows the pixel's surface.
     pub(in crate::upscale) is_known: mask32x16<S>,
-    /// For each position, the pixel whose centre lies at or before it.
-    pixels: [PixelBefore; WIDE],
+    /// Bit `i`: the position of lane `i` is known.
+    known: u64,
+    /// Bit `i`: all 4 × 4 pixels around the position of lane `i` lie in the image.
+    inside: u64,
+    /// For each known position, column and row of the pixel whose centre lies at or before it.
+    columns: [i32; WIDE],
+    rows: [i32; WIDE],
 }
 
 /// Pixel whose centre lies at or before a position.
@@ -54,24 +59,37 @@ impl<S: Simd> PastPlaces<S> {
         let is_known = across & down;
         let from = each!(axis in [0, 1] => is_known.select(place[axis], zero) - 0.5);
         let floor = each!(axis in [0, 1] => from[axis].floor());
-        let [columns, rows] = each!(axis in [0, 1] => floor[axis].to_int::<i32x16<S>>().to_array());
-        let known = is_known.select(i32x16::splat(simd, 1), i32x16::splat(simd, 0)).to_array();
-        let (width, height) = (size.0 as usize, size.1 as usize);
-        let mut pixels = [PixelBefore::Unknown; WIDE];
-        for lane in 0..WIDE {
-            if known[lane] == 0 {
-                continue;
-            }
-            // One less than the column and the row, which wraps around if it is negative and is then too large.
-            let (column, row) = ((columns[lane] - 1) as usize, (rows[lane] - 1) as usize);
-            let is_inside = column < width.saturating_sub(3) && row < height.saturating_sub(3);
-            pixels[lane] = if is_inside {
-                PixelBefore::Inside(row * width + column)
-            } else {
-                PixelBefore::AtBorder([i64::from(columns[lane]), i64::from(rows[lane])])
-            };
+        let [columns, rows] = each!(axis in [0, 1] => floor[axis].to_int::<i32x16<S>>());
+        let [first, last_column, last_row] = each!(number in [1, size.0 as i32 - 3, size.1 as i32 - 3] => {
+            i32x16::splat(simd, number)
+        });
+        let is_inside = is_known
+            & columns.simd_ge(first)
+            & columns.simd_le(last_column)
+            & rows.simd_ge(first)
+            & rows.simd_le(last_row);
+        Self {
+            place,
+            fraction: each!(axis in [0, 1] => from[axis] - floor[axis]),
+            is_known,
+            known: is_known.to_bitmask(),
+            inside: is_inside.to_bitmask(),
+            columns: columns.to_array(),
+            rows: rows.to_array(),
         }
-        Self { place, fraction: each!(axis in [0, 1] => from[axis] - floor[axis]), is_known, pixels }
+    }
+
+    /// Returns the pixel before the position of a lane, in an image of `width` px.
+    #[inline(always)]
+    fn before(&self, lane: usize, width: usize) -> PixelBefore {
+        let (column, row) = (self.columns[lane], self.rows[lane]);
+        if self.inside >> lane & 1 != 0 {
+            PixelBefore::Inside((row as usize - 1) * width + column as usize - 1)
+        } else if self.known >> lane & 1 != 0 {
+            PixelBefore::AtBorder([i64::from(column), i64::from(row)])
+        } else {
+            PixelBefore::Unknown
+        }
     }
 
     /// Returns the 4 × 4 pixels around the position of a lane, or `None` if the position is not known. Pixels outside the
@@ -79,7 +97,7 @@ impl<S: Simd> PastPlaces<S> {
     #[inline(always)]
     pub(in crate::upscale) fn window(&self, simd: S, history: &Image<Quad>, lane: usize) -> Option<Window<S>> {
         let width = history.width() as usize;
-        match self.pixels[lane] {
+        match self.before(lane, width) {
             PixelBefore::Unknown => None,
             PixelBefore::Inside(first) => {
                 let rows = &history.pixels()[first..][..3 * width + 4];
@@ -100,7 +118,7 @@ impl<S: Simd> PastPlaces<S> {
     #[inline(always)]
     pub(in crate::upscale) fn four<T: Copy>(&self, image: &Image<T>, lane: usize) -> Option<[[T; 2]; 2]> {
         let width = image.width() as usize;
-        match self.pixels[lane] {
+        match self.before(lane, width) {
             PixelBefore::Unknown => None,
             PixelBefore::Inside(first) => {
                 let rows = &image.pixels()[first + width + 1..][..width + 2];
@@ -110,6 +128,22 @@ impl<S: Simd> PastPlaces<S> {
                 let row = image.row(row.clamp(0, i64::from(image.height()) - 1) as u32);
                 [column, column + 1].map(|column| row[column.clamp(0, width as i64 - 1) as usize])
             })),
+        }
+    }
+}
+
+impl<S: Simd> PastPlaces<S> {
+    /// Reads the history at all known positions bilinearly. The others keep their numbers.
+    #[inline(always)]
+    pub(in crate::upscale) fn read_bilinear(&self, simd: S, history: &Image<Quad>, read: &mut [Quad; WIDE]) {
+        let [across, down] = each!(axis in [0, 1] => self.fraction[axis].to_array());
+        for lane in 0..WIDE {
+            let Some(rows) = self.four(history, lane) else { continue };
+            let [above, below] = each!(row in [0, 1] => {
+                let [left, right] = each!(column in [0, 1] => f32x4::load_array_ref(simd, &rows[row][column]));
+                left + (right - left) * across[lane]
+            });
+            (above + (below - above) * down[lane]).store_array(&mut read[lane]);
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::image::Image;
 const SEPARATION: f32 = 1.37e-5;
 
 /// Motion and depth clip of a sample.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Converted {
     /// Pixel whose motion vector applies: that of the nearest surface among the 3 × 3 samples around the sample.
     pub(super) vector_of: (u32, u32),

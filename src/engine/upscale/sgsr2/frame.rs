@@ -1,9 +1,11 @@
-//! Second pass: blending of the samples of a frame with its history, eight pixels at a time.
+//! Second pass: blending of the samples of a frame with its history. History is read and pixels are encoded sixteen at a
+//! time; the samples around them are weighted eight at a time, because that needs many registers.
 
+use super::super::history::{PastPlaces, centers};
 use super::super::jitter::Continuation;
-use super::super::quads::Quad;
+use super::super::quads::{self, Quad};
 use super::super::ycocg::YCoCg;
-use super::super::{HistoryStep, Motion, PastColor, Rejection, Reprojected, Tap, UpscaleInputs, Upscaling};
+use super::super::{HistoryStep, Motion, PastColor, Rejection, Tap, UpscaleInputs, Upscaling};
 use super::convert::{Convert, Converted};
 use super::jitter_of;
 use super::kernel::{Around, Axis, Position, Shape, is_near};
@@ -54,9 +56,6 @@ pub(super) struct Sgsr2Frame<'a> {
     is_settled: bool,
 }
 
-/// Position of a pixel in the previous frame, and its history there; an error if it has none.
-type PastOfPixel = Result<(Reprojected, Quad), Rejection>;
-
 /// Samples of a row, stretched to the width of the picture: by place among three columns and by channel.
 type StretchedRow = [[Vec<f32>; 3]; 3];
 
@@ -64,8 +63,8 @@ type StretchedRow = [[Vec<f32>; 3]; 3];
 pub(super) struct RowBuffers {
     /// Three adjacent rows of samples, each with its index.
     stretched: [(Option<u32>, StretchedRow); 3],
-    /// Result of the first pass for a row of samples, with its index.
-    converted: (Option<u32>, Vec<Converted>),
+    /// Motion of a row of samples, with its index.
+    motion: (Option<u32>, Vec<SampleMotion>),
     decoded: Vec<Quad>,
 }
 
@@ -79,14 +78,35 @@ pub(super) struct Sgsr2Pixel {
     pub(super) step: HistoryStep,
 }
 
-/// Histories of eight pixels, one per lane.
+/// Motion of a sample, and of the pixels nearest to it.
+#[derive(Clone, Copy)]
+struct SampleMotion {
+    /// Motion vector, in pixels to the right and downwards; not a number if the previous frame does not show the surface.
+    vector_px: [f32; 2],
+    /// Share of depth edges around the sample, in [0, 1].
+    depth_clip: f32,
+}
+
+/// Histories of sixteen pixels, one per lane. All numbers are 0 where there is none.
 struct PastLanes {
     /// Colour and accumulated weight.
-    color: [[f32; LANES]; 4],
+    color: [[f32; WIDE]; 4],
     /// 1 where there is a history, otherwise 0.
-    is_known: [f32; LANES],
-    speed_px: [f32; LANES],
-    depth_clip: [f32; LANES],
+    is_known: [f32; WIDE],
+    /// Position in the previous frame, in pixels.
+    place: [[f32; WIDE]; 2],
+    speed_px: [f32; WIDE],
+    depth_clip: [f32; WIDE],
+}
+
+/// Histories of eight pixels.
+struct Past<S: Simd> {
+    color: [F32<S>; 3],
+    /// Accumulated weight, at least 0.
+    weight: F32<S>,
+    is_known: mask32x8<S>,
+    speed_px: F32<S>,
+    depth_clip: F32<S>,
 }
 
 /// Blending of eight pixels with their history.
@@ -108,21 +128,19 @@ impl RowBuffers {
         let samples = frame.drawn.color.width() as usize;
         Self {
             stretched: [0; 3].map(|_| (None, stretched())),
-            converted: (None, vec![Converted::default(); samples]),
+            motion: (None, vec![SampleMotion::UNKNOWN; samples]),
             decoded: vec![[0.0; 4]; samples],
         }
     }
 
     /// Makes sure that a row of samples is decoded and stretched.
     #[inline(always)]
-    fn fill(&mut self, frame: &Sgsr2Frame<'_>, index: u32) {
+    fn fill<S: Simd>(&mut self, simd: S, frame: &Sgsr2Frame<'_>, index: u32) {
         let (held, stretched) = &mut self.stretched[index as usize % 3];
         if held.replace(index) == Some(index) {
             return;
         }
-        for (quad, codes) in self.decoded.iter_mut().zip(frame.drawn.color.row(index)) {
-            *quad = frame.colors.decoded(*codes);
-        }
+        frame.colors.decode_row(simd, frame.drawn.color.row(index), &mut self.decoded);
         for (place, planes) in stretched.iter_mut().enumerate() {
             for (channel, plane) in planes.iter_mut().enumerate() {
                 for (value, columns) in plane.iter_mut().zip(&frame.columns.index) {
@@ -134,33 +152,45 @@ impl RowBuffers {
 
     /// Makes sure that the first pass is done for a row of samples.
     #[inline(always)]
-    fn convert(&mut self, frame: &Sgsr2Frame<'_>, row: u32) {
-        let Some(convert) = &frame.convert else { return };
-        let (held, converted) = &mut self.converted;
-        if held.replace(row) != Some(row) {
-            for (column, converted) in (0..).zip(converted) {
-                *converted = convert.sample((column, row));
+    fn find_motion(&mut self, frame: &Sgsr2Frame<'_>, row: u32) {
+        let (held, motion) = &mut self.motion;
+        if frame.convert.is_some() && held.replace(row) != Some(row) {
+            for (column, motion) in (0..).zip(motion) {
+                *motion = frame.motion_of_sample((column, row));
             }
         }
     }
 }
 
-impl PastLanes {
-    const NONE: Self =
-        Self { color: [[0.0; LANES]; 4], is_known: [0.0; LANES], speed_px: [0.0; LANES], depth_clip: [0.0; LANES] };
+impl SampleMotion {
+    const UNKNOWN: Self = Self { vector_px: [f32::NAN; 2], depth_clip: 0.0 };
+}
 
-    /// Sets the history of the pixel in a lane.
+impl PastLanes {
+    const NONE: Self = Self {
+        color: [[0.0; WIDE]; 4],
+        is_known: [0.0; WIDE],
+        place: [[0.0; WIDE]; 2],
+        speed_px: [0.0; WIDE],
+        depth_clip: [0.0; WIDE],
+    };
+
+    /// Returns eight lanes from lane `first` on.
     #[inline(always)]
-    fn set(&mut self, lane: usize, at: (u32, u32), depth_clip: f32, past: Option<(Reprojected, Quad)>) {
-        let Some((before, color)) = past else { return };
-        for (lanes, value) in self.color.iter_mut().zip(color) {
-            lanes[lane] = value;
+    fn eight<S: Simd>(&self, simd: S, first: usize) -> Past<S> {
+        let [y, co, cg, weight, is_known, speed_px, depth_clip] = {
+            let [y, co, cg, weight] = &self.color;
+            each!(numbers in [y, co, cg, weight, &self.is_known, &self.speed_px, &self.depth_clip] => {
+                F32::from_slice(simd, &numbers[first..first + LANES])
+            })
+        };
+        Past {
+            color: [y, co, cg],
+            weight: weight.max(F32::splat(simd, 0.0)),
+            is_known: is_known.simd_gt(F32::splat(simd, 0.0)),
+            speed_px,
+            depth_clip,
         }
-        self.is_known[lane] = 1.0;
-        self.depth_clip[lane] = depth_clip;
-        let [x, y] = before.place;
-        let [across, down] = [x - (at.0 as f32 + 0.5), y - (at.1 as f32 + 0.5)];
-        self.speed_px[lane] = (across * across + down * down).sqrt();
     }
 }
 
@@ -198,39 +228,51 @@ impl<'a> Sgsr2Frame<'a> {
     ) {
         let rows = self.rows.index[y as usize];
         for index in rows {
-            buffers.fill(self, index);
+            buffers.fill(simd, self, index);
         }
-        buffers.convert(self, rows[1]);
+        buffers.find_motion(self, rows[1]);
         let samples = rows.map(|index| &buffers.stretched[index as usize % 3].1);
         let rows = self.rows.splat(simd, y as usize);
-        let groups = row.chunks_mut(LANES).zip(memory.chunks_mut(LANES));
-        for (first, (pixels, memory)) in (0..).step_by(LANES).zip(groups) {
-            let mut past = PastLanes::NONE;
-            for lane in 0..pixels.len() {
-                let at = ((first + lane) as u32, y);
-                let sample = self.columns.index[first + lane][1];
-                let converted = self.convert.as_ref().map(|_| buffers.converted.1[sample as usize]);
-                let (depth_clip, found) = self.past(at, converted);
-                past.set(lane, at, depth_clip, found.ok());
+        let groups = row.chunks_mut(WIDE).zip(memory.chunks_mut(WIDE));
+        for (first, (pixels, memory)) in (0..).step_by(WIDE).zip(groups) {
+            let mut motion = [SampleMotion::UNKNOWN; WIDE];
+            if self.convert.is_some() {
+                for (motion, columns) in motion.iter_mut().zip(&self.columns.index[first..]) {
+                    *motion = buffers.motion.1[columns[1] as usize];
+                }
             }
-            let position = Position { columns: self.columns.load(simd, first), rows };
-            let blend = self.blend(
-                simd,
-                &position,
-                &past,
-                #[inline(always)]
-                |row, column| {
-                    each!(channel in [0, 1, 2] => {
-                        F32::from_slice(simd, &samples[row][column][channel][first..first + LANES])
-                    })
-                },
-            );
-            let ([luminance, orange, green], weight) =
-                (each!(channel in [0, 1, 2] => blend.color[channel].to_array()), blend.weight.to_array());
-            for (lane, (pixel, memory)) in pixels.iter_mut().zip(memory).enumerate() {
-                *memory = [luminance[lane], orange[lane], green[lane], weight[lane]];
-                *pixel = self.colors.encoded(*memory, self.alpha(((first + lane) as u32, y)));
+            let past = self.past(simd, (first, y), &motion);
+            let mut color = [[0.0; WIDE]; 4];
+            for half in [0, LANES] {
+                let from = first + half;
+                let position = Position { columns: self.columns.load(simd, from), rows };
+                let blend = self.blend(
+                    simd,
+                    &position,
+                    &past.eight(simd, half),
+                    #[inline(always)]
+                    |row, column| {
+                        each!(channel in [0, 1, 2] => {
+                            F32::from_slice(simd, &samples[row][column][channel][from..from + LANES])
+                        })
+                    },
+                );
+                let [y, co, cg] = blend.color;
+                for (all, numbers) in color.iter_mut().zip([y, co, cg, blend.weight]) {
+                    numbers.store_slice(&mut all[half..half + LANES]);
+                }
             }
+            let mut alpha = [0.0; WIDE];
+            for (lane, alpha) in alpha.iter_mut().enumerate().take(pixels.len()) {
+                *alpha = self.alpha(((first + lane) as u32, y));
+            }
+            let color = each!(i in [0, 1, 2, 3] => f32x16::load_array_ref(simd, &color[i]));
+            let mut quads = [[0.0; 4]; WIDE];
+            quads::store(color, &mut quads);
+            memory.copy_from_slice(&quads[..memory.len()]);
+            let [y, co, cg, _] = color;
+            let codes = self.colors.encode(simd, [y, co, cg], f32x16::load_array(simd, alpha));
+            pixels.copy_from_slice(&codes[..pixels.len()]);
         }
     }
 
@@ -240,9 +282,9 @@ impl<'a> Sgsr2Frame<'a> {
         let (past, blend) = self.alone(baseline(), at);
         let [y, co, cg] = first(blend.color);
         let memory = [y, co, cg, blend.weight.to_array()[0]];
-        let past = past.map(|(before, [y, co, cg, _])| PastColor {
-            position_px: before.place,
-            read: [y, co, cg],
+        let past = self.rejection(at).map(|()| PastColor {
+            position_px: past.place.map(|lanes| lanes[0]),
+            read: std::array::from_fn(|channel| past.color[channel][0]),
             rectified: first(blend.rectified),
         });
         let (space, share) = (self.colors.space(), blend.share.to_array()[0]);
@@ -253,8 +295,8 @@ impl<'a> Sgsr2Frame<'a> {
     /// Returns the samples that contribute to a pixel. Those that only rectify the history have weight 0.
     pub(super) fn taps(&self, at @ (x, y): (u32, u32)) -> Vec<Tap> {
         let simd = baseline();
-        let (position, past) = (self.position(simd, at), self.past_alone(at).1);
-        let shape = self.shape(simd, &past);
+        let position = self.position(simd, at);
+        let shape = self.shape(simd, &self.past_alone(simd, at).eight(simd, 0));
         let (columns, rows) = (self.columns.index[x as usize], self.rows.index[y as usize]);
         let places = (0..3).flat_map(|row| (0..3).map(move |column| (row, column)));
         let weights: Vec<_> = places.map(|place| (place, position.weight(simd, shape, place).to_array()[0])).collect();
@@ -272,22 +314,22 @@ impl<'a> Sgsr2Frame<'a> {
         taps
     }
 
-    /// Returns the history of one pixel, and how the pixel is blended with it. The blending is in the first lane.
+    /// Returns the history of one pixel, and how the pixel is blended with it, both in the first lane.
     #[inline(always)]
-    fn alone<S: Simd>(&self, simd: S, at: (u32, u32)) -> (PastOfPixel, Blend<S>) {
-        let (found, past) = self.past_alone(at);
+    fn alone<S: Simd>(&self, simd: S, at: (u32, u32)) -> (PastLanes, Blend<S>) {
+        let past = self.past_alone(simd, at);
         let (columns, rows) = (self.columns.index[at.0 as usize], self.rows.index[at.1 as usize]);
         let blend = self.blend(
             simd,
             &self.position(simd, at),
-            &past,
+            &past.eight(simd, 0),
             #[inline(always)]
             |row, column| {
                 let quad = self.colors.decoded(self.drawn.color.at(columns[column], rows[row]));
                 each!(channel in [0, 1, 2] => F32::splat(simd, quad[channel]))
             },
         );
-        (found, blend)
+        (past, blend)
     }
 
     #[inline(always)]
@@ -295,25 +337,73 @@ impl<'a> Sgsr2Frame<'a> {
         Position { columns: self.columns.splat(simd, x as usize), rows: self.rows.splat(simd, y as usize) }
     }
 
-    /// Returns the history of one pixel, and the same in the first lane.
-    fn past_alone(&self, at: (u32, u32)) -> (PastOfPixel, PastLanes) {
-        let sample = (self.columns.index[at.0 as usize][1], self.rows.index[at.1 as usize][1]);
-        let converted = self.convert.as_ref().map(|convert| convert.sample(sample));
-        let (depth_clip, found) = self.past(at, converted);
-        let mut past = PastLanes::NONE;
-        past.set(0, at, depth_clip, found.ok());
-        (found, past)
+    /// Returns the sample nearest to a pixel.
+    fn nearest_sample(&self, (x, y): (u32, u32)) -> (u32, u32) {
+        (self.columns.index[x as usize][1], self.rows.index[y as usize][1])
     }
 
-    /// Returns the depth clip of a pixel, and its position in the previous frame with the history there.
+    /// Returns the motion of a sample. It is unknown in the first frame, and in a still view.
     #[inline(always)]
-    fn past(&self, at: (u32, u32), converted: Option<Converted>) -> (f32, PastOfPixel) {
-        let Converted { vector_of, depth_clip } = converted.unwrap_or(Converted { vector_of: at, depth_clip: 0.0 });
-        let read = |(motion, memory): &(Motion<'_>, &Image<Quad>)| {
-            let before = motion.reproject_by(at, vector_of)?;
-            Ok((before, before.read(self.size, |x, y| memory.at(x, y))))
+    fn motion_of_sample(&self, sample: (u32, u32)) -> SampleMotion {
+        let vectors = self.history.as_ref().and_then(|(motion, _)| motion.vectors);
+        let (Some(convert), Some(vectors)) = (&self.convert, vectors) else { return SampleMotion::UNKNOWN };
+        let Converted { vector_of, depth_clip } = convert.sample(sample);
+        SampleMotion { vector_px: vectors.visible_vector(vector_of).unwrap_or([f32::NAN; 2]), depth_clip }
+    }
+
+    /// Returns why a pixel has no history, if it has none.
+    fn rejection(&self, at: (u32, u32)) -> Result<(), Rejection> {
+        let (motion, _) = self.history.as_ref().ok_or(Rejection::FirstFrame)?;
+        let sample = self.nearest_sample(at);
+        let vector_of = self.convert.as_ref().map_or(at, |convert| convert.sample(sample).vector_of);
+        motion.reproject_by(at, vector_of).map(|_| ())
+    }
+
+    /// Returns the history of one pixel in the first lane.
+    #[inline(always)]
+    fn past_alone<S: Simd>(&self, simd: S, at: (u32, u32)) -> PastLanes {
+        let mut motion = [SampleMotion::UNKNOWN; WIDE];
+        motion[0] = self.motion_of_sample(self.nearest_sample(at));
+        self.past(simd, (at.0 as usize, at.1), &motion)
+    }
+
+    /// Returns the history of sixteen pixels from pixel `at` on. `motion` is that of their nearest samples.
+    #[inline(always)]
+    fn past<S: Simd>(&self, simd: S, at: (usize, u32), motion: &[SampleMotion; WIDE]) -> PastLanes {
+        let mut past = PastLanes::NONE;
+        let Some((_, history)) = &self.history else { return past };
+        let (mut quads, center) = ([[0.0; 4]; WIDE], centers(simd, at));
+        if self.convert.is_none() {
+            let row = &history.row(at.1)[at.0..];
+            let read = row.len().min(WIDE);
+            quads[..read].copy_from_slice(&row[..read]);
+            past.is_known = [1.0; WIDE];
+            past.place = each!(axis in [0, 1] => center[axis].to_array());
+        } else {
+            let mut vectors = [[0.0; WIDE]; 2];
+            for (lane, SampleMotion { vector_px, .. }) in motion.iter().enumerate() {
+                (vectors[0][lane], vectors[1][lane]) = (vector_px[0], vector_px[1]);
+            }
+            let vectors = each!(axis in [0, 1] => f32x16::load_array(simd, vectors[axis]));
+            let places = PastPlaces::new(simd, at, vectors, self.size);
+            places.read_bilinear(simd, history, &mut quads);
+            let [across, down] = each!(axis in [0, 1] => places.place[axis] - center[axis]);
+            let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
+            let speed_px = (across * across + down * down).sqrt();
+            let mut depth_clip = [0.0; WIDE];
+            for (clip, motion) in depth_clip.iter_mut().zip(motion) {
+                *clip = motion.depth_clip;
+            }
+            past.is_known = places.is_known.select(one, zero).to_array();
+            past.place = each!(axis in [0, 1] => places.place[axis].to_array());
+            past.speed_px = places.is_known.select(speed_px, zero).to_array();
+            past.depth_clip = places.is_known.select(f32x16::load_array(simd, depth_clip), zero).to_array();
+        }
+        past.color = {
+            let columns = quads::columns(simd, &quads);
+            each!(i in [0, 1, 2, 3] => columns[i].to_array())
         };
-        (depth_clip, self.history.as_ref().ok_or(Rejection::FirstFrame).and_then(read))
+        past
     }
 
     /// Returns the alpha of a pixel as an 8-bit value: that of the nearest sample.
@@ -325,10 +415,9 @@ impl<'a> Sgsr2Frame<'a> {
 
     /// Returns the shape of the kernel.
     #[inline(always)]
-    fn shape<S: Simd>(&self, simd: S, past: &PastLanes) -> Shape<S> {
-        let (clip, speed_px) = (F32::load_array(simd, past.depth_clip), F32::load_array(simd, past.speed_px));
-        let inverse_radius = clip * (CLIP_IN_KERNEL * (self.wide - self.narrow)) + self.narrow;
-        let fast = (speed_px * (1.0 / NARROW_BOX_PX)).min(F32::splat(simd, 1.0));
+    fn shape<S: Simd>(&self, simd: S, past: &Past<S>) -> Shape<S> {
+        let inverse_radius = past.depth_clip * (CLIP_IN_KERNEL * (self.wide - self.narrow)) + self.narrow;
+        let fast = (past.speed_px * (1.0 / NARROW_BOX_PX)).min(F32::splat(simd, 1.0));
         Shape { narrowing: inverse_radius * inverse_radius, fast }
     }
 
@@ -338,25 +427,22 @@ impl<'a> Sgsr2Frame<'a> {
         &self,
         simd: S,
         position: &Position<S>,
-        past: &PastLanes,
+        past: &Past<S>,
         sample: impl Fn(usize, usize) -> [F32<S>; 3],
     ) -> Blend<S> {
         let around = position.around(simd, self.shape(simd, past), self.colors.white(), sample);
-        let read = each!(channel in [0, 1, 2] => F32::load_array(simd, past.color[channel]));
-        let stored = F32::load_array(simd, past.color[3]).max(F32::splat(simd, 0.0));
         let (rectified, weight) = match &self.convert {
-            Some(_) => self.rectified(simd, &around, past, (read, stored)),
-            None => (read, stored),
+            Some(_) => self.rectified(simd, &around, past),
+            None => (past.color, past.weight),
         };
         let one = F32::splat(simd, 1.0);
         let total = weight + around.weight;
         let mut share = around.weight / total.max(F32::splat(simd, LEAST_TOTAL));
         let mut total = total;
         if self.is_settled {
-            (share, total) = (F32::splat(simd, 0.0), stored);
+            (share, total) = (F32::splat(simd, 0.0), past.weight);
         }
-        let is_known = F32::load_array(simd, past.is_known).simd_gt(0.0);
-        let present = around.present;
+        let (is_known, present) = (past.is_known, around.present);
         let color = each!(channel in [0, 1, 2] => {
             let blended = rectified[channel] + (present[channel] - rectified[channel]) * share;
             is_known.select(blended, present[channel])
@@ -372,15 +458,9 @@ impl<'a> Sgsr2Frame<'a> {
 
     /// Returns the history of eight pixels in a changing view, clamped to the box of the colours, and its weight.
     #[inline(always)]
-    fn rectified<S: Simd>(
-        &self,
-        simd: S,
-        around: &Around<S>,
-        past: &PastLanes,
-        (read, stored): ([F32<S>; 3], F32<S>),
-    ) -> ([F32<S>; 3], F32<S>) {
+    fn rectified<S: Simd>(&self, simd: S, around: &Around<S>, past: &Past<S>) -> ([F32<S>; 3], F32<S>) {
         let (one, zero) = (F32::splat(simd, 1.0), F32::splat(simd, 0.0));
-        let (clip, speed_px) = (F32::load_array(simd, past.depth_clip), F32::load_array(simd, past.speed_px));
+        let Past { color: read, depth_clip: clip, speed_px, .. } = *past;
         let fast = (speed_px * (1.0 / FAST_PX)).min(one);
         let deviations = clip.max(fast) * (1.0 - self.deviations) + self.deviations;
         let clamped = each!(channel in [0, 1, 2] => {
@@ -395,7 +475,7 @@ impl<'a> Sgsr2Frame<'a> {
         let moving = (speed_px * (1.0 / MOVING_PX)).min(one);
         let limit = limited(one - clip, around.weight * MOVING_FRAMES, moving);
         let limit = limited(limit, around.weight, fast);
-        let weight = stored.min(limit.max(zero));
+        let weight = past.weight.min(limit.max(zero));
         (clamped, is_inside.select(weight, weight.min(F32::splat(simd, RECTIFIED_WEIGHT))))
     }
 }

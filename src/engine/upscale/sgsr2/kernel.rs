@@ -18,7 +18,7 @@ const OVERSHOOT: f32 = 0.075;
 /// Factor of the sum of weights in the weight of the present colour.
 const WEIGHT_SCALE: f32 = 1.0 / 3.0;
 
-/// Samples around every output column or row along an axis, padded to a multiple of [`LANES`] by repeating the last one.
+/// Samples around every output column or row along an axis, padded to a multiple of [`WIDE`] by repeating the last one.
 /// The three vectors of each quantity belong to the sample before, nearest to and after the pixel.
 #[derive(Clone, Debug)]
 pub(super) struct Axis {
@@ -40,7 +40,7 @@ pub(super) struct AxisLanes<S: Simd> {
 impl Axis {
     /// Returns the samples of an axis of `length` pixels, out of `samples` samples that lie at `place` within their areas.
     pub(super) fn new(lattice: Lattice, place: f64, length: u32, samples: u32) -> Self {
-        let padded = length.next_multiple_of(LANES as u32);
+        let padded = length.next_multiple_of(WIDE as u32);
         let all: Vec<ThreeSamples> =
             (0..padded).map(|at| lattice.three_around(place, at.min(length - 1), samples)).collect();
         let of_each = |value: &dyn Fn(f64) -> f32| {

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::super::history::{DilatedVectors, PastPlaces, centers, inner_pair, sum_of_quads};
+use super::super::history::{DilatedVectors, PastPlaces, centers, sum_of_quads};
 use super::super::jitter::Continuation;
 use super::super::lattice::ThreeSamples;
 use super::super::quads::{self, Combination, Quad, window};
@@ -198,7 +198,7 @@ impl<'a> TaaFrame<'a> {
         let motion = self.history.as_ref().and_then(|(motion, _)| motion.vectors);
         if let (Some(motion), Some(frame)) = (motion, self.drawn.frame) {
             statistics.fill(simd, self.options.rectification, rows, (row.index, &read));
-            vectors.fill(frame.gbuffer, motion, (columns, y));
+            vectors.fill(simd, frame.gbuffer, motion, (columns, y));
         }
     }
 
@@ -271,7 +271,7 @@ impl<'a> TaaFrame<'a> {
         let places = PastPlaces::new(simd, at, scratch.vectors.load(simd, at.0), self.size);
         let mut block = [[0.0; 4]; WIDE];
         match self.options.filter {
-            HistoryFilter::Bilinear => bilinear(simd, history, &places, &mut block),
+            HistoryFilter::Bilinear => places.read_bilinear(simd, history, &mut block),
             HistoryFilter::CatmullRom => cubic(simd, history, &places, &mut block),
         }
         let read = quads::columns(simd, &block);
@@ -387,19 +387,5 @@ fn cubic<S: Simd>(simd: S, history: &Image<Quad>, places: &PastPlaces<S>, read: 
         let t = across[lane];
         let horizontal = ((coefficient[0] * t + coefficient[1]) * t + coefficient[2]) * t + coefficient[3];
         sum_of_quads(column * horizontal).store_array(&mut read[lane]);
-    }
-}
-
-/// Reads the history at positions bilinearly.
-#[inline(always)]
-fn bilinear<S: Simd>(simd: S, history: &Image<Quad>, places: &PastPlaces<S>, read: &mut [Quad; WIDE]) {
-    let [across, down] = each!(axis in [0, 1] => places.fraction[axis].to_array());
-    for lane in 0..WIDE {
-        let Some([_, upper, lower, _]) = places.window(simd, history, lane) else { continue };
-        let [above, below] = each!(row in [upper, lower] => {
-            let [left, right] = inner_pair(row);
-            left + (right - left) * across[lane]
-        });
-        (above + (below - above) * down[lane]).store_array(&mut read[lane]);
     }
 }
