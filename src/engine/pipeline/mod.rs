@@ -85,7 +85,23 @@ use triangle_list::TriangleList;
 use vertex::{ClipVertex, DrawMatrices, containment, transform};
 use viewport::{ScreenTriangle, ScreenVertex, Viewport};
 
-use crate::scene::{Camera, Instance, Scene, Transparency, TriangleId};
+use crate::scene::{Camera, Scene, Transparency, TriangleId};
+
+/// View to draw: a scene and its camera, with the settings and the size of the picture.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DrawnView<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) camera: &'a Camera,
+    pub(crate) settings: &'a Settings,
+    pub(crate) viewport: Viewport,
+}
+
+impl DrawnView<'_> {
+    /// Returns the matrix from world space to clip space.
+    fn clip_from_world(&self) -> DMat4 {
+        self.camera.clip_from_world_f64(self.viewport.aspect(), self.settings.depth_format.mapping())
+    }
+}
 
 /// Output of the geometry stages, and input of the rasterizer.
 #[derive(Clone, Debug, Default)]
@@ -214,25 +230,26 @@ pub fn prepare<O: Observer>(
 ) -> Geometry {
     let mut geometry =
         Geometry { depth_scale: DepthScale::of(settings, camera), blending: settings.blending, ..Geometry::default() };
-    let clip_from_world = camera.clip_from_world_f64(viewport.aspect(), settings.depth_format.mapping());
-    let seen_by = (camera, clip_from_world);
-    for ((index, instance), first) in scene.instances.iter().enumerate().zip(scene.first_triangles()) {
-        prepare_draw(scene, seen_by, settings, viewport, (index, instance, first), &mut geometry, observer);
+    let view = DrawnView { scene, camera, settings, viewport };
+    let clip_from_world = view.clip_from_world();
+    for (index, first) in scene.first_triangles().into_iter().enumerate() {
+        prepare_draw(&view, clip_from_world, (index, first), &mut geometry, observer);
     }
     geometry.draw_blended_last();
     geometry.triangles.find_boxes();
     geometry
 }
 
+/// Runs the geometry stages of the instance with index `index`. `first` is the identifier of its first triangle.
 fn prepare_draw<O: Observer>(
-    scene: &Scene,
-    (camera, clip_from_world): (&Camera, DMat4),
-    settings: &Settings,
-    viewport: Viewport,
-    (index, instance, first): (usize, &Instance, TriangleId),
+    view: &DrawnView<'_>,
+    clip_from_world: DMat4,
+    (index, first): (usize, TriangleId),
     out: &mut Geometry,
     observer: &mut O,
 ) {
+    let DrawnView { scene, camera, settings, viewport } = *view;
+    let instance = &scene.instances[index];
     let mesh = scene.library.mesh(instance.mesh);
     out.triangles_in += mesh.triangles.len();
 

@@ -216,9 +216,10 @@ pub(super) fn whole_depths<E: EdgeNumber>(triangle: &Setup<E>, rules: &DepthRule
 
 #[cfg(test)]
 mod tests {
-    use super::super::lattice::{BLOCK, BLOCKS, TILE, TileLattice};
-    use super::super::record::Slot;
-    use super::super::setup::SnappedVertex;
+    use super::super::lattice::TileLattice;
+    use super::super::layout::{BLOCK, BLOCKS, TilePlace};
+    use super::super::setup::{SetupContext, SnappedVertex};
+    use super::super::slot::Slot;
     use super::*;
     use crate::pipeline::depth::DepthScale;
     use crate::pipeline::grid::SampleGrid;
@@ -253,23 +254,19 @@ mod tests {
                 stored: true,
             };
             let lattice = TileLattice::new(grid);
-            let (origin, first) = (lattice.origin((1, 2)), [TILE as f32, 2.0 * TILE as f32]);
+            let origin = lattice.origin(TilePlace { column: 1, row: 2, number: 0 });
             for _ in 0..200 {
                 let thickness = 1 << random.u32(0..20);
                 let corners = [(); 3].map(|()| {
                     let along = random.f64() * 40_000.0 - 12_000.0;
-                    let place =
-                        origin.map(|from| (from + along + f64::from(random.i32(-thickness..thickness))).round());
+                    let place = origin
+                        .position
+                        .map(|from| (from + along + f64::from(random.i32(-thickness..thickness))).round());
                     SnappedVertex { position: place, depth: random.f64(), inv_w: 1.0 }
                 });
-                let set_up = Setup::new(
-                    Slot::NONE,
-                    &corners,
-                    FillRule::TopLeft,
-                    &DepthScale::default(),
-                    &lattice,
-                    (origin, first),
-                );
+                let scale = DepthScale::default();
+                let context = SetupContext { rule: FillRule::TopLeft, scale: &scale, lattice: &lattice, origin };
+                let set_up = Setup::new(Slot::NONE, &corners, &context);
                 let Some(triangle) = set_up else { continue };
                 let plane = DepthPlane::new(&triangle, lattice.tile_extent(), &rules);
                 for lanes in Lanes::all() {

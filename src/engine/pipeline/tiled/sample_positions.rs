@@ -4,9 +4,9 @@
 //! samples off the lattice therefore stay exact.
 
 use super::edge_number::EdgeNumber;
-use super::lattice::{TILE, TileLattice};
+use super::lattice::TileLattice;
+use super::layout::{ROWS, STRIDE, TILE};
 use super::setup::EdgeFunctions;
-use super::tile::{ROWS, STRIDE};
 use crate::math::lanes::*;
 
 /// Sample positions in a tile, one for each point of a lattice.

@@ -83,6 +83,13 @@ pub(super) struct DrawShader<'a> {
     pub(super) texels_per_sample: u64,
 }
 
+/// Shader of a draw, and the plan with which its samples are shaded: that of the draw, which may be known at compile time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PlannedShader<'a> {
+    pub(super) shader: &'a DrawShader<'a>,
+    pub(super) plan: ShadingPlan,
+}
+
 impl<'a> DrawShader<'a> {
     /// Creates the shading state of a draw. `texture` is the texture of its material.
     pub(super) fn new(shader: Shader<'a>, texture: Option<&'a Texture>, divides_by_w: bool) -> Self {

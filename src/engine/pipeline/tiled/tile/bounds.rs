@@ -3,9 +3,10 @@
 
 use super::super::depths::{DepthPlane, DepthRules, compare_bounds, whole_depths};
 use super::super::edge_number::EdgeNumber;
-use super::super::lattice::{BLOCK, BLOCKS, TILE, TileLattice};
+use super::super::lattice::TileLattice;
+use super::super::layout::{BLOCK, BLOCKS, Block, STRIDE, TILE};
 use super::super::setup::Setup;
-use super::{STRIDE, Tile};
+use super::Tile;
 use crate::math::lanes::*;
 use crate::pipeline::depth::DepthComparison;
 
@@ -108,8 +109,8 @@ impl Tile {
 
     /// Returns `true` if a triangle may pass the depth test anywhere in a block.
     #[inline(always)]
-    pub(super) fn may_show<E: EdgeNumber>(&self, triangle: &Setup<E>, block: usize, rules: &DepthRules) -> bool {
-        let [low, high] = whole_depths(triangle, rules);
+    pub(super) fn may_show<E: EdgeNumber>(&self, triangle: &Setup<E>, block: Block, rules: &DepthRules) -> bool {
+        let ([low, high], block) = (whole_depths(triangle, rules), block.index());
         match rules.comparison {
             DepthComparison::Always => true,
             DepthComparison::Less => low < self.max_depths[block],
@@ -121,8 +122,8 @@ impl Tile {
 
     /// Widens the depth bounds of a block so that they still hold after a triangle is drawn into it.
     #[inline(always)]
-    pub(super) fn widen_bounds<E: EdgeNumber>(&mut self, triangle: &Setup<E>, block: usize, rules: &DepthRules) {
-        let [low, high] = whole_depths(triangle, rules);
+    pub(super) fn widen_bounds<E: EdgeNumber>(&mut self, triangle: &Setup<E>, block: Block, rules: &DepthRules) {
+        let ([low, high], block) = (whole_depths(triangle, rules), block.index());
         match rules.comparison {
             DepthComparison::Less | DepthComparison::LessEqual => {
                 self.min_depths[block] = self.min_depths[block].min(low);
@@ -136,13 +137,13 @@ impl Tile {
 
     /// Computes the depth bounds of a block from its samples.
     #[inline(always)]
-    pub(super) fn measure_bounds<S: Simd>(&mut self, simd: S, (bx, by): (usize, usize)) {
+    pub(super) fn measure_bounds<S: Simd>(&mut self, simd: S, block: Block) {
         let (mut least, mut greatest) = (F32::splat(simd, f32::INFINITY), F32::splat(simd, f32::NEG_INFINITY));
-        for row in by * BLOCK..(by + 1) * BLOCK {
-            let depths = F32::from_slice(simd, &self.depths[row * STRIDE + bx * BLOCK..][..LANES]);
+        for row in block.rows() {
+            let depths = F32::from_slice(simd, &self.depths[row * STRIDE + block.first_column()..][..LANES]);
             (least, greatest) = (least.min(depths), greatest.max(depths));
         }
-        let block = by * BLOCKS + bx;
+        let block = block.index();
         (self.min_depths[block], self.max_depths[block]) = (least.reduce_min(), greatest.reduce_max());
     }
 }
