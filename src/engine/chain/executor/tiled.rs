@@ -9,7 +9,7 @@ use crate::chain::pixel_samples::with_pixel_samples;
 use crate::chain::pool::BufferPool;
 use crate::math::lanes::Lanes;
 use crate::pipeline::depth::DepthScale;
-use crate::pipeline::framebuffer::Framebuffer;
+use crate::pipeline::framebuffer::{Framebuffer, UsedImages};
 use crate::pipeline::settings::Execution;
 use crate::pipeline::tiled::{self, PixelSamples, TiledMemory, TiledReport};
 use crate::pipeline::{DrawnView, prepare};
@@ -37,8 +37,9 @@ impl<'a> TiledExecutor<'a> {
     ) -> (Framebuffer, TiledReport) {
         let (Pass { scene, camera, area, .. }, settings) = (pass, &pass.recipe.pipeline);
         let (size, keep) = (area.packed_size(), pass.keep_depth);
-        let memory = (pool.codes(size), if keep == KeepDepth::Yes { pool.numbers(size) } else { None });
-        let mut drawn = Framebuffer::reusing(area.grid, area.raster, memory, settings, keep);
+        let color = pool.codes(size);
+        let memory = UsedImages { color, depth: if keep == KeepDepth::Yes { pool.numbers(size) } else { None } };
+        let mut drawn = Framebuffer::reusing(*area, memory, settings, keep);
         drawn.depth_scale = DepthScale::of(settings, camera);
         let view = DrawnView { scene, camera, settings, viewport: area.raster };
         let report = tiled::draw(&view, &mut drawn, samples, self.memory, self.lanes);

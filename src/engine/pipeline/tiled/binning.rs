@@ -14,12 +14,13 @@ use super::layout::{TILE, TileGrid};
 use super::outcode::{ClipVerdict, Outcode};
 use super::packed::{PackedSurface, PackedVertex};
 use crate::math::lanes::*;
+use crate::pipeline::Geometry;
 use crate::pipeline::depth::DepthScale;
+use crate::pipeline::geometry_stages::{ClipSpaceDraw, GeometryStages};
 use crate::pipeline::plan::PipelinePart;
 use crate::pipeline::settings::{Culling, Settings};
 use crate::pipeline::vertex::Varyings;
 use crate::pipeline::viewport::Viewport;
-use crate::pipeline::{ClipSpaceDraw, Geometry, finish_draw};
 use crate::scene::TriangleId;
 
 /// Inputs of binning that are common to all triangles of a frame.
@@ -178,7 +179,8 @@ impl Binning<'_> {
             culling: draw.plan.culling(),
         };
         let mut out = Geometry { depth_scale: self.scale, ..Geometry::default() };
-        finish_draw(&one, self.settings, self.viewport, &mut out, &mut ());
+        GeometryStages { settings: self.settings, viewport: self.viewport, out: &mut out, observer: &mut () }
+            .finish_draw(&one);
         chunk.rasterized += out.triangles.len();
         for piece in out.triangles.into_vec() {
             let axis = |values: [i32; 3], axis: usize, size: u32| {
