@@ -3,7 +3,7 @@
 use super::mipmap::LevelTaps;
 use super::patch::ALL;
 use super::queue::{FilledRows, QueuedPair, QueuedRow};
-use super::shader::{DrawShader, LightSource, PlannedShader, ShadingPlan, TEXELS_AROUND};
+use super::shader::{DrawShader, LightSource, ShadingPlan, TEXELS_AROUND};
 use super::texels;
 use super::texture::TextureReader;
 use crate::image::Rgba8;
@@ -15,14 +15,15 @@ use crate::pipeline::settings::ColorSpace;
 #[inline(always)]
 pub(super) fn finish_opaque<S: Simd>(simd: S, shader: &DrawShader<'_>, rows: FilledRows<'_>, pixels: &mut [Rgba8]) {
     let plan = ShadingPlan { mipmapped: false, blended: false, ..shader.plan };
+    let finisher = Finisher { shader, texture: shader.texture.as_ref(), plan };
     for (pair, fine) in rows.pairs.iter().zip(rows.taps) {
-        finish_pair(simd, PlannedShader { shader, plan }, pair, LevelTaps { fine, coarse: None }, pixels);
+        finisher.finish(simd, pair, LevelTaps { fine, coarse: None }, pixels);
     }
 }
 
-/// Finishes pairs of rows of the most common plan. The shader is a local copy. Stores to `pixels` cannot alias it, so it
-/// is loaded only once for all pairs. The caller decides before the loop whether `texture`, the texture of the shader,
-/// uses hardware gathers.
+/// Finishes pairs of rows of the most common plan. The shader and the texture are local copies. Stores to `pixels`
+/// cannot alias them, so they are loaded only once for all pairs. The caller decides before the loop whether `texture`,
+/// the texture of the shader, uses hardware gathers.
 #[inline(always)]
 pub(super) fn finish_common<S: Simd>(
     simd: S,
@@ -31,10 +32,9 @@ pub(super) fn finish_common<S: Simd>(
     rows: FilledRows<'_>,
     pixels: &mut [Rgba8],
 ) {
-    let shader = &DrawShader { texture: Some(texture), ..*shader };
-    let planned = PlannedShader { shader, plan: ShadingPlan::COMMON };
+    let finisher = Finisher { shader: &{ *shader }, texture: Some(&texture), plan: ShadingPlan::COMMON };
     for (pair, fine) in rows.pairs.iter().zip(rows.taps) {
-        finish_pair(simd, planned, pair, LevelTaps { fine, coarse: None }, pixels);
+        finisher.finish(simd, pair, LevelTaps { fine, coarse: None }, pixels);
     }
 }
 
@@ -45,8 +45,9 @@ pub(super) fn finish_blended<S: Simd>(simd: S, shader: &DrawShader<'_>, rows: Fi
         #[inline(always)]
         || {
             let plan = ShadingPlan { mipmapped: false, blended: true, ..shader.plan };
+            let finisher = Finisher { shader, texture: shader.texture.as_ref(), plan };
             for (pair, fine) in rows.pairs.iter().zip(rows.taps) {
-                finish_pair(simd, PlannedShader { shader, plan }, pair, LevelTaps { fine, coarse: None }, pixels);
+                finisher.finish(simd, pair, LevelTaps { fine, coarse: None }, pixels);
             }
         },
     );
@@ -64,105 +65,109 @@ pub(super) fn finish_mipmapped<S: Simd>(
         #[inline(always)]
         || {
             let plan = ShadingPlan { mipmapped: true, ..shader.plan };
+            let finisher = Finisher { shader, texture: shader.texture.as_ref(), plan };
             let mut samples = 0;
             // The anisotropic filter counts the texels of both levels with the samples.
             let counts_coarse = shader.texture.is_some_and(|texture| !texture.is_anisotropic());
             for ((pair, fine), coarse) in rows.pairs.iter().zip(rows.taps).zip(rows.coarse) {
                 let [upper, lower] = &pair.rows;
                 samples += if counts_coarse && coarse.is_read { upper.written() + lower.written() } else { 0 };
-                let taps = LevelTaps { fine, coarse: Some(coarse) };
-                finish_pair(simd, PlannedShader { shader, plan }, pair, taps, pixels);
+                finisher.finish(simd, pair, LevelTaps { fine, coarse: Some(coarse) }, pixels);
             }
             u64::from(samples) * TEXELS_AROUND
         },
     )
 }
 
-/// Computes surface colour × texture × light for a pair of rows, and writes the encoded pixels.
-#[inline(always)]
-fn finish_pair<S: Simd>(
-    simd: S,
-    planned: PlannedShader<'_>,
-    pair: &QueuedPair,
-    taps: LevelTaps<'_>,
-    pixels: &mut [Rgba8],
-) {
-    let PlannedShader { shader, plan } = planned;
-    let texture = shader.texture.as_ref();
-    let mut codes = [0; WIDE];
-    if plan.blended {
-        let (upper, lower) = codes.split_at_mut(LANES);
-        read_row(&pair.rows[0], pixels, upper);
-        read_row(&pair.rows[1], pixels, lower);
-    }
-    match plan.space {
-        ColorSpace::Bytes => {
-            // Processes as many samples at a time as a register holds. If registers are narrow, the data of all sixteen
-            // samples does not fit into them.
-            for start in (0..WIDE).step_by(LANES.max(S::f32s::LEN)) {
-                let rows = start..start + LANES.max(S::f32s::LEN);
-                for first in rows.clone().step_by(S::f32s::LEN) {
-                    let codes = &mut codes[first..first + S::u32s::LEN];
-                    let mut color = surface_color::<S, S::f32s>(simd, planned, pair, first);
-                    if let (Some(texture), Some(layout)) = (texture, plan.texture) {
-                        color = textured(plan, color, texture.filtered_bytes(simd, layout, taps, first));
-                    }
-                    color = lit(simd, plan, color, pair, first);
-                    if plan.blended {
-                        let below = texels::codes::<S>(S::u32s::from_slice(simd, codes));
-                        let scale = shader.shader.sampler().scale;
-                        color = over(simd, color, each!(channel in [0, 1, 2] => below[channel] * scale));
-                    }
-                    pack(simd, color).store_slice(codes);
-                }
-                for first in rows.step_by(LANES) {
-                    let codes = u32x8::from_slice(simd, &codes[first..first + LANES]);
-                    write_row(simd, codes, &pair.rows[first / LANES], pixels);
-                }
-            }
-        }
-        ColorSpace::Linear => {
-            let mut color = surface_color::<S, f32x16<S>>(simd, planned, pair, 0);
-            if let (Some(texture), Some(layout)) = (texture, plan.texture) {
-                color = textured(plan, color, texture.filtered_linear(simd, layout, taps));
-            }
-            color = lit(simd, plan, color, pair, 0);
-            if plan.blended {
-                let below = u32x16::load_array(simd, codes);
-                let decode = &Tables::get().linear_of_code;
-                color = over(
-                    simd,
-                    color,
-                    each!(shift in [0, 8, 16] => {
-                        Tables::lookup(simd, decode, (below >> shift) & 255)
-                    }),
-                );
-            }
-            encode(simd, color).store_array(&mut codes);
-            for (row, codes) in pair.rows.iter().zip(codes.chunks_exact(LANES)) {
-                write_row(simd, u32x8::from_slice(simd, codes), row, pixels);
-            }
-        }
-    }
+/// What the final colours are computed from, besides the queued samples.
+struct Finisher<'a> {
+    shader: &'a DrawShader<'a>,
+    /// Texture of the shader.
+    texture: Option<&'a TextureReader<'a>>,
+    plan: ShadingPlan,
 }
 
-/// Returns the surface colours and opacities of the samples starting at `first`. They are not yet multiplied by the
-/// texture.
-#[inline(always)]
-fn surface_color<S: Simd, F: SimdFloat<S, Element = f32>>(
-    simd: S,
-    PlannedShader { shader, plan }: PlannedShader<'_>,
-    pair: &QueuedPair,
-    first: usize,
-) -> [F; 4] {
-    let alpha = F::splat(simd, shader.shader.opacity());
-    let [r, g, b] = if plan.colored {
-        each!(channel in [0, 1, 2] => F::from_slice(simd, &pair.color[channel][first..first + F::LEN]))
-    } else {
-        let diffuse = shader.shader.diffuse.to_array();
-        each!(channel in [0, 1, 2] => F::splat(simd, diffuse[channel]))
-    };
-    [r, g, b, alpha]
+impl Finisher<'_> {
+    /// Computes surface colour × texture × light for a pair of rows, and writes the encoded pixels.
+    #[inline(always)]
+    fn finish<S: Simd>(&self, simd: S, pair: &QueuedPair, taps: LevelTaps<'_>, pixels: &mut [Rgba8]) {
+        let Self { shader, texture, plan } = *self;
+        let mut codes = [0; WIDE];
+        if plan.blended {
+            let (upper, lower) = codes.split_at_mut(LANES);
+            read_row(&pair.rows[0], pixels, upper);
+            read_row(&pair.rows[1], pixels, lower);
+        }
+        match plan.space {
+            ColorSpace::Bytes => {
+                // Processes as many samples at a time as a register holds. If registers are narrow, the data of all
+                // sixteen samples does not fit into them.
+                for start in (0..WIDE).step_by(LANES.max(S::f32s::LEN)) {
+                    let rows = start..start + LANES.max(S::f32s::LEN);
+                    for first in rows.clone().step_by(S::f32s::LEN) {
+                        let codes = &mut codes[first..first + S::u32s::LEN];
+                        let mut color = self.surface_color::<S, S::f32s>(simd, pair, first);
+                        if let (Some(texture), Some(layout)) = (texture, plan.texture) {
+                            color = textured(plan, color, texture.filtered_bytes(simd, layout, taps, first));
+                        }
+                        color = lit(simd, plan, color, pair, first);
+                        if plan.blended {
+                            let below = texels::codes::<S>(S::u32s::from_slice(simd, codes));
+                            let scale = shader.shader.sampler().scale;
+                            color = over(simd, color, each!(channel in [0, 1, 2] => below[channel] * scale));
+                        }
+                        pack(simd, color).store_slice(codes);
+                    }
+                    for first in rows.step_by(LANES) {
+                        let codes = u32x8::from_slice(simd, &codes[first..first + LANES]);
+                        write_row(simd, codes, &pair.rows[first / LANES], pixels);
+                    }
+                }
+            }
+            ColorSpace::Linear => {
+                let mut color = self.surface_color::<S, f32x16<S>>(simd, pair, 0);
+                if let (Some(texture), Some(layout)) = (texture, plan.texture) {
+                    color = textured(plan, color, texture.filtered_linear(simd, layout, taps));
+                }
+                color = lit(simd, plan, color, pair, 0);
+                if plan.blended {
+                    let below = u32x16::load_array(simd, codes);
+                    let decode = &Tables::get().linear_of_code;
+                    color = over(
+                        simd,
+                        color,
+                        each!(shift in [0, 8, 16] => {
+                            Tables::lookup(simd, decode, (below >> shift) & 255)
+                        }),
+                    );
+                }
+                encode(simd, color).store_array(&mut codes);
+                for (row, codes) in pair.rows.iter().zip(codes.chunks_exact(LANES)) {
+                    write_row(simd, u32x8::from_slice(simd, codes), row, pixels);
+                }
+            }
+        }
+    }
+
+    /// Returns the surface colours and opacities of the samples starting at `first`. They are not yet multiplied by the
+    /// texture.
+    #[inline(always)]
+    fn surface_color<S: Simd, F: SimdFloat<S, Element = f32>>(
+        &self,
+        simd: S,
+        pair: &QueuedPair,
+        first: usize,
+    ) -> [F; 4] {
+        let Self { shader, plan, .. } = *self;
+        let alpha = F::splat(simd, shader.shader.opacity());
+        let [r, g, b] = if plan.colored {
+            each!(channel in [0, 1, 2] => F::from_slice(simd, &pair.color[channel][first..first + F::LEN]))
+        } else {
+            let diffuse = shader.shader.diffuse.to_array();
+            each!(channel in [0, 1, 2] => F::splat(simd, diffuse[channel]))
+        };
+        [r, g, b, alpha]
+    }
 }
 
 /// Multiplies surface colours by texels. Skips the multiplication of the colours if the surface is white.

@@ -9,7 +9,7 @@ use super::layout::BLOCK;
 use super::mipmap::{Coordinates, LevelTapsMut};
 use super::patch::Patch;
 use super::queue::{Reserved, ReservedPair, RowTargets};
-use super::record::{ShadedTriangle, TriangleSource};
+use super::record::{One, ShadedTriangle, TriangleSource};
 use super::shader::{DrawShader, LightSource, PlannedShader, ShadingPlan};
 use super::weights::{AttributeWeights, StoredWeights, corner_weights};
 use crate::math::lanes::*;
@@ -54,8 +54,8 @@ pub(super) fn shade_rows<S: Simd>(
     let shader = canvas.frame.shader(subject.draw);
     let mut rows = ShadedRows { subject, edges, ahead: &mut [StoredWeights::default(); BLOCK / 2] };
     match shader.plan {
-        ShadingPlan::COMMON => rows.shade(simd, PlannedShader { shader, plan: ShadingPlan::COMMON }, patch, canvas),
-        plan => rows.shade(simd, PlannedShader { shader, plan }, patch, canvas),
+        ShadingPlan::COMMON => rows.shade(simd, PlannedShader::common(shader), patch, canvas),
+        _ => rows.shade(simd, PlannedShader::new(shader), patch, canvas),
     }
 }
 
@@ -83,7 +83,7 @@ impl<E> ShadedRows<'_, E> {
             self.edges.begin(simd, &block);
             let targets = RowTargets::new(&block, &canvas.picture);
             let room = canvas.reserve(simd, number, pairs);
-            self.interpolate(simd, shader, targets, room);
+            self.interpolate(simd, self.subject.one, shader, targets, room);
         }
     }
 
@@ -92,13 +92,14 @@ impl<E> ShadedRows<'_, E> {
     fn interpolate<S: Simd>(
         &mut self,
         simd: S,
+        one: One<'_>,
         shader: PlannedShader<'_>,
         mut targets: RowTargets,
         Reserved { pairs, taps, coarse }: Reserved<'_>,
     ) where
         E: EdgeRows<S>,
     {
-        let (one, plan) = (self.subject.one, shader.plan);
+        let plan = shader.plan;
         let relative_inv_w = one.relative_inv_w(simd);
         for (i, (pair, weights)) in pairs.iter_mut().zip(self.ahead.iter_mut()).enumerate() {
             // If the number of rows is odd, the last one is computed twice and written once.

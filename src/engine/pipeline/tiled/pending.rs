@@ -167,10 +167,8 @@ impl Pending {
                 let shader = &canvas.frame.shaders[self.shader];
                 let room = canvas.reserve(simd, self.shader, self.len);
                 match shader.plan {
-                    ShadingPlan::COMMON => {
-                        self.interpolate(simd, PlannedShader { shader, plan: ShadingPlan::COMMON }, entrants, room);
-                    }
-                    plan => self.interpolate(simd, PlannedShader { shader, plan }, entrants, room),
+                    ShadingPlan::COMMON => self.interpolate(simd, PlannedShader::common(shader), entrants, room),
+                    _ => self.interpolate(simd, PlannedShader::new(shader), entrants, room),
                 }
                 self.len = 0;
                 self.large.clear();

@@ -26,7 +26,7 @@ impl StoredWeights {
     #[inline(always)]
     pub(super) fn store<S: Simd>(
         &mut self,
-        plan: ShadingPlan,
+        plan: &ShadingPlan,
         AttributeWeights { of_corners: [second, third], inverse_sum }: AttributeWeights<S>,
     ) {
         second.store_array(&mut self.of_corners[0]);
