@@ -2,7 +2,7 @@
 
 use super::TiledFrame;
 use super::bins::TriangleKey;
-use super::layout::TilePlace;
+use super::layout::{SamplePlace, TilePlace};
 use super::patch::Patch;
 use super::target::ColorRows;
 use super::tested::{TestedRows, TestedSample};
@@ -31,9 +31,9 @@ impl TiledFrame<'_> {
 }
 
 impl ClassicTriangle<'_> {
-    /// Interpolates the attributes of a sample, given its column and row in the tile and its edge values.
+    /// Interpolates the attributes of a sample, given its edge values.
     #[inline(always)]
-    pub(super) fn fragment(&self, place: (usize, usize), edges: [f64; 3]) -> Fragment {
+    pub(super) fn fragment(&self, place: SamplePlace, edges: [f64; 3]) -> Fragment {
         let (column, row) = self.tile.packed(place);
         let (x, y) = self.grid.pixel(column, row);
         interpolate(&self.triangle, RasterSample { column, row, x, y, edges }, self.shader.attributes())
@@ -60,7 +60,8 @@ impl ClassicTriangle<'_> {
     #[inline(never)]
     pub(super) fn shade_row(&self, patch: &Patch, row: usize, edges: &[[f64; LANES]; 3], out: &mut [Rgba8]) {
         for (lane, pixel) in out.iter_mut().enumerate().filter(|(lane, _)| patch.mine >> lane & 1 != 0) {
-            *pixel = self.shade(&self.fragment((patch.column + lane, row), edges.map(|e| e[lane])));
+            *pixel =
+                self.shade(&self.fragment(SamplePlace { column: patch.column + lane, row }, edges.map(|e| e[lane])));
         }
     }
 

@@ -133,6 +133,20 @@ pub(super) struct DepthPlane {
     greatest: f64,
 }
 
+/// Positions of eight samples in a row, relative to the tile's first sample, in steps of 1/256 px.
+pub(super) struct EightPositions<S: Simd> {
+    pub(super) x: F64<S>,
+    pub(super) y: f64,
+}
+
+impl<S: Simd> EightPositions<S> {
+    /// Returns the positions of samples that are all the tile's first one.
+    #[inline(always)]
+    pub(super) fn first(simd: S) -> Self {
+        Self { x: F64::splat(simd, 0.0), y: 0.0 }
+    }
+}
+
 impl DepthPlane {
     /// Creates the depth plane of a triangle in a tile. Width and height are the distances from the tile's first sample
     /// to its last one, in steps of 1/256 px.
@@ -155,16 +169,16 @@ impl DepthPlane {
         self.at_first
     }
 
-    /// Returns a lower and an upper bound on the stored depths in each of eight rectangles of samples. `x` and `y` are
-    /// the positions of the first sample of each rectangle. Width and height are the distances from the first to the
-    /// last sample. All are in steps of 1/256 px.
+    /// Returns a lower and an upper bound on the stored depths in each of eight rectangles of samples, given the
+    /// position of the first sample of each. Width and height are the distances from the first to the last sample, in
+    /// steps of 1/256 px.
     ///
     /// If the triangle covers no sample of a rectangle, the bounds may lie outside the triangle's range of depths.
     #[inline(always)]
     pub(super) fn bounds<S: Simd>(
         &self,
         simd: S,
-        (x, y): (F64<S>, f64),
+        EightPositions { x, y }: EightPositions<S>,
         [width, height]: [f64; 2],
         rules: &DepthRules,
     ) -> [F32<S>; 2] {
@@ -217,7 +231,7 @@ pub(super) fn whole_depths<E: EdgeNumber>(triangle: &Setup<E>, rules: &DepthRule
 #[cfg(test)]
 mod tests {
     use super::super::lattice::TileLattice;
-    use super::super::layout::{BLOCK, BLOCKS, TilePlace};
+    use super::super::layout::{BLOCK, BLOCKS, SamplePlace, TilePlace};
     use super::super::setup::{SetupContext, SnappedVertex};
     use super::super::slot::Slot;
     use super::*;
@@ -273,7 +287,7 @@ mod tests {
                     for by in 0..BLOCKS {
                         let [low, high] = on_lanes!(lanes, simd => {
                             let x = F64::load_array(simd, lattice.doubles.blocks);
-                            let places = (x, lattice.doubles.row(by * BLOCK));
+                            let places = EightPositions { x, y: lattice.doubles.row(by * BLOCK) };
                             plane.bounds(simd, places, lattice.doubles.block, &rules).map(SimdBase::to_array)
                         });
                         let [width, height] = lattice.doubles.block;
@@ -281,7 +295,9 @@ mod tests {
                         for (column, row) in
                             (0..BLOCK).flat_map(|row| (0..BLOCKS).map(move |bx| (bx, by * BLOCK + row)))
                         {
-                            let places = std::array::from_fn(|lane| lattice.place((column * BLOCK + lane, row)));
+                            let places = std::array::from_fn(|lane| {
+                                lattice.place(SamplePlace { column: column * BLOCK + lane, row })
+                            });
                             let (depths, covered) =
                                 on_lanes!(lanes, simd => depths_at(simd, &triangle, places, &rules));
                             for lane in (0..LANES).filter(|lane| covered >> lane & 1 != 0) {

@@ -9,7 +9,7 @@ use super::batch::{BinnedTriangle, GROUP, TriangleGroup};
 use super::canvas::Canvas;
 use super::counters::{FrameCounters, TileWork};
 use super::lattice::TileLattice;
-use super::layout::{TILE, TilePlace};
+use super::layout::{SamplePlace, TILE, TilePlace};
 use super::pass::TilePass;
 use super::sample_positions::{JitteredPositions, Offsets, SamplePositions};
 use super::shade::ShadingJob;
@@ -91,7 +91,7 @@ impl<'a> TileJitter<'a> {
         let mut chosen = [0; TILE];
         offsets.reserve();
         for row in 0..TILE {
-            let (first_column, packed_row) = tile.packed((0, row));
+            let (first_column, packed_row) = tile.packed(SamplePlace { column: 0, row });
             let columns: [u32; TILE] = std::array::from_fn(|i| grid.pixel(first_column + i as u32, packed_row).0);
             (self.jittering.chosen)(number, (&columns, grid.pixel(0, packed_row).1), &mut chosen);
             let [right, below] = offsets.row_mut(row);

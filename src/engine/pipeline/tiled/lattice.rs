@@ -1,7 +1,7 @@
 //! Lattice of a tile's samples: the sample positions of a [`SampleGrid`], as tables of distances for SIMD code.
 
 use super::edge_number::EdgeNumber;
-use super::layout::{BLOCK, BLOCKS, TILE, TilePlace};
+use super::layout::{BLOCK, BLOCKS, SamplePlace, TILE, TilePlace};
 use crate::math::fixed::{HALF_PIXEL, SUBPIXELS};
 use crate::math::lanes::{F32, LANES, Simd, SimdBase as _, SimdFloat as _, i32x8};
 use crate::pipeline::grid::SampleGrid;
@@ -177,7 +177,7 @@ impl TileLattice {
 
     /// Returns the place of a tile's first sample.
     pub(super) fn origin(&self, tile: TilePlace) -> TileOrigin {
-        let (column, row) = tile.packed((0, 0));
+        let (column, row) = tile.packed(SamplePlace::default());
         let (x, y) = self.grid.pixel(column, row);
         let x = x - self.grid.pixel(0, 0).0;
         let step = |pixel: u32| (i64::from(pixel) * SUBPIXELS + HALF_PIXEL) as f64;
@@ -221,10 +221,9 @@ impl TileLattice {
         [rows, i32x8::load_array_ref(simd, self.integers.shifts(first))]
     }
 
-    /// Returns the position of a sample, given by column and row, relative to the tile's first sample, in steps of
-    /// 1/256 px.
+    /// Returns the position of a sample relative to the tile's first sample, in steps of 1/256 px.
     #[inline(always)]
-    pub(super) fn place(&self, (column, row): (usize, usize)) -> [i32; 2] {
+    pub(super) fn place(&self, SamplePlace { column, row }: SamplePlace) -> [i32; 2] {
         let steps = &self.integers;
         [steps.column(column) + steps.shift(row), steps.row(row)]
     }

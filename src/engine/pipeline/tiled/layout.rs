@@ -20,8 +20,8 @@ pub(super) const BLOCKS: usize = TILE / BLOCK;
 /// beyond the last block.
 pub(super) const STRIDE: usize = TILE + LANES;
 
-/// Number of rows of samples in the memory of a tile. One row is extra, because narrow triangles are drawn two rows at a
-/// time.
+/// Number of rows of samples in the memory of a tile. One row is extra, because narrow triangles are drawn two rows at
+/// a time.
 pub(super) const ROWS: usize = TILE + 1;
 
 /// Number of tiles in a row and in a column of the packed picture.
@@ -60,10 +60,10 @@ pub(super) struct TilePlace {
 }
 
 impl TilePlace {
-    /// Returns the column and row of a sample in the packed picture, given its column and row in the tile.
+    /// Returns the column and row of a sample in the packed picture.
     #[inline(always)]
-    pub(super) fn packed(self, (column, row): (usize, usize)) -> (u32, u32) {
-        ((self.column * TILE + column) as u32, (self.row * TILE + row) as u32)
+    pub(super) fn packed(self, sample: SamplePlace) -> (u32, u32) {
+        ((self.column * TILE + sample.column) as u32, (self.row * TILE + sample.row) as u32)
     }
 }
 
@@ -72,6 +72,33 @@ impl TilePlace {
 pub(super) struct TileSize {
     pub(super) columns: usize,
     pub(super) rows: usize,
+}
+
+/// Place of a sample in its tile.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct SamplePlace {
+    pub(super) column: usize,
+    pub(super) row: usize,
+}
+
+impl SamplePlace {
+    /// Returns the place of the sample with an index, counted row by row.
+    #[inline(always)]
+    pub(super) fn of(index: usize) -> Self {
+        Self { column: index % TILE, row: index / TILE }
+    }
+
+    /// Returns the index of the sample, counted row by row.
+    #[inline(always)]
+    pub(super) fn index(self) -> usize {
+        self.row * TILE + self.column
+    }
+
+    /// Returns the index of the sample in the memory of a tile, whose rows are [`STRIDE`] samples apart.
+    #[inline(always)]
+    pub(super) fn memory_index(self) -> usize {
+        self.row * STRIDE + self.column
+    }
 }
 
 /// Block of a tile, given by its column and row in blocks.
@@ -88,10 +115,10 @@ impl Block {
         Self { column: index % BLOCKS, row: index / BLOCKS }
     }
 
-    /// Returns the block that contains a sample, given the sample's column and row in the tile.
+    /// Returns the block that contains a sample.
     #[inline(always)]
-    pub(super) fn around((column, row): (usize, usize)) -> Self {
-        Self { column: column / BLOCK, row: row / BLOCK }
+    pub(super) fn around(sample: SamplePlace) -> Self {
+        Self { column: sample.column / BLOCK, row: sample.row / BLOCK }
     }
 
     /// Returns the index of the block in the tile, counted row by row.

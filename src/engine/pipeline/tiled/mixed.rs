@@ -6,7 +6,7 @@
 
 use super::canvas::Canvas;
 use super::lattice::TileLattice;
-use super::layout::{BLOCK, Block, TILE, TILE_SAMPLES, TileSize};
+use super::layout::{BLOCK, Block, SamplePlace, TILE_SAMPLES, TileSize};
 use super::multisample::{Picks, SamplePlanes};
 use super::pass::TilePass;
 use super::patch::ALL;
@@ -24,8 +24,7 @@ use crate::pipeline::settings::FillRule;
 /// Mixed pixels of a tile. The memory is reused from tile to tile.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MixedPixels {
-    /// Column and row of each pixel within the tile.
-    places: Vec<(usize, usize)>,
+    places: Vec<SamplePlace>,
     /// For every sixteen mixed pixels, one entry per sample: first the indices in `colors` of the colours of their first
     /// samples, then those of their second samples, and so on.
     picks: Vec<Picks>,
@@ -47,7 +46,7 @@ const FIRST: usize = WIDE;
 impl MixedPixels {
     /// Returns the memory use in bytes.
     pub(super) fn bytes(&self) -> usize {
-        self.places.capacity() * size_of::<(usize, usize)>()
+        self.places.capacity() * size_of::<SamplePlace>()
             + self.picks.capacity() * size_of::<Picks>()
             + self.fragments.list.capacity() * size_of::<SixteenFragments>()
             + (self.colors.capacity() + self.means.capacity()) * size_of::<Rgba8>()
@@ -91,25 +90,26 @@ impl MixedPixels {
                 if mixed != 0 {
                     self.slots.clear();
                     self.slots.extend(samples.iter().map(|sample| sample.visible_slots(simd, column, row).to_array()));
-                    self.list(lattice, (column, row), mixed);
+                    self.list(lattice, SamplePlace { column, row }, mixed);
                 }
             }
         }
     }
 
-    /// Adds the pixels selected by `mixed` to the list, among the eight adjacent pixels of a row that `slots` describes.
-    fn list(&mut self, lattice: &TileLattice, (column, row): (usize, usize), mut mixed: u32) {
+    /// Adds the pixels selected by `mixed` to the list, among the eight adjacent pixels of a row that `slots`
+    /// describes. The first of them is at `first`.
+    fn list(&mut self, lattice: &TileLattice, first: SamplePlace, mut mixed: u32) {
         while mixed != 0 {
             let lane = mixed.trailing_zeros() as usize;
             mixed &= mixed - 1;
-            let place = (column + lane, row);
+            let place = SamplePlace { column: first.column + lane, ..first };
             self.push(place, lattice.place(place), lane);
         }
     }
 
-    /// Adds a pixel to the list. `place` is its column and row, and `lane` its lane among eight pixels. `centre` is the
-    /// pixel's centre relative to the centre of the tile's first pixel, in steps of 1/256 px.
-    fn push(&mut self, place: (usize, usize), centre: [i32; 2], lane: usize) {
+    /// Adds a pixel to the list. `lane` is its lane among eight pixels. `centre` is the pixel's centre relative to the
+    /// centre of the tile's first pixel, in steps of 1/256 px.
+    fn push(&mut self, place: SamplePlace, centre: [i32; 2], lane: usize) {
         let Self { places, picks, fragments, slots: seen, .. } = self;
         let (sixteen, pixel) = (places.len() / WIDE, places.len() % WIDE);
         places.push(place);
@@ -162,18 +162,18 @@ impl MixedPixels {
     /// the tile, then the second, and so on.
     pub(super) fn spread(&self, samples: &mut [Rgba8]) {
         let count = samples.len() / TILE_SAMPLES;
-        for (pixel, (column, row)) in self.places.iter().enumerate() {
+        for (pixel, place) in self.places.iter().enumerate() {
             let picks = self.picks[pixel / WIDE * count..].iter().map(|picks| picks[pixel % WIDE]);
             for (sample, pick) in samples.chunks_exact_mut(TILE_SAMPLES).zip(picks) {
-                sample[row * TILE + column] = self.colors[pick as usize];
+                sample[place.index()] = self.colors[pick as usize];
             }
         }
     }
 
     /// Writes the colours of the mixed pixels to the picture.
     pub(super) fn write(&self, picture: &mut ColorRows<'_>) {
-        for ((column, row), color) in self.places.iter().zip(&self.means) {
-            *picture.at((*column, *row)) = *color;
+        for (place, color) in self.places.iter().zip(&self.means) {
+            *picture.at(*place) = *color;
         }
     }
 }
@@ -191,8 +191,8 @@ struct Fragments {
 pub(super) struct SixteenFragments {
     /// Slot of each fragment's triangle; unused lanes hold the slot of the tile's first triangle.
     slots: [u32; WIDE],
-    /// Column and row of each fragment's pixel within the tile.
-    pixels: [(u8, u8); WIDE],
+    /// Index of each fragment's pixel in the tile, counted row by row.
+    pixels: [u16; WIDE],
     /// Pixel centres relative to the centre of the tile's first pixel, to the right and down, in steps of 1/256 px.
     centres: [[i32; WIDE]; 2],
 }
@@ -205,21 +205,21 @@ impl Fragments {
 
     /// Returns the index in the list of colours for the fragment of a triangle in a pixel. Adds the fragment if it is
     /// new. `first` is the index of the pixel's first fragment.
-    fn pick(&mut self, first: usize, slot: u32, (column, row): (usize, usize), [x, y]: [i32; 2]) -> u32 {
-        let known = (first..self.len).find(|place| self.list[place / WIDE].slots[place % WIDE] == slot);
-        let place = known.unwrap_or_else(|| {
+    fn pick(&mut self, first: usize, slot: u32, place: SamplePlace, [x, y]: [i32; 2]) -> u32 {
+        let known = (first..self.len).find(|index| self.list[index / WIDE].slots[index % WIDE] == slot);
+        let index = known.unwrap_or_else(|| {
             let lane = self.len % WIDE;
             if lane == 0 {
-                self.list.push(SixteenFragments { slots: [0; WIDE], pixels: [(0, 0); WIDE], centres: [[0; WIDE]; 2] });
+                self.list.push(SixteenFragments { slots: [0; WIDE], pixels: [0; WIDE], centres: [[0; WIDE]; 2] });
             }
             if let Some(SixteenFragments { slots, pixels, centres }) = self.list.last_mut() {
-                (slots[lane], pixels[lane]) = (slot, (column as u8, row as u8));
+                (slots[lane], pixels[lane]) = (slot, place.index() as u16);
                 (centres[0][lane], centres[1][lane]) = (x, y);
             }
             self.len += 1;
             self.len - 1
         });
-        (FIRST + place) as u32
+        (FIRST + index) as u32
     }
 }
 
@@ -243,8 +243,11 @@ impl SixteenFragments {
         let (e0, e1) = (a0 * x + b0 * y + c0, a1 * x + b1 * y + c1);
         let (zero, one) = (i32x16::splat(simd, 0), i32x16::splat(simd, 1));
         let edges = [(a0, b0, e0), (a1, b1, e1), (zero - a0 - a1, zero - b0 - b1, area - e0 - e1)];
-        // After the thresholds are subtracted, an edge value is non-negative exactly if the position is inside the edge.
-        let edges = each!((a, b, e) in [edges[0], edges[1], edges[2]] => (a, b, e - inside_thresholds([zero, one], a, b, rule)));
+        // After the thresholds are subtracted, an edge value is non-negative exactly if the position is inside the
+        // edge.
+        let edges = each!((a, b, e) in [edges[0], edges[1], edges[2]] => {
+            (a, b, e - inside_thresholds([zero, one], a, b, rule))
+        });
         let mut moved = [zero; 2];
         for [right, down] in offsets {
             let [e0, e1, e2] = each!((a, b, e) in [edges[0], edges[1], edges[2]] => e + a * *right + b * *down);
@@ -293,8 +296,8 @@ impl ShadingJob<'_, &TileLattice> {
                 self.together(simd, number, MixedSamples { slots, mine, targets });
             } else {
                 open &= open - 1;
-                let (column, row) = fragments.pixels[lane];
-                let color = self.by_itself(Slot(slots[lane]), (column.into(), row.into()), [x[lane], y[lane]]);
+                let pixel = SamplePlace::of(fragments.pixels[lane].into());
+                let color = self.by_itself(Slot(slots[lane]), pixel, [x[lane], y[lane]]);
                 self.canvas.picture.values[start + lane] = color;
             }
         }
@@ -325,7 +328,7 @@ impl ShadingJob<'_, &TileLattice> {
     }
 
     /// Shades one fragment with the code of the classic (scalar) path.
-    fn by_itself(&mut self, slot: Slot, pixel: (usize, usize), place: [i32; 2]) -> Rgba8 {
+    fn by_itself(&mut self, slot: Slot, pixel: SamplePlace, place: [i32; 2]) -> Rgba8 {
         let TilePass { frame, bin, .. } = self.pass;
         let BinEntry { key, draw } = bin.get(slot);
         let (draw, shader) = (draw as usize, frame.shader(draw as usize));

@@ -8,7 +8,7 @@
 
 use super::canvas::Canvas;
 use super::lattice::TileLattice;
-use super::layout::{TILE, TILE_SAMPLES, TileSize};
+use super::layout::{SamplePlace, TILE, TILE_SAMPLES, TileSize};
 use super::mixed::MixedPixels;
 use super::multisample::{MeanOfSamples, Picks, PlaneTiles, SamplePlanes};
 use super::pass::TilePass;
@@ -120,7 +120,7 @@ impl TransparencyMemory {
                     let mut tested = tested.at_first_covered(simd, &setup, lattice.offset(), &planes.shading_places);
                     tested.passed = tested.within(size);
                     samples += if shader.on_lanes {
-                        tested.place.1 += number * TILE;
+                        tested.place.row += number * TILE;
                         shade_tested(simd, &subject, &tested, &mut canvas)
                     } else {
                         let values = &mut canvas.picture.values[number * TILE_SAMPLES..];
@@ -166,8 +166,8 @@ impl TransparencyMemory {
             shaded.add(frame.shader(*draw), list.len() - before);
         }
         for SortedFragment { at, triangle, edges, .. } in list.sorted() {
-            let (pixel, classic) = (at % TILE_SAMPLES, &triangles[triangle].classic);
-            classic.blend(&classic.fragment((pixel % TILE, pixel / TILE), edges), &mut self.colors[at]);
+            let (place, classic) = (SamplePlace::of(at % TILE_SAMPLES), &triangles[triangle].classic);
+            classic.blend(&classic.fragment(place, edges), &mut self.colors[at]);
         }
         shaded
     }

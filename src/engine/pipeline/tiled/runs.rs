@@ -32,8 +32,8 @@ pub(super) struct TileRun {
     pub(super) load: usize,
 }
 
-/// Divides the tiles of a picture into runs: whole rows, or parts of rows. Runs with the most work come first, so that no
-/// thread starts a long run when the other threads have no work left.
+/// Divides the tiles of a picture into runs: whole rows, or parts of rows. Runs with the most work come first, so that
+/// no thread starts a long run when the other threads have no work left.
 pub(super) fn split_into_runs(chunks: &[Chunk], tiles: TileGrid, threads: usize) -> Vec<TileRun> {
     let TileGrid { columns, rows } = tiles;
     let runs_per_row = if rows >= threads * ROWS_PER_THREAD || threads == 1 {
@@ -98,8 +98,8 @@ impl TiledFrame<'_> {
     ) {
         let tiles = run.columns.clone().map(|column| self.tiles.place(column, run.row));
         if run.load == 0 {
-            let nothing = (self.background, self.rules.clear);
-            on_lanes!(lanes, simd => lock(rows).clear(simd, &run.columns, nothing));
+            let (background, depth) = (self.background, self.rules.clear);
+            on_lanes!(lanes, simd => lock(rows).clear(simd, &run.columns, background, depth));
         } else if run.columns.len() == self.tiles.columns {
             let mut rows = lock(rows);
             on_lanes!(lanes, simd => rows.fill(simd, self.background));

@@ -1,6 +1,5 @@
 //! Blended fragments of a tile, sorted by sample and depth before they are blended.
 
-use super::layout::TILE;
 use super::tested::{TestedRows, TestedSample};
 use crate::pipeline::blending::nearness;
 use crate::pipeline::raster::RasterSample;
@@ -48,11 +47,11 @@ impl<'a> SortedFragments<'a> {
         shading: &TestedRows,
     ) {
         let own = TestedRows { passed: shading.passed, ..*tested };
-        for (TestedSample { place: (column, row), edges, .. }, shaded) in own.samples().zip(shading.samples()) {
+        for (TestedSample { place, edges, .. }, shaded) in own.samples().zip(shading.samples()) {
             // Column, row and position can all be zero, because depth depends only on the edge values.
             let sample = RasterSample { column: 0, row: 0, x: 0, y: 0, edges };
             self.fragments.push(SortedFragment {
-                at: first + row * TILE + column,
+                at: first + place.index(),
                 nearness: nearness(self.settings, triangle, &sample),
                 triangle: number,
                 edges: shaded.edges,

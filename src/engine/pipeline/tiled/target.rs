@@ -4,7 +4,7 @@
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::layout::{TILE, TILE_SAMPLES, TilePlace, TileSize};
+use super::layout::{SamplePlace, TILE, TILE_SAMPLES, TilePlace, TileSize};
 use super::patch::Patch;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
@@ -42,10 +42,10 @@ impl<T> TileRows<'_, T> {
         &mut self.values[start..start + patch.count]
     }
 
-    /// Returns the value of a sample, given its column and row in the tile.
+    /// Returns the value of a sample.
     #[inline(always)]
-    pub(super) fn at(&mut self, (column, row): (usize, usize)) -> &mut T {
-        &mut self.values[row * self.stride + self.left + column]
+    pub(super) fn at(&mut self, place: SamplePlace) -> &mut T {
+        &mut self.values[place.row * self.stride + self.left + place.column]
     }
 
     /// Returns an iterator over the rows of the tile.
@@ -106,9 +106,9 @@ impl PictureRows<'_> {
         fill(simd, self.colors, background);
     }
 
-    /// Clears a range of columns of tiles to the background and the clear depth.
+    /// Clears a range of columns of tiles to a background and a depth.
     #[inline(always)]
-    pub(super) fn clear<S: Simd>(&mut self, simd: S, columns: &Range<usize>, (background, depth): (Rgba8, f32)) {
+    pub(super) fn clear<S: Simd>(&mut self, simd: S, columns: &Range<usize>, background: Rgba8, depth: f32) {
         let part = columns.start * TILE..self.width.min(columns.end * TILE);
         if part.len() == self.width {
             fill(simd, self.colors, background);
@@ -263,13 +263,13 @@ mod tests {
     fn clearing_columns_of_tiles_leaves_others_unchanged() {
         let (mut colors, mut depths) = (Image::from_fn(200, 3, |_, _| [1; 4]), Image::from_fn(200, 3, |_, _| 1.0));
         let rows = picture_rows(&mut colors, Some(&mut depths));
-        on_lanes!(Lanes::best(), simd => lock(&rows[0]).clear(simd, &(1..2), ([2; 4], 2.0)));
+        on_lanes!(Lanes::best(), simd => lock(&rows[0]).clear(simd, &(1..2), [2; 4], 2.0));
         drop(rows);
         let value = |x: u32| if (64..128).contains(&x) { 2 } else { 1 };
         assert!(colors == Image::from_fn(200, 3, |x, _| [value(x); 4]));
         assert!(depths == Image::from_fn(200, 3, |x, _| f32::from(value(x))));
         let rows = picture_rows(&mut colors, Some(&mut depths));
-        on_lanes!(Lanes::best(), simd => lock(&rows[0]).clear(simd, &(0..4), ([3; 4], 3.0)));
+        on_lanes!(Lanes::best(), simd => lock(&rows[0]).clear(simd, &(0..4), [3; 4], 3.0));
         drop(rows);
         assert!(colors == Image::from_fn(200, 3, |_, _| [3; 4]));
         assert!(depths == Image::from_fn(200, 3, |_, _| 3.0));

@@ -5,7 +5,7 @@ use super::canvas::Canvas;
 use super::edge_number::EdgeNumber as _;
 use super::gather::Taps;
 use super::kernel::{interpolate_pair, locate_texels};
-use super::layout::TileSize;
+use super::layout::{SamplePlace, TileSize};
 use super::mipmap::{CoarseTaps, LevelTaps, LevelTapsMut};
 use super::patch::{ALL, Patch};
 use super::pending::{RowPair, SampleTargets as _};
@@ -24,8 +24,8 @@ pub(super) fn set_bits(bits: u64) -> impl Iterator<Item = usize> {
 /// Results of the depth test for eight samples in each of two adjacent rows.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TestedRows {
-    /// Column of the first sample in both rows, and index of the upper row, within the tile.
-    pub(super) place: (usize, usize),
+    /// Place of the first sample in the upper row.
+    pub(super) place: SamplePlace,
     /// Edge values, indexed by row, edge and lane.
     pub(super) edges: [[[f64; LANES]; 3]; 2],
     /// Bit mask of the samples that passed. The bits of the lower row begin at bit [`LANES`].
@@ -37,20 +37,19 @@ pub(super) struct TestedRows {
 pub(super) struct TestedSample {
     /// Bit of the sample in [`TestedRows::passed`].
     pub(super) bit: u64,
-    /// Column and row of the sample within the tile.
-    pub(super) place: (usize, usize),
+    pub(super) place: SamplePlace,
     pub(super) edges: [f64; 3],
 }
 
 impl TestedRows {
     /// Returns an iterator over the samples that passed.
     pub(super) fn samples(&self) -> impl Iterator<Item = TestedSample> {
-        let (column, row) = self.place;
+        let SamplePlace { column, row } = self.place;
         set_bits(self.passed).map(move |i| {
             let (lane, below) = (i % LANES, i / LANES);
             TestedSample {
                 bit: 1 << i,
-                place: (column + lane, row + below),
+                place: SamplePlace { column: column + lane, row: row + below },
                 edges: self.edges[below].map(|values| values[lane]),
             }
         })
@@ -58,7 +57,7 @@ impl TestedRows {
 
     /// Returns the bit mask of the samples that passed and lie within the picture.
     pub(super) fn within(&self, TileSize { columns, rows }: TileSize) -> u64 {
-        let (column, first) = self.place;
+        let SamplePlace { column, row: first } = self.place;
         let of_row = (1 << columns.saturating_sub(column).min(LANES)) - 1;
         let inside =
             (0..2).filter(|below| first + below < rows).fold(0, |bits, below| bits | of_row << (below * LANES));
@@ -127,7 +126,7 @@ pub(super) fn shade_tested<S: Simd>(
     simd.vectorize(
         #[inline(always)]
         || {
-            let (size, (column, first)) = (canvas.picture.size, tested.place);
+            let (size, SamplePlace { column, row: first }) = (canvas.picture.size, tested.place);
             let mine = tested.within(size) as u32;
             if mine == 0 {
                 return 0;

@@ -17,7 +17,7 @@ use std::ops::AddAssign;
 use bounds::FullTileOccluder;
 
 use super::depths::DepthRules;
-use super::layout::{BLOCKS, Block, ROWS, STRIDE, TILE};
+use super::layout::{BLOCKS, Block, ROWS, STRIDE, SamplePlace, TILE};
 use super::slot::Slot;
 use crate::math::lanes::*;
 
@@ -130,7 +130,7 @@ impl Tile {
     /// Returns the slots of the visible triangles at eight samples of a row, whether or not their block is uniform.
     #[inline(always)]
     pub(super) fn visible_slots<S: Simd>(&self, simd: S, column: usize, row: usize) -> u32x8<S> {
-        match self.owner(Block::around((column, row))) {
+        match self.owner(Block::around(SamplePlace { column, row })) {
             Some(slot) => u32x8::splat(simd, slot.0),
             None => u32x8::from_slice(simd, self.slots(column, row)),
         }

@@ -8,7 +8,7 @@
 use super::TiledFrame;
 use super::canvas::Canvas;
 use super::classic::ClassicTriangle;
-use super::layout::TILE;
+use super::layout::SamplePlace;
 use super::pass::TilePass;
 use super::record::{BinEntry, ShadedTriangle, TileBin};
 use super::sample_positions::SamplePositions;
@@ -131,7 +131,7 @@ impl<L: SamplePositions> TilePass<'_, L> {
             shaded.add(frame.shader(*draw), list.len() - before);
         }
         for SortedFragment { at, triangle, edges, .. } in list.sorted() {
-            let (place, classic) = ((at % TILE, at / TILE), &triangles[triangle].classic);
+            let (place, classic) = (SamplePlace::of(at), &triangles[triangle].classic);
             classic.blend(&classic.fragment(place, edges), picture.at(place));
         }
         shaded

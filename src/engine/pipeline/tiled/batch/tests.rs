@@ -1,4 +1,4 @@
-use super::super::layout::TilePlace;
+use super::super::layout::{SamplePlace, TILE_SAMPLES, TilePlace};
 use super::*;
 use crate::pipeline::depth::{DepthEncoding, DepthScale};
 use crate::pipeline::grid::SampleGrid;
@@ -40,8 +40,8 @@ fn integer_edges_fit_and_equal_the_double_edges_up_to_rotation() {
         // Corners of the region in which edge values may be computed. It extends beyond the tile, because eight
         // columns and two rows are computed at a time, and is enlarged by at least the distance between the samples
         // of a pixel.
-        let [right, _] = lattice.place((TILE + LANES - 3, 2));
-        let [_, below] = lattice.place((0, TILE));
+        let [right, _] = lattice.place(SamplePlace { column: TILE + LANES - 3, row: 2 });
+        let [_, below] = lattice.place(SamplePlace { column: 0, row: TILE });
         let [left, right, below] = [-192, right + 384, below + 384].map(i64::from);
         let ends = [[left, left], [right, left], [left, below], [right, below]];
         for round in 0..400 {
@@ -120,7 +120,7 @@ fn triangles_that_miss_or_cover_the_tile_are_detected() {
                         values.iter().zip(triangle.inside).all(|(value, least)| *value >= least)
                     };
                     let samples = || {
-                        let all = (0..TILE).flat_map(|row| (0..TILE).map(move |column| (column, row)));
+                        let all = (0..TILE_SAMPLES).map(SamplePlace::of);
                         all.map(|place| lattice.place(place))
                             .flat_map(|[x, y]| offsets.iter().map(move |[right, down]| [x + right, y + down]))
                     };

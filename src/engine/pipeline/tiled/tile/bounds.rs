@@ -1,7 +1,7 @@
 //! Hierarchical Z: lower and upper bounds on the stored depths of each block, or of the whole tile. They are used to
 //! reject triangles without reading samples.
 
-use super::super::depths::{DepthPlane, DepthRules, compare_bounds, whole_depths};
+use super::super::depths::{DepthPlane, DepthRules, EightPositions, compare_bounds, whole_depths};
 use super::super::edge_number::EdgeNumber;
 use super::super::lattice::TileLattice;
 use super::super::layout::{BLOCK, BLOCKS, Block, STRIDE, TILE};
@@ -36,8 +36,7 @@ impl Tile {
         rules: &DepthRules,
     ) -> bool {
         let Some(backdrop) = self.occluder else { return false };
-        let first = (F64::splat(simd, 0.0), 0.0);
-        let bounds = plane.bounds(simd, first, lattice.tile_extent(), rules);
+        let bounds = plane.bounds(simd, EightPositions::first(simd), lattice.tile_extent(), rules);
         let stored = each!(bound in [backdrop.min_depth, backdrop.max_depth] => F32::splat(simd, bound));
         let (hidden, in_front) = compare_bounds(bounds, stored, rules.comparison);
         if hidden != 0 {
@@ -68,7 +67,7 @@ impl Tile {
         };
         let blocks = F64::load_array_ref(simd, &lattice.doubles.blocks);
         for by in 0..BLOCKS {
-            let places = (blocks, lattice.doubles.row(by * BLOCK));
+            let places = EightPositions { x: blocks, y: lattice.doubles.row(by * BLOCK) };
             let [low, high] = plane.bounds(simd, places, lattice.doubles.block, rules);
             let here = by * BLOCKS..(by + 1) * BLOCKS;
             low.store_slice(&mut self.min_depths[here.clone()]);
@@ -95,8 +94,7 @@ impl Tile {
         if in_front || !self.bounded || !rules.stored {
             return false;
         }
-        let first = (F64::splat(simd, 0.0), 0.0);
-        let bounds = plane.bounds(simd, first, lattice.tile_extent(), rules);
+        let bounds = plane.bounds(simd, EightPositions::first(simd), lattice.tile_extent(), rules);
         // Each lane holds one of the eight columns of blocks.
         let (mut least, mut greatest) = (F32::splat(simd, f32::INFINITY), F32::splat(simd, f32::NEG_INFINITY));
         for row in 0..BLOCKS {

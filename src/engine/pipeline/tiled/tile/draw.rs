@@ -1,8 +1,8 @@
 //! Drawing of opaque triangles into a tile.
 
-use super::super::depths::{DepthPlane, DepthRules, compare_bounds};
+use super::super::depths::{DepthPlane, DepthRules, EightPositions, compare_bounds};
 use super::super::edge_number::EdgeNumber;
-use super::super::layout::{BLOCK, BLOCKS, Block};
+use super::super::layout::{BLOCK, BLOCKS, Block, SamplePlace};
 use super::super::pass::TilePass;
 use super::super::sample_positions::{EdgeValueRows, SamplePositions};
 use super::super::setup::{EdgeFunctions, Setup};
@@ -81,8 +81,9 @@ impl Tile {
                     let x = E::load(simd, &steps.lanes) + steps.column(column);
                     let mut rows = EdgeValueRows::new(simd, edges, x, top, lattice);
                     for row in top..bottom + 1 {
-                        let e = locations.jittered(simd, edges, rows.next(edges, row, lattice), (column, row));
-                        let samples = CoveredSamples { place: (column, row), e, covered: E::inside(e, least_inside) };
+                        let place = SamplePlace { column, row };
+                        let e = locations.jittered(simd, edges, rows.next(edges, row, lattice), place);
+                        let samples = CoveredSamples { place, e, covered: E::inside(e, least_inside) };
                         if samples.are_worth_storing() {
                             self.write(simd, triangle, samples, rules);
                         }
@@ -113,8 +114,9 @@ impl Tile {
         let step = each!(i in [0, 1, 2] => E::repeat(simd, b[i]) * E::load(simd, &steps.row_after_next));
         let mut row = *top;
         while row <= *bottom {
-            let e = locations.jittered_in_two_rows(simd, edges, next, (start, row));
-            let samples = CoveredSamples { place: (start, row), e, covered: E::inside(e, least_inside) };
+            let place = SamplePlace { column: start, row };
+            let e = locations.jittered_in_two_rows(simd, edges, next, place);
+            let samples = CoveredSamples { place, e, covered: E::inside(e, least_inside) };
             if samples.are_worth_storing() {
                 self.write_two(simd, triangle, samples, rules);
             }
@@ -165,7 +167,7 @@ impl Tile {
                         }
                     }
                     let here = by * BLOCKS..(by + 1) * BLOCKS;
-                    let places = (block_places, lattice.doubles.row(by * BLOCK));
+                    let places = EightPositions { x: block_places, y: lattice.doubles.row(by * BLOCK) };
                     let [low, high] = plane.bounds(simd, places, lattice.doubles.block, rules);
                     let stored = [
                         F32::from_slice(simd, &self.min_depths[here.clone()]),
@@ -214,7 +216,7 @@ impl Tile {
         let mut rows = EdgeValueRows::new(simd, edges, x, touched.start, lattice);
         let mut written = false;
         for row in touched {
-            let place = (block.first_column(), row);
+            let place = SamplePlace { column: block.first_column(), row };
             let e = locations.jittered(simd, edges, rows.next(edges, row, lattice), place);
             let samples = CoveredSamples { place, e, covered: E::inside(e, least_inside) };
             if samples.are_worth_storing() {

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::super::depths::{DepthRules, depth, passes};
 use super::super::edge_number::EdgeNumber;
-use super::super::layout::{Block, STRIDE};
+use super::super::layout::{Block, STRIDE, SamplePlace};
 use super::super::pass::TilePass;
 use super::super::sample_positions::{SamplePositions, edge_values};
 use super::super::setup::Setup;
@@ -15,8 +15,8 @@ use crate::math::lanes::*;
 /// Eight samples, of which a triangle covers some: eight of a row, or four of a row and the four below.
 #[derive(Clone, Copy)]
 pub(super) struct CoveredSamples<S: Simd, E: EdgeNumber> {
-    /// Column and row of the first sample in the tile.
-    pub(super) place: (usize, usize),
+    /// Place of the first sample.
+    pub(super) place: SamplePlace,
     /// Edge values of the triangle.
     pub(super) e: [E::Eight<S>; 3],
     pub(super) covered: mask32x8<S>,
@@ -38,11 +38,11 @@ impl Tile {
         &mut self,
         simd: S,
         triangle: &Setup<E>,
-        CoveredSamples { place: (column, row), e, covered }: CoveredSamples<S, E>,
+        CoveredSamples { place, e, covered }: CoveredSamples<S, E>,
         rules: &DepthRules,
     ) {
         const HALF: usize = LANES / 2;
-        let upper = row * STRIDE + column;
+        let upper = place.memory_index();
         let lower = upper + STRIDE;
         let mut passed = covered;
         if rules.stored {
@@ -73,10 +73,10 @@ impl Tile {
         &mut self,
         simd: S,
         triangle: &Setup<E>,
-        CoveredSamples { place: (column, row), e, covered }: CoveredSamples<S, E>,
+        CoveredSamples { place, e, covered }: CoveredSamples<S, E>,
         rules: &DepthRules,
     ) -> bool {
-        let at = row * STRIDE + column;
+        let at = place.memory_index();
         let ids = &mut self.ids[at..at + LANES];
         let mut passed = covered;
         if rules.stored {
@@ -113,14 +113,14 @@ impl Tile {
                 let slot = Slot(self.owners[index]);
                 let triangle = if slot == Slot::NONE || !rules.stored { None } else { pass.set_up(slot) };
                 for row in block.rows() {
-                    let at = row * STRIDE + block.first_column();
+                    let place = SamplePlace { column: block.first_column(), row };
+                    let at = place.memory_index();
                     self.ids[at..at + LANES].fill(slot.0);
                     if rules.stored {
                         let depths = &mut self.depths[at..at + LANES];
                         match &triangle {
                             None => depths.fill(rules.clear),
                             Some(triangle) => {
-                                let place = (block.first_column(), row);
                                 let e = edge_values(simd, &triangle.edges, place, pass.locations);
                                 depth(simd, triangle, e, rules).store_slice(depths);
                             }

@@ -2,7 +2,7 @@
 
 use super::super::depths::{depth, passes};
 use super::super::edge_number::EdgeNumber as _;
-use super::super::layout::{BLOCK, Block, STRIDE};
+use super::super::layout::{BLOCK, Block, SamplePlace};
 use super::super::pass::TilePass;
 use super::super::sample_positions::{SamplePositions, edge_values};
 use super::super::setup::Setup;
@@ -34,7 +34,7 @@ impl Tile {
                     self.expand_block(simd, block, pass);
                     let rows = rows_in(triangle, block);
                     for row in rows.clone().step_by(2) {
-                        let place = (block.first_column(), row);
+                        let place = SamplePlace { column: block.first_column(), row };
                         let mut tested = TestedRows { place, ..TestedRows::default() };
                         for below in 0..(rows.end - row).min(2) {
                             self.test(simd, triangle, pass, below, &mut tested);
@@ -45,7 +45,7 @@ impl Tile {
                             if kept != 0 {
                                 let e = each!(i in [0, 1, 2] => F64::load_array_ref(simd, &edges[i]));
                                 let covered = mask32x8::from_bitmask(simd, kept);
-                                let place = (block.first_column(), row + below);
+                                let place = SamplePlace { row: row + below, ..place };
                                 self.write(simd, triangle, CoveredSamples { place, e, covered }, rules);
                             }
                         }
@@ -73,12 +73,11 @@ impl Tile {
         simd.vectorize(
             #[inline(always)]
             || {
-                let (rules, (column, first)) = (pass.rules(), tested.place);
-                let row = first + below;
-                let e = edge_values(simd, &triangle.edges, (column, row), pass.locations);
+                let (rules, place) = (pass.rules(), SamplePlace { row: tested.place.row + below, ..tested.place });
+                let e = edge_values(simd, &triangle.edges, place, pass.locations);
                 let mut passed = f64::inside_bits(e, triangle.inside_thresholds(simd));
                 if rules.stored {
-                    let stored = F32::from_slice(simd, &self.depths[row * STRIDE + column..][..LANES]);
+                    let stored = F32::from_slice(simd, &self.depths[place.memory_index()..][..LANES]);
                     passed &= passes(depth(simd, triangle, e, rules), stored, rules.comparison).to_bitmask();
                 }
                 tested.edges[below] = each!(i in [0, 1, 2] => e[i].to_array());
@@ -91,6 +90,7 @@ impl Tile {
 /// Returns the blocks that a triangle may overlap.
 fn blocks(triangle: &Setup) -> impl Iterator<Item = Block> + use<> {
     let Setup { columns: [left, right], rows: [top, bottom], .. } = *triangle;
-    let (first, last) = (Block::around((left, top)), Block::around((right, bottom)));
+    let around = |column, row| Block::around(SamplePlace { column, row });
+    let (first, last) = (around(left, top), around(right, bottom));
     (first.row..=last.row).flat_map(move |row| (first.column..=last.column).map(move |column| Block { column, row }))
 }
