@@ -42,7 +42,7 @@ impl TiledFrame<'_> {
                     let lane = alive.trailing_zeros() as usize;
                     alive &= alive - 1;
                     let triangle = BinnedTriangle { batch, lane, slot: group.slot(number, lane) };
-                    pass.draw_triangle(simd, tile, triangle, blended);
+                    pass.draw_triangle(simd, tile, &triangle, blended);
                 }
             }
         }

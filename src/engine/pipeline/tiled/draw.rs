@@ -16,7 +16,7 @@ impl<L: SamplePositions> TilePass<'_, L> {
         &self,
         simd: S,
         tile: &mut Tile,
-        triangle: BinnedTriangle<'_, impl Triangles>,
+        triangle: &BinnedTriangle<'_, impl Triangles>,
         blended: &mut Vec<Slot>,
     ) {
         let (frame, slot) = (self.frame, triangle.slot);
@@ -30,7 +30,7 @@ impl<L: SamplePositions> TilePass<'_, L> {
 
     /// Draws one opaque triangle of a batch into a tile, with integer edge values if these fit into 32 bits.
     #[inline(always)]
-    pub(super) fn draw_opaque<S: Simd>(&self, simd: S, tile: &mut Tile, triangle: BinnedTriangle<'_, impl Triangles>) {
+    pub(super) fn draw_opaque<S: Simd>(&self, simd: S, tile: &mut Tile, triangle: &BinnedTriangle<'_, impl Triangles>) {
         if triangle.fits() {
             tile.draw(simd, &triangle.setup::<i32>(), self);
         } else {

@@ -201,7 +201,7 @@ impl<L: SamplePositions> TilePass<'_, L> {
                     let lane = alive.trailing_zeros() as usize;
                     alive &= alive - 1;
                     let triangle = BinnedTriangle { batch: &moved, lane, slot: group.slot(number, lane) };
-                    self.draw_triangle(simd, tile, triangle, blended);
+                    self.draw_triangle(simd, tile, &triangle, blended);
                 }
             }
         }

@@ -154,7 +154,7 @@ impl TiledFrame<'_> {
                         let slot = group.slot(number, lane);
                         let triangle = BinnedTriangle { batch: &moved, lane, slot };
                         if self.all_opaque || self.transparency(bin.get(slot)) == Transparency::Opaque {
-                            pass.draw_opaque(simd, tile, triangle);
+                            pass.draw_opaque(simd, tile, &triangle);
                         } else {
                             pass.draw_alpha_tested_sample(simd, planes, tile, &triangle.setup());
                         }
