@@ -53,21 +53,6 @@ const REMAINING: &[Remaining] = &[
         reason: "Lattices are generic over the numbers of edge functions, which are evaluated on lattices.",
     },
     Remaining {
-        folder: "rasterscope_engine::pipeline::tiled",
-        modules: "kernel mipmap queue target",
-        reason: "Kernels, queues and targets share the patch of samples that is shaded at once.",
-    },
-    Remaining {
-        folder: "rasterscope_engine::pipeline::tiled",
-        modules: "pending sample_positions tested tile",
-        reason: "A tile and its rows of tested samples share their size and sample positions.",
-    },
-    Remaining {
-        folder: "rasterscope_engine::pipeline::tiled",
-        modules: "record setup",
-        reason: "A record holds the edge functions whose setup finds its slot.",
-    },
-    Remaining {
         folder: "rasterscope_engine::upscale",
         modules: "choice history jitter sample_rows taa ycocg",
         reason: "The choice of an upscaler holds history options, and methods with history read the choice.",

@@ -6,7 +6,7 @@ use super::{Check, Control, Exactly, Float, Options, TriangleSpans, Unanswered, 
 use crate::pipeline::depth::depth_at;
 use crate::pipeline::from_clip_space;
 use crate::pipeline::interpolate::{AttributeSelection, interpolate};
-use crate::pipeline::raster::{AnyTriangle, Span, cover_in_bands};
+use crate::pipeline::raster::{AnyTriangle, Span};
 use crate::pipeline::settings::{FillRule, Interpolation};
 use crate::pipeline::vertex::ClipVertex;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
@@ -56,9 +56,9 @@ impl ClipTri {
         options: Options,
         mut take: impl FnMut(&ScreenTriangle, &[Span]) -> Result<(), Unanswered>,
     ) -> Result<(), Unanswered> {
-        let how = (options.rasterizer, options.arithmetic, FillRule::TopLeft);
+        let rules = options.coverage(FillRule::TopLeft);
         self.pieces(triangle, options).iter().try_for_each(|piece| {
-            cover_in_bands(how, piece.corners_px(), self.viewport(), |spans, _| take(piece, spans))
+            rules.cover_in_bands(piece.corners_px(), self.viewport(), |spans, _| take(piece, spans))
         })
     }
 

@@ -76,7 +76,8 @@ use thiserror::Error;
 use control::check_length;
 
 use crate::math::fixed::SUBPIXEL_BITS;
-use crate::pipeline::settings::{Arithmetic, Rasterizer};
+use crate::pipeline::raster::CoverageRules;
+use crate::pipeline::settings::{Arithmetic, FillRule, Rasterizer};
 use crate::pipeline::viewport::Viewport;
 
 /// Numerical case: a small input to one algorithm, as read from a file.
@@ -114,6 +115,11 @@ pub struct Options {
 }
 
 impl Options {
+    /// Returns the rules of coverage with a fill rule.
+    fn coverage(self, fill_rule: FillRule) -> CoverageRules {
+        CoverageRules { rasterizer: self.rasterizer, arithmetic: self.arithmetic, fill_rule }
+    }
+
     /// Returns the number of fractional bits of the grid to which corners are snapped; `None` if they are used as
     /// given.
     fn snap_bits(self) -> Option<u32> {

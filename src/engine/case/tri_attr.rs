@@ -10,8 +10,7 @@ use crate::pipeline::interpolate::{AttributeSelection, affine_weights, interpola
 use crate::pipeline::raster::{AnyTriangle, RasterSample};
 use crate::pipeline::settings::{Arithmetic, FillRule, Interpolation};
 use crate::pipeline::vertex::Varyings;
-use crate::pipeline::viewport::{MAX_SIDE_PX, ScreenTriangle, ScreenVertex};
-use crate::scene::TriangleId;
+use crate::pipeline::viewport::{MAX_SIDE_PX, ScreenTriangle, ScreenVertex, TriangleOwner};
 
 /// Input of a `tri_attr` case: a triangle and the pixels to evaluate.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -94,8 +93,8 @@ impl TriangleSamples {
         let snap_bits = snapped.as_ref().and_then(|_| super::snap_bits(arithmetic));
         let edges = snapped.or_else(|| in_arithmetic(Arithmetic::Exact));
         let edges = edges.ok_or_else(|| Refusal("a triangle without area has no barycentric weights".to_owned()))?;
-        let nobody = (TriangleId(0), 0);
-        let triangle = ScreenTriangle::new(nobody, vertices, edges.doubled_area(), &DepthScale::default(), true);
+        let triangle =
+            ScreenTriangle::new(TriangleOwner::FIRST, vertices, edges.doubled_area(), &DepthScale::default(), true);
         Ok(Self { triangle, edges, snap_bits })
     }
 

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Check, Control, Exactly, Float, Options, Unanswered, check_length, check_picture, rule};
-use crate::pipeline::raster::{Span, cover_in_bands};
+use crate::pipeline::raster::Span;
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::triangle_list::box_around;
 use crate::pipeline::viewport::Viewport;
@@ -49,7 +49,7 @@ impl TriCoverage {
         take: impl FnMut(&[Span], u32) -> Result<(), Unanswered>,
     ) -> Result<(), Unanswered> {
         let Some(corners_px) = self.corners_px(triangle) else { return Ok(()) };
-        cover_in_bands((options.rasterizer, options.arithmetic, self.rule), corners_px, self.viewport(), take)
+        options.coverage(self.rule).cover_in_bands(corners_px, self.viewport(), take)
     }
 
     pub(super) fn answer(&self, options: Options, control: &Control<'_>) -> Result<TriCoverageAnswer, Unanswered> {

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::area::DrawnArea;
 use super::executor::{Executed, Executor, Pass, Purpose};
 use super::finish::{Finished, finish};
 use super::pool::BufferPool;
@@ -12,6 +11,7 @@ use super::{Frame, FrameTimes, KeepDepth, Recipe, samples};
 use crate::antialias::resolve::Mean;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::Lanes;
+use crate::pipeline::area::DrawnArea;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::motion::FrameView;
 use crate::pipeline::viewport::Viewport;

@@ -1,7 +1,6 @@
 //! Entry point for drawing, shared by the window, the command line, reports and tests: renders a [`Frame`] of a scene
 //! as seen by a camera, with the settings of a [`Recipe`].
 
-mod area;
 mod driver;
 mod executor;
 mod finish;

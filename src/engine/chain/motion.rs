@@ -1,11 +1,11 @@
 //! Motion data of a picture: vectors, disocclusion and distances, drawn on demand.
 
-use super::area::DrawnArea;
 use super::executor::Drawing;
 use super::view::{ids_recipe, raster_camera, sampling_after};
 use super::{Frame, Recipe};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::Lanes;
+use crate::pipeline::area::DrawnArea;
 use crate::pipeline::gbuffer::GBuffer;
 use crate::pipeline::motion::{FrameBefore, FrameMotion, FrameView, MotionVectors};
 use crate::pipeline::viewport::Viewport;

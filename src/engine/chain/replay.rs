@@ -8,7 +8,7 @@ use super::{Frame, Recipe};
 use crate::image::Rgba8;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::raster::Scissor;
-use crate::pipeline::{Extent, Geometry, LastStage, draw, prepare};
+use crate::pipeline::{DrawCall, Extent, Geometry, prepare};
 use crate::scene::Scene;
 
 /// Draws the given pixels of a frame again and returns the samples of each, in drawing order. There is one sample per
@@ -49,7 +49,7 @@ fn replay_pass(
         let sample = grid.sample_at(x, y)?;
         let mut one = Framebuffer::one_sample(grid, sample, scene.background, &recipe.pipeline);
         let extent = Extent { triangles: 0..geometry.triangles.len(), scissor: Scissor::pixel(x, y) };
-        draw(scene, geometry, &recipe.pipeline, &extent, LastStage::Shade, &mut one, &mut ());
+        DrawCall::new(scene, geometry, &recipe.pipeline, &extent).draw(&mut one, &mut ());
         Some(one.color.at(0, 0))
     };
     pixels.iter().map(color).collect()
@@ -61,6 +61,7 @@ fn replay_pixel(scene: &Scene, recipe: &Recipe, frame: &Frame, (x, y): (u32, u32
     let cleared = Framebuffer::one_sample(frame.drawn.grid, sample, scene.background, &recipe.pipeline);
     let extent = Extent { triangles: 0..frame.geometry().triangles.len(), scissor: Scissor::pixel(x, y) };
     let places = candidates(frame.antialias);
-    let frames = sampled(scene, frame.geometry(), recipe, &extent, (&places, cleared));
+    let call = DrawCall::new(scene, frame.geometry(), &recipe.pipeline, &extent);
+    let frames = sampled(call, frame.antialias, &places, cleared);
     frames.iter().map(|frame| frame.color.at(0, 0)).collect()
 }

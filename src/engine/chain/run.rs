@@ -1,11 +1,11 @@
 //! Frames drawn by the classic execution, and their stages run again, with an [`Observer`] that receives every step.
 
-use super::area::DrawnArea;
 use super::driver::FrameRequest;
 use super::executor::{ClassicExecutor, Drawing};
 use super::pool::BufferPool;
 use super::{Frame, KeepDepth, Recipe};
 use crate::math::lanes::Lanes;
+use crate::pipeline::area::DrawnArea;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::observe::Observer;
 use crate::pipeline::viewport::Viewport;

@@ -8,16 +8,16 @@
 use rayon::prelude::*;
 
 use super::Recipe;
-use super::area::DrawnArea;
 use crate::antialias::pattern::{jitter, jittered_positions};
 use crate::antialias::resolve;
 use crate::antialias::settings::{AntialiasMethod, Antialiasing};
 use crate::image::{Image, Rgba8};
 use crate::math::fixed::snap;
+use crate::pipeline::area::DrawnArea;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::multisample::{self, CandidatePositions, ShadingRate};
 use crate::pipeline::raster::Scissor;
-use crate::pipeline::{Extent, Geometry};
+use crate::pipeline::{DrawCall, Extent, Geometry};
 use crate::scene::Scene;
 use crate::upscale::CENTRE;
 
@@ -43,10 +43,10 @@ pub(super) fn per_pixel(scene: &Scene, geometry: &Geometry, recipe: &Recipe, are
             bottom: grid.pixel(0, last).1 + 1,
             ..Scissor::full(raster.width, raster.height)
         };
-        let size = (raster.width, raster.height);
-        let cleared = Framebuffer::of_rows(grid, size, first..last + 1, scene.background, &recipe.pipeline);
+        let cleared = Framebuffer::of_rows(area, first..last + 1, scene.background, &recipe.pipeline);
         let extent = Extent { triangles: 0..geometry.triangles.len(), scissor };
-        let frames = sampled(scene, geometry, recipe, &extent, (&places, cleared));
+        let call = DrawCall::new(scene, geometry, &recipe.pipeline, &extent);
+        let frames = sampled(call, recipe.antialias, &places, cleared);
         let mut samples = Vec::with_capacity(frames.len());
         for (place, pixel) in band.iter_mut().enumerate() {
             samples.clear();
@@ -77,21 +77,20 @@ pub(crate) fn places_on_grid(antialias: Antialiasing) -> Vec<Vec<[i32; 2]>> {
     candidates(antialias).into_iter().map(on_grid).collect()
 }
 
-/// Draws all samples of the pixels in the scissor rectangle of `extent`. Returns one framebuffer per sample position;
-/// each starts as a copy of `cleared`.
+/// Draws all samples of the pixels in the scissor rectangle of the call. `candidates` are the candidate positions of each
+/// sample. Returns one framebuffer per sample; each starts as a copy of `cleared`.
 pub(super) fn sampled(
-    scene: &Scene,
-    geometry: &Geometry,
-    recipe: &Recipe,
-    extent: &Extent,
-    (candidates, cleared): (&[Vec<[f32; 2]>], Framebuffer),
+    call: DrawCall<'_>,
+    antialias: Antialiasing,
+    candidates: &[Vec<[f32; 2]>],
+    cleared: Framebuffer,
 ) -> Vec<Framebuffer> {
-    let Antialiasing { method, seed, .. } = recipe.antialias;
+    let Antialiasing { method, seed, .. } = antialias;
     let chosen = |(x, y): (u32, u32), sample: usize| jitter(x, y, sample as u32, seed);
     let rate = if method == AntialiasMethod::Multisample { ShadingRate::Pixel } else { ShadingRate::Sample };
     let mut frames = vec![cleared; candidates.len()];
     let places = CandidatePositions { candidates, chosen: &chosen };
-    multisample::draw(scene, geometry, &recipe.pipeline, extent, (places, rate), &mut frames);
+    multisample::draw(call, places, rate, &mut frames);
     frames
 }
 

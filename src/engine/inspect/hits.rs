@@ -24,7 +24,7 @@ pub(super) use self::seams::{border_in_picture, junction_pixels};
 use crate::chain::{Frame, Recipe};
 use crate::image::Image;
 use crate::pipeline::grid::SampleGrid;
-use crate::pipeline::raster::{Scissor, Span, cover_within};
+use crate::pipeline::raster::{CoverageRules, SampleArea, Scissor, Span};
 use crate::pipeline::settings::{Arithmetic, FillRule, Rasterizer, Settings};
 use crate::pipeline::triangle_list::TriangleList;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
@@ -272,11 +272,15 @@ impl<'a> FaultSearch<'a> {
     /// Calls `sink` for every hit, with the index of the triangle, and the column and row of the sample relative to
     /// `origin`.
     fn each_hit(&self, way: CountMode, mut sink: impl FnMut(usize, (u32, u32))) {
-        let Settings { rasterizer, arithmetic, fill_rule, .. } = *self.settings;
-        let sound_rule = if fill_rule.draws_shared_edges_once() { fill_rule } else { FillRule::TopLeft };
-        let how = match way {
-            CountMode::Drawn => (rasterizer, arithmetic, fill_rule),
-            CountMode::Reference => (Rasterizer::BoundingBox, Arithmetic::Exact, sound_rule),
+        let drawn = CoverageRules::of(self.settings);
+        let sound_rule = if drawn.fill_rule.draws_shared_edges_once() { drawn.fill_rule } else { FillRule::TopLeft };
+        let rules = match way {
+            CountMode::Drawn => drawn,
+            CountMode::Reference => CoverageRules {
+                rasterizer: Rasterizer::BoundingBox,
+                arithmetic: Arithmetic::Exact,
+                fill_rule: sound_rule,
+            },
         };
         let mut spans: Vec<Span> = Vec::new();
         for (index, triangle) in self.triangles.iter().enumerate() {
@@ -288,7 +292,7 @@ impl<'a> FaultSearch<'a> {
                 CountMode::Reference => self.corners_px(index),
             };
             spans.clear();
-            cover_within(how, corners_px, (self.grid, self.scissor), &mut spans);
+            rules.cover_within(corners_px, SampleArea { grid: self.grid, scissor: self.scissor }, &mut spans);
             for span in &spans {
                 let row = span.row - self.origin.1;
                 (span.left..span.right).for_each(|column| sink(index, (column - self.origin.0, row)));

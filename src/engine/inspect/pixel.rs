@@ -21,7 +21,7 @@ use crate::pipeline::raster::Scissor;
 use crate::pipeline::sample::TexelTap;
 use crate::pipeline::settings::{Arithmetic, Choice, choice};
 use crate::pipeline::viewport::Viewport;
-use crate::pipeline::{Extent, LastStage, draw, wireframe};
+use crate::pipeline::{DrawCall, Extent, wireframe};
 use crate::scene::{Scene, Transparency, TriangleId};
 use crate::upscale::{HistoryStep, Tap};
 
@@ -377,7 +377,7 @@ fn draw_centre<O: Observer>(
     let sample = grid.sample_at(x, y)?;
     let mut one = Framebuffer::one_sample(grid, sample, scene.background, &recipe.pipeline);
     let extent = Extent { triangles: 0..frame.geometry().triangles.len(), scissor: Scissor::pixel(x, y) };
-    draw(scene, frame.geometry(), &recipe.pipeline, &extent, LastStage::Shade, &mut one, observer);
+    DrawCall::new(scene, frame.geometry(), &recipe.pipeline, &extent).draw(&mut one, observer);
     Some(one)
 }
 

@@ -6,34 +6,21 @@
 //! from far to near. Fragments of equal depth stay in submission order. The observer receives each fragment when it is
 //! blended, so a pixel's history lists fragments in blending order.
 
-use std::ops::Range;
-
 use super::depth::{DepthComparison, depth_at, unquantised_depth_at};
 use super::framebuffer::Framebuffer;
 use super::interpolate::{Fragment, interpolate};
 use super::observe::{DepthOutcome, Observer};
 use super::raster::numbers::Numbers;
-use super::raster::{RasterSample, RasterTriangle, Scissor, Span, cover_samples};
+use super::raster::{RasterSample, RasterTriangle, SampleArea, Scissor, Span, cover_samples};
+use super::samples::EdgedTriangle;
 use super::settings::Settings;
 use super::shade::Shader;
 use super::viewport::ScreenTriangle;
-use super::{Extent, Geometry, LastStage, partial};
+use super::{Extent, Geometry, partial};
 use crate::image::Image;
 
 /// Number of pixel rows whose fragments are collected at a time. It limits the memory that the fragment list uses.
 const ROWS: u32 = 16;
-
-/// Splits a range of triangles into those that are drawn in order and those whose fragments are sorted by depth.
-pub(super) fn split(
-    geometry: &Geometry,
-    settings: &Settings,
-    triangles: &Range<usize>,
-    until: LastStage,
-) -> (Range<usize>, Range<usize>) {
-    let first = if until == LastStage::Shade { geometry.sorted_from(settings) } else { triangles.end };
-    let first = first.clamp(triangles.start, triangles.end.max(triangles.start));
-    (triangles.start..first, first..triangles.end)
-}
 
 /// Returns the depth of a sample as a sort key that grows towards the viewer. The key is not quantised, because the
 /// steps of the depth format may be coarser than the distances between surfaces.
@@ -61,6 +48,8 @@ pub(super) struct FragmentList {
     collected: Vec<Collected>,
     /// Interpolated attributes. If a pixel is shaded only once, all its samples share an entry.
     fragments: Vec<Fragment>,
+    /// Index in [`Geometry::triangles`] of the triangle to which added samples belong.
+    triangle: usize,
 }
 
 impl FragmentList {
@@ -70,6 +59,11 @@ impl FragmentList {
         self.fragments.clear();
     }
 
+    /// Begins with a triangle, given by its index in [`Geometry::triangles`]. Samples added afterwards belong to it.
+    pub(super) fn begin(&mut self, triangle: usize) {
+        self.triangle = triangle;
+    }
+
     /// Adds the attributes of a fragment. Samples added afterwards belong to this fragment.
     pub(super) fn shade(&mut self, fragment: Fragment) {
         self.fragments.push(fragment);
@@ -77,15 +71,15 @@ impl FragmentList {
 
     /// Adds a sample of the most recently added fragment. `sample` is its index, counted through all framebuffers one
     /// after the other.
-    pub(super) fn add(&mut self, sample: usize, nearness: f32, triangle: usize) {
+    pub(super) fn add(&mut self, sample: usize, nearness: f32) {
         let fragment = self.fragments.len() - 1;
-        self.collected.push(Collected { sample, nearness, triangle, fragment });
+        self.collected.push(Collected { sample, nearness, triangle: self.triangle, fragment });
     }
 
     /// Sorts the fragments by sample, and the fragments of each sample from far to near. Returns each fragment with the
     /// index of its sample and the index of its triangle.
     pub(super) fn sorted(&mut self) -> impl Iterator<Item = (usize, usize, &Fragment)> {
-        let Self { collected, fragments } = self;
+        let Self { collected, fragments, .. } = self;
         collected.sort_by(|a, b| a.sample.cmp(&b.sample).then(a.nearness.total_cmp(&b.nearness)));
         collected.iter().map(|one| (one.sample, one.triangle, &fragments[one.fragment]))
     }
@@ -107,6 +101,7 @@ impl Sorting<'_> {
         let mut spans = Vec::new();
         for first in (top..bottom).step_by(ROWS as usize) {
             let band = Scissor { top: first, bottom: bottom.min(first + ROWS), ..extent.scissor };
+            let area = SampleArea { grid: frame.grid, scissor: band };
             list.clear();
             for place in extent.triangles.clone() {
                 if !band.may_overlap_box(self.geometry.triangles.box_of(place)) {
@@ -118,11 +113,12 @@ impl Sorting<'_> {
                 spans.clear();
                 let visited = match &self.geometry.partial {
                     Some(samples) if place + 1 == self.geometry.triangles.len() => {
-                        partial::within(samples, (frame.grid, band), &mut spans)
+                        partial::within(samples, area, &mut spans)
                     }
-                    _ => cover_samples(self.settings.rasterizer, &edges, corners_px, (frame.grid, band), &mut spans),
+                    _ => cover_samples(self.settings.rasterizer, &edges, corners_px, area, &mut spans),
                 };
-                self.collect((triangle, &edges, place), &spans, frame, &mut list, observer);
+                list.begin(place);
+                self.collect(EdgedTriangle { triangle, edges: &edges }, &spans, frame, &mut list, observer);
                 observer.visited(visited);
             }
             self.blend(&mut list, std::slice::from_mut(frame), observer);
@@ -130,10 +126,10 @@ impl Sorting<'_> {
     }
 
     /// Collects those samples of a blended triangle that pass the depth test, and reports the other samples to the
-    /// observer. The first argument is the triangle with its edges and its index in [`Geometry::triangles`].
+    /// observer.
     pub(super) fn collect<N: Numbers, O: Observer>(
         &self,
-        (triangle, edges, place): (&ScreenTriangle, &RasterTriangle<N>, usize),
+        EdgedTriangle { triangle, edges }: EdgedTriangle<'_, N>,
         spans: &[Span],
         frame: &Framebuffer,
         list: &mut FragmentList,
@@ -154,7 +150,7 @@ impl Sorting<'_> {
                 }
             }
             list.shade(interpolate(triangle, sample, attributes));
-            list.add(index, nearness(self.settings, triangle, &sample), place);
+            list.add(index, nearness(self.settings, triangle, &sample));
         }
     }
 

@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
+use super::area::DrawnArea;
 use super::depth::{DepthScale, clear_value};
 use super::grid::SampleGrid;
 use super::settings::{DepthTest, Settings};
-use super::viewport::Viewport;
 use crate::image::{Image, Rgba8};
 
 /// Colours and depths of the pixels that a [`SampleGrid`] selects, packed without gaps. A framebuffer may also hold
@@ -40,59 +40,49 @@ impl Framebuffer {
     /// Returns a cleared framebuffer for a full picture of `width` × `height` px. `background` is the scene's
     /// background colour, as sRGB codes; the settings may replace it.
     pub(crate) fn new(grid: SampleGrid, width: u32, height: u32, background: [u8; 3], settings: &Settings) -> Self {
-        Self::cleared(grid, (0, 0), grid.packed_size(width, height), background, settings)
+        Self::cleared(grid, grid.packed_size(width, height), background, settings)
     }
 
     /// Returns a cleared framebuffer that holds a single sample.
     pub(crate) fn one_sample(grid: SampleGrid, sample: (u32, u32), background: [u8; 3], settings: &Settings) -> Self {
-        Self::cleared(grid, sample, (1, 1), background, settings)
+        Self { origin: sample, ..Self::cleared(grid, (1, 1), background, settings) }
     }
 
-    /// Returns a cleared framebuffer for the rows `rows` of the packed picture. The full picture has `width` × `height`
-    /// px.
-    pub(crate) fn of_rows(
-        grid: SampleGrid,
-        (width, height): (u32, u32),
-        rows: Range<u32>,
-        background: [u8; 3],
-        settings: &Settings,
-    ) -> Self {
-        let (columns, _) = grid.packed_size(width, height);
-        Self::cleared(grid, (0, rows.start), (columns, rows.end - rows.start), background, settings)
+    /// Returns a cleared framebuffer for the rows `rows` of the packed picture of an area.
+    pub(crate) fn of_rows(area: DrawnArea, rows: Range<u32>, background: [u8; 3], settings: &Settings) -> Self {
+        let (columns, _) = area.packed_size();
+        let size = (columns, rows.end - rows.start);
+        Self { origin: (0, rows.start), ..Self::cleared(area.grid, size, background, settings) }
     }
 
-    fn cleared(
-        grid: SampleGrid,
-        origin: (u32, u32),
-        (width, height): (u32, u32),
-        background: [u8; 3],
-        settings: &Settings,
-    ) -> Self {
+    /// Returns a cleared framebuffer that holds samples of the packed picture from the first one on.
+    fn cleared(grid: SampleGrid, (width, height): (u32, u32), background: [u8; 3], settings: &Settings) -> Self {
         let [r, g, b] = settings.background.resolve(background);
         let clear_depth = clear_value(settings);
         let depth = (settings.depth_test != DepthTest::Off).then(|| Image::filled(width, height, clear_depth));
         let color = Image::filled(width, height, [r, g, b, 255]);
-        Self { grid, origin, color, depth, clear_depth, depth_scale: DepthScale::default() }
+        Self { grid, origin: (0, 0), color, depth, clear_depth, depth_scale: DepthScale::default() }
     }
 
     /// Returns an uncleared framebuffer that reuses existing buffers. Their old content remains, so callers must
     /// overwrite all of it.
-    pub(crate) fn reusing(
-        grid: SampleGrid,
-        viewport: Viewport,
-        (color, depth): (Option<Image<Rgba8>>, Option<Image<f32>>),
-        settings: &Settings,
-        keep_depth: KeepDepth,
-    ) -> Self {
-        let (width, height) = grid.packed_size(viewport.width, viewport.height);
+    pub(crate) fn reusing(area: DrawnArea, memory: UsedImages, settings: &Settings, keep_depth: KeepDepth) -> Self {
+        let (width, height) = area.packed_size();
         let needs_depth = keep_depth == KeepDepth::Yes && settings.depth_test != DepthTest::Off;
         Self {
-            grid,
+            grid: area.grid,
             origin: (0, 0),
-            color: Image::reusing(color, width, height, [0; 4]),
-            depth: needs_depth.then(|| Image::reusing(depth, width, height, 0.0)),
+            color: Image::reusing(memory.color, width, height, [0; 4]),
+            depth: needs_depth.then(|| Image::reusing(memory.depth, width, height, 0.0)),
             clear_depth: clear_value(settings),
             depth_scale: DepthScale::default(),
         }
     }
+}
+
+/// Images of earlier framebuffers, whose memory is used again.
+#[derive(Debug)]
+pub(crate) struct UsedImages {
+    pub(crate) color: Option<Image<Rgba8>>,
+    pub(crate) depth: Option<Image<f32>>,
 }

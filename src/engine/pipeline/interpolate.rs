@@ -236,7 +236,7 @@ mod tests {
     use crate::pipeline::raster::{AnyTriangle, doubled_area};
     use crate::pipeline::settings::FillRule;
     use crate::pipeline::vertex::Varyings;
-    use crate::pipeline::viewport::ScreenVertex;
+    use crate::pipeline::viewport::{ScreenVertex, TriangleOwner};
 
     /// Returns the texture coordinates of a triangle at a position in pixels, computed in f64 from its snapped corners.
     fn true_uv(corners: &[ScreenVertex; 3], [x, y]: [f64; 2]) -> DVec2 {
@@ -266,7 +266,8 @@ mod tests {
             let positions = vertices.each_ref().map(|v| v.position_px);
             let (area, _) = doubled_area(Arithmetic::Fixed, positions);
             let edges = AnyTriangle::new(Arithmetic::Fixed, positions, FillRule::TopLeft).unwrap();
-            let triangle = ScreenTriangle::new((TriangleId(0), 0), vertices, area.abs(), &DepthScale::default(), true);
+            let triangle =
+                ScreenTriangle::new(TriangleOwner::FIRST, vertices, area.abs(), &DepthScale::default(), true);
             let [across, down] = [0, 1].map(|axis| (positions.iter().map(|p| p[axis]).sum::<f32>() / 3.0) as u32);
             let sample = edges.sample((across, down));
             if sample.edges.iter().any(|edge| *edge < 0.0) {

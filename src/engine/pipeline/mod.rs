@@ -6,12 +6,14 @@
 //!            per draw, all triangles       │       per triangle, sample by sample
 //! ```
 //!
-//! [`prepare`] runs the left half and returns [`Geometry`]; [`draw`] runs the right half and fills a [`Framebuffer`].
+//! [`prepare`] runs the left half and returns [`Geometry`]; [`DrawCall`] runs the right half and fills a [`Framebuffer`].
 //! This is the *classic* execution: triangle after triangle, plain scalar code, every stage visible. It is the
 //! reference for every faster execution, which must give the same picture, bit for bit.
 //!
 //! Opaque and alpha-tested triangles come first, in submission order. Blended triangles follow, in the order of
 //! [`settings::BlendingOrder`]. They are tested against the stored depths but store none themselves.
+
+pub(crate) mod area;
 
 pub mod background;
 
@@ -28,6 +30,8 @@ pub mod depth;
 pub(crate) mod footprint;
 
 pub(crate) mod framebuffer;
+
+mod geometry_stages;
 
 pub(crate) mod gbuffer;
 
@@ -68,24 +72,41 @@ pub mod viewport;
 pub(crate) mod wireframe;
 
 use std::ops::Range;
-use std::time::{Duration, Instant};
-
-use glam::{DMat4, Vec3};
+use std::time::Duration;
 
 use blending::Sorting;
 use depth::{DepthComparison, DepthScale};
 use framebuffer::Framebuffer;
-use observe::{Fate, Observer};
-use plan::{DrawPlan, PipelinePart};
+pub(crate) use geometry_stages::from_clip_space;
+pub use geometry_stages::prepare;
+use glam::DMat4;
+use observe::Observer;
+use plan::DrawPlan;
 use raster::numbers::Numbers;
-use raster::{RasterTriangle, Scissor, Span, cover_samples, doubled_area, with_arithmetic};
-use settings::{Arithmetic, Blending, BlendingOrder, Culling, Settings};
+use raster::{RasterTriangle, SampleArea, Scissor, Span, cover_samples, with_arithmetic};
+use samples::{EdgedTriangle, SampleStages};
+use settings::{Blending, BlendingOrder, Settings};
 use shade::Shader;
 use triangle_list::TriangleList;
-use vertex::{ClipVertex, DrawMatrices, containment, transform};
-use viewport::{ScreenTriangle, ScreenVertex, Viewport};
+use viewport::{ScreenTriangle, Viewport};
 
-use crate::scene::{Camera, Instance, Scene, Transparency, TriangleId};
+use crate::scene::{Camera, Scene, Transparency};
+
+/// View to draw: a scene and its camera, with the settings and the size of the picture.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DrawnView<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) camera: &'a Camera,
+    pub(crate) settings: &'a Settings,
+    pub(crate) viewport: Viewport,
+}
+
+impl DrawnView<'_> {
+    /// Returns the matrix from world space to clip space.
+    fn clip_from_world(&self) -> DMat4 {
+        self.camera.clip_from_world_f64(self.viewport.aspect(), self.settings.depth_format.mapping())
+    }
+}
 
 /// Output of the geometry stages, and input of the rasterizer.
 #[derive(Clone, Debug, Default)]
@@ -190,7 +211,7 @@ pub(crate) struct GeometryTimes {
     pub(crate) cull: Duration,
 }
 
-/// Last stage that [`draw`] runs for each covered sample. Stopping early serves to time stages separately. `black_box`
+/// Last stage that [`DrawCall`] runs for each covered sample. Stopping early serves to time stages separately. `black_box`
 /// then prevents the result from being eliminated as dead code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LastStage {
@@ -204,218 +225,7 @@ pub(crate) enum LastStage {
     Shade,
 }
 
-/// Runs the geometry stages over all instances of a scene, for a picture of the viewport's size.
-pub fn prepare<O: Observer>(
-    scene: &Scene,
-    camera: &Camera,
-    settings: &Settings,
-    viewport: Viewport,
-    observer: &mut O,
-) -> Geometry {
-    let mut geometry =
-        Geometry { depth_scale: DepthScale::of(settings, camera), blending: settings.blending, ..Geometry::default() };
-    let clip_from_world = camera.clip_from_world_f64(viewport.aspect(), settings.depth_format.mapping());
-    let seen_by = (camera, clip_from_world);
-    for ((index, instance), first) in scene.instances.iter().enumerate().zip(scene.first_triangles()) {
-        prepare_draw(scene, seen_by, settings, viewport, (index, instance, first), &mut geometry, observer);
-    }
-    geometry.draw_blended_last();
-    geometry.triangles.find_boxes();
-    geometry
-}
-
-fn prepare_draw<O: Observer>(
-    scene: &Scene,
-    (camera, clip_from_world): (&Camera, DMat4),
-    settings: &Settings,
-    viewport: Viewport,
-    (index, instance, first): (usize, &Instance, TriangleId),
-    out: &mut Geometry,
-    observer: &mut O,
-) {
-    let mesh = scene.library.mesh(instance.mesh);
-    out.triangles_in += mesh.triangles.len();
-
-    let start = Instant::now();
-    let matrices = DrawMatrices::new(instance, clip_from_world);
-    let inside = containment(mesh.visible_bounds(), matrices.clip_from_model);
-    let plan = DrawPlan::new(&scene.library, instance, camera, settings, inside).starting_at(first);
-    out.plans.push(plan);
-    if !plan.runs(PipelinePart::Vertices) {
-        for offset in 0..mesh.triangles.len() as u32 {
-            observer.rejected(TriangleId(first.0 + offset), Fate::Outside);
-        }
-        out.times.transform += start.elapsed();
-        return;
-    }
-    let vertices = transform(mesh, &matrices, settings, &plan);
-    out.vertices += vertices.len();
-    out.times.transform += start.elapsed();
-    let draw = ClipSpaceDraw {
-        instance: index as u32,
-        vertices: &vertices,
-        triangles: &mesh.triangles,
-        first,
-        may_cross: plan.runs(PipelinePart::Clipping),
-        divides_by_w: plan.runs(PipelinePart::PerspectiveDivision),
-        culling: plan.culling(),
-    };
-    finish_draw(&draw, settings, viewport, out, observer);
-}
-
-/// Triangles of one draw after the vertex transform.
-#[derive(Clone, Copy, Debug)]
-struct ClipSpaceDraw<'a> {
-    /// Index of the instance in the scene.
-    instance: u32,
-    /// Vertices in clip space.
-    vertices: &'a [ClipVertex],
-    /// Vertex indices of each triangle.
-    triangles: &'a [[u32; 3]],
-    /// Identifier of the draw's first triangle.
-    first: TriangleId,
-    /// Whether triangles may cross a plane of the frustum; if `false`, no triangle is tested for clipping.
-    may_cross: bool,
-    /// Whether attributes are interpolated perspective-correctly.
-    divides_by_w: bool,
-    /// Culling of the triangles by their facing.
-    culling: Culling,
-}
-
-/// Number of triangles that pass through the geometry stages together. The results of each stage then stay in the
-/// processor's cache until the next stage reads them.
-const BATCH: usize = 256;
-
-/// Runs the geometry stages of one draw, from clipping to culling.
-fn finish_draw<O: Observer>(
-    draw: &ClipSpaceDraw<'_>,
-    settings: &Settings,
-    viewport: Viewport,
-    out: &mut Geometry,
-    observer: &mut O,
-) {
-    if !draw.may_cross {
-        return finish_unclipped(draw, settings, viewport, out, observer);
-    }
-    let widening = clip::guard_band_widening(viewport.width, viewport.height);
-    let depth_scale = out.depth_scale;
-    let mut triangles = std::mem::take(&mut out.triangles).into_vec();
-    triangles.reserve(draw.triangles.len());
-    let firsts = (draw.first.0..).step_by(BATCH).map(TriangleId);
-    for (batch, first) in draw.triangles.chunks(BATCH).zip(firsts) {
-        let transformed = Instant::now();
-        let clipped = clip::clip(draw.vertices, batch, first, widening, observer);
-        out.triangles_clipped += clipped.len();
-        let clipping_done = Instant::now();
-
-        let projected: Vec<(TriangleId, [ScreenVertex; 3])> =
-            clipped.iter().map(|t| (t.id, viewport.project(t, &depth_scale))).collect();
-        let projected_at = Instant::now();
-
-        // Pieces of one triangle are adjacent.
-        for pieces in projected.chunk_by(|a, b| a.0 == b.0) {
-            set_up(pieces, draw, settings, &depth_scale, &mut triangles, observer);
-        }
-        out.times.clip += clipping_done - transformed;
-        out.times.project += projected_at - clipping_done;
-        out.times.cull += projected_at.elapsed();
-    }
-    out.triangles = triangles.into();
-}
-
-/// Runs the geometry stages of a draw that no plane cuts. Each vertex is projected once, not once per triangle, and
-/// only the corners of triangles that are kept are copied.
-fn finish_unclipped<O: Observer>(
-    draw: &ClipSpaceDraw<'_>,
-    settings: &Settings,
-    viewport: Viewport,
-    out: &mut Geometry,
-    observer: &mut O,
-) {
-    let begun = Instant::now();
-    let depth_scale = out.depth_scale;
-    let projected: Vec<ScreenVertex> =
-        draw.vertices.iter().map(|vertex| viewport.project_vertex(vertex, &depth_scale)).collect();
-    let projected_at = Instant::now();
-    let mut triangles = std::mem::take(&mut out.triangles).into_vec();
-    triangles.reserve(draw.triangles.len());
-    for (id, corners) in (draw.first.0..).map(TriangleId).zip(draw.triangles) {
-        let corners = corners.map(|corner| &projected[corner as usize]);
-        let (area, scale) = doubled_area(settings.arithmetic, corners.map(|corner| corner.position_px));
-        if let Some(fate) = cull::cull(area, draw.culling) {
-            observer.rejected(id, fate);
-            continue;
-        }
-        let mut vertices = corners.map(|corner| *corner);
-        for (vertex, own) in vertices.iter_mut().zip(Vec3::AXES) {
-            vertex.varyings.source_weights = own;
-        }
-        let owner = (id, draw.instance);
-        let area = (area * scale).abs();
-        triangles.push(ScreenTriangle::new(owner, vertices, area, &depth_scale, draw.divides_by_w));
-    }
-    out.triangles_clipped += draw.triangles.len();
-    out.times.project += projected_at - begun;
-    out.times.cull += projected_at.elapsed();
-    out.triangles = triangles.into();
-}
-
-/// Clips, projects and sets up triangles that are given in clip space, without a camera. Draws both front-facing and
-/// back-facing triangles.
-pub(crate) fn from_clip_space<O: Observer>(
-    vertices: &[ClipVertex],
-    triangles: &[[u32; 3]],
-    arithmetic: Arithmetic,
-    viewport: Viewport,
-    observer: &mut O,
-) -> Vec<ScreenTriangle> {
-    let draw = ClipSpaceDraw {
-        instance: 0,
-        vertices,
-        triangles,
-        first: TriangleId(0),
-        may_cross: true,
-        divides_by_w: true,
-        culling: Culling::None,
-    };
-    let settings = Settings { arithmetic, ..Settings::default() };
-    let mut geometry = Geometry::default();
-    finish_draw(&draw, &settings, viewport, &mut geometry, observer);
-    geometry.triangles.into_vec()
-}
-
-/// Culls the pieces of one triangle and sets up the edges of those kept. If none is kept, reports one fate for the
-/// whole triangle.
-fn set_up<O: Observer>(
-    pieces: &[(TriangleId, [ScreenVertex; 3])],
-    draw: &ClipSpaceDraw<'_>,
-    settings: &Settings,
-    depth_scale: &DepthScale,
-    out: &mut Vec<ScreenTriangle>,
-    observer: &mut O,
-) {
-    let kept_before = out.len();
-    let mut rejected = None;
-    for (id, corners) in pieces {
-        let positions_px = corners.each_ref().map(|v| v.position_px);
-        let (area, scale) = doubled_area(settings.arithmetic, positions_px);
-        match cull::cull(area, draw.culling) {
-            // A piece of zero area does not determine whether the triangle is front-facing or back-facing.
-            Some(Fate::ZeroArea) => rejected = rejected.or(Some((*id, Fate::ZeroArea))),
-            Some(facing) => rejected = Some((*id, facing)),
-            None => {
-                let area = (area * scale).abs();
-                let owner = (*id, draw.instance);
-                out.push(ScreenTriangle::new(owner, *corners, area, depth_scale, draw.divides_by_w));
-            }
-        }
-    }
-    if let Some((id, fate)) = rejected.filter(|_| out.len() == kept_before) {
-        observer.rejected(id, fate);
-    }
-}
-
-/// Range of triangles, and rectangle of pixels, that [`draw`] processes.
+/// Range of triangles, and rectangle of pixels, that [`DrawCall`] processes.
 #[derive(Clone, Debug)]
 pub(crate) struct Extent {
     /// Range of indices into [`Geometry::triangles`].
@@ -431,77 +241,85 @@ impl Extent {
     }
 }
 
-/// Rasterizes, depth-tests, interpolates and shades the triangles of `extent`, up to the stage `until`.
-pub(crate) fn draw<O: Observer>(
-    scene: &Scene,
-    geometry: &Geometry,
-    settings: &Settings,
-    extent: &Extent,
-    until: LastStage,
-    frame: &mut Framebuffer,
-    observer: &mut O,
-) {
-    with_arithmetic!(settings.arithmetic, N => draw_in::<N, O>(scene, geometry, settings, extent, until, frame, observer));
+/// Draw of prepared triangles.
+#[derive(Clone, Copy)]
+pub(crate) struct DrawCall<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) geometry: &'a Geometry,
+    pub(crate) settings: &'a Settings,
+    pub(crate) extent: &'a Extent,
+    /// Last stage that runs for each covered sample.
+    pub(crate) until: LastStage,
 }
 
-/// Implements [`draw`] for the arithmetic `N`.
-fn draw_in<N: Numbers, O: Observer>(
-    scene: &Scene,
-    geometry: &Geometry,
-    settings: &Settings,
-    extent: &Extent,
-    until: LastStage,
-    frame: &mut Framebuffer,
-    observer: &mut O,
-) {
-    let comparison = DepthComparison::of(settings);
-    let shaders: Vec<Shader<'_>> = scene
-        .instances
-        .iter()
-        .zip(&geometry.plans)
-        .map(|(instance, plan)| Shader::new(settings, &scene.library, instance, plan))
-        .collect();
-    let mut spans: Vec<Span> = Vec::new();
-    let (in_order, to_sort) = blending::split(geometry, settings, &extent.triangles, until);
-    for place in in_order {
-        if !extent.scissor.may_overlap_box(geometry.triangles.box_of(place)) {
-            continue;
-        }
-        let triangle = &geometry.triangles[place];
-        let shader = &shaders[triangle.instance as usize];
-        let corners_px = triangle.corners_px();
-        let Some(edges) = RasterTriangle::<N>::new(corners_px, settings.fill_rule) else { continue };
-        spans.clear();
-        let area = (frame.grid, extent.scissor);
-        let visited = match &geometry.partial {
-            Some(samples) if place + 1 == geometry.triangles.len() => partial::within(samples, area, &mut spans),
-            _ => cover_samples(settings.rasterizer, &edges, corners_px, area, &mut spans),
-        };
-        samples::draw((triangle, &edges), &spans, shader, (comparison, until), frame, observer);
-        observer.visited(visited);
+impl<'a> DrawCall<'a> {
+    /// Creates a draw that runs all stages.
+    pub(crate) fn new(scene: &'a Scene, geometry: &'a Geometry, settings: &'a Settings, extent: &'a Extent) -> Self {
+        Self { scene, geometry, settings, extent, until: LastStage::Shade }
     }
-    if !to_sort.is_empty() {
-        let drawn = &Extent { triangles: to_sort, scissor: extent.scissor };
-        Sorting { geometry, settings, shaders: &shaders }.draw::<N, O>(drawn, frame, observer);
-    }
-}
 
-/// Draws only the given samples of one triangle; see [`draw`]. `place` is the triangle's index in
-/// [`Geometry::triangles`].
-pub(crate) fn draw_samples(
-    scene: &Scene,
-    geometry: &Geometry,
-    settings: &Settings,
-    (place, samples): (usize, &[Span]),
-    frame: &mut Framebuffer,
-) {
-    let triangle = &geometry.triangles[place];
-    let instance = triangle.instance as usize;
-    let shader = Shader::new(settings, &scene.library, &scene.instances[instance], &geometry.plans[instance]);
-    with_arithmetic!(settings.arithmetic, N => {
-        if let Some(edges) = RasterTriangle::<N>::new(triangle.corners_px(), settings.fill_rule) {
-            let how = (DepthComparison::of(settings), LastStage::Shade);
-            samples::draw((triangle, &edges), samples, &shader, how, frame, &mut ());
+    /// Rasterizes, depth-tests, interpolates and shades the triangles.
+    pub(crate) fn draw<O: Observer>(&self, frame: &mut Framebuffer, observer: &mut O) {
+        with_arithmetic!(self.settings.arithmetic, N => self.draw_in::<N, O>(frame, observer));
+    }
+
+    /// Implements [`DrawCall::draw`] for the arithmetic `N`.
+    fn draw_in<N: Numbers, O: Observer>(&self, frame: &mut Framebuffer, observer: &mut O) {
+        let Self { geometry, settings, extent, until, .. } = *self;
+        let stages = SampleStages { comparison: DepthComparison::of(settings), until };
+        let shaders = self.shaders();
+        let mut spans: Vec<Span> = Vec::new();
+        let (in_order, to_sort) = self.split();
+        for place in in_order {
+            if !extent.scissor.may_overlap_box(geometry.triangles.box_of(place)) {
+                continue;
+            }
+            let triangle = &geometry.triangles[place];
+            let shader = &shaders[triangle.instance as usize];
+            let corners_px = triangle.corners_px();
+            let Some(edges) = RasterTriangle::<N>::new(corners_px, settings.fill_rule) else { continue };
+            spans.clear();
+            let area = SampleArea { grid: frame.grid, scissor: extent.scissor };
+            let visited = match &geometry.partial {
+                Some(samples) if place + 1 == geometry.triangles.len() => partial::within(samples, area, &mut spans),
+                _ => cover_samples(settings.rasterizer, &edges, corners_px, area, &mut spans),
+            };
+            stages.draw(EdgedTriangle { triangle, edges: &edges }, &spans, shader, frame, observer);
+            observer.visited(visited);
         }
-    });
+        if !to_sort.is_empty() {
+            let drawn = &Extent { triangles: to_sort, scissor: extent.scissor };
+            Sorting { geometry, settings, shaders: &shaders }.draw::<N, O>(drawn, frame, observer);
+        }
+    }
+
+    /// Draws only the given samples of the first triangle of the extent.
+    pub(crate) fn draw_samples(&self, spans: &[Span], frame: &mut Framebuffer) {
+        let Self { scene, geometry, settings, extent, until } = *self;
+        let triangle = &geometry.triangles[extent.triangles.start];
+        let instance = triangle.instance as usize;
+        let shader = &Shader::new(settings, &scene.library, &scene.instances[instance], &geometry.plans[instance]);
+        let stages = SampleStages { comparison: DepthComparison::of(settings), until };
+        with_arithmetic!(settings.arithmetic, N => {
+            if let Some(edges) = RasterTriangle::<N>::new(triangle.corners_px(), settings.fill_rule) {
+                stages.draw(EdgedTriangle { triangle, edges: &edges }, spans, shader, frame, &mut ());
+            }
+        });
+    }
+
+    /// Returns the shader of each instance.
+    pub(crate) fn shaders(&self) -> Vec<Shader<'a>> {
+        let draws = self.scene.instances.iter().zip(&self.geometry.plans);
+        draws.map(|(instance, plan)| Shader::new(self.settings, &self.scene.library, instance, plan)).collect()
+    }
+
+    /// Returns the range of triangles that are drawn in order, and the range of those whose fragments are sorted by
+    /// depth.
+    fn split(&self) -> (Range<usize>, Range<usize>) {
+        let triangles = &self.extent.triangles;
+        let sorts = self.until == LastStage::Shade;
+        let first = if sorts { self.geometry.sorted_from(self.settings) } else { triangles.end };
+        let first = first.clamp(triangles.start, triangles.end.max(triangles.start));
+        (triangles.start..first, first..triangles.end)
+    }
 }

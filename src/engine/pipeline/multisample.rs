@@ -14,15 +14,17 @@ use std::ops::Range;
 use super::blending::{self, FragmentList, Sorting};
 use super::depth::{DepthComparison, DepthScale, depth_at};
 use super::framebuffer::Framebuffer;
+use super::grid::SampleGrid;
 use super::interpolate::{Fragment, interpolate};
 use super::raster::numbers::Numbers;
-use super::raster::{RasterSample, RasterTriangle, Span, cover_samples, doubled_area, with_arithmetic};
+use super::raster::{RasterSample, RasterTriangle, SampleArea, Span, cover_samples, doubled_area, with_arithmetic};
+use super::samples::{EdgedTriangle, SampleStages};
 use super::settings::Settings;
 use super::shade::Shader;
 use super::viewport::{ScreenTriangle, ScreenVertex};
-use super::{Extent, Geometry, LastStage, samples};
+use super::{DrawCall, LastStage};
 use crate::math::fixed::snap;
-use crate::scene::{Scene, Transparency};
+use crate::scene::Transparency;
 
 /// Candidate positions of the samples in a pixel, and the function that chooses one per sample.
 #[derive(Clone, Copy)]
@@ -43,18 +45,11 @@ pub(crate) enum ShadingRate {
     Pixel,
 }
 
-/// Draws the triangles of `extent`. `frames` holds one framebuffer for each sample within a pixel: the first holds the
+/// Draws triangles with all stages. `frames` holds one framebuffer for each sample within a pixel: the first holds the
 /// first sample of every pixel, and so on. All framebuffers hold the same rectangle.
-pub(crate) fn draw(
-    scene: &Scene,
-    geometry: &Geometry,
-    settings: &Settings,
-    extent: &Extent,
-    (places, rate): (CandidatePositions<'_>, ShadingRate),
-    frames: &mut [Framebuffer],
-) {
-    let job = DrawContext::new(scene, geometry, settings, extent, places);
-    with_arithmetic!(settings.arithmetic, N => match rate {
+pub(crate) fn draw(call: DrawCall<'_>, places: CandidatePositions<'_>, rate: ShadingRate, frames: &mut [Framebuffer]) {
+    let job = DrawContext { call, places, comparison: DepthComparison::of(call.settings), shaders: call.shaders() };
+    with_arithmetic!(call.settings.arithmetic, N => match rate {
         ShadingRate::Sample => job.per_sample::<N>(frames),
         ShadingRate::Pixel => job.per_pixel::<N>(frames),
     });
@@ -62,64 +57,92 @@ pub(crate) fn draw(
 
 /// Inputs shared by all triangles of a draw.
 struct DrawContext<'a> {
-    geometry: &'a Geometry,
-    settings: &'a Settings,
-    extent: &'a Extent,
+    call: DrawCall<'a>,
     places: CandidatePositions<'a>,
     comparison: DepthComparison,
     shaders: Vec<Shader<'a>>,
 }
 
-/// Covered sample: row and column in the packed picture, index of the sample within its pixel, and index of its
-/// candidate position.
-type CandidateSample = (u32, u32, usize, usize);
+/// Covered sample. The order is that of the rows of the packed picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct CandidateSample {
+    /// Row in the packed picture.
+    row: u32,
+    /// Column in the packed picture.
+    column: u32,
+    /// Index of the sample within its pixel.
+    sample: usize,
+    /// Index of the candidate position of the sample.
+    place: usize,
+}
 
-/// Triangle displaced for one candidate position, with its edges; `None` if the triangle has no area.
-type DisplacedTriangle<N> = Option<(ScreenTriangle, RasterTriangle<N>)>;
+/// Triangle displaced for one candidate position, with its edges.
+struct DisplacedTriangle<N: Numbers> {
+    triangle: ScreenTriangle,
+    edges: RasterTriangle<N>,
+}
+
+impl<N: Numbers> DisplacedTriangle<N> {
+    fn edged(&self) -> EdgedTriangle<'_, N> {
+        EdgedTriangle { triangle: &self.triangle, edges: &self.edges }
+    }
+}
+
+/// Displaced triangles of all candidate positions of all samples; `None` where the triangle has no area.
+type DisplacedTriangles<N> = Vec<Vec<Option<DisplacedTriangle<N>>>>;
+
+/// Samples of one pixel that a triangle covers.
+struct CoveredPixel<'t, N: Numbers> {
+    /// The triangle, displaced for every sample.
+    moved: &'t DisplacedTriangles<N>,
+    samples: &'t [CandidateSample],
+}
+
+impl<'t, N: Numbers> CoveredPixel<'t, N> {
+    /// Returns a covered sample, and the triangle displaced for that sample's position. `pixel` is the column and row of
+    /// the pixel in the full picture.
+    fn displaced(&self, at: CandidateSample, pixel: (u32, u32)) -> Option<(&'t ScreenTriangle, RasterSample)> {
+        let DisplacedTriangle { triangle, edges } = self.moved[at.sample][at.place].as_ref()?;
+        Some((triangle, edges.sample((at.column, at.row), pixel)))
+    }
+}
 
 impl<'a> DrawContext<'a> {
-    fn new(
-        scene: &'a Scene,
-        geometry: &'a Geometry,
-        settings: &'a Settings,
-        extent: &'a Extent,
-        places: CandidatePositions<'a>,
-    ) -> Self {
-        let draws = scene.instances.iter().zip(&geometry.plans);
-        let shaders = draws.map(|(instance, plan)| Shader::new(settings, &scene.library, instance, plan)).collect();
-        Self { geometry, settings, extent, places, comparison: DepthComparison::of(settings), shaders }
-    }
-
     /// Returns the range of triangles drawn in order, and the range of those whose fragments are sorted by depth.
     fn split(&self) -> [Range<usize>; 2] {
-        blending::split(self.geometry, self.settings, &self.extent.triangles, LastStage::Shade).into()
+        self.call.split().into()
     }
 
     /// Returns the triangles of a range that may cover samples within the scissor, in drawing order, with their indices
     /// and shaders.
     fn triangles(&self, range: Range<usize>) -> impl Iterator<Item = (usize, &ScreenTriangle, &Shader<'a>)> {
-        let all = &self.geometry.triangles;
-        let near = range.filter(|place| self.extent.scissor.may_overlap_box(all.box_of(*place)));
+        let all = &self.call.geometry.triangles;
+        let near = range.filter(|place| self.call.extent.scissor.may_overlap_box(all.box_of(*place)));
         let near = near.map(|place| (place, &all[place]));
         near.map(|(place, triangle)| (place, triangle, &self.shaders[triangle.instance as usize]))
     }
 
     fn sorting(&self) -> Sorting<'_> {
-        Sorting { geometry: self.geometry, settings: self.settings, shaders: &self.shaders }
+        Sorting { geometry: self.call.geometry, settings: self.call.settings, shaders: &self.shaders }
     }
 
     /// Returns one displaced triangle for each candidate position of one sample.
-    fn displaced_to<N: Numbers>(&self, triangle: &ScreenTriangle, places: &[[f32; 2]]) -> Vec<DisplacedTriangle<N>> {
+    fn displaced_to<N: Numbers>(
+        &self,
+        triangle: &ScreenTriangle,
+        places: &[[f32; 2]],
+    ) -> Vec<Option<DisplacedTriangle<N>>> {
+        let DrawCall { geometry, settings, .. } = self.call;
         let moved = |offset_px: &[f32; 2]| {
-            let moved = displaced(triangle, *offset_px, self.settings, &self.geometry.depth_scale)?;
-            let edges = RasterTriangle::<N>::new(moved.corners_in(self.settings.arithmetic), self.settings.fill_rule)?;
-            Some((moved, edges))
+            let triangle = displaced(triangle, *offset_px, settings, &geometry.depth_scale)?;
+            let edges = RasterTriangle::<N>::new(triangle.corners_in(settings.arithmetic), settings.fill_rule)?;
+            Some(DisplacedTriangle { triangle, edges })
         };
         places.iter().map(moved).collect()
     }
 
     /// Computes one displaced triangle for each candidate position of each sample.
-    fn displace_all<N: Numbers>(&self, triangle: &ScreenTriangle, out: &mut Vec<Vec<DisplacedTriangle<N>>>) {
+    fn displace_all<N: Numbers>(&self, triangle: &ScreenTriangle, out: &mut DisplacedTriangles<N>) {
         out.clear();
         out.extend(self.places.candidates.iter().map(|places| self.displaced_to(triangle, places)));
     }
@@ -128,20 +151,21 @@ impl<'a> DrawContext<'a> {
     /// sample has another candidate position than `place` are left out.
     fn cover<N: Numbers>(
         &self,
-        (triangle, edges): (&ScreenTriangle, &RasterTriangle<N>),
-        (sample, place): (usize, usize),
-        frame: &Framebuffer,
+        DisplacedTriangle { triangle, edges }: &DisplacedTriangle<N>,
+        sample: usize,
+        place: usize,
+        grid: SampleGrid,
         spans: &mut Vec<Span>,
     ) {
         spans.clear();
-        let area = (frame.grid, self.extent.scissor);
-        cover_samples(self.settings.rasterizer, edges, triangle.corners_px(), area, spans);
+        let area = SampleArea { grid, scissor: self.call.extent.scissor };
+        cover_samples(self.call.settings.rasterizer, edges, triangle.corners_px(), area, spans);
         if self.places.candidates[sample].len() > 1 {
             let all = std::mem::take(spans);
             let columns =
                 all.into_iter().flat_map(|span| (span.left..span.right).map(move |column| (column, span.row)));
             for (column, row) in columns {
-                if (self.places.chosen)(frame.grid.pixel(column, row), sample) == place {
+                if (self.places.chosen)(grid.pixel(column, row), sample) == place {
                     spans.push(Span { row, left: column, right: column + 1 });
                 }
             }
@@ -155,10 +179,10 @@ impl<'a> DrawContext<'a> {
             self.displace_all::<N>(triangle, &mut moved);
             for ((sample, frame), places) in frames.iter_mut().enumerate().zip(&moved) {
                 for (place, seen) in places.iter().enumerate() {
-                    let Some((moved, edges)) = seen else { continue };
-                    self.cover((moved, edges), (sample, place), frame, &mut spans);
-                    let how = (self.comparison, LastStage::Shade);
-                    samples::draw((moved, edges), &spans, shader, how, frame, &mut ());
+                    let Some(moved) = seen else { continue };
+                    self.cover(moved, sample, place, frame.grid, &mut spans);
+                    let stages = SampleStages { comparison: self.comparison, until: LastStage::Shade };
+                    stages.draw(moved.edged(), &spans, shader, frame, &mut ());
                 }
             }
         }
@@ -175,9 +199,10 @@ impl<'a> DrawContext<'a> {
             list.clear();
             for (index, triangle, _) in self.triangles(triangles.clone()) {
                 for (place, seen) in self.displaced_to::<N>(triangle, candidates).iter().enumerate() {
-                    let Some((moved, edges)) = seen else { continue };
-                    self.cover((moved, edges), (sample, place), frame, &mut spans);
-                    self.sorting().collect((moved, edges, index), &spans, frame, &mut list, &mut ());
+                    let Some(moved) = seen else { continue };
+                    self.cover(moved, sample, place, frame.grid, &mut spans);
+                    list.begin(index);
+                    self.sorting().collect(moved.edged(), &spans, frame, &mut list, &mut ());
                 }
             }
             self.sorting().blend(&mut list, std::slice::from_mut(frame), &mut ());
@@ -185,31 +210,33 @@ impl<'a> DrawContext<'a> {
     }
 
     fn per_pixel<N: Numbers>(&self, frames: &mut [Framebuffer]) {
-        let (mut spans, mut moved, mut covered) = (Vec::new(), Vec::new(), Vec::<CandidateSample>::new());
+        let (mut spans, mut moved, mut covered) = (Vec::new(), Vec::new(), Vec::new());
         let [in_order, to_sort] = self.split();
         let mut list = FragmentList::default();
-        for (index, triangle, shader) in self.triangles(in_order.start..to_sort.end) {
+        for (index, triangle, _) in self.triangles(in_order.start..to_sort.end) {
             self.displace_all::<N>(triangle, &mut moved);
             covered.clear();
             for ((sample, frame), places) in frames.iter().enumerate().zip(&moved) {
                 for (place, seen) in places.iter().enumerate() {
-                    let Some((moved, edges)) = seen else { continue };
-                    self.cover((moved, edges), (sample, place), frame, &mut spans);
-                    for span in &spans {
-                        covered.extend((span.left..span.right).map(|column| (span.row, column, sample, place)));
+                    let Some(moved) = seen else { continue };
+                    self.cover(moved, sample, place, frame.grid, &mut spans);
+                    for Span { row, left, right } in spans.iter().copied() {
+                        covered.extend((left..right).map(|column| CandidateSample { row, column, sample, place }));
                     }
                 }
             }
             covered.sort_unstable();
-            let centre = RasterTriangle::<N>::new(triangle.corners_px(), self.settings.fill_rule);
-            for pixel in covered.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-                let Some((seen, fragment)) = self.fragment((triangle, centre.as_ref()), &moved, pixel, frames) else {
+            let centre = RasterTriangle::<N>::new(triangle.corners_px(), self.call.settings.fill_rule);
+            for samples in covered.chunk_by(|a, b| (a.row, a.column) == (b.row, b.column)) {
+                let pixel = CoveredPixel { moved: &moved, samples };
+                let Some((seen, fragment)) = self.fragment(triangle, centre.as_ref(), &pixel, frames) else {
                     continue;
                 };
                 if index < to_sort.start {
-                    self.shade_pixel((seen, &fragment), &moved, pixel, shader, frames);
+                    self.shade_pixel(seen, &fragment, &pixel, frames);
                 } else {
-                    self.collect_pixel((index, &fragment), &moved, pixel, frames, &mut list);
+                    list.begin(index);
+                    self.collect_pixel(&fragment, &pixel, frames, &mut list);
                 }
             }
         }
@@ -221,16 +248,16 @@ impl<'a> DrawContext<'a> {
     /// sample.
     fn fragment<'t, N: Numbers>(
         &self,
-        (triangle, centre): (&'t ScreenTriangle, Option<&RasterTriangle<N>>),
-        moved: &'t [Vec<DisplacedTriangle<N>>],
-        covered: &[CandidateSample],
+        triangle: &'t ScreenTriangle,
+        centre: Option<&RasterTriangle<N>>,
+        covered: &CoveredPixel<'t, N>,
         frames: &[Framebuffer],
     ) -> Option<(&'t ScreenTriangle, Fragment)> {
-        let first @ (row, column, sample, _) = *covered.first()?;
+        let first @ CandidateSample { row, column, sample, .. } = *covered.samples.first()?;
         let pixel = frames[sample].grid.pixel(column, row);
         let centre = centre.filter(|edges| edges.contains(pixel.0.into(), pixel.1.into()));
         let in_the_middle = centre.map(|edges| (triangle, edges.sample((column, row), pixel)));
-        let (seen, shaded_at) = in_the_middle.or_else(|| sample_of(moved, first, pixel))?;
+        let (seen, shaded_at) = in_the_middle.or_else(|| covered.displaced(first, pixel))?;
         let attributes = self.shaders[triangle.instance as usize].attributes();
         Some((seen, interpolate(seen, shaded_at, attributes)))
     }
@@ -238,17 +265,16 @@ impl<'a> DrawContext<'a> {
     /// Depth-tests the covered samples of one pixel and collects those that pass.
     fn collect_pixel<N: Numbers>(
         &self,
-        (index, fragment): (usize, &Fragment),
-        moved: &[Vec<DisplacedTriangle<N>>],
-        covered: &[CandidateSample],
+        fragment: &Fragment,
+        covered: &CoveredPixel<'_, N>,
         frames: &[Framebuffer],
         list: &mut FragmentList,
     ) {
         list.shade(*fragment);
         let pixel = (fragment.sample.x, fragment.sample.y);
-        for covered in covered {
-            let Some((moved, at)) = sample_of(moved, *covered, pixel) else { continue };
-            let (row, column, sample, _) = *covered;
+        for covered_sample in covered.samples {
+            let Some((moved, at)) = covered.displaced(*covered_sample, pixel) else { continue };
+            let CandidateSample { row, column, sample, .. } = *covered_sample;
             let frame = &frames[sample];
             let (x, y) = (column - frame.origin.0, row - frame.origin.1);
             if let Some(depths) = &frame.depth
@@ -257,30 +283,31 @@ impl<'a> DrawContext<'a> {
                 continue;
             }
             let place = y as usize * frame.color.width() as usize + x as usize;
-            let nearness = blending::nearness(self.settings, moved, &at);
-            list.add(sample * frame.color.pixels().len() + place, nearness, index);
+            let nearness = blending::nearness(self.call.settings, moved, &at);
+            list.add(sample * frame.color.pixels().len() + place, nearness);
         }
     }
 
-    /// Depth-tests the covered samples of one pixel, shades once, and writes that colour to the samples that pass.
+    /// Depth-tests the covered samples of one pixel, shades once, and writes that colour to the samples that pass. The
+    /// fragment is one of the triangle `seen`.
     fn shade_pixel<N: Numbers>(
         &self,
-        (seen, fragment): (&ScreenTriangle, &Fragment),
-        moved: &[Vec<DisplacedTriangle<N>>],
-        covered: &[CandidateSample],
-        shader: &Shader<'_>,
+        seen: &ScreenTriangle,
+        fragment: &Fragment,
+        covered: &CoveredPixel<'_, N>,
         frames: &mut [Framebuffer],
     ) {
         let RasterSample { column, row, x, y, .. } = fragment.sample;
         let pixel = (x, y);
+        let shader = &self.shaders[seen.instance as usize];
         let transparency = shader.transparency();
         if transparency == Transparency::AlphaTested && shader.fails_alpha_test(fragment) {
             return;
         }
         let opaque = (transparency != Transparency::Blended).then(|| shader.shade(fragment, seen));
-        for sample in covered {
-            let Some((moved, at)) = sample_of(moved, *sample, pixel) else { continue };
-            let frame = &mut frames[sample.2];
+        for sample in covered.samples {
+            let Some((moved, at)) = covered.displaced(*sample, pixel) else { continue };
+            let frame = &mut frames[sample.sample];
             let (x, y) = (column - frame.origin.0, row - frame.origin.1);
             if let Some(depths) = &mut frame.depth {
                 let new = depth_at(moved, &at);
@@ -295,16 +322,6 @@ impl<'a> DrawContext<'a> {
             frame.color.set(x, y, opaque.unwrap_or_else(|| shader.blend(fragment, seen, below)));
         }
     }
-}
-
-/// Returns a covered sample, and the triangle displaced for that sample's position.
-fn sample_of<N: Numbers>(
-    moved: &[Vec<DisplacedTriangle<N>>],
-    (row, column, sample, place): CandidateSample,
-    pixel: (u32, u32),
-) -> Option<(&ScreenTriangle, RasterSample)> {
-    let (seen, edges) = moved[sample][place].as_ref()?;
-    Some((seen, edges.sample((column, row), pixel)))
 }
 
 /// Moves a triangle by −`offset`, in pixels. Returns `None` if the moved triangle has no area in the arithmetic that

@@ -2,15 +2,15 @@
 //! rasterizer finds them.
 
 use super::grid::SampleGrid;
-use super::raster::{Scissor, Span, cover_within};
+use super::raster::{CoverageRules, SampleArea, Span};
 use super::settings::Settings;
 use super::viewport::{ScreenTriangle, Viewport};
 
 /// Returns the samples that a triangle covers, in drawing order.
 pub fn samples_of(triangle: &ScreenTriangle, settings: &Settings, (grid, raster): (SampleGrid, Viewport)) -> Vec<Span> {
-    let how = (settings.rasterizer, settings.arithmetic, settings.fill_rule);
+    let rules = CoverageRules::of(settings);
     let mut spans = Vec::new();
-    cover_within(how, triangle.corners_px(), (grid, Scissor::full(raster.width, raster.height)), &mut spans);
+    rules.cover_within(triangle.corners_px(), SampleArea::full(grid, raster), &mut spans);
     spans
 }
 
@@ -41,8 +41,8 @@ pub(crate) fn first(samples: &[Span], most: usize) -> Vec<Span> {
     first
 }
 
-/// Appends to `out` those samples that lie within a scissor. Returns the number of samples appended.
-pub(super) fn within(samples: &[Span], (grid, scissor): (SampleGrid, Scissor), out: &mut Vec<Span>) -> u64 {
+/// Appends to `out` those samples that lie within an area. Returns the number of samples appended.
+pub(super) fn within(samples: &[Span], SampleArea { grid, scissor }: SampleArea, out: &mut Vec<Span>) -> u64 {
     let rows = grid.rows(scissor.top, scissor.bottom);
     let before = out.len();
     for span in samples.iter().filter(|span| rows.contains(&span.row)) {
@@ -78,7 +78,7 @@ mod tests {
     fn a_scissor_leaves_what_lies_within() {
         for (x, y) in (0..6).flat_map(|y| (0..6).map(move |x| (x, y))) {
             let mut out = Vec::new();
-            let found = within(&SAMPLES, (SampleGrid::FULL, Scissor::pixel(x, y)), &mut out);
+            let found = within(&SAMPLES, SampleArea::pixel((x, y)), &mut out);
             let inside = SAMPLES.iter().any(|span| span.row == y && (span.left..span.right).contains(&x));
             assert_eq!(found, u64::from(inside), "({x}, {y})");
             assert_eq!(count(&out), usize::from(inside), "({x}, {y})");

@@ -104,13 +104,19 @@ mod tests {
     use super::*;
     use crate::pipeline::depth::DepthScale;
     use crate::pipeline::vertex::Varyings;
-    use crate::pipeline::viewport::ScreenVertex;
+    use crate::pipeline::viewport::{ScreenVertex, TriangleOwner};
     use crate::scene::TriangleId;
 
     fn triangle(id: u32) -> ScreenTriangle {
         let corners = [[0.0, 0.0], [4.0, 0.0], [0.0, 4.0]];
         let corners = corners.map(|corner| ScreenVertex::at(corner, 0.5, 1.0, Varyings::default()));
-        ScreenTriangle::new((TriangleId(id), 0), corners, 16.0, &DepthScale::default(), false)
+        ScreenTriangle::new(
+            TriangleOwner { id: TriangleId(id), instance: 0 },
+            corners,
+            16.0,
+            &DepthScale::default(),
+            false,
+        )
     }
 
     #[test]

@@ -54,11 +54,24 @@ pub struct ScreenTriangle {
     pub relative_inv_w: [f32; 3],
 }
 
+/// Triangle and instance of the scene to which a triangle on the screen belongs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TriangleOwner {
+    pub(crate) id: TriangleId,
+    /// Index of the instance.
+    pub(crate) instance: u32,
+}
+
+impl TriangleOwner {
+    /// First triangle of the first instance, for triangles that belong to no scene.
+    pub(crate) const FIRST: Self = Self { id: TriangleId(0), instance: 0 };
+}
+
 impl ScreenTriangle {
     /// Creates a triangle and sets up the interpolation of its depth and attributes. `doubled_area` is positive and in
     /// the unit of edge values. If `divides_by_w` is false, attributes are affine on the screen.
     pub(crate) fn new(
-        (id, instance): (TriangleId, u32),
+        TriangleOwner { id, instance }: TriangleOwner,
         vertices: [ScreenVertex; 3],
         doubled_area: f64,
         scale: &DepthScale,

@@ -13,7 +13,7 @@ use rasterscope::pipeline::raster::{RasterSample, Scissor};
 use rasterscope::pipeline::settings::{Choice, DepthFormat, DepthTest, DisabledOptimisation, Interpolation, Shading};
 use rasterscope::pipeline::shade::Shader;
 use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport, relative_inv_w};
-use rasterscope::pipeline::{Extent, LastStage, draw};
+use rasterscope::pipeline::{DrawCall, Extent, LastStage};
 use rasterscope::scene::{Material, Scene, Transparency, TriangleId};
 
 use crate::internal::common::{
@@ -37,7 +37,7 @@ fn redraw(
 ) -> Framebuffer {
     let mut drawn = Framebuffer::new(grid, SIZE.0, SIZE.1, scene.background, &recipe.pipeline);
     let extent = Extent::all(frame.geometry(), VIEW);
-    draw(scene, frame.geometry(), &recipe.pipeline, &extent, LastStage::Shade, &mut drawn, observer);
+    DrawCall::new(scene, frame.geometry(), &recipe.pipeline, &extent).draw(&mut drawn, observer);
     drawn
 }
 
@@ -232,7 +232,7 @@ fn a_scissor_draws_its_part_of_the_picture_and_nothing_else() {
         let scissor = Scissor { left, top, right: rng.u32(left..=SIZE.0), bottom: rng.u32(top..=SIZE.1) };
         let mut part = Framebuffer::new(SampleGrid::FULL, SIZE.0, SIZE.1, scene.background, &recipe.pipeline);
         let extent = Extent { scissor, ..Extent::all(full.geometry(), VIEW) };
-        draw(&scene, full.geometry(), &recipe.pipeline, &extent, LastStage::Shade, &mut part, &mut ());
+        DrawCall::new(&scene, full.geometry(), &recipe.pipeline, &extent).draw(&mut part, &mut ());
         let [r, g, b] = scene.background;
         let expected = Image::from_fn(SIZE.0, SIZE.1, |x, y| {
             let inside = (scissor.left..scissor.right).contains(&x) && (scissor.top..scissor.bottom).contains(&y);
@@ -383,15 +383,9 @@ fn stopping_early_counts_the_same_samples() {
         [LastStage::Coverage, LastStage::Depth, LastStage::Interpolate, LastStage::Shade].map(|until| {
             let mut buffer = Framebuffer::new(SampleGrid::FULL, SIZE.0, SIZE.1, scene.background, &recipe.pipeline);
             let mut covered = Covered::default();
-            draw(
-                &scene,
-                frame.geometry(),
-                &recipe.pipeline,
-                &Extent::all(frame.geometry(), VIEW),
-                until,
-                &mut buffer,
-                &mut covered,
-            );
+            let extent = &Extent::all(frame.geometry(), VIEW);
+            let whole = DrawCall::new(&scene, frame.geometry(), &recipe.pipeline, extent);
+            DrawCall { until, ..whole }.draw(&mut buffer, &mut covered);
             (covered, buffer.depth)
         });
     assert_eq!(coverage.0, all.0);

@@ -12,7 +12,7 @@ use rasterscope::pipeline::plan::{DrawPlan, PipelinePart, PlanStep};
 use rasterscope::pipeline::settings::{BlendingOrder, Choice as _, ColorSpace, DepthFormat, Shading, TexelFilter};
 use rasterscope::pipeline::shade::Shader;
 use rasterscope::pipeline::viewport::ScreenTriangle;
-use rasterscope::pipeline::{Extent, LastStage, draw};
+use rasterscope::pipeline::{DrawCall, Extent, LastStage};
 use rasterscope::scene::{Instance, Material, Mesh, MeshData, Scene, Texture, Transparency};
 
 use crate::internal::common::{
@@ -171,7 +171,7 @@ fn exact_order_is_that_of_fragments_sorted_by_depth() {
         let opaque =
             Extent { triangles: 0..again.geometry().blended_from(), ..Extent::all(again.geometry(), again.raster) };
         let mut drawn = Framebuffer::new(again.drawn.grid, SIZE.0, SIZE.1, scene.background, &submitted.pipeline);
-        draw(&scene, again.geometry(), &submitted.pipeline, &opaque, LastStage::Shade, &mut drawn, &mut ());
+        DrawCall::new(&scene, again.geometry(), &submitted.pipeline, &opaque).draw(&mut drawn, &mut ());
         let mut expected = drawn.color;
         let shaders: Vec<_> = scene
             .instances

@@ -4,14 +4,14 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::{Executed, Executor, Pass, PassTimes, Purpose};
-use crate::chain::area::DrawnArea;
 use crate::chain::frame::LazyGeometry;
 use crate::chain::pool::BufferPool;
 use crate::chain::samples;
+use crate::pipeline::area::DrawnArea;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::observe::Observer;
 use crate::pipeline::settings::{Execution, Settings};
-use crate::pipeline::{Extent, Geometry, LastStage, draw, prepare};
+use crate::pipeline::{DrawCall, Extent, Geometry, LastStage, prepare};
 use crate::scene::Scene;
 
 /// Executor whose observer receives the samples of the pass [`Purpose::Frame`].
@@ -94,7 +94,8 @@ impl Drawing<'_> {
     pub(in crate::chain) fn draw<O: Observer>(&self, until: LastStage, observer: &mut O) -> Framebuffer {
         let Self { scene, settings, geometry, area: DrawnArea { grid, raster } } = *self;
         let mut drawn = Framebuffer::new(grid, raster.width, raster.height, scene.background, settings);
-        draw(scene, geometry, settings, &Extent::all(geometry, raster), until, &mut drawn, observer);
+        let extent = &Extent::all(geometry, raster);
+        DrawCall { scene, geometry, settings, extent, until }.draw(&mut drawn, observer);
         drawn.depth_scale = geometry.depth_scale;
         drawn
     }

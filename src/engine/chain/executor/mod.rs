@@ -10,10 +10,10 @@ use std::time::Duration;
 pub(super) use classic::{ClassicExecutor, Drawing};
 pub(super) use tiled::TiledExecutor;
 
-use super::area::DrawnArea;
 use super::frame::LazyGeometry;
 use super::pool::BufferPool;
 use super::{KeepDepth, Recipe};
+use crate::pipeline::area::DrawnArea;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::plan::DrawPlan;
 use crate::pipeline::settings::Execution;

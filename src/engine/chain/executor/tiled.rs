@@ -9,10 +9,10 @@ use crate::chain::pixel_samples::with_pixel_samples;
 use crate::chain::pool::BufferPool;
 use crate::math::lanes::Lanes;
 use crate::pipeline::depth::DepthScale;
-use crate::pipeline::framebuffer::Framebuffer;
-use crate::pipeline::prepare;
+use crate::pipeline::framebuffer::{Framebuffer, UsedImages};
 use crate::pipeline::settings::Execution;
 use crate::pipeline::tiled::{self, PixelSamples, TiledMemory, TiledReport};
+use crate::pipeline::{DrawnView, prepare};
 use crate::scene::Scene;
 
 /// Executor that keeps its working memory from frame to frame.
@@ -37,11 +37,12 @@ impl<'a> TiledExecutor<'a> {
     ) -> (Framebuffer, TiledReport) {
         let (Pass { scene, camera, area, .. }, settings) = (pass, &pass.recipe.pipeline);
         let (size, keep) = (area.packed_size(), pass.keep_depth);
-        let memory = (pool.codes(size), if keep == KeepDepth::Yes { pool.numbers(size) } else { None });
-        let mut drawn = Framebuffer::reusing(area.grid, area.raster, memory, settings, keep);
+        let color = pool.codes(size);
+        let memory = UsedImages { color, depth: if keep == KeepDepth::Yes { pool.numbers(size) } else { None } };
+        let mut drawn = Framebuffer::reusing(*area, memory, settings, keep);
         drawn.depth_scale = DepthScale::of(settings, camera);
-        let target = (&mut drawn, samples);
-        let report = tiled::draw(scene, camera, settings, area.raster, target, self.memory, self.lanes);
+        let view = DrawnView { scene, camera, settings, viewport: area.raster };
+        let report = tiled::draw(&view, &mut drawn, samples, self.memory, self.lanes);
         (drawn, report)
     }
 

@@ -1,8 +1,7 @@
 //! Exact reference values for the assertions: ownership of a sample, and surface depth in f64.
 
 use crate::pipeline::depth::DepthScale;
-use crate::pipeline::grid::SampleGrid;
-use crate::pipeline::raster::{AnyTriangle, RasterSample, Scissor, Span, cover_within};
+use crate::pipeline::raster::{AnyTriangle, CoverageRules, RasterSample, SampleArea, Span};
 use crate::pipeline::settings::{Arithmetic, FillRule, Rasterizer, Settings};
 use crate::pipeline::viewport::ScreenTriangle;
 
@@ -32,8 +31,9 @@ impl Owner {
         let is_owned = edges.iter().all(|edge| *edge >= 0.0)
             && (edges.iter().all(|edge| *edge > 0.0) || {
                 let mut spans: Vec<Span> = Vec::new();
-                let how = (Rasterizer::BoundingBox, Arithmetic::Exact, self.rule);
-                cover_within(how, self.corners_px, (SampleGrid::FULL, Scissor::pixel(x, y)), &mut spans);
+                let (rasterizer, arithmetic) = (Rasterizer::BoundingBox, Arithmetic::Exact);
+                let rules = CoverageRules { rasterizer, arithmetic, fill_rule: self.rule };
+                rules.cover_within(self.corners_px, SampleArea::pixel((x, y)), &mut spans);
                 !spans.is_empty()
             });
         if is_owned { Ok(()) } else { Err(Some(edges)) }

@@ -24,7 +24,7 @@ use crate::pipeline::raster::Scissor;
 use crate::pipeline::settings::{Choice, choice};
 use crate::pipeline::triangle_list::box_around;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
-use crate::pipeline::{Extent, LastStage, draw};
+use crate::pipeline::{DrawCall, Extent};
 use crate::scene::seams::Seams;
 use crate::scene::{Scene, TriangleId};
 
@@ -154,7 +154,7 @@ pub fn check(
             let triangles = next..end;
             next = triangles.end;
             let extent = Extent { triangles, scissor: whole };
-            draw(scene, geometry, settings, &extent, LastStage::Shade, &mut framebuffer, &mut watch);
+            DrawCall::new(scene, geometry, settings, &extent).draw(&mut framebuffer, &mut watch);
             continue;
         }
         // Depth-sorted fragments cannot be drawn in batches of triangles, but rows are independent of each other.
@@ -166,7 +166,7 @@ pub fn check(
             }
             let scissor = Scissor { top, bottom: (top + ROWS_AT_ONCE as u32).min(raster.height), ..whole };
             let extent = Extent { triangles: next..count, scissor };
-            draw(scene, geometry, settings, &extent, LastStage::Shade, &mut framebuffer, &mut watch);
+            DrawCall::new(scene, geometry, settings, &extent).draw(&mut framebuffer, &mut watch);
         }
         next = count;
     }

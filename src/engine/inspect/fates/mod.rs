@@ -31,7 +31,7 @@ use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::observe::Fate;
 use crate::pipeline::settings::{Choice, Culling, choice};
 use crate::pipeline::viewport::Viewport;
-use crate::pipeline::{Extent, Geometry, LastStage, draw};
+use crate::pipeline::{DrawCall, Extent, Geometry};
 use crate::scene::{Instance, Scene, TriangleId};
 use crate::upscale::Sampling;
 use places::{ScreenShape, shapes};
@@ -205,7 +205,7 @@ impl Fates {
         let mut drawn = Framebuffer::new(grid, width, height, scene.background, &recipe.pipeline);
         let mut tally = FateTally::new(scene, recipe, &geometry, drawn.color.size());
         let extent = Extent::all(&geometry, frame.raster);
-        draw(scene, &geometry, &recipe.pipeline, &extent, LastStage::Shade, &mut drawn, &mut tally);
+        DrawCall::new(scene, &geometry, &recipe.pipeline, &extent).draw(&mut drawn, &mut tally);
         tally.finish();
 
         let triangles = triangle_fates(&geometry, &rejections, &tally.fragments);

@@ -5,7 +5,7 @@ use crate::image::Image;
 use crate::inspect::selection::TriangleSelection;
 use crate::pipeline::Geometry;
 use crate::pipeline::grid::SampleGrid;
-use crate::pipeline::raster::{Scissor, Span, cover_within};
+use crate::pipeline::raster::{CoverageRules, SampleArea, Span};
 use crate::pipeline::settings::Arithmetic;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::scene::TriangleId;
@@ -110,11 +110,10 @@ impl Fates {
     /// Returns the samples that the shapes cover, regardless of occlusion, as columns and rows of the packed
     /// framebuffer.
     fn covered_by(&self, shapes: &[ScreenShape]) -> Vec<(u32, u32)> {
-        let settings = &self.recipe.pipeline;
-        let how = (settings.rasterizer, settings.arithmetic, settings.fill_rule);
-        let area = (self.sampling.grid(), Scissor::full(self.raster.width, self.raster.height));
+        let rules = CoverageRules::of(&self.recipe.pipeline);
+        let area = SampleArea::full(self.sampling.grid(), self.raster);
         let mut spans: Vec<Span> = Vec::new();
-        shapes.iter().for_each(|shape| cover_within(how, shape.corners_px, area, &mut spans));
+        shapes.iter().for_each(|shape| rules.cover_within(shape.corners_px, area, &mut spans));
         spans.iter().flat_map(|span| (span.left..span.right).map(|column| (column, span.row))).collect()
     }
 

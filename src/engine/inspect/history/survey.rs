@@ -18,7 +18,7 @@ use crate::pipeline::clip::{ClipPlane, clip, guard_band_widening};
 use crate::pipeline::cull::{Facing, cull, facing};
 use crate::pipeline::observe::{Fate, Observer};
 use crate::pipeline::plan::{PipelinePart, culling};
-use crate::pipeline::raster::{Scissor, Span, cover_within, doubled_area};
+use crate::pipeline::raster::{CoverageRules, SampleArea, Scissor, Span, doubled_area};
 use crate::pipeline::settings::{Choice as _, Culling, Settings};
 use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
 use crate::pipeline::viewport::Viewport;
@@ -222,13 +222,13 @@ impl Survey {
     pub(crate) fn culled_coverage(&self, settings: &Settings, frame: &Frame) -> Image<u32> {
         let (width, height) = frame.drawn.color.size();
         let mut counts = Image::filled(width, height, 0);
-        let how = (settings.rasterizer, settings.arithmetic, settings.fill_rule);
-        let area = (frame.drawn.grid, Scissor::full(self.raster.width, self.raster.height));
+        let rules = CoverageRules::of(settings);
+        let area = SampleArea::full(frame.drawn.grid, self.raster);
         let culled = |piece: &&PlacedTriangle| matches!(piece.cause, Cause::BackFacing | Cause::FrontFacing);
         let mut spans: Vec<Span> = Vec::new();
         for piece in self.triangles.dropped.iter().filter(culled) {
             spans.clear();
-            cover_within(how, piece.corners_px, area, &mut spans);
+            rules.cover_within(piece.corners_px, area, &mut spans);
             for Span { row, left, right } in &spans {
                 (*left..*right).for_each(|column| counts.set(column, *row, counts.at(column, *row) + 1));
             }
@@ -341,8 +341,8 @@ impl PlacedTriangle {
             return distance_px(corners, DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5)) <= SNAPPED_BY_PX;
         }
         let mut spans: Vec<Span> = Vec::new();
-        let how = (settings.rasterizer, settings.arithmetic, settings.fill_rule);
-        cover_within(how, self.corners_px, (frame.drawn.grid, scissor), &mut spans);
+        let area = SampleArea { grid: frame.drawn.grid, scissor };
+        CoverageRules::of(settings).cover_within(self.corners_px, area, &mut spans);
         !spans.is_empty()
     }
 

@@ -22,7 +22,7 @@ use crate::pipeline::settings::{Arithmetic, FillRule, Settings};
 use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
 use crate::pipeline::viewport::{Viewport, divided};
 use crate::scene::seams::{Junction, Seam, Seams, TriangleCorner, TriangleEdge};
-use crate::scene::{Camera, Scene, TriangleId};
+use crate::scene::{Scene, TriangleId};
 
 /// Minimum number of seams in a parallel task.
 const CHUNK: usize = 256;
@@ -33,7 +33,7 @@ pub(super) fn faults(scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seam
         return Vec::new();
     }
     let wanted = seams.seams().iter().flat_map(|seam| [seam.junction.edge.triangle, seam.along.triangle]);
-    let placing = Placing::new(scene, recipe, frame, (frame.drawn_from(recipe), frame.raster), wanted);
+    let placing = Placing::new(scene, recipe, frame, PictureKind::Drawn, wanted);
     let faults_of = |seam: &Seam| {
         let mut faults = Vec::new();
         let (host, guest) = (placing.edge(seam.junction.edge), placing.edge(seam.along));
@@ -62,7 +62,7 @@ pub(in crate::inspect) fn junction_pixels(
     seams: &Seams,
 ) -> Vec<Option<(u32, u32)>> {
     let wanted = || seams.junctions().iter().map(|junction| junction.edge.triangle);
-    let placing = Placing::new(scene, recipe, frame, (frame.camera, frame.viewport), wanted());
+    let placing = Placing::new(scene, recipe, frame, PictureKind::Full, wanted());
     let pixel =
         |junction: &Junction| placing.pixel(junction.vertex).filter(|_| placing.is_drawn(junction.edge.triangle));
     seams.junctions().iter().map(pixel).collect()
@@ -71,7 +71,7 @@ pub(in crate::inspect) fn junction_pixels(
 /// Counts the vertices within the picture that lie on open edges of rasterized triangles.
 pub(in crate::inspect) fn border_in_picture(scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seams) -> usize {
     let wanted = || seams.border().iter().map(|corner| corner.triangle);
-    let placing = Placing::new(scene, recipe, frame, (frame.camera, frame.viewport), wanted());
+    let placing = Placing::new(scene, recipe, frame, PictureKind::Full, wanted());
     let is_there = |corner: &&TriangleCorner| placing.is_drawn(corner.triangle) && placing.pixel(**corner).is_some();
     seams.border().iter().filter(is_there).count()
 }
@@ -125,16 +125,29 @@ struct Placing<'a> {
     drawn: Vec<TriangleId>,
 }
 
+/// Picture of a frame.
+#[derive(Clone, Copy)]
+enum PictureKind {
+    /// The rasterized picture, which an upscaler may enlarge.
+    Drawn,
+    /// The picture that the frame shows.
+    Full,
+}
+
 impl<'a> Placing<'a> {
-    /// Prepares the projection of the `wanted` triangles to the picture of `camera`.
+    /// Prepares the projection of the `wanted` triangles to a picture of the frame.
     fn new(
         scene: &'a Scene,
         recipe: &'a Recipe,
         frame: &Frame,
-        (camera, raster): (Camera, Viewport),
+        picture: PictureKind,
         wanted: impl Iterator<Item = TriangleId>,
     ) -> Self {
         let settings = &recipe.pipeline;
+        let (camera, raster) = match picture {
+            PictureKind::Drawn => (frame.drawn_from(recipe), frame.raster),
+            PictureKind::Full => (frame.camera, frame.viewport),
+        };
         let mut wanted: Vec<_> = wanted.collect();
         wanted.sort_unstable();
         wanted.dedup();

@@ -17,7 +17,7 @@ use crate::pipeline::settings::{Culling, DepthFormat, DepthTest, Settings, Shadi
 use crate::pipeline::shade::id_color;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::wireframe::{edge_pixels, line_pixels};
-use crate::pipeline::{Extent, Geometry, LastStage, draw, prepare};
+use crate::pipeline::{DrawCall, Extent, Geometry, LastStage, prepare};
 use crate::scene::{Camera, Scene, TriangleId};
 
 /// A rendered mesh view.
@@ -135,7 +135,8 @@ pub fn paint(scene: &Scene, inner: &Inner, outside: Camera, size: Viewport, pain
 fn owners(scene: &Scene, geometry: &Geometry, settings: &Settings, size: Viewport) -> Image<TriangleId> {
     let mut frame = Framebuffer::new(SampleGrid::FULL, size.width, size.height, scene.background, settings);
     let mut owners = MeshOwnerRecorder(Image::filled(size.width, size.height, TriangleId::NONE));
-    draw(scene, geometry, settings, &Extent::all(geometry, size), LastStage::Depth, &mut frame, &mut owners);
+    let extent = &Extent::all(geometry, size);
+    DrawCall { scene, geometry, settings, extent, until: LastStage::Depth }.draw(&mut frame, &mut owners);
     owners.0
 }
 

@@ -8,14 +8,14 @@ use rayon::prelude::*;
 use super::control::{OutlineControl, ParallelStep};
 use crate::drawing::Rgb;
 use crate::image::Rgba8;
+use crate::pipeline::area::DrawnArea;
 use crate::pipeline::framebuffer::Framebuffer;
-use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::interpolate::Fragment;
 use crate::pipeline::observe::Observer;
 use crate::pipeline::raster::Scissor;
 use crate::pipeline::settings::Settings;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
-use crate::pipeline::{Extent, Geometry, LastStage, draw};
+use crate::pipeline::{DrawCall, Extent, Geometry};
 use crate::scene::{Scene, TriangleId};
 
 /// Number of sample rows in a band, which one thread draws. Large enough that most triangles are set up only once, and
@@ -191,12 +191,11 @@ impl RowBand {
         let Viewport { width, height } = size;
         let scissor = Scissor { top: rows.start, bottom: rows.end, ..Scissor::full(width, height) };
         let extent = Extent { triangles: 0..geometry.triangles.len(), scissor };
-        let grid = SampleGrid::FULL;
-        let mut frame = Framebuffer::of_rows(grid, (width, height), rows.clone(), scene.background, settings);
+        let mut frame = Framebuffer::of_rows(DrawnArea::full(size), rows.clone(), scene.background, settings);
         let labels = vec![BACKGROUND; width as usize * rows.len()];
         let mut recorder =
             StackRecorder { geometry, first_row: rows.start, width, labels, stacks: Stacks::new(), last_drawn: 0 };
-        draw(scene, geometry, settings, &extent, LastStage::Shade, &mut frame, &mut recorder);
+        DrawCall::new(scene, geometry, settings, &extent).draw(&mut frame, &mut recorder);
         let StackRecorder { labels, stacks, .. } = recorder;
         let mut sums = vec![Sum::default(); stacks.layers.len() + 1];
         for (label, [red, green, blue, _]) in labels.iter().zip(frame.color.pixels()) {

@@ -5,6 +5,7 @@ use super::{Overlay, OverlayContext};
 use crate::chain::samples::places_on_grid;
 use crate::inspect::display::ColorMap;
 use crate::inspect::view::Range;
+use crate::pipeline::DrawnView;
 use crate::pipeline::tiled::{self, TILE_SIDE};
 use crate::upscale::Sampling;
 
@@ -19,7 +20,8 @@ pub(super) fn load(context: &OverlayContext<'_>) -> Sheet {
         return absent("the upscaler draws a smaller picture, whose tiles differ from those of this one");
     };
     let offsets = places_on_grid(frame.antialias).concat();
-    let counts = tiled::tile_loads(scene, &frame.camera, &recipe.pipeline, (grid, frame.raster), &offsets);
+    let view = DrawnView { scene, camera: &frame.camera, settings: &recipe.pipeline, viewport: frame.raster };
+    let counts = tiled::tile_loads(&view, grid, &offsets);
     let most = counts.pixels().iter().copied().max().unwrap_or(0);
     let sum: u64 = counts.pixels().iter().map(|count| u64::from(*count)).sum();
     let empty = counts.pixels().iter().filter(|count| **count == 0).count();

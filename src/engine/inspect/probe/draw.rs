@@ -7,7 +7,7 @@ use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::interpolate::Fragment;
 use crate::pipeline::observe::Observer;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
-use crate::pipeline::{Extent, LastStage, draw, prepare};
+use crate::pipeline::{DrawCall, Extent, prepare};
 use crate::scene::{Camera, Scene, TriangleId};
 
 /// Images of one run that the stability probe compares.
@@ -49,6 +49,6 @@ fn picture(subject: &ProbedView, scene: &Scene, camera: &Camera) -> ProbeImages 
     let mut frame = Framebuffer::new(SampleGrid::FULL, width, height, scene.background, settings);
     let mut owners = OwnerRecorder(Image::filled(width, height, TriangleId::NONE));
     let all = Extent::all(&geometry, viewport);
-    draw(scene, &geometry, settings, &all, LastStage::Shade, &mut frame, &mut owners);
+    DrawCall::new(scene, &geometry, settings, &all).draw(&mut frame, &mut owners);
     ProbeImages { owner: owners.0, depth: frame.depth, color: frame.color }
 }

@@ -24,9 +24,8 @@ use serde_json::Value;
 
 use crate::image::{Image, Rgba8, png_text};
 use crate::measure::shard::Shard;
-use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::prepare;
-use crate::pipeline::raster::{Scissor, cover_within};
+use crate::pipeline::raster::{CoverageRules, SampleArea};
 use crate::pipeline::settings::{Choice, Settings, choice};
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::scene::{Camera, Scene};
@@ -147,10 +146,9 @@ impl ProbeResult {
 }
 
 /// Whether a triangle covers the centre of a pixel, according to the rasterizer in `settings`.
-fn covers(triangle: &ScreenTriangle, settings: &Settings, (x, y): (u32, u32)) -> bool {
+fn covers(triangle: &ScreenTriangle, settings: &Settings, pixel: (u32, u32)) -> bool {
     let mut spans = Vec::new();
-    let how = (settings.rasterizer, settings.arithmetic, settings.fill_rule);
-    cover_within(how, triangle.corners_px(), (SampleGrid::FULL, Scissor::pixel(x, y)), &mut spans);
+    CoverageRules::of(settings).cover_within(triangle.corners_px(), SampleArea::pixel(pixel), &mut spans);
     !spans.is_empty()
 }
 

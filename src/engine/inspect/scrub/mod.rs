@@ -28,7 +28,7 @@ use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::raster::{Scissor, Span};
 use crate::pipeline::viewport::Viewport;
-use crate::pipeline::{Extent, Geometry, LastStage, draw, draw_samples, partial};
+use crate::pipeline::{DrawCall, Extent, Geometry, partial};
 use crate::scene::Scene;
 use checkpoints::Checkpoints;
 use last_triangle::silhouette;
@@ -111,8 +111,9 @@ impl Scrubber {
         };
         self.seek(triangles - 1);
         let mut drawn = self.framebuffer.clone();
-        let settings = &self.recipe.pipeline;
-        draw_samples(&self.scene, &self.geometry, settings, (triangles - 1, &samples), &mut drawn);
+        let scissor = Scissor::full(self.raster.width, self.raster.height);
+        let extent = Extent { triangles: triangles - 1..triangles, scissor };
+        DrawCall::new(&self.scene, &self.geometry, &self.recipe.pipeline, &extent).draw_samples(&samples, &mut drawn);
         drawn
     }
 
@@ -124,7 +125,7 @@ impl Scrubber {
         let geometry = self.geometry_at(moment);
         let scissor = Scissor::full(self.raster.width, self.raster.height);
         let extent = Extent { triangles: first..geometry.triangles.len(), scissor };
-        draw(&self.scene, &geometry, &self.recipe.pipeline, &extent, LastStage::Shade, &mut drawn, &mut ());
+        DrawCall::new(&self.scene, &geometry, &self.recipe.pipeline, &extent).draw(&mut drawn, &mut ());
         drawn
     }
 
@@ -183,8 +184,8 @@ impl Scrubber {
             let end = self.checkpoints.next_after(self.completed_triangles).min(triangles);
             let scissor = Scissor::full(self.raster.width, self.raster.height);
             let extent = Extent { triangles: self.completed_triangles..end, scissor };
-            let settings = &self.recipe.pipeline;
-            draw(&self.scene, &self.geometry, settings, &extent, LastStage::Shade, &mut self.framebuffer, &mut ());
+            let call = DrawCall::new(&self.scene, &self.geometry, &self.recipe.pipeline, &extent);
+            call.draw(&mut self.framebuffer, &mut ());
             self.completed_triangles = end;
             self.checkpoints.store_checkpoint(end, &self.framebuffer);
         }

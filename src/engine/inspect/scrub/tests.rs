@@ -21,7 +21,7 @@ fn from_the_start(scene: &Scene, recipe: &Recipe, frame: &Frame, triangles: usiz
     let mut drawn = Framebuffer::new(grid, width, height, scene.background, &recipe.pipeline);
     drawn.depth_scale = geometry.depth_scale;
     let extent = Extent::all(&geometry, frame.raster);
-    draw(scene, &geometry, &recipe.pipeline, &extent, LastStage::Shade, &mut drawn, &mut ());
+    DrawCall::new(scene, &geometry, &recipe.pipeline, &extent).draw(&mut drawn, &mut ());
     drawn
 }
 

@@ -9,7 +9,7 @@ use crate::pipeline::interpolate::Fragment;
 use crate::pipeline::observe::Observer;
 use crate::pipeline::raster::{RasterSample, Scissor};
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
-use crate::pipeline::{Extent, Geometry, LastStage, draw, partial};
+use crate::pipeline::{DrawCall, Extent, Geometry, partial};
 use crate::scene::{Scene, TriangleId};
 
 /// Precision with which the fragments at a pixel are located in the drawing order.
@@ -50,7 +50,7 @@ pub fn touches(
     let mut one = Framebuffer::one_sample(grid, sample, scene.background, settings);
     let extent = Extent { triangles: 0..geometry.triangles.len(), scissor: Scissor::pixel(x, y) };
     let mut watch = TouchObserver { geometry, touches: Vec::new() };
-    draw(scene, geometry, settings, &extent, LastStage::Shade, &mut one, &mut watch);
+    DrawCall::new(scene, geometry, settings, &extent).draw(&mut one, &mut watch);
     let mut touches = watch.touches;
     // Depth-sorted fragments are not drawn in the order of their triangles.
     touches.sort_by_key(|touch| touch.moment.key());

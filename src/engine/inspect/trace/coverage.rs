@@ -8,7 +8,7 @@ use crate::inspect::intermediate::Intermediate;
 use crate::math::fixed::snap;
 use crate::pipeline::raster::doubled_area;
 use crate::pipeline::raster::numbers::Inward;
-use crate::pipeline::raster::steps::{EdgeNumbers, EdgeSteps, FloatSteps};
+use crate::pipeline::raster::steps::{EdgeNumbers, EdgeSteps, ExactSteps, FixedSteps, FloatSteps};
 use crate::pipeline::settings::{Arithmetic, Choice as _};
 
 /// Intermediate values of the three edge functions.
@@ -21,14 +21,13 @@ pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     for (edge, steps) in subject.steps.iter().enumerate() {
         let name = format!("edge {edge}");
         let line = match &steps.numbers {
-            EdgeNumbers::Fixed { a, b, c, centre, value } => {
-                fixed(&name, (*a, *b, *c), (*centre, *value), (subject, edge), scribe)
+            EdgeNumbers::Fixed(numbers) => {
+                let corners = subject.triangle.vertices.each_ref().map(|v| [i64::from(v.x), i64::from(v.y)]);
+                fixed(&name, numbers, [corners[(edge + 1) % 3], corners[(edge + 2) % 3]], scribe)
             }
             EdgeNumbers::F32(numbers) => float(&name, numbers, scribe),
             EdgeNumbers::F64(numbers) => float(&name, numbers, scribe),
-            EdgeNumbers::Exact { from, to, centre, sign, value } => {
-                exact(&name, [*from, *to, *centre], (*sign, *value), scribe)
-            }
+            EdgeNumbers::Exact(numbers) => exact(&name, numbers, scribe),
         };
         let value = raw_value(&steps.numbers);
         let scaled = subject.sample.edges[edge];
@@ -75,22 +74,23 @@ fn area(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
 
 fn raw_value(numbers: &EdgeNumbers) -> Number {
     match numbers {
-        EdgeNumbers::Fixed { value, .. } => Number::I64(*value),
+        EdgeNumbers::Fixed(FixedSteps { value, .. }) => Number::I64(*value),
         EdgeNumbers::F32(FloatSteps { value, .. }) => Number::F32(*value),
-        EdgeNumbers::F64(FloatSteps { value, .. }) | EdgeNumbers::Exact { value, .. } => Number::F64(*value),
+        EdgeNumbers::F64(FloatSteps { value, .. }) | EdgeNumbers::Exact(ExactSteps { value, .. }) => {
+            Number::F64(*value)
+        }
     }
 }
 
-/// Writes the computation of an edge value in fixed point: A·x + B·y + C.
+/// Writes the computation of an edge value in fixed point: A·x + B·y + C. `from` and `to` are the ends of the edge, in
+/// grid steps of 1/256 px.
 fn fixed<'s>(
     name: &str,
-    (a, b, c): (i64, i64, i64),
-    (centre, value): ([i64; 2], i64),
-    (subject, edge): (&TracedFragment<'_>, usize),
+    FixedSteps { a, b, c, centre, value }: &FixedSteps,
+    [from, to]: [[i64; 2]; 2],
     scribe: &'s mut TraceRecorder,
 ) -> &'s mut TraceLine {
-    let corners = subject.triangle.vertices.each_ref().map(|v| [i64::from(v.x), i64::from(v.y)]);
-    let (from, to) = (corners[(edge + 1) % 3], corners[(edge + 2) % 3]);
+    let (a, b, c) = (*a, *b, *c);
     let ends = |first: (&'static str, i64), second: (&'static str, i64), product: i64| {
         // Negates the difference if necessary, because edge values inside the triangle are positive.
         let formula = given(first.0, first.1) - given(second.0, second.1);
@@ -101,7 +101,7 @@ fn fixed<'s>(
     let formula = -(given("A", a) * given("x from", from[0]) + given("B", b) * given("y from", from[1]));
     scribe.compute(format!("{name} · C"), c, &formula);
     let formula = given("A", a) * given("x", centre[0]) + given("B", b) * given("y", centre[1]) + given("C", c);
-    scribe.compute(format!("{name} · value"), value, &formula)
+    scribe.compute(format!("{name} · value"), *value, &formula)
 }
 
 /// Writes the computation of an edge value in floating point: the difference of two products.
@@ -135,15 +135,14 @@ fn float<'s, F: Copy + Into<Number>>(
 /// Writes the computation of an edge value by the exact predicate.
 fn exact<'s>(
     name: &str,
-    [from, to, centre]: [[f64; 2]; 3],
-    (sign, value): (f64, f64),
+    ExactSteps { from, to, centre, sign, value }: &ExactSteps,
     scribe: &'s mut TraceRecorder,
 ) -> &'s mut TraceLine {
     let along = |axis: usize| given(["x to", "y to"][axis], to[axis]) - given(["x from", "y from"][axis], from[axis]);
     let beyond = |axis: usize| given(["x", "y"][axis], centre[axis]) - given(["x from", "y from"][axis], from[axis]);
     let cross = along(0) * beyond(1) - beyond(0) * along(1);
-    let formula = if sign < 0.0 { -cross } else { cross };
-    scribe.compute(format!("{name} · value"), value, &formula)
+    let formula = if *sign < 0.0 { -cross } else { cross };
+    scribe.compute(format!("{name} · value"), *value, &formula)
 }
 
 /// Writes whether the pixel's centre lies inside or outside an edge. For a centre on the edge, the fill rule decides.

@@ -37,14 +37,12 @@ pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) ->
             NamedVertex { name: format!("corner {corner}"), vertex }
         })
         .collect();
-    for (corner, NamedVertex { name, vertex }) in corners.iter().enumerate() {
-        clip_position(subject, &matrices, (corner, name), vertex, scribe);
+    for (named, place) in corners.iter().zip(subject.corners) {
+        clip_position(subject, &matrices, place, named, scribe);
     }
     if subject.runs(PipelinePart::Normals) {
-        for (corner, NamedVertex { name, vertex }) in corners.iter().enumerate() {
-            let place = subject.corners[corner];
-            let raw = transformer.world_normal(place).to_array();
-            normal(subject, &matrices, (name, place), (raw, vertex), scribe);
+        for (named, place) in corners.iter().zip(subject.corners) {
+            normal(subject, &matrices, place, named, scribe);
         }
     }
     scribe.enter(TraceStage::Clip);
@@ -139,14 +137,15 @@ fn product_of(entries: impl Fn(usize) -> super::Number, point: [super::Number; 3
     sum((0..3).map(term)) + given(entry(row, 3), entries(3))
 }
 
+/// Writes a vertex in clip space. `place` is its index in the mesh.
 fn clip_position(
     subject: &TracedFragment<'_>,
     matrices: &DrawMatrices,
-    (corner, name): (usize, &str),
-    vertex: &ClipVertex,
+    place: usize,
+    NamedVertex { name, vertex }: &NamedVertex,
     scribe: &mut TraceRecorder,
 ) {
-    let position = subject.mesh.positions[subject.corners[corner]].to_array();
+    let position = subject.mesh.positions[place].to_array();
     for (row, axis) in AXES.into_iter().enumerate() {
         let entries = |column: usize| matrices.clip_from_model.col(column)[row].into();
         let formula = product_of(entries, position.map(Into::into), row);
@@ -154,14 +153,15 @@ fn clip_position(
     }
 }
 
-/// Writes a vertex normal in world space: transformed, then normalised.
+/// Writes a vertex normal in world space: transformed, then normalised. `place` is the index of the vertex in the mesh.
 fn normal(
     subject: &TracedFragment<'_>,
     matrices: &DrawMatrices,
-    (name, place): (&str, usize),
-    (raw, vertex): ([f32; 3], &ClipVertex),
+    place: usize,
+    NamedVertex { name, vertex }: &NamedVertex,
     scribe: &mut TraceRecorder,
 ) {
+    let raw = subject.transformer(matrices).world_normal(place).to_array();
     let of_model = subject.mesh.normals[place].to_array();
     for (row, turned) in raw.into_iter().enumerate() {
         let term = |column: usize| {
@@ -213,8 +213,7 @@ fn clip(subject: &TracedFragment<'_>, corners: Vec<NamedVertex>, scribe: &mut Tr
     let mut named = corners;
     for (index, cut) in cuts.iter().enumerate() {
         let name = format!("cut {index}");
-        let plane = plane_name(subject.plane_of_view(cut.plane));
-        write_cut(cut, (&name, plane, widening), &named, scribe);
+        write_cut(subject, cut, &name, &named, scribe);
         named.push(NamedVertex { name, vertex: cut.vertex });
     }
     let name_of = |vertex: &ClipVertex| {
@@ -277,11 +276,14 @@ fn plane_name(plane: ClipPlane) -> &'static str {
 
 /// Writes the trace lines for a vertex created by clipping: its position along the clipped edge, and in clip space.
 fn write_cut(
+    subject: &TracedFragment<'_>,
     cut: &EdgeCut,
-    (name, plane, widening): (&str, &str, f32),
+    name: &str,
     known: &[NamedVertex],
     scribe: &mut TraceRecorder,
 ) {
+    let plane = plane_name(subject.plane_of_view(cut.plane));
+    let widening = guard_band_widening(subject.raster.width, subject.raster.height);
     let name_of = |vertex: &ClipVertex| {
         let known = known.iter().rev().find(|known| known.vertex == *vertex);
         known.map_or_else(|| "a corner".to_owned(), |known| known.name.clone())

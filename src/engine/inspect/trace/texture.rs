@@ -91,7 +91,12 @@ fn read(subject: &TracedFragment<'_>, traced: &TracedRead<'_>, scribe: &mut Trac
         nearest(&taps[0], (unit, lengths), name, scribe);
     }
     for (place, tap) in taps[..count].iter().enumerate() {
-        weight(tap, place, (shares, count), name, scribe);
+        let what = format!("{name}weight of texel {}, {}", tap.x, tap.y);
+        if count == 1 {
+            scribe.read(what, "the nearest texel alone", tap.weight);
+        } else {
+            scribe.compute(what, tap.weight, &weight(place, shares));
+        }
     }
     colors(subject, traced, &taps[..count], scribe);
 }
@@ -126,17 +131,13 @@ fn nearest(tap: &TexelTap, (unit, lengths): ([f64; 2], [u32; 2]), name: &str, sc
     }
 }
 
-fn weight(tap: &TexelTap, place: usize, (shares, count): ([f32; 2], usize), name: &str, scribe: &mut TraceRecorder) {
-    let what = format!("{name}weight of texel {}, {}", tap.x, tap.y);
-    if count == 1 {
-        scribe.read(what, "the nearest texel alone", tap.weight);
-        return;
-    }
+/// Returns the formula for the weight of one of four texels. `shares` are the shares of the next column and row.
+fn weight(place: usize, shares: [f32; 2]) -> Formula {
     let part = |axis: usize, of_next: bool| {
         let share = given(["next column", "next row"][axis], shares[axis]);
         if of_next { share } else { whole("1", 1) - share }
     };
-    scribe.compute(what, tap.weight, &(part(0, place % 2 == 1) * part(1, place / 2 == 1)));
+    part(0, place % 2 == 1) * part(1, place / 2 == 1)
 }
 
 /// Writes the trace lines for the texels' codes, their decoded values, and the weighted mean.

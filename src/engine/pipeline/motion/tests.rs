@@ -6,7 +6,7 @@ use super::*;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::settings::{Settings, Shading};
-use crate::pipeline::{Extent, LastStage, draw, prepare};
+use crate::pipeline::{DrawCall, Extent, prepare};
 use crate::scene::builtin;
 
 const SIZE: Viewport = Viewport { width: 128, height: 72 };
@@ -67,7 +67,7 @@ fn shown(view: FrameView<'_>, size: Viewport) -> (Image<Rgba8>, Image<f32>) {
     let settings = Settings { shading: Shading::TriangleId, exact_ids: true, ..Settings::default() };
     let geometry = prepare(view.scene, view.camera, &settings, size, &mut ());
     let mut drawn = Framebuffer::new(SampleGrid::FULL, size.width, size.height, view.scene.background, &settings);
-    draw(view.scene, &geometry, &settings, &Extent::all(&geometry, size), LastStage::Shade, &mut drawn, &mut ());
+    DrawCall::new(view.scene, &geometry, &settings, &Extent::all(&geometry, size)).draw(&mut drawn, &mut ());
     let distances = drawn.depth.unwrap().map(|depth| geometry.depth_scale.distance_of(depth) as f32);
     (drawn.color, distances)
 }

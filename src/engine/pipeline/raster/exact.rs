@@ -12,7 +12,7 @@ use robust::{Coord, orient2d};
 use super::fill_rule::FillRule;
 use super::float::{Floating, unit_scale};
 use super::numbers::{BoundaryWalk, Inward, Numbers, RasterEdge};
-use super::steps::{EdgeNumbers, EdgeSteps};
+use super::steps::{EdgeNumbers, EdgeSteps, ExactSteps};
 use crate::pipeline::viewport::MAX_SIDE_PX;
 
 /// Arithmetic with exact decisions by adaptive predicates, on coordinates in pixels.
@@ -153,7 +153,8 @@ impl RasterEdge for ExactEdge {
     fn steps(&self, column: i64, row: i64) -> EdgeSteps {
         let Self { from, to, sign, scale, .. } = *self;
         let centre = centre(column, row);
-        let numbers = EdgeNumbers::Exact { from, to, centre, sign, value: oriented(from, to, centre) * sign };
+        let value = oriented(from, to, centre) * sign;
+        let numbers = EdgeNumbers::Exact(ExactSteps { from, to, centre, sign, value });
         EdgeSteps { inward: self.inward, owned: self.owned, contains: self.contains(column, row), scale, numbers }
     }
 

@@ -14,7 +14,7 @@
 
 use super::fill_rule::FillRule;
 use super::numbers::{BoundaryWalk, Inward, Numbers, RasterEdge};
-use super::steps::{EdgeNumbers, EdgeSteps};
+use super::steps::{EdgeNumbers, EdgeSteps, FixedSteps};
 use crate::math::fixed::{HALF_PIXEL, SUBPIXELS, snap};
 
 /// Largest magnitude of a coordinate, in pixels, for which all intermediate integers fit into 64 bits.
@@ -116,7 +116,7 @@ impl RasterEdge for FixedEdge {
     fn steps(&self, column: i64, row: i64) -> EdgeSteps {
         let Self { a, b, c, owned } = *self;
         let centre = [centre(column), centre(row)];
-        let numbers = EdgeNumbers::Fixed { a, b, c, centre, value: self.at(column, row) };
+        let numbers = EdgeNumbers::Fixed(FixedSteps { a, b, c, centre, value: self.at(column, row) });
         EdgeSteps { inward: self.inward(), owned, contains: self.contains(column, row), scale: 1.0, numbers }
     }
 

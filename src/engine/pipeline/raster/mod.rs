@@ -46,6 +46,7 @@ use numbers::Numbers;
 
 use super::choice::{Choice as _, Label, registry};
 use super::grid::SampleGrid;
+use super::settings::Settings;
 use super::triangle_list::{PixelBox, box_around};
 use super::viewport::Viewport;
 use crate::math::fixed::{snap, to_pixels};
@@ -263,13 +264,32 @@ impl RasterTarget<'_> {
     }
 }
 
-/// Rasterizes a triangle: appends the covered samples of `grid` within `scissor` to `spans`, each once. The order of
-/// the spans depends on the algorithm. Returns the number of visited samples.
+/// Samples that a rasterizer may visit: those of a grid inside a scissor.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SampleArea {
+    pub(crate) grid: SampleGrid,
+    pub(crate) scissor: Scissor,
+}
+
+impl SampleArea {
+    /// Returns the area of a whole picture.
+    pub(crate) fn full(grid: SampleGrid, viewport: Viewport) -> Self {
+        Self { grid, scissor: Scissor::full(viewport.width, viewport.height) }
+    }
+
+    /// Returns the area that contains only pixel (x, y) of the full picture.
+    pub(crate) fn pixel((x, y): (u32, u32)) -> Self {
+        Self { grid: SampleGrid::FULL, scissor: Scissor::pixel(x, y) }
+    }
+}
+
+/// Rasterizes a triangle: appends the covered samples of an area to `spans`, each once. The order of the spans depends on
+/// the algorithm. Returns the number of visited samples.
 pub(super) fn cover_samples<N: Numbers>(
     rasterizer: Rasterizer,
     triangle: &RasterTriangle<N>,
     corners_px: [[f32; 2]; 3],
-    (grid, scissor): (SampleGrid, Scissor),
+    SampleArea { grid, scissor }: SampleArea,
     spans: &mut Vec<Span>,
 ) -> u64 {
     let mut canvas = RasterTarget { grid, scissor, spans, visited: 0 };
@@ -319,57 +339,68 @@ pub(crate) fn cover(
     rule: FillRule,
     viewport: Viewport,
 ) -> Vec<Span> {
-    let area = (SampleGrid::FULL, Scissor::full(viewport.width, viewport.height));
     let mut spans = Vec::new();
-    cover_within((rasterizer, arithmetic, rule), corners_px, area, &mut spans);
+    let rules = CoverageRules { rasterizer, arithmetic, fill_rule: rule };
+    rules.cover_within(corners_px, SampleArea::full(SampleGrid::FULL, viewport), &mut spans);
     spans
 }
 
-/// Height in rows of the bands that [`cover_in_bands`] processes: a multiple of the side of the tiled rasterizer's
-/// largest squares.
+/// Height in rows of the bands that [`CoverageRules::cover_in_bands`] processes: a multiple of the side of the tiled
+/// rasterizer's largest squares.
 const BAND_ROWS: u32 = 64;
 
-/// Rasterizes a triangle like [`cover()`], but in bands of rows from top to bottom; the spans and their order are the
-/// same. `take` receives the spans of each band and the first row below the band. Bands far from the triangle are
-/// skipped. Stops at the first error that `take` returns.
-pub(crate) fn cover_in_bands<E>(
-    how: (Rasterizer, Arithmetic, FillRule),
-    corners_px: [[f32; 2]; 3],
-    viewport: Viewport,
-    mut take: impl FnMut(&[Span], u32) -> Result<(), E>,
-) -> Result<(), E> {
-    let Viewport { width, height } = viewport;
-    let [.., top, bottom] = box_around(corners_px);
-    // The rows extend one band beyond the triangle on each side, because of the margin of `may_overlap`. Casts to
-    // integers saturate.
-    let row = |px: f32| (px.max(0.0) as u32).min(height);
-    let (first, end) = (row(top - BAND_ROWS as f32) / BAND_ROWS * BAND_ROWS, row(bottom + BAND_ROWS as f32));
-    let mut spans = Vec::new();
-    for top in (first..end).step_by(BAND_ROWS as usize) {
-        let scissor = Scissor { left: 0, top, right: width, bottom: (top + BAND_ROWS).min(height) };
-        if scissor.may_overlap(corners_px) {
-            spans.clear();
-            cover_within(how, corners_px, (SampleGrid::FULL, scissor), &mut spans);
-            take(&spans, scissor.bottom)?;
-        }
-    }
-    Ok(())
+/// Rules that decide which samples a triangle covers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CoverageRules {
+    pub(crate) rasterizer: Rasterizer,
+    pub(crate) arithmetic: Arithmetic,
+    pub(crate) fill_rule: FillRule,
 }
 
-/// Rasterizes a triangle like [`cover()`], restricted to the samples of a grid inside a scissor rectangle. Appends the
-/// covered spans to `spans`.
-pub(crate) fn cover_within(
-    (rasterizer, arithmetic, rule): (Rasterizer, Arithmetic, FillRule),
-    corners_px: [[f32; 2]; 3],
-    area: (SampleGrid, Scissor),
-    spans: &mut Vec<Span>,
-) {
-    let (corners_px, arithmetic) = within_fixed_point(corners_px, arithmetic);
-    with_arithmetic!(arithmetic, N => {
-        if let Some(triangle) = RasterTriangle::<N>::new(corners_px, rule) {
-            cover_samples(rasterizer, &triangle, corners_px, area, spans);
+impl CoverageRules {
+    /// Returns the rules that the settings select.
+    pub(crate) fn of(settings: &Settings) -> Self {
+        let Settings { rasterizer, arithmetic, fill_rule, .. } = *settings;
+        Self { rasterizer, arithmetic, fill_rule }
+    }
+
+    /// Rasterizes a triangle like [`cover()`], but in bands of rows from top to bottom; the spans and their order are
+    /// the same. `take` receives the spans of each band and the first row below the band. Bands far from the triangle
+    /// are skipped. Stops at the first error that `take` returns.
+    pub(crate) fn cover_in_bands<E>(
+        self,
+        corners_px: [[f32; 2]; 3],
+        viewport: Viewport,
+        mut take: impl FnMut(&[Span], u32) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let Viewport { width, height } = viewport;
+        let [.., top, bottom] = box_around(corners_px);
+        // The rows extend one band beyond the triangle on each side, because of the margin of `may_overlap`. Casts to
+        // integers saturate.
+        let row = |px: f32| (px.max(0.0) as u32).min(height);
+        let (first, end) = (row(top - BAND_ROWS as f32) / BAND_ROWS * BAND_ROWS, row(bottom + BAND_ROWS as f32));
+        let mut spans = Vec::new();
+        for top in (first..end).step_by(BAND_ROWS as usize) {
+            let scissor = Scissor { left: 0, top, right: width, bottom: (top + BAND_ROWS).min(height) };
+            if scissor.may_overlap(corners_px) {
+                spans.clear();
+                self.cover_within(corners_px, SampleArea { grid: SampleGrid::FULL, scissor }, &mut spans);
+                take(&spans, scissor.bottom)?;
+            }
         }
-    });
+        Ok(())
+    }
+
+    /// Rasterizes a triangle like [`cover()`], restricted to the samples of an area. Appends the covered spans to
+    /// `spans`.
+    pub(crate) fn cover_within(self, corners_px: [[f32; 2]; 3], area: SampleArea, spans: &mut Vec<Span>) {
+        let (corners_px, arithmetic) = within_fixed_point(corners_px, self.arithmetic);
+        with_arithmetic!(arithmetic, N => {
+            if let Some(triangle) = RasterTriangle::<N>::new(corners_px, self.fill_rule) {
+                cover_samples(self.rasterizer, &triangle, corners_px, area, spans);
+            }
+        });
+    }
 }
 
 /// Replaces fixed point where its integers could overflow: if a coordinate exceeds [`fixed::LIMIT_PX`], returns the

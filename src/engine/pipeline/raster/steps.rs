@@ -21,36 +21,44 @@ pub(crate) struct EdgeSteps {
 /// Intermediate values of an edge function, with one variant per arithmetic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum EdgeNumbers {
-    /// Intermediate values in fixed point: the terms of A·x + B·y + C, with x and y in grid steps of 1/256 px.
-    Fixed {
-        /// Coefficient A of x, in grid steps of 1/256 px.
-        a: i64,
-        /// Coefficient B of y, in grid steps of 1/256 px.
-        b: i64,
-        /// Constant term C, in units of 1/2¹⁶ px².
-        c: i64,
-        /// Position of the pixel's centre, in grid steps of 1/256 px.
-        centre: [i64; 2],
-        /// Edge value in units of 1/2¹⁶ px².
-        value: i64,
-    },
+    /// Intermediate values in fixed point.
+    Fixed(FixedSteps),
     /// Intermediate values in single precision.
     F32(FloatSteps<f32>),
     /// Intermediate values in double precision.
     F64(FloatSteps<f64>),
     /// Intermediate values of an exact predicate.
-    Exact {
-        /// Start point of the edge, in pixels.
-        from: [f64; 2],
-        /// End point of the edge, in pixels.
-        to: [f64; 2],
-        /// Position of the pixel's centre, in pixels.
-        centre: [f64; 2],
-        /// Sign of the triangle's area: 1 or −1.
-        sign: f64,
-        /// Edge value before scaling, in px². Its sign is exact.
-        value: f64,
-    },
+    Exact(ExactSteps),
+}
+
+/// Intermediate values in fixed point: the terms of A·x + B·y + C, with x and y in grid steps of 1/256 px.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct FixedSteps {
+    /// Coefficient A of x, in grid steps of 1/256 px.
+    pub(crate) a: i64,
+    /// Coefficient B of y, in grid steps of 1/256 px.
+    pub(crate) b: i64,
+    /// Constant term C, in units of 1/2¹⁶ px².
+    pub(crate) c: i64,
+    /// Position of the pixel's centre, in grid steps of 1/256 px.
+    pub(crate) centre: [i64; 2],
+    /// Edge value in units of 1/2¹⁶ px².
+    pub(crate) value: i64,
+}
+
+/// Intermediate values of an exact predicate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ExactSteps {
+    /// Start point of the edge, in pixels.
+    pub(crate) from: [f64; 2],
+    /// End point of the edge, in pixels.
+    pub(crate) to: [f64; 2],
+    /// Position of the pixel's centre, in pixels.
+    pub(crate) centre: [f64; 2],
+    /// Sign of the triangle's area: 1 or −1.
+    pub(crate) sign: f64,
+    /// Edge value before scaling, in px². Its sign is exact.
+    pub(crate) value: f64,
 }
 
 /// Intermediate values of an edge function in float arithmetic: the cross product `along` × `to_centre`, negated if it

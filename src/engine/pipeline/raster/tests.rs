@@ -137,7 +137,7 @@ fn what_a_pixel_shows_does_not_depend_on_the_scissor() {
                     let Some(triangle) = RasterTriangle::<N>::new(corners, FillRule::TopLeft) else { continue };
                     let run = |grid, scissor| {
                         let mut spans = Vec::new();
-                        cover_samples(*rasterizer, &triangle, corners, (grid, scissor), &mut spans);
+                        cover_samples(*rasterizer, &triangle, corners, SampleArea { grid, scissor }, &mut spans);
                         let samples = spans.iter().flat_map(|s| (s.left..s.right).map(|column| (column, s.row)));
                         let mut pixels: Vec<_> = samples.map(|(column, row)| grid.pixel(column, row)).collect();
                         pixels.sort_unstable();
@@ -174,8 +174,10 @@ fn bands_of_rows_give_the_spans_of_the_whole_picture_in_the_same_order() {
                     bands += 1;
                     Ok::<_, ()>(())
                 };
-                cover_in_bands((*rasterizer, *arithmetic, FillRule::TopLeft), corners, viewport, &mut take).unwrap();
-                let whole = cover(*rasterizer, *arithmetic, corners, FillRule::TopLeft, viewport);
+                let (rasterizer, arithmetic, fill_rule) = (*rasterizer, *arithmetic, FillRule::TopLeft);
+                let rules = CoverageRules { rasterizer, arithmetic, fill_rule };
+                rules.cover_in_bands(corners, viewport, &mut take).unwrap();
+                let whole = cover(rasterizer, arithmetic, corners, fill_rule, viewport);
                 assert_eq!(spans, whole, "{rasterizer:?} {arithmetic:?} {corners:?}");
                 several += u32::from(bands > 1);
             }
@@ -246,7 +248,7 @@ fn work_is_bounded_by_what_an_algorithm_promises() {
     let corners = [[1.0, 1.0], [47.0, 1.5], [1.5, 47.0]];
     let visits = |rasterizer| {
         let triangle = RasterTriangle::<Fixed>::new(corners, FillRule::TopLeft).unwrap();
-        let area = (SampleGrid::FULL, Scissor::full(SIDE, SIDE));
+        let area = SampleArea { grid: SampleGrid::FULL, scissor: Scissor::full(SIDE, SIDE) };
         let mut spans = Vec::new();
         let visited = cover_samples(rasterizer, &triangle, corners, area, &mut spans);
         (visited, pixels(&spans).len() as u64)

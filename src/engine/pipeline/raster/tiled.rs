@@ -39,13 +39,20 @@ enum SquarePosition {
     Across,
 }
 
+/// Rectangle of pixels.
+#[derive(Clone, Copy)]
+struct PixelBounds {
+    columns: PixelRange,
+    rows: PixelRange,
+}
+
 /// Emits the covered samples of a triangle, square by square.
 pub(super) fn cover<N: Numbers>(triangle: &RasterTriangle<N>, canvas: &mut RasterTarget<'_>) {
     let [columns, rows] = triangle.bounds();
     let visible = canvas.scissor();
-    let (columns, rows) = (columns.within(visible[0]), rows.within(visible[1]));
-    for square in squares(columns, rows, SIDES_PX[0]) {
-        descend(triangle, square, &SIDES_PX[1..], columns, rows, canvas);
+    let within = PixelBounds { columns: columns.within(visible[0]), rows: rows.within(visible[1]) };
+    for square in squares(within, SIDES_PX[0]) {
+        descend(triangle, square, &SIDES_PX[1..], within, canvas);
     }
 }
 
@@ -53,12 +60,11 @@ fn descend<N: Numbers>(
     triangle: &RasterTriangle<N>,
     square: Square,
     finer: &[i64],
-    columns: PixelRange,
-    rows: PixelRange,
+    within: PixelBounds,
     canvas: &mut RasterTarget<'_>,
 ) {
     canvas.visit(1);
-    let (columns, rows) = (square.columns().within(columns), square.rows().within(rows));
+    let (columns, rows) = (square.columns().within(within.columns), square.rows().within(within.rows));
     match (place(triangle, square), finer) {
         (SquarePosition::Outside, _) => {}
         (SquarePosition::Inside, _) => {
@@ -68,8 +74,9 @@ fn descend<N: Numbers>(
             }
         }
         (SquarePosition::Across, [side, finer @ ..]) => {
-            for part in squares(columns, rows, *side) {
-                descend(triangle, part, finer, columns, rows, canvas);
+            let within = PixelBounds { columns, rows };
+            for part in squares(within, *side) {
+                descend(triangle, part, finer, within, canvas);
             }
         }
         (SquarePosition::Across, []) => {
@@ -87,7 +94,7 @@ fn descend<N: Numbers>(
 }
 
 /// Returns the squares of `side` × `side` px, aligned to multiples of `side`, that overlap a rectangle of pixels.
-fn squares(columns: PixelRange, rows: PixelRange, side: i64) -> impl Iterator<Item = Square> {
+fn squares(PixelBounds { columns, rows }: PixelBounds, side: i64) -> impl Iterator<Item = Square> {
     let along =
         move |range: PixelRange| (range.first.div_euclid(side)..=range.last.div_euclid(side)).map(move |i| i * side);
     let lattice = (!columns.is_empty() && !rows.is_empty())

@@ -5,7 +5,7 @@
 //! [`TextureReads::position`]: crate::pipeline::footprint::TextureReads::position
 
 use super::gather::Taps;
-use super::mipmap::{CoarseTaps, Coordinates, longest_squared};
+use super::mipmap::{CoarseTaps, Coordinates, LevelTaps, longest_squared};
 use super::texture::{Layout, TextureReader};
 use crate::math::lanes::*;
 use crate::pipeline::footprint::RATIO_TOLERANCE;
@@ -44,9 +44,10 @@ impl TextureReader<'_> {
         let mut fine = Taps::default();
         for probe in 0..most {
             let uv = probes.position(simd, at.uv, probe);
-            self.locate_in_both(simd, layout, uv, &levels, (&mut fine, out));
+            self.locate_in_level(simd, layout, uv, &levels.finer, &mut fine);
+            self.locate_in_coarser(simd, layout, uv, &levels, out);
             let is_taken = probes.count.simd_gt(f32x16::splat(simd, probe as f32));
-            let read = self.read_sixteen(simd, layout, (&fine, Some(out)));
+            let read = self.read_sixteen(simd, layout, LevelTaps { fine: &fine, coarse: Some(out) });
             for (stored, read) in out.filtered.iter_mut().zip(read) {
                 let sum = f32x16::load_array_ref(simd, stored);
                 let sum = if probe == 0 { read } else { is_taken.select(sum + read, sum) };
@@ -62,7 +63,7 @@ impl TextureReader<'_> {
 
     /// Reads and mixes both levels for sixteen samples.
     #[inline(always)]
-    fn read_sixteen<S: Simd>(&self, simd: S, layout: Layout, taps: (&Taps, Option<&CoarseTaps>)) -> [f32x16<S>; 4] {
+    fn read_sixteen<S: Simd>(&self, simd: S, layout: Layout, taps: LevelTaps<'_>) -> [f32x16<S>; 4] {
         if self.mixes_light() {
             return self.read_levels_linear(simd, layout, taps);
         }

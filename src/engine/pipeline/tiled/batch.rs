@@ -1,10 +1,12 @@
 //! Setup of triangles in a tile, eight at a time, with edge functions both in f64 and in i32.
 
 use super::edge_number::EdgeNumber;
-use super::geometry::PackedVertex;
-use super::lattice::{TILE, TileLattice};
-use super::record::{Record, Slot};
-use super::setup::{EdgeFunctions, Origin, Setup, SnappedVertex, inside_thresholds};
+use super::lattice::TileLattice;
+use super::layout::{BLOCK, TILE};
+use super::packed::PackedVertex;
+use super::record::{IntegerEdges, Record};
+use super::setup::{EdgeFunctions, Setup, SetupContext, SnappedVertex, inside_thresholds};
+use super::slot::Slot;
 use crate::math::lanes::*;
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::settings::FillRule;
@@ -45,6 +47,47 @@ pub(super) struct TriangleBatch {
     boxes: [[[f32; LANES]; 2]; 2],
 }
 
+/// Number of triangle batches whose vertices are fetched together.
+pub(super) const BATCHES: usize = 4;
+
+/// Number of triangles in [`BATCHES`] batches.
+pub(super) const GROUP: usize = BATCHES * LANES;
+
+/// Group of up to [`GROUP`] triangles of a tile, after setup.
+#[derive(Clone, Debug, Default)]
+pub(super) struct TriangleGroup {
+    /// Index of the group's first triangle in the bin of the tile.
+    pub(super) first: usize,
+    pub(super) batches: [TriangleBatch; BATCHES],
+    /// For each batch, the bit mask of the triangles that may cover a sample of the tile.
+    pub(super) alive: [u64; BATCHES],
+    /// For each batch, the bit mask of the triangles whose edge values may exceed 32 bits.
+    pub(super) large: [u64; BATCHES],
+}
+
+/// Number of triangles in a tile at or above which hierarchical Z is disabled, unless most of them are large.
+const HIZ_MAX_TRIANGLES: usize = 96;
+
+/// Number of columns or rows above which a triangle counts as large: the width of two blocks.
+const LARGE: i32 = 2 * BLOCK as i32;
+
+impl TriangleGroup {
+    /// Returns the slot of a triangle, given by the number of its batch and its lane.
+    #[inline(always)]
+    pub(super) fn slot(&self, batch: usize, lane: usize) -> Slot {
+        Slot::new(self.first + batch * LANES + lane, self.large[batch] >> lane & 1 != 0)
+    }
+
+    /// Returns `true` if a tile with this number of triangles uses hierarchical Z, that is, keeps depth bounds of its
+    /// blocks. The decision depends on the sizes of the first triangles of the tile, which are those of this group.
+    #[inline(always)]
+    pub(super) fn uses_hiz(&self, triangles: usize) -> bool {
+        let Self { batches, alive, .. } = self;
+        let large = || batches.iter().zip(alive).map(|(batch, alive)| batch.count_large(*alive, LARGE)).sum::<u32>();
+        triangles < HIZ_MAX_TRIANGLES || 2 * large() > alive.iter().map(|alive| alive.count_ones()).sum()
+    }
+}
+
 /// Batch of triangles that are set up for one tile.
 pub(super) trait Triangles {
     /// Returns `true` if the edge values of a triangle fit into 32-bit integers at all samples of the tile.
@@ -54,30 +97,48 @@ pub(super) trait Triangles {
     fn triangle<E: EdgeNumber>(&self, lane: usize, slot: Slot) -> Setup<E>;
 }
 
+/// Triangle of a batch.
+#[derive(Debug)]
+pub(super) struct BinnedTriangle<'a, B> {
+    pub(super) batch: &'a B,
+    pub(super) lane: usize,
+    pub(super) slot: Slot,
+}
+
+impl<B: Triangles> BinnedTriangle<'_, B> {
+    /// Returns `true` if the edge values fit into 32-bit integers at all samples of the tile.
+    #[inline(always)]
+    pub(super) fn fits(&self) -> bool {
+        self.batch.fits(self.lane)
+    }
+
+    /// Returns the setup of the triangle. `E` may be `i32` only if [`BinnedTriangle::fits`] returns `true`.
+    #[inline(always)]
+    pub(super) fn setup<E: EdgeNumber>(&self) -> Setup<E> {
+        self.batch.triangle(self.lane, self.slot)
+    }
+}
+
 impl TriangleBatch {
     /// Sets up eight triangles like [`Setup::new`], with edge functions in f64 and in i32, and fills their records.
+    /// `divides_by_w` selects the triangles with perspective division.
     ///
     /// Returns two bit masks. The first selects the triangles that may cover a sample of the tile. The second selects
     /// those among them whose edge values may exceed 32 bits, either at a sample that they cover or at another sample
     /// of the same pixel.
     #[inline(never)]
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "eight triangles, their records, and the data common to all triangles"
-    )]
     pub(super) fn set_up<S: Simd>(
         &mut self,
         simd: S,
         triangles: &[[&PackedVertex; 3]; LANES],
-        (records, divides_by_w): (&mut [Record; LANES], u64),
-        rule: FillRule,
-        scale: &DepthScale,
-        lattice: &TileLattice,
-        (origin, first): Origin,
+        records: &mut [Record; LANES],
+        divides_by_w: u64,
+        context: &SetupContext<'_>,
     ) -> (u64, u64) {
         simd.vectorize(
             #[inline(always)]
             || {
+                let SetupContext { rule, scale, lattice, origin } = *context;
                 let vertices = each!(corner in [0, 1, 2] => {
                     each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => triangles[lane][corner])
                 });
@@ -86,9 +147,9 @@ impl TriangleBatch {
                     let [a, b, c] = each!(i in [0, 1, 2] => corners[i].0[axis]);
                     [a.min(b).min(c), a.max(b).max(c)]
                 });
-                let mut alive = ranges_lanes(simd, boxes, lattice, first, [&mut self.columns, &mut self.rows]);
+                let mut alive = ranges_lanes(simd, boxes, lattice, origin.packed, [&mut self.columns, &mut self.rows]);
                 let p =
-                    each!(i in [0, 1, 2] => each!(axis in [0, 1] => widen(simd, corners[i].0[axis]) - origin[axis]));
+                    each!(i in [0, 1, 2] => each!(axis in [0, 1] => widen(simd, corners[i].0[axis]) - origin.position[axis]));
                 let area = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[2][0] - p[0][0]) * (p[1][1] - p[0][1]);
                 alive &= area.simd_ne(0.0).to_bitmask();
                 if alive == 0 {
@@ -141,12 +202,12 @@ impl TriangleBatch {
                     in_turn[i].store_array(&mut self.rises[1][i]);
                 }
                 let positions = each!(i in [0, 1, 2] => corners[i].0);
-                let (edges, area) = integer_edges(simd, positions, origin, turned.to_bitmask());
+                let integers = integer_edges(simd, positions, origin.position, turned.to_bitmask());
                 let attributes = each!(corner in [0, 1, 2] => PackedVertex::attributes(simd, &vertices[corner]));
-                Record::fill_eight(simd, records, [edges[0], edges[1]], area, attributes, divides_by_w);
+                Record::fill_eight(simd, records, integers, attributes, divides_by_w);
                 let is_least = each!(i in [0, 1] => mask32x8::from_bitmask(simd, is_least[i].to_bitmask()));
                 let edges = each!(term in [0, 1, 2] => {
-                    rotated(is_least, each!(i in [0, 1, 2] => edges[i][term]))
+                    rotated(is_least, each!(i in [0, 1, 2] => integers.edges[i][term]))
                 });
                 self.integers.fill(simd, edges, rule);
                 if lattice.extent() > 0.0 {
@@ -340,15 +401,9 @@ fn ranges_lanes<S: Simd>(
     alive
 }
 
-/// Returns a, b and c of the edge functions of eight triangles, and their doubled areas, all as the low 32 bits of the
-/// exact integers. Vertex positions are in steps of 1/256 px.
+/// Returns the edge functions of eight triangles in 32-bit integers. Vertex positions are in steps of 1/256 px.
 #[inline(always)]
-fn integer_edges<S: Simd>(
-    simd: S,
-    corners: [[F32<S>; 2]; 3],
-    origin: [f64; 2],
-    turned: u64,
-) -> ([[i32x8<S>; 3]; 3], i32x8<S>) {
+fn integer_edges<S: Simd>(simd: S, corners: [[F32<S>; 2]; 3], origin: [f64; 2], turned: u64) -> IntegerEdges<S> {
     let p =
         each!(i in [0, 1, 2] => each!(axis in [0, 1] => corners[i][axis].to_int::<i32x8<S>>() - origin[axis] as i32));
     let turned = mask32x8::from_bitmask(simd, turned);
@@ -363,146 +418,8 @@ fn integer_edges<S: Simd>(
     // Edge values sum to the doubled area everywhere, so the third edge follows from the other two.
     let zero = i32x8::splat(simd, 0);
     let third = each!((of_all, i) in [(zero, 0), (zero, 1), (area, 2)] => of_all - first[i] - second[i]);
-    ([first, second, third], area)
+    IntegerEdges { edges: [first, second, third], doubled_area: area }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::pipeline::depth::DepthEncoding;
-    use crate::pipeline::grid::SampleGrid;
-    use crate::pipeline::settings::Choice as _;
-    use crate::scene::DepthMapping;
-
-    /// Returns three random vertices near a position, at most `extent` steps of 1/256 px apart on each axis. Some of
-    /// their depths are often equal.
-    fn corners(random: &mut fastrand::Rng, around: [f64; 2], extent: i32) -> [PackedVertex; 3] {
-        let place = around.map(|along| along as i32 + random.i32(-8192..8192));
-        [(); 3].map(|()| {
-            let position = place.map(|along| (along + random.i32(0..=extent)) as f32);
-            let depth = if random.bool() { random.f64() } else { f64::from(random.u8(..3)) * 0.5 };
-            PackedVertex::new(position, depth, 1.0, 0.0, [0.0; 2])
-        })
-    }
-
-    /// Returns the exact edge values at an offset from the tile's first sample.
-    fn values<E: EdgeNumber>(triangle: &Setup<E>, [x, y]: [i64; 2]) -> [i64; 3] {
-        let EdgeFunctions { a, b, c } = triangle.edges;
-        std::array::from_fn(|i| a[i].double() as i64 * x + b[i].double() as i64 * y + c[i].double() as i64)
-    }
-
-    #[test]
-    fn integer_edges_fit_and_equal_the_double_edges_up_to_rotation() {
-        let mut random = fastrand::Rng::with_seed(4);
-        let (mut small, mut large) = (0, 0);
-        let grids = [SampleGrid::Block { step: 1 }, SampleGrid::Block { step: 3 }, SampleGrid::Checkerboard];
-        let linear = DepthScale::perspective(DepthMapping::LINEAR, DepthEncoding::F32, 0.1, 100.0);
-        let scales = [(DepthScale::default(), false), (linear, true)];
-        for (grid, lanes) in grids.into_iter().flat_map(|grid| Lanes::all().map(move |lanes| (grid, lanes))) {
-            let offsets = [[-96, 32], [96, -32]];
-            let centres = TileLattice::new(grid);
-            let (lattice, sample) = (centres.with_samples(&offsets), centres.moved(offsets[1]));
-            let (origin, first) = (lattice.origin((3, 2)), [3.0 * TILE as f32, 2.0 * TILE as f32]);
-            // Corners of the region in which edge values may be computed. It extends beyond the tile, because eight
-            // columns and two rows are computed at a time, and is enlarged by at least the distance between the samples
-            // of a pixel.
-            let [right, _] = lattice.place((TILE + LANES - 3, 2));
-            let [_, below] = lattice.place((0, TILE));
-            let [left, right, below] = [-192, right + 384, below + 384].map(i64::from);
-            let ends = [[left, left], [right, left], [left, below], [right, below]];
-            for round in 0..400 {
-                let vertices = [(); LANES].map(|()| corners(&mut random, origin, 1 << (round % 22)));
-                let triangles = std::array::from_fn(|lane| vertices[lane].each_ref());
-                let (mut batch, mut records) = (TriangleBatch::default(), [Record::default(); LANES]);
-                let (rule, (scale, is_linear)) = (FillRule::ALL[round % FillRule::ALL.len()], &scales[round / 22 % 2]);
-                let (alive, _) = on_lanes!(lanes, simd => {
-                    batch.set_up(simd, &triangles, (&mut records, 0), rule, scale, &lattice, (origin, first))
-                });
-                let (_, moved) = on_lanes!(lanes, simd => batch.moved(simd, &sample, first));
-                for lane in (0..LANES).filter(|lane| alive >> lane & 1 != 0) {
-                    if !batch.fits(lane) {
-                        large += 1;
-                        continue;
-                    }
-                    small += 1;
-                    let doubles: (Setup<f64>, Setup<f64>) =
-                        (batch.triangle(lane, Slot::NONE), moved.triangle(lane, Slot::NONE));
-                    let integers: (Setup<i32>, Setup<i32>) =
-                        (batch.triangle(lane, Slot::NONE), moved.triangle(lane, Slot::NONE));
-                    let all = |of: [i64; 3]| of.into_iter().all(|value| i32::try_from(value).is_ok());
-                    assert!(ends.iter().all(|end| all(values(&doubles.0, *end)) && all(values(&doubles.1, *end))));
-                    let is_turned = |turn: &usize| {
-                        (0..3).all(|i| {
-                            ends.iter().all(|end| {
-                                values(&integers.0, *end)[i] == values(&doubles.0, *end)[(i + turn) % 3]
-                                    && values(&integers.1, *end)[i] == values(&doubles.1, *end)[(i + turn) % 3]
-                            })
-                        })
-                    };
-                    let turn = (0..3).find(is_turned).expect("the integer edges are the double edges, rotated");
-                    for i in 0..3 {
-                        assert_eq!(integers.0.rises[i], doubles.0.rises[(i + turn) % 3]);
-                        assert_eq!(integers.0.inside[i].double(), doubles.0.inside[(i + turn) % 3]);
-                    }
-                    assert_eq!(integers.0.min_depth, doubles.0.min_depth);
-                    if *is_linear {
-                        assert_eq!(turn, 0, "edges are not rotated if depth is linear in view space");
-                    } else {
-                        assert_eq!(integers.0.rises[2], 0.0);
-                    }
-                }
-            }
-        }
-        assert!(small > 1000 && large > 500, "{small} triangles fit, {large} do not");
-    }
-
-    #[test]
-    fn triangles_that_miss_or_cover_the_tile_are_detected() {
-        let mut random = fastrand::Rng::with_seed(6);
-        let (mut missing, mut covering) = (0, 0);
-        let grids = [SampleGrid::Block { step: 1 }, SampleGrid::Checkerboard];
-        for (grid, lanes) in grids.into_iter().flat_map(|grid| Lanes::all().map(move |lanes| (grid, lanes))) {
-            let offsets = [[-96, 32], [96, -32]];
-            let centres = TileLattice::new(grid);
-            for (lattice, offsets) in [(centres, &[[0; 2]][..]), (centres.with_samples(&offsets), &offsets[..])] {
-                let (origin, first) = (lattice.origin((3, 2)), [3.0 * TILE as f32, 2.0 * TILE as f32]);
-                for round in 0..40 {
-                    let size = 1 << (15 + round % 4);
-                    let mut along = |from: f64| (from as i32 + random.i32(-size..size)) as f32;
-                    let mut corner = || PackedVertex::new(origin.map(&mut along), 0.5, 1.0, 0.0, [0.0; 2]);
-                    let vertices = [(); LANES].map(|()| [(); 3].map(|()| corner()));
-                    let triangles = std::array::from_fn(|lane| vertices[lane].each_ref());
-                    let (mut batch, mut records) = (TriangleBatch::default(), [Record::default(); LANES]);
-                    let (rule, scale) = (FillRule::ALL[round % FillRule::ALL.len()], DepthScale::default());
-                    let (alive, _) = on_lanes!(lanes, simd => {
-                        batch.set_up(simd, &triangles, (&mut records, 0), rule, &scale, &lattice, (origin, first))
-                    });
-                    for (lane, vertices) in vertices.iter().enumerate() {
-                        let corners = vertices.each_ref().map(SnappedVertex::from);
-                        let boxed = Setup::new(Slot::NONE, &corners, rule, &scale, &lattice, (origin, first));
-                        let Some(triangle) = boxed else {
-                            continue;
-                        };
-                        let covers = |place: [i32; 2]| {
-                            let values = triangle.edges.at(place);
-                            values.iter().zip(triangle.inside).all(|(value, least)| *value >= least)
-                        };
-                        let samples = || {
-                            let all = (0..TILE).flat_map(|row| (0..TILE).map(move |column| (column, row)));
-                            all.map(|place| lattice.place(place))
-                                .flat_map(|[x, y]| offsets.iter().map(move |[right, down]| [x + right, y + down]))
-                        };
-                        let is_alive = alive >> lane & 1 != 0;
-                        assert!(is_alive || !samples().any(covers), "the triangle has a sample in the tile");
-                        missing += usize::from(!is_alive);
-                        if is_alive && batch.triangle::<f64>(lane, Slot::NONE).covers_tile {
-                            covering += 1;
-                            assert!(samples().all(covers), "the triangle does not cover all samples of the tile");
-                        }
-                    }
-                }
-            }
-        }
-        assert!(missing > 100 && covering > 100, "{missing} miss the tile, {covering} cover it");
-    }
-}
+mod tests;

@@ -133,6 +133,20 @@ pub(super) struct DepthPlane {
     greatest: f64,
 }
 
+/// Positions of eight samples in a row, relative to the tile's first sample, in steps of 1/256 px.
+pub(super) struct EightPositions<S: Simd> {
+    pub(super) x: F64<S>,
+    pub(super) y: f64,
+}
+
+impl<S: Simd> EightPositions<S> {
+    /// Returns the positions of samples that are all the tile's first one.
+    #[inline(always)]
+    pub(super) fn first(simd: S) -> Self {
+        Self { x: F64::splat(simd, 0.0), y: 0.0 }
+    }
+}
+
 impl DepthPlane {
     /// Creates the depth plane of a triangle in a tile. Width and height are the distances from the tile's first sample
     /// to its last one, in steps of 1/256 px.
@@ -155,16 +169,16 @@ impl DepthPlane {
         self.at_first
     }
 
-    /// Returns a lower and an upper bound on the stored depths in each of eight rectangles of samples. `x` and `y` are
-    /// the positions of the first sample of each rectangle. Width and height are the distances from the first to the
-    /// last sample. All are in steps of 1/256 px.
+    /// Returns a lower and an upper bound on the stored depths in each of eight rectangles of samples, given the
+    /// position of the first sample of each. Width and height are the distances from the first to the last sample, in
+    /// steps of 1/256 px.
     ///
     /// If the triangle covers no sample of a rectangle, the bounds may lie outside the triangle's range of depths.
     #[inline(always)]
     pub(super) fn bounds<S: Simd>(
         &self,
         simd: S,
-        (x, y): (F64<S>, f64),
+        EightPositions { x, y }: EightPositions<S>,
         [width, height]: [f64; 2],
         rules: &DepthRules,
     ) -> [F32<S>; 2] {
@@ -216,9 +230,10 @@ pub(super) fn whole_depths<E: EdgeNumber>(triangle: &Setup<E>, rules: &DepthRule
 
 #[cfg(test)]
 mod tests {
-    use super::super::lattice::{BLOCK, BLOCKS, TILE, TileLattice};
-    use super::super::record::Slot;
-    use super::super::setup::SnappedVertex;
+    use super::super::lattice::TileLattice;
+    use super::super::layout::{BLOCK, BLOCKS, SamplePlace, TilePlace};
+    use super::super::setup::{SetupContext, SnappedVertex};
+    use super::super::slot::Slot;
     use super::*;
     use crate::pipeline::depth::DepthScale;
     use crate::pipeline::grid::SampleGrid;
@@ -253,30 +268,26 @@ mod tests {
                 stored: true,
             };
             let lattice = TileLattice::new(grid);
-            let (origin, first) = (lattice.origin((1, 2)), [TILE as f32, 2.0 * TILE as f32]);
+            let origin = lattice.origin(TilePlace { column: 1, row: 2, number: 0 });
             for _ in 0..200 {
                 let thickness = 1 << random.u32(0..20);
                 let corners = [(); 3].map(|()| {
                     let along = random.f64() * 40_000.0 - 12_000.0;
-                    let place =
-                        origin.map(|from| (from + along + f64::from(random.i32(-thickness..thickness))).round());
+                    let place = origin
+                        .position
+                        .map(|from| (from + along + f64::from(random.i32(-thickness..thickness))).round());
                     SnappedVertex { position: place, depth: random.f64(), inv_w: 1.0 }
                 });
-                let set_up = Setup::new(
-                    Slot::NONE,
-                    &corners,
-                    FillRule::TopLeft,
-                    &DepthScale::default(),
-                    &lattice,
-                    (origin, first),
-                );
+                let scale = DepthScale::default();
+                let context = SetupContext { rule: FillRule::TopLeft, scale: &scale, lattice: &lattice, origin };
+                let set_up = Setup::new(Slot::NONE, &corners, &context);
                 let Some(triangle) = set_up else { continue };
                 let plane = DepthPlane::new(&triangle, lattice.tile_extent(), &rules);
                 for lanes in Lanes::all() {
                     for by in 0..BLOCKS {
                         let [low, high] = on_lanes!(lanes, simd => {
                             let x = F64::load_array(simd, lattice.doubles.blocks);
-                            let places = (x, lattice.doubles.row(by * BLOCK));
+                            let places = EightPositions { x, y: lattice.doubles.row(by * BLOCK) };
                             plane.bounds(simd, places, lattice.doubles.block, &rules).map(SimdBase::to_array)
                         });
                         let [width, height] = lattice.doubles.block;
@@ -284,7 +295,9 @@ mod tests {
                         for (column, row) in
                             (0..BLOCK).flat_map(|row| (0..BLOCKS).map(move |bx| (bx, by * BLOCK + row)))
                         {
-                            let places = std::array::from_fn(|lane| lattice.place((column * BLOCK + lane, row)));
+                            let places = std::array::from_fn(|lane| {
+                                lattice.place(SamplePlace { column: column * BLOCK + lane, row })
+                            });
                             let (depths, covered) =
                                 on_lanes!(lanes, simd => depths_at(simd, &triangle, places, &rules));
                             for lane in (0..LANES).filter(|lane| covered >> lane & 1 != 0) {

@@ -1,28 +1,23 @@
 //! Gathering and setup of the triangles in a tile's bin.
 
 use super::TiledFrame;
-use super::batch::TriangleBatch;
-use super::geometry::{PackedSurface, PackedVertex};
-use super::lattice::BLOCK;
-use super::record::{BinEntry, Slot, SurfacePart, SurfaceRecord, TileBin};
-use super::setup::Origin;
+use super::batch::{GROUP, TriangleGroup};
+use super::layout::TilePlace;
+use super::packed::{PackedSurface, PackedVertex};
+use super::record::{BinEntry, SurfacePart, SurfaceRecord, TileBin};
+use super::setup::SetupContext;
+use super::slot::Slot;
 use crate::math::lanes::*;
 use crate::math::prefetch::prefetch;
 
-/// Number of triangle batches whose vertices are fetched together.
-pub(super) const BATCHES: usize = 4;
-
-/// Number of triangles in [`BATCHES`] batches.
-pub(super) const GROUP: usize = BATCHES * LANES;
-
 impl TiledFrame<'_> {
-    /// Collects the triangles of a tile from all chunks into a bin. `number` is the index of the tile.
+    /// Collects the triangles of a tile from all chunks into a bin.
     #[inline(always)]
-    pub(super) fn gather_bin(&self, number: usize, entrants: &mut TileBin) {
-        entrants.clear();
+    pub(super) fn gather_bin(&self, place: TilePlace, entrants: &mut TileBin) {
+        entrants.begin(place);
         let mut draw = 0;
         for chunk in self.chunks {
-            let mut keys = chunk.keys(number);
+            let mut keys = chunk.keys(place.number);
             while let [first, more @ ..] = keys {
                 if !self.is_of_draw(*first, draw) {
                     draw = self.draw_of(*first);
@@ -35,45 +30,47 @@ impl TiledFrame<'_> {
         }
     }
 
-    /// Sets up a group of a tile's triangles before the first of them is drawn, which hides the latency of the setup.
-    ///
-    /// Returns two bit masks per batch: the triangles that may cover a sample of the tile, and those among them whose
-    /// edge values may exceed 32 bits.
+    /// Returns the data that the setup of all triangles in a tile shares, for the lattice of the frame.
+    #[inline(always)]
+    pub(super) fn setup_context(&self, place: TilePlace) -> SetupContext<'_> {
+        SetupContext {
+            rule: self.settings.fill_rule,
+            scale: &self.scale,
+            lattice: &self.lattice,
+            origin: self.lattice.origin(place),
+        }
+    }
+
+    /// Sets up a group of a tile's triangles, starting at index `first`, before the first of them is drawn. This hides
+    /// the latency of the setup.
     #[inline(always)]
     pub(super) fn set_up_group<S: Simd>(
         &self,
         simd: S,
+        context: &SetupContext<'_>,
         entrants: &mut TileBin,
-        batches: &mut [TriangleBatch; BATCHES],
-        group: usize,
-        origin: Origin,
-    ) -> ([u64; BATCHES], [u64; BATCHES]) {
+        first: usize,
+        out: &mut TriangleGroup,
+    ) {
         let nowhere = PackedVertex::default();
         let (mut triangles, mut divides_by_w) = ([[&nowhere; 3]; GROUP], 0);
-        self.find_vertices(entrants, group, &mut triangles, &mut divides_by_w);
-        let (mut alive, mut large) = ([0; BATCHES], [0; BATCHES]);
+        self.find_vertices(entrants, first, &mut triangles, &mut divides_by_w);
+        let TriangleGroup { first: place, batches, alive, large } = out;
+        (*place, *alive, *large) = (first, Default::default(), Default::default());
         for (number, triangles) in triangles.as_chunks::<LANES>().0.iter().enumerate() {
-            let first = group + number * LANES;
+            let first = first + number * LANES;
             let count = entrants.len().saturating_sub(first).min(LANES);
             if count == 0 {
                 break;
             }
             let Some(records) = entrants.eight_records(first) else { break };
-            (alive[number], large[number]) = batches[number].set_up(
-                simd,
-                triangles,
-                (records, divides_by_w >> (number * LANES)),
-                self.settings.fill_rule,
-                &self.scale,
-                &self.lattice,
-                origin,
-            );
+            let divide_by_w = divides_by_w >> (number * LANES);
+            (alive[number], large[number]) = batches[number].set_up(simd, triangles, records, divide_by_w, context);
             alive[number] &= u64::from(u32::MAX) >> (u32::BITS as usize - count);
             if alive[number] != 0 && !self.arrays.surfaces.is_empty() {
                 self.fill_surfaces(simd, entrants, first, count);
             }
         }
-        (alive, large)
     }
 
     /// Looks up the vertices of a group of a tile's triangles, and sets a bit in `divides_by_w` for each triangle with
@@ -128,23 +125,6 @@ impl TiledFrame<'_> {
         let Some(records) = entrants.eight_surfaces(first) else { return };
         fill_parts(simd, records, &triangles, self.reads_normals, self.reads_colors);
     }
-}
-
-/// Number of triangles in a tile at or above which hierarchical Z is disabled, unless most of them are large.
-const HIZ_MAX_TRIANGLES: usize = 96;
-
-/// Number of columns or rows above which a triangle counts as large: the width of two blocks.
-const LARGE: i32 = 2 * BLOCK as i32;
-
-/// Returns `true` if a tile with this number of triangles uses hierarchical Z, that is, keeps depth bounds of its
-/// blocks.
-///
-/// The decision depends on the sizes of the first triangles of the tile, which are set up in `first`. `alive` selects
-/// the triangles that may cover a sample of the tile.
-#[inline(always)]
-pub(super) fn uses_hiz(triangles: usize, first: &[TriangleBatch; BATCHES], alive: &[u64; BATCHES]) -> bool {
-    let large = || first.iter().zip(alive).map(|(batch, alive)| batch.count_large(*alive, LARGE)).sum::<u32>();
-    triangles < HIZ_MAX_TRIANGLES || 2 * large() > alive.iter().map(|alive| alive.count_ones()).sum()
 }
 
 /// Fills the normals of eight surface records if the frame reads normals, and the colours if it reads colours.

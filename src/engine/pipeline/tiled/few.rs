@@ -1,7 +1,8 @@
 //! Triangle data for sixteen samples that belong to only a few triangles: data is loaded once per triangle and permuted
 //! to its samples.
 
-use super::record::{Record, Slot, TileBin, TriangleSource};
+use super::record::{Record, TileBin, TriangleSource};
+use super::slot::Slot;
 use crate::math::lanes::*;
 
 /// Maximum number of distinct triangles for which [`Few`] is used.

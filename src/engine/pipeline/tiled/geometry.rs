@@ -9,10 +9,12 @@ use rayon::prelude::*;
 
 use super::clusters::VisibleClusters;
 use super::outcode::Outcode;
+use super::packed::{PackedSurface, PackedVertex};
 use crate::math::fixed::SUBPIXELS;
 use crate::math::lanes::*;
 use crate::math::prefetch::prefetch;
 use crate::math::{unit_or, unit_or_lanes};
+use crate::pipeline::clip::guard_band_widening;
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::plan::{DrawPlan, PipelinePart};
 use crate::pipeline::settings::Settings;
@@ -22,100 +24,6 @@ use crate::pipeline::vertex::{ClipVertex, DrawMatrices, Varyings};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Mesh, TriangleId};
 
-/// Screen-space vertex with the attributes that most shading modes read, in half a cache line. It is a single array, so
-/// that SIMD code can load it whole.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[repr(C, align(32))]
-pub(super) struct PackedVertex {
-    pub(super) numbers: [f32; LANES],
-}
-
-impl PackedVertex {
-    /// Index of the snapped x coordinate. The coordinate is an integer below 2²⁴, in steps of 1/256 px, and increases
-    /// to the right.
-    pub(super) const X: usize = 0;
-    /// Index of the snapped y coordinate, in steps of 1/256 px, increasing downward.
-    pub(super) const Y: usize = 1;
-    /// Index of the lower 32 bits of the depth, an f64. The upper 32 bits follow.
-    const DEPTH: usize = 2;
-    /// Index of 1/w, the reciprocal of clip-space w.
-    pub(super) const INV_W: usize = 4;
-    /// Index of the light intensity at the vertex, for Gouraud shading only.
-    pub(super) const LIGHT: usize = 5;
-    /// Indices of the texture coordinates u and v, with v pointing down.
-    pub(super) const UV: [usize; 2] = [6, 7];
-
-    pub(super) fn new([x, y]: [f32; 2], depth: f64, inv_w: f32, light: f32, [u, v]: [f32; 2]) -> Self {
-        let bits = depth.to_bits();
-        let [low, high] = [bits as u32, (bits >> 32) as u32].map(f32::from_bits);
-        Self { numbers: [x, y, low, high, inv_w, light, u, v] }
-    }
-
-    /// Returns the bits of the snapped position, with x in the lower 32 bits and y in the upper 32 bits.
-    #[inline(always)]
-    pub(super) fn position_bits(&self) -> u64 {
-        let [x, y] = self.position().map(f32::to_bits);
-        u64::from(x) | u64::from(y) << 32
-    }
-
-    /// Returns the snapped position in steps of 1/256 px.
-    #[inline(always)]
-    pub(super) fn position(&self) -> [f32; 2] {
-        [self.numbers[Self::X], self.numbers[Self::Y]]
-    }
-
-    /// Returns the depth in [0, 1], before quantisation.
-    #[inline(always)]
-    pub(super) fn depth(&self) -> f64 {
-        let half = |i: usize| u64::from(self.numbers[Self::DEPTH + i].to_bits());
-        f64::from_bits(half(0) | half(1) << 32)
-    }
-
-    /// Returns 1/w, the reciprocal of clip-space w.
-    #[inline(always)]
-    pub(super) fn inv_w(&self) -> f32 {
-        self.numbers[Self::INV_W]
-    }
-
-    /// Returns 1/w, light, u and v of eight vertices.
-    #[inline(always)]
-    pub(super) fn attributes<S: Simd>(simd: S, vertices: &[&Self; LANES]) -> [F32<S>; 4] {
-        transpose_quads(each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => f32x4::from_slice(simd, &vertices[i].numbers[4..])))
-    }
-
-    /// Returns the snapped positions of eight vertices, in steps of 1/256 px, and their depths.
-    #[inline(always)]
-    pub(super) fn positions_and_depths<S: Simd>(simd: S, vertices: &[&Self; LANES]) -> ([F32<S>; 2], F64<S>) {
-        let rows = each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => f32x4::from_slice(simd, &vertices[i].numbers[..4]));
-        let [x, y, low, high] = transpose_quads(rows);
-        let (first, last) = low.interleave(high);
-        ([x, y], first.bitcast::<f64x4<S>>().combine(last.bitcast::<f64x4<S>>()))
-    }
-}
-
-/// Normal and colour of a vertex, for shading that reads them.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[repr(C, align(32))]
-pub(super) struct PackedSurface {
-    pub(super) numbers: [f32; LANES],
-}
-
-impl PackedSurface {
-    /// Indices of the components of the world-space normal.
-    pub(super) const NORMAL: [usize; 3] = [0, 1, 2];
-    /// Indices of the red, green and blue channels of the vertex colour.
-    pub(super) const COLOR: [usize; 3] = [4, 5, 6];
-
-    pub(super) fn new(normal: Vec3, color: Vec3) -> Self {
-        let ([nx, ny, nz], [r, g, b]) = (normal.to_array(), color.to_array());
-        Self { numbers: [nx, ny, nz, 0.0, r, g, b, 0.0] }
-    }
-
-    fn vector(&self, places: [usize; 3]) -> Vec3 {
-        Vec3::from_array(places.map(|place| self.numbers[place]))
-    }
-}
-
 /// Draw of one instance of the scene.
 #[derive(Clone, Debug)]
 pub(super) struct InstanceDraw<'a> {
@@ -123,7 +31,7 @@ pub(super) struct InstanceDraw<'a> {
     pub(super) instance: u32,
     pub(super) mesh: &'a Mesh,
     pub(super) plan: DrawPlan,
-    matrices: DrawMatrices,
+    pub(super) matrices: DrawMatrices,
     /// Identifier of the draw's first triangle in the scene.
     pub(super) first: TriangleId,
     /// Index of the draw's first vertex in [`Arrays`].
@@ -132,18 +40,7 @@ pub(super) struct InstanceDraw<'a> {
     pub(super) kept: VisibleClusters,
 }
 
-impl<'a> InstanceDraw<'a> {
-    pub(super) fn new(
-        instance: u32,
-        mesh: &'a Mesh,
-        plan: DrawPlan,
-        matrices: DrawMatrices,
-        first: TriangleId,
-        (first_vertex, kept): (usize, VisibleClusters),
-    ) -> Self {
-        Self { instance, mesh, plan, matrices, first, first_vertex, kept }
-    }
-
+impl InstanceDraw<'_> {
     /// Returns `true` if triangles of the draw may cross the boundary of the frustum, so that clipping is needed.
     pub(super) fn may_cross(&self) -> bool {
         self.plan.runs(PipelinePart::Clipping)
@@ -223,42 +120,54 @@ struct VertexBatch<'a, 'b> {
 /// Number of vertices per batch: enough to outweigh the overhead of a task, and few enough to balance the threads.
 const BATCH: usize = 4096;
 
-/// Transforms the vertices of all draws into `arrays`, on all threads.
-pub(super) fn transform(
-    draws: &[InstanceDraw<'_>],
-    settings: &Settings,
+/// Inputs of vertex processing that are common to all vertices of a frame.
+pub(super) struct TransformContext<'a> {
+    settings: &'a Settings,
     viewport: Viewport,
-    scale: &DepthScale,
+    scale: DepthScale,
+    /// Factor by which the side planes of the frustum are moved outward to bound the guard band.
     widening: f32,
-    lanes: Lanes,
-    arrays: &mut Arrays,
-) {
-    let total = draws.last().map_or(0, |draw| draw.first_vertex + draw.mesh.positions.len());
-    let needs = |part| if draws.iter().any(|draw| draw.plan.runs(part)) { total } else { 0 };
-    arrays.vertices.resize(total, PackedVertex::default());
-    let lights_vertices = settings.shading.reads(Input::VertexLight);
-    // Normals that only the light of the vertices reads are not stored.
-    let stores_normals = !lights_vertices || settings.shading.reads(Input::Normal);
-    let normals = if stores_normals { needs(PipelinePart::Normals) } else { 0 };
-    arrays.surfaces.resize(normals.max(needs(PipelinePart::VertexColors)), PackedSurface::default());
-    arrays.outcodes.resize(needs(PipelinePart::Clipping), Outcode::default());
+    light_direction: Vec3,
+    /// Whether light is computed at the vertices.
+    lights_vertices: bool,
+}
 
-    let job = TransformContext {
-        settings,
-        viewport,
-        scale: *scale,
-        widening,
-        light_direction: unit_or(settings.light.direction.as_dvec3(), Vec3::Y),
-        lights_vertices,
-    };
-    let outside: Vec<(usize, bool)> = batches(draws, arrays)
-        .into_par_iter()
-        .map(|batch| (batch.number, on_lanes!(lanes, simd => job.run(simd, batch))))
-        .collect();
-    arrays.leaves_frustum.clear();
-    arrays.leaves_frustum.resize(draws.len(), false);
-    for (draw, leaves) in outside {
-        arrays.leaves_frustum[draw] |= leaves;
+impl<'a> TransformContext<'a> {
+    pub(super) fn new(settings: &'a Settings, viewport: Viewport, scale: DepthScale) -> Self {
+        Self {
+            settings,
+            viewport,
+            scale,
+            widening: guard_band_widening(viewport.width, viewport.height),
+            light_direction: unit_or(settings.light.direction.as_dvec3(), Vec3::Y),
+            lights_vertices: settings.shading.reads(Input::VertexLight),
+        }
+    }
+
+    /// Transforms the vertices of all draws into `arrays`, on all threads.
+    pub(super) fn transform(&self, draws: &[InstanceDraw<'_>], lanes: Lanes, arrays: &mut Arrays) {
+        self.resize(draws, arrays);
+        let outside: Vec<(usize, bool)> = batches(draws, arrays)
+            .into_par_iter()
+            .map(|batch| (batch.number, on_lanes!(lanes, simd => self.run(simd, batch))))
+            .collect();
+        arrays.leaves_frustum.clear();
+        arrays.leaves_frustum.resize(draws.len(), false);
+        for (draw, leaves) in outside {
+            arrays.leaves_frustum[draw] |= leaves;
+        }
+    }
+
+    /// Resizes the arrays that the draws need, and empties the others.
+    fn resize(&self, draws: &[InstanceDraw<'_>], arrays: &mut Arrays) {
+        let total = draws.last().map_or(0, |draw| draw.first_vertex + draw.mesh.positions.len());
+        let needs = |part| if draws.iter().any(|draw| draw.plan.runs(part)) { total } else { 0 };
+        arrays.vertices.resize(total, PackedVertex::default());
+        // Normals that only the light of the vertices reads are not stored.
+        let stores_normals = !self.lights_vertices || self.settings.shading.reads(Input::Normal);
+        let normals = if stores_normals { needs(PipelinePart::Normals) } else { 0 };
+        arrays.surfaces.resize(normals.max(needs(PipelinePart::VertexColors)), PackedSurface::default());
+        arrays.outcodes.resize(needs(PipelinePart::Clipping), Outcode::default());
     }
 }
 
@@ -290,17 +199,6 @@ fn take_front<'b, T>(slice: &mut &'b mut [T], len: usize) -> &'b mut [T] {
     let (front, rest) = std::mem::take(slice).split_at_mut(len);
     *slice = rest;
     front
-}
-
-/// Inputs of vertex processing that are common to all vertices of a frame.
-struct TransformContext<'a> {
-    settings: &'a Settings,
-    viewport: Viewport,
-    scale: DepthScale,
-    widening: f32,
-    light_direction: Vec3,
-    /// Whether light is computed at the vertices.
-    lights_vertices: bool,
 }
 
 /// Mesh data of eight vertices. Attributes that the draw does not read are `None`.

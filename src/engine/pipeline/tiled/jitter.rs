@@ -3,16 +3,20 @@
 //! The triangles of a tile are set up once for all samples. Each sample is then drawn and shaded as if it were the only
 //! one, and its colours are added to per-pixel sums. Memory use therefore does not depend on the number of samples.
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use super::batch::TriangleBatch;
-use super::lattice::{TILE, TileLattice};
-use super::multisample_transparency::TransparencyMemory;
-use super::record::{Slot, TileBin};
+use super::batch::{BinnedTriangle, GROUP, TriangleGroup};
+use super::canvas::Canvas;
+use super::counters::{FrameCounters, TileWork};
+use super::lattice::TileLattice;
+use super::layout::{SamplePlace, TILE, TilePlace};
+use super::pass::TilePass;
 use super::sample_positions::{JitteredPositions, Offsets, SamplePositions};
-use super::shade::{ShadingTarget, ShadingWork, shade_tile};
-use super::tile::{Tile, TileCounts};
-use super::{BATCHES, FrameCounters, GROUP, Target, TiledFrame, Workspace, uses_hiz};
+use super::shade::ShadingJob;
+use super::slot::Slot;
+use super::target::Target;
+use super::tile::Tile;
+use super::{TiledFrame, Workspace};
 use crate::image::Rgba8;
 use crate::math::lanes::*;
 use crate::pipeline::grid::SampleGrid;
@@ -82,13 +86,13 @@ impl<'a> TileJitter<'a> {
     }
 
     /// Computes the positions of a sample in all pixels of a tile, as offsets from the lattice points.
-    fn place(&self, number: usize, grid: SampleGrid, tile: (usize, usize), offsets: &mut Offsets) {
+    fn place(&self, number: usize, grid: SampleGrid, tile: TilePlace, offsets: &mut Offsets) {
         let [across, down] = &self.samples[number].offsets;
         let mut chosen = [0; TILE];
         offsets.reserve();
         for row in 0..TILE {
-            let packed_row = (tile.1 * TILE + row) as u32;
-            let columns: [u32; TILE] = std::array::from_fn(|i| grid.pixel((tile.0 * TILE + i) as u32, packed_row).0);
+            let (first_column, packed_row) = tile.packed(SamplePlace { column: 0, row });
+            let columns: [u32; TILE] = std::array::from_fn(|i| grid.pixel(first_column + i as u32, packed_row).0);
             (self.jittering.chosen)(number, (&columns, grid.pixel(0, packed_row).1), &mut chosen);
             let [right, below] = offsets.row_mut(row);
             for ((right, below), place) in right.iter_mut().zip(below).zip(chosen) {
@@ -105,16 +109,6 @@ pub(super) struct JitterMemory {
     groups: Vec<TriangleGroup>,
     offsets: Offsets,
     sums: Vec<Sums>,
-}
-
-/// Group of up to [`GROUP`] triangles of a tile, after setup.
-#[derive(Clone, Debug, Default)]
-struct TriangleGroup {
-    batches: [TriangleBatch; BATCHES],
-    /// For each batch, the bit mask of the triangles that may cover a sample of the tile.
-    alive: [u64; BATCHES],
-    /// For each batch, the bit mask of the triangles whose edge values may exceed 32 bits.
-    large: [u64; BATCHES],
 }
 
 impl JitterMemory {
@@ -142,82 +136,72 @@ impl TiledFrame<'_> {
         work: &FrameCounters,
     ) {
         let mut start = Instant::now();
-        let Workspace { tile, bin: entrants, pending, queue, transparency: seen_through, jitter, .. } = workspace;
+        let Workspace { tile, bin, pending, queue, transparency, jitter, .. } = workspace;
         let JitterMemory { groups, offsets, sums } = jitter;
-        let TransparencyMemory { blended, .. } = seen_through;
+        let blended = &mut transparency.blended;
         let place = target.place;
-        self.gather_bin(target.number, entrants);
-        if entrants.len() == 0 {
+        self.gather_bin(place, bin);
+        if bin.len() == 0 {
             return target.clear_depths(self.rules.clear);
         }
-        groups.resize_with(entrants.len().div_ceil(GROUP), TriangleGroup::default);
-        for (number, TriangleGroup { batches, alive, large }) in groups.iter_mut().enumerate() {
-            let origin = self.origin(&self.lattice, place);
-            (*alive, *large) = self.set_up_group(simd, entrants, batches, number * GROUP, origin);
+        groups.resize_with(bin.len().div_ceil(GROUP), TriangleGroup::default);
+        let setup = self.setup_context(place);
+        for (number, group) in groups.iter_mut().enumerate() {
+            self.set_up_group(simd, &setup, bin, number * GROUP, group);
         }
-        let (mut times, mut counts, mut shaded) = ([Duration::ZERO; 2], TileCounts::default(), ShadingWork::default());
+        let mut done = TileWork::default();
         if target.depths.is_some() {
-            self.draw_groups(simd, (tile, &self.lattice), groups, (entrants, place), blended);
-            self.write_depths(simd, tile, entrants, &mut target);
-            counts += tile.counts;
+            let pass = TilePass::new(self, bin, &self.lattice);
+            pass.draw_groups(simd, tile, groups, blended);
+            pass.write_depths(simd, tile, &mut target);
+            done.coverage += tile.counts;
         }
-        let mut picture = target.picture;
+        let mut canvas = Canvas { frame: self, place, queue, picture: target.picture };
         sums.clear();
         sums.resize(TILE * SUMS_PER_ROW, [[0.0; WIDE]; 3]);
         for (number, JitteredSample { lattice, .. }) in jittered.samples.iter().enumerate() {
             jittered.place(number, self.grid, place, offsets);
-            let locations = JitteredPositions { lattice, offsets };
-            self.draw_groups(simd, (tile, locations), groups, (entrants, place), blended);
-            counts += tile.counts;
+            let pass = TilePass::new(self, bin, JitteredPositions { lattice, offsets });
+            pass.draw_groups(simd, tile, groups, blended);
+            done.coverage += tile.counts;
             let rasterized = Instant::now();
-            let canvas =
-                ShadingTarget { tile, locations, bin: entrants, pending, queue, place, picture: picture.reborrow() };
-            shaded += shade_tile(simd, self, canvas);
+            done.shading += ShadingJob::new(pass, pending, canvas.reborrow()).shade_tile(simd, tile);
             if !blended.is_empty() {
-                shaded += self.blend(simd, (tile, locations), (entrants, blended), place, queue, &mut picture);
+                done.shading += pass.blend(simd, tile, blended, &mut canvas);
             }
-            for (row, sums) in picture.rows().zip(sums.chunks_exact_mut(SUMS_PER_ROW)) {
+            for (row, sums) in canvas.picture.rows().zip(sums.chunks_exact_mut(SUMS_PER_ROW)) {
                 (jittered.jittering.sum.add)(row, sums);
                 row.fill(self.background);
             }
             let finished = Instant::now();
-            times[0] += rasterized - start;
-            times[1] += finished - rasterized;
+            done.rasterize += rasterized - start;
+            done.shade += finished - rasterized;
             start = finished;
         }
-        for (row, sums) in picture.rows().zip(sums.chunks_exact(SUMS_PER_ROW)) {
+        for (row, sums) in canvas.picture.rows().zip(sums.chunks_exact(SUMS_PER_ROW)) {
             (jittered.jittering.sum.mean)(sums, row);
         }
-        times[1] += start.elapsed();
-        work.add((times[0], times[1]), [counts], shaded);
+        done.shade += start.elapsed();
+        work.add(done);
     }
+}
 
-    /// Draws triangles that are already set up into a tile, and appends those that are blended to `blended`.
+impl<L: SamplePositions> TilePass<'_, L> {
+    /// Draws triangles that are already set up into a tile, and lists those that are blended in `blended`.
     #[inline(always)]
-    fn draw_groups<S: Simd>(
-        &self,
-        simd: S,
-        (tile, locations): (&mut Tile, impl SamplePositions),
-        groups: &[TriangleGroup],
-        (entrants, place): (&TileBin, (usize, usize)),
-        blended: &mut Vec<Slot>,
-    ) {
-        let bounded = groups.first().is_none_or(|first| uses_hiz(entrants.len(), &first.batches, &first.alive));
-        tile.clear(&self.rules, bounded);
+    fn draw_groups<S: Simd>(&self, simd: S, tile: &mut Tile, groups: &[TriangleGroup], blended: &mut Vec<Slot>) {
+        let bounded = groups.first().is_none_or(|first| first.uses_hiz(self.bin.len()));
+        tile.clear(self.rules(), bounded);
         blended.clear();
-        let lattice = locations.lattice();
-        let (_, first) = self.origin(lattice, place);
-        let owner = self.owner(entrants, lattice, place);
-        for (group, TriangleGroup { batches, alive, large }) in groups.iter().enumerate() {
-            for (number, batch) in batches.iter().enumerate().filter(|(number, _)| alive[*number] != 0) {
-                let (within, moved) = batch.moved(simd, lattice, first);
-                let mut alive = alive[number] & within;
+        for group in groups {
+            for (number, batch) in group.batches.iter().enumerate().filter(|(number, _)| group.alive[*number] != 0) {
+                let (within, moved) = batch.moved(simd, self.locations.lattice(), self.origin.packed);
+                let mut alive = group.alive[number] & within;
                 while alive != 0 {
                     let lane = alive.trailing_zeros() as usize;
                     alive &= alive - 1;
-                    let slot = Slot::new(group * GROUP + number * LANES + lane, large[number] >> lane & 1 != 0);
-                    let triangle = (&moved, lane, slot);
-                    self.draw_triangle(simd, (tile, locations), triangle, (entrants, place), &owner, blended);
+                    let triangle = BinnedTriangle { batch: &moved, lane, slot: group.slot(number, lane) };
+                    self.draw_triangle(simd, tile, &triangle, blended);
                 }
             }
         }

@@ -1,24 +1,22 @@
 //! Lattice of a tile's samples: the sample positions of a [`SampleGrid`], as tables of distances for SIMD code.
 
 use super::edge_number::EdgeNumber;
+use super::layout::{BLOCK, BLOCKS, SamplePlace, TILE, TilePlace};
 use crate::math::fixed::{HALF_PIXEL, SUBPIXELS};
 use crate::math::lanes::{F32, LANES, Simd, SimdBase as _, SimdFloat as _, i32x8};
 use crate::pipeline::grid::SampleGrid;
 
-/// Width and height of a tile, in samples of the packed picture.
-pub(super) const TILE: usize = 64;
-
-/// Number of samples in a tile.
-pub(super) const TILE_SAMPLES: usize = TILE * TILE;
-
-/// Width and height of a block, in samples of the packed picture: one sample per lane.
-pub(super) const BLOCK: usize = LANES;
-
-/// Number of blocks in a row and in a column of a tile.
-pub(super) const BLOCKS: usize = TILE / BLOCK;
-
 /// Number of rows after which the horizontal shifts of a checkerboard's rows repeat.
 const SHIFTS: usize = 4;
+
+/// Place of a tile's first sample.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TileOrigin {
+    /// Position of the sample in the full picture, in steps of 1/256 px.
+    pub(super) position: [f64; 2],
+    /// Column and row of the sample in the packed picture.
+    pub(super) packed: [f32; 2],
+}
 
 /// Sample positions in a tile relative to its first sample, in steps of 1/256 px.
 #[derive(Clone, Copy, Debug)]
@@ -177,12 +175,16 @@ impl TileLattice {
         across.max(down).into()
     }
 
-    /// Returns the position of a tile's first sample in the full picture, in steps of 1/256 px.
-    pub(super) fn origin(&self, tile: (usize, usize)) -> [f64; 2] {
-        let (x, y) = self.grid.pixel((tile.0 * TILE) as u32, (tile.1 * TILE) as u32);
+    /// Returns the place of a tile's first sample.
+    pub(super) fn origin(&self, tile: TilePlace) -> TileOrigin {
+        let (column, row) = tile.packed(SamplePlace::default());
+        let (x, y) = self.grid.pixel(column, row);
         let x = x - self.grid.pixel(0, 0).0;
         let step = |pixel: u32| (i64::from(pixel) * SUBPIXELS + HALF_PIXEL) as f64;
-        [step(x) + f64::from(self.offset[0]), step(y) + f64::from(self.offset[1])]
+        TileOrigin {
+            position: [step(x) + f64::from(self.offset[0]), step(y) + f64::from(self.offset[1])],
+            packed: [column as f32, row as f32],
+        }
     }
 
     /// Returns the distance from the first sample of a tile to the last one along both axes, in steps of 1/256 px.
@@ -219,10 +221,9 @@ impl TileLattice {
         [rows, i32x8::load_array_ref(simd, self.integers.shifts(first))]
     }
 
-    /// Returns the position of a sample, given by column and row, relative to the tile's first sample, in steps of
-    /// 1/256 px.
+    /// Returns the position of a sample relative to the tile's first sample, in steps of 1/256 px.
     #[inline(always)]
-    pub(super) fn place(&self, (column, row): (usize, usize)) -> [i32; 2] {
+    pub(super) fn place(&self, SamplePlace { column, row }: SamplePlace) -> [i32; 2] {
         let steps = &self.integers;
         [steps.column(column) + steps.shift(row), steps.row(row)]
     }

@@ -2,7 +2,8 @@
 
 use super::TiledFrame;
 use super::bins::TriangleKey;
-use super::geometry::{Arrays, PackedSurface, PackedVertex};
+use super::geometry::Arrays;
+use super::packed::{PackedSurface, PackedVertex};
 use super::record::BinEntry;
 use super::setup::{self, SnappedVertex};
 use super::shader::DrawShader;

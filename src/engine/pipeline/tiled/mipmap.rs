@@ -8,9 +8,9 @@
 
 use super::axis::{TexelAxis, below_repeated};
 use super::gather::Taps;
-use super::kernel::AttributeWeights;
 use super::record::TriangleSource;
 use super::texture::{Images, Layout, TextureReader};
+use super::weights::AttributeWeights;
 use crate::math::lanes::*;
 use crate::math::log2::log2_lanes;
 use crate::pipeline::footprint::LEAST_SQUARED_LENGTH;
@@ -29,6 +29,24 @@ pub(super) struct CoarseTaps {
     pub(super) filtered: [[f32; WIDE]; 4],
 }
 
+/// Texture taps of sixteen samples in their mip levels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LevelTaps<'a> {
+    /// Taps in the finer level, or in the only one.
+    pub(super) fine: &'a Taps,
+    /// Taps in the coarser level; `None` without mip-mapping.
+    pub(super) coarse: Option<&'a CoarseTaps>,
+}
+
+/// Texture taps of sixteen samples in their mip levels, to be computed.
+#[derive(Debug)]
+pub(super) struct LevelTapsMut<'a> {
+    /// Taps in the finer level, or in the only one.
+    pub(super) fine: &'a mut Taps,
+    /// Taps in the coarser level; `None` without mip-mapping.
+    pub(super) coarse: Option<&'a mut CoarseTaps>,
+}
+
 /// Mip level that each of sixteen samples reads, one per lane.
 pub(super) struct LevelOfEach<S: Simd> {
     /// Index of the first texel of each level.
@@ -39,7 +57,7 @@ pub(super) struct LevelOfEach<S: Simd> {
 
 /// The two mip levels that each of sixteen samples reads.
 pub(super) struct TwoLevels<S: Simd> {
-    finer: LevelOfEach<S>,
+    pub(super) finer: LevelOfEach<S>,
     coarser: LevelOfEach<S>,
     /// Weight of the coarser level, in [0, 1).
     share: f32x16<S>,
@@ -90,29 +108,29 @@ impl TextureReader<'_> {
         simd: S,
         layout: Layout,
         at: &Coordinates<S>,
-        taps: (&mut Taps, &mut CoarseTaps),
+        fine: &mut Taps,
+        coarse: &mut CoarseTaps,
     ) {
         simd.vectorize(
             #[inline(always)]
             || {
                 let levels = self.two_levels(simd, self.level(simd, longest_squared(self.in_texels(at.gradient))));
-                self.locate_in_both(simd, layout, at.uv, &levels, taps);
+                self.locate_in_level(simd, layout, at.uv, &levels.finer, fine);
+                self.locate_in_coarser(simd, layout, at.uv, &levels, coarse);
             },
         );
     }
 
-    /// Computes the texture taps of sixteen samples in the given levels.
+    /// Computes the texture taps of sixteen samples in their coarser levels, unless these have no weight.
     #[inline(always)]
-    pub(super) fn locate_in_both<S: Simd>(
+    pub(super) fn locate_in_coarser<S: Simd>(
         &self,
         simd: S,
         layout: Layout,
         uv: [f32x16<S>; 2],
-        levels: &TwoLevels<S>,
-        (fine, coarse): (&mut Taps, &mut CoarseTaps),
+        TwoLevels { coarser, share, .. }: &TwoLevels<S>,
+        coarse: &mut CoarseTaps,
     ) {
-        let TwoLevels { finer, coarser, share } = levels;
-        self.locate_in_level(simd, layout, uv, finer, fine);
         // The coarser level need not be read if its weight is zero for all samples: texels are finite and
         // non-negative, so adding it would not change the result, not even the sign of a zero.
         coarse.is_read = !share.simd_eq(0.0).all_true();
@@ -159,8 +177,9 @@ impl TextureReader<'_> {
         }
     }
 
+    /// Computes the texture taps of sixteen samples in one mip level of each.
     #[inline(always)]
-    fn locate_in_level<S: Simd>(
+    pub(super) fn locate_in_level<S: Simd>(
         &self,
         simd: S,
         layout: Layout,
@@ -188,7 +207,7 @@ impl TextureReader<'_> {
         {
             let axes = each!(length in [width, height] => TexelAxis::of(simd, length));
             let images = Images { first, axes };
-            self.locate_eight(simd, layout, &images, uv, taps, lane);
+            self.locate_eight(simd, &images, uv).store(layout, taps, lane);
         }
     }
 
@@ -199,10 +218,10 @@ impl TextureReader<'_> {
         &self,
         simd: S,
         layout: Layout,
-        taps: (&Taps, Option<&CoarseTaps>),
+        taps: LevelTaps<'_>,
         first: usize,
     ) -> [S::f32s; 4] {
-        match taps.1 {
+        match taps.coarse {
             Some(coarse) if self.is_anisotropic() => {
                 each!(channel in [0, 1, 2, 3] => S::f32s::from_slice(simd, &coarse.filtered[channel][first..first + S::f32s::LEN]))
             }
@@ -212,13 +231,8 @@ impl TextureReader<'_> {
 
     /// Returns the filtered texels of sixteen samples, as [`TextureReader::read_linear`] does.
     #[inline(always)]
-    pub(super) fn filtered_linear<S: Simd>(
-        &self,
-        simd: S,
-        layout: Layout,
-        taps: (&Taps, Option<&CoarseTaps>),
-    ) -> [f32x16<S>; 4] {
-        match taps.1 {
+    pub(super) fn filtered_linear<S: Simd>(&self, simd: S, layout: Layout, taps: LevelTaps<'_>) -> [f32x16<S>; 4] {
+        match taps.coarse {
             Some(coarse) if self.is_anisotropic() => {
                 each!(channel in [0, 1, 2, 3] => f32x16::load_array_ref(simd, &coarse.filtered[channel]))
             }
@@ -228,12 +242,7 @@ impl TextureReader<'_> {
 
     /// Returns the filtered alpha channel of sixteen samples.
     #[inline(always)]
-    pub(super) fn filtered_alpha<S: Simd>(
-        &self,
-        simd: S,
-        layout: Layout,
-        taps: (&Taps, Option<&CoarseTaps>),
-    ) -> f32x16<S> {
+    pub(super) fn filtered_alpha<S: Simd>(&self, simd: S, layout: Layout, taps: LevelTaps<'_>) -> f32x16<S> {
         if self.mixes_light() {
             let [.., alpha] = self.filtered_linear(simd, layout, taps);
             return alpha;
@@ -253,7 +262,7 @@ impl TextureReader<'_> {
         &self,
         simd: S,
         layout: Layout,
-        (fine, coarse): (&Taps, Option<&CoarseTaps>),
+        LevelTaps { fine, coarse }: LevelTaps<'_>,
         first: usize,
     ) -> [S::f32s; 4] {
         let finer = self.read_bytes(simd, layout, fine, first);
@@ -269,7 +278,7 @@ impl TextureReader<'_> {
         &self,
         simd: S,
         layout: Layout,
-        (fine, coarse): (&Taps, Option<&CoarseTaps>),
+        LevelTaps { fine, coarse }: LevelTaps<'_>,
     ) -> [f32x16<S>; 4] {
         let finer = self.read_linear(simd, layout, fine);
         let Some(coarse) = coarse.filter(|coarse| coarse.is_read) else { return finer };

@@ -4,15 +4,17 @@
 //! covers it, otherwise at the first sample that it covers, even if the triangle is hidden there. Fragments are shaded
 //! sixteen at a time, regardless of which pixels they belong to.
 
-use super::TiledFrame;
-use super::kernel::ALL;
-use super::lattice::{BLOCK, BLOCKS, TILE, TILE_SAMPLES, TileLattice};
+use super::canvas::Canvas;
+use super::lattice::TileLattice;
+use super::layout::{BLOCK, Block, SamplePlace, TILE_SAMPLES, TileSize};
 use super::multisample::{Picks, SamplePlanes};
-use super::pending::{Pending, Scattered};
-use super::queue::Queue;
-use super::record::{BinEntry, Many, Slot, TileBin, TriangleSource as _};
+use super::pass::TilePass;
+use super::patch::ALL;
+use super::pending::{LargeTriangle, MixedSamples, Pending, Scattered};
+use super::record::{BinEntry, Many, TriangleSource as _};
 use super::setup::inside_thresholds;
 use super::shade::{ShadingJob, ShadingWork};
+use super::slot::Slot;
 use super::target::{ColorRows, TileRows};
 use super::tile::Tile;
 use crate::image::Rgba8;
@@ -22,8 +24,7 @@ use crate::pipeline::settings::FillRule;
 /// Mixed pixels of a tile. The memory is reused from tile to tile.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MixedPixels {
-    /// Column and row of each pixel within the tile.
-    places: Vec<(usize, usize)>,
+    places: Vec<SamplePlace>,
     /// For every sixteen mixed pixels, one entry per sample: first the indices in `colors` of the colours of their first
     /// samples, then those of their second samples, and so on.
     picks: Vec<Picks>,
@@ -45,7 +46,7 @@ const FIRST: usize = WIDE;
 impl MixedPixels {
     /// Returns the memory use in bytes.
     pub(super) fn bytes(&self) -> usize {
-        self.places.capacity() * size_of::<(usize, usize)>()
+        self.places.capacity() * size_of::<SamplePlace>()
             + self.picks.capacity() * size_of::<Picks>()
             + self.fragments.list.capacity() * size_of::<SixteenFragments>()
             + (self.colors.capacity() + self.means.capacity()) * size_of::<Rgba8>()
@@ -54,8 +55,6 @@ impl MixedPixels {
 
     /// Finds the mixed pixels of a tile. If all samples of a pixel show the same triangle, stores it in `agreed`.
     /// Otherwise stores no triangle there and adds the pixel to the list of mixed pixels.
-    ///
-    /// `columns` and `rows` are the numbers of the tile's columns and rows that lie within the picture.
     #[inline(always)]
     pub(super) fn find<S: Simd>(
         &mut self,
@@ -63,14 +62,14 @@ impl MixedPixels {
         lattice: &TileLattice,
         samples: &[Tile],
         agreed: &mut Tile,
-        (columns, rows): (usize, usize),
+        TileSize { columns, rows }: TileSize,
     ) {
         self.places.clear();
         self.picks.clear();
         self.fragments.clear();
         let Some((first, others)) = samples.split_first() else { return };
         for (bx, by) in (0..rows.div_ceil(BLOCK)).flat_map(|by| (0..columns.div_ceil(BLOCK)).map(move |bx| (bx, by))) {
-            let block = by * BLOCKS + bx;
+            let block = Block { column: bx, row: by };
             let owner = first.owner(block);
             let owner = owner.filter(|_| others.iter().all(|sample| sample.owner(block) == owner));
             agreed.set_owner(block, owner);
@@ -89,37 +88,28 @@ impl MixedPixels {
                 agreed.set_seen(column, row, mask32x8::from_bitmask(simd, same).select(slots, nothing));
                 let mixed = !same as u32 & within;
                 if mixed != 0 {
-                    self.list(simd, lattice, samples, (column, row), mixed);
+                    self.slots.clear();
+                    self.slots.extend(samples.iter().map(|sample| sample.visible_slots(simd, column, row).to_array()));
+                    self.list(lattice, SamplePlace { column, row }, mixed);
                 }
             }
         }
     }
 
-    /// Adds the pixels selected by `mixed`, among eight adjacent pixels of a row, to the list.
-    #[inline(always)]
-    fn list<S: Simd>(
-        &mut self,
-        simd: S,
-        lattice: &TileLattice,
-        samples: &[Tile],
-        (column, row): (usize, usize),
-        mut mixed: u32,
-    ) {
-        self.slots.clear();
-        for sample in samples {
-            self.slots.push(sample.visible_slots(simd, column, row).to_array());
-        }
+    /// Adds the pixels selected by `mixed` to the list, among the eight adjacent pixels of a row that `slots`
+    /// describes. The first of them is at `first`.
+    fn list(&mut self, lattice: &TileLattice, first: SamplePlace, mut mixed: u32) {
         while mixed != 0 {
             let lane = mixed.trailing_zeros() as usize;
             mixed &= mixed - 1;
-            let place = (column + lane, row);
+            let place = SamplePlace { column: first.column + lane, ..first };
             self.push(place, lattice.place(place), lane);
         }
     }
 
-    /// Adds a pixel to the list. `place` is its column and row, and `lane` its lane among eight pixels. `centre` is the
-    /// pixel's centre relative to the centre of the tile's first pixel, in steps of 1/256 px.
-    fn push(&mut self, place: (usize, usize), centre: [i32; 2], lane: usize) {
+    /// Adds a pixel to the list. `lane` is its lane among eight pixels. `centre` is the pixel's centre relative to the
+    /// centre of the tile's first pixel, in steps of 1/256 px.
+    fn push(&mut self, place: SamplePlace, centre: [i32; 2], lane: usize) {
         let Self { places, picks, fragments, slots: seen, .. } = self;
         let (sixteen, pixel) = (places.len() / WIDE, places.len() % WIDE);
         places.push(place);
@@ -144,24 +134,26 @@ impl MixedPixels {
     pub(super) fn shade<S: Simd>(
         &mut self,
         simd: S,
-        frame: &TiledFrame<'_>,
         planes: &SamplePlanes<'_>,
-        (entrants, pending, queue): (&TileBin, &mut Pending, &mut Queue),
-        tile: (usize, usize),
+        pass: TilePass<'_, &TileLattice>,
+        pending: &mut Pending,
+        canvas: Canvas<'_>,
     ) -> ShadingWork {
         let Self { places, picks, fragments, colors, means, .. } = self;
+        let background = pass.frame.background;
         colors.clear();
-        colors.resize(FIRST + fragments.list.len() * WIDE, frame.background);
-        let picture = TileRows { values: colors, stride: 0, left: 0, size: (0, 0) };
-        let mut job = ShadingJob::new(frame, &frame.lattice, (entrants, pending, queue), tile, picture);
+        colors.resize(FIRST + fragments.list.len() * WIDE, background);
+        let size = TileSize { columns: 0, rows: 0 };
+        let picture = TileRows { values: colors, stride: 0, left: 0, size };
+        let mut job = ShadingJob::new(pass, pending, Canvas { picture, ..canvas });
         for (number, sixteen) in fragments.list.iter().enumerate() {
             let count = (fragments.len - number * WIDE).min(WIDE);
             let open = u32::MAX >> (u32::BITS as usize - count);
-            job.fragments(simd, (sixteen, open), &planes.shading_places, FIRST + number * WIDE);
+            job.fragments(simd, sixteen, open, &planes.shading_places, FIRST + number * WIDE);
         }
         let shaded = job.finish(simd);
         means.clear();
-        means.resize(places.len(), frame.background);
+        means.resize(places.len(), background);
         (planes.samples.mean)(colors, picks, means);
         shaded
     }
@@ -170,18 +162,18 @@ impl MixedPixels {
     /// the tile, then the second, and so on.
     pub(super) fn spread(&self, samples: &mut [Rgba8]) {
         let count = samples.len() / TILE_SAMPLES;
-        for (pixel, (column, row)) in self.places.iter().enumerate() {
+        for (pixel, place) in self.places.iter().enumerate() {
             let picks = self.picks[pixel / WIDE * count..].iter().map(|picks| picks[pixel % WIDE]);
             for (sample, pick) in samples.chunks_exact_mut(TILE_SAMPLES).zip(picks) {
-                sample[row * TILE + column] = self.colors[pick as usize];
+                sample[place.index()] = self.colors[pick as usize];
             }
         }
     }
 
     /// Writes the colours of the mixed pixels to the picture.
     pub(super) fn write(&self, picture: &mut ColorRows<'_>) {
-        for ((column, row), color) in self.places.iter().zip(&self.means) {
-            picture.values[row * picture.stride + picture.left + column] = *color;
+        for (place, color) in self.places.iter().zip(&self.means) {
+            *picture.at(*place) = *color;
         }
     }
 }
@@ -199,8 +191,8 @@ struct Fragments {
 pub(super) struct SixteenFragments {
     /// Slot of each fragment's triangle; unused lanes hold the slot of the tile's first triangle.
     slots: [u32; WIDE],
-    /// Column and row of each fragment's pixel within the tile.
-    pixels: [(u8, u8); WIDE],
+    /// Index of each fragment's pixel in the tile, counted row by row.
+    pixels: [u16; WIDE],
     /// Pixel centres relative to the centre of the tile's first pixel, to the right and down, in steps of 1/256 px.
     centres: [[i32; WIDE]; 2],
 }
@@ -213,21 +205,63 @@ impl Fragments {
 
     /// Returns the index in the list of colours for the fragment of a triangle in a pixel. Adds the fragment if it is
     /// new. `first` is the index of the pixel's first fragment.
-    fn pick(&mut self, first: usize, slot: u32, (column, row): (usize, usize), [x, y]: [i32; 2]) -> u32 {
-        let known = (first..self.len).find(|place| self.list[place / WIDE].slots[place % WIDE] == slot);
-        let place = known.unwrap_or_else(|| {
+    fn pick(&mut self, first: usize, slot: u32, place: SamplePlace, [x, y]: [i32; 2]) -> u32 {
+        let known = (first..self.len).find(|index| self.list[index / WIDE].slots[index % WIDE] == slot);
+        let index = known.unwrap_or_else(|| {
             let lane = self.len % WIDE;
             if lane == 0 {
-                self.list.push(SixteenFragments { slots: [0; WIDE], pixels: [(0, 0); WIDE], centres: [[0; WIDE]; 2] });
+                self.list.push(SixteenFragments { slots: [0; WIDE], pixels: [0; WIDE], centres: [[0; WIDE]; 2] });
             }
             if let Some(SixteenFragments { slots, pixels, centres }) = self.list.last_mut() {
-                (slots[lane], pixels[lane]) = (slot, (column as u8, row as u8));
+                (slots[lane], pixels[lane]) = (slot, place.index() as u16);
                 (centres[0][lane], centres[1][lane]) = (x, y);
             }
             self.len += 1;
             self.len - 1
         });
-        (FIRST + place) as u32
+        (FIRST + index) as u32
+    }
+}
+
+impl SixteenFragments {
+    /// Computes [`EdgeFunctions::first_covered`] for the fragments selected by `open`. `many` is the source of their
+    /// triangles, whose edge values must fit into 32 bits.
+    ///
+    /// [`EdgeFunctions::first_covered`]: super::setup::EdgeFunctions::first_covered
+    #[inline(always)]
+    fn first_covered<S: Simd>(
+        &self,
+        simd: S,
+        many: Many<'_>,
+        mut open: u32,
+        offsets: &[[i32; 2]],
+        rule: FillRule,
+    ) -> [[i32; WIDE]; 2] {
+        let ([[a0, b0, c0], [a1, b1, c1]], area) = many.integer_edges(simd);
+        let centres = each!(axis in [0, 1] => i32x16::load_array_ref(simd, &self.centres[axis]));
+        let [x, y] = centres;
+        let (e0, e1) = (a0 * x + b0 * y + c0, a1 * x + b1 * y + c1);
+        let (zero, one) = (i32x16::splat(simd, 0), i32x16::splat(simd, 1));
+        let edges = [(a0, b0, e0), (a1, b1, e1), (zero - a0 - a1, zero - b0 - b1, area - e0 - e1)];
+        // After the thresholds are subtracted, an edge value is non-negative exactly if the position is inside the
+        // edge.
+        let edges = each!((a, b, e) in [edges[0], edges[1], edges[2]] => {
+            (a, b, e - inside_thresholds([zero, one], a, b, rule))
+        });
+        let mut moved = [zero; 2];
+        for [right, down] in offsets {
+            let [e0, e1, e2] = each!((a, b, e) in [edges[0], edges[1], edges[2]] => e + a * *right + b * *down);
+            let covers = (e0 | e1 | e2).simd_ge(zero).to_bitmask() as u32 & open;
+            let here = mask32x16::from_bitmask(simd, covers.into());
+            moved = each!((offset, moved) in [(*right, moved[0]), (*down, moved[1])] => {
+                here.select(i32x16::splat(simd, offset), moved)
+            });
+            open &= !covers;
+            if open == 0 {
+                break;
+            }
+        }
+        each!(axis in [0, 1] => (centres[axis] + moved[axis]).to_array())
     }
 }
 
@@ -239,30 +273,32 @@ impl ShadingJob<'_, &TileLattice> {
     fn fragments<S: Simd>(
         &mut self,
         simd: S,
-        (fragments, mut open): (&SixteenFragments, u32),
+        fragments: &SixteenFragments,
+        mut open: u32,
         offsets: &[[i32; 2]],
         start: usize,
     ) {
         let slots = &fragments.slots;
         let [x, y] = self.shading_places(simd, fragments, open, offsets);
-        let spots = Scattered { places: [&x, &y], start };
+        let targets = Scattered { places: [&x, &y], start };
         if self.alike {
-            self.together(simd, 0, open, slots, spots);
+            self.together(simd, 0, MixedSamples { slots, mine: open, targets });
             return;
         }
+        let TilePass { frame, bin, .. } = self.pass;
         while open != 0 {
             let lane = open.trailing_zeros() as usize;
-            let draw = self.bin.get(Slot(slots[lane])).draw as usize;
-            if self.frame.shader(draw).on_lanes {
-                let number = self.frame.shader_of_draw[draw];
+            let draw = bin.get(Slot(slots[lane])).draw as usize;
+            if frame.shader(draw).on_lanes {
+                let number = frame.shader_of_draw[draw];
                 let mine = self.shaded_by(number, open, slots);
                 open &= !mine;
-                self.together(simd, number, mine, slots, spots);
+                self.together(simd, number, MixedSamples { slots, mine, targets });
             } else {
                 open &= open - 1;
-                let (column, row) = fragments.pixels[lane];
-                let color = self.by_itself(Slot(slots[lane]), (column.into(), row.into()), [x[lane], y[lane]]);
-                self.picture.values[start + lane] = color;
+                let pixel = SamplePlace::of(fragments.pixels[lane].into());
+                let color = self.by_itself(Slot(slots[lane]), pixel, [x[lane], y[lane]]);
+                self.canvas.picture.values[start + lane] = color;
             }
         }
     }
@@ -277,12 +313,12 @@ impl ShadingJob<'_, &TileLattice> {
         open: u32,
         offsets: &[[i32; 2]],
     ) -> [[i32; WIDE]; 2] {
-        let rule = self.frame.settings.fill_rule;
-        let centres = each!(axis in [0, 1] => i32x16::load_array_ref(simd, &fragments.centres[axis]));
+        let rule = self.pass.frame.settings.fill_rule;
         self.find_large(simd, open, &fragments.slots);
-        let of_large = self.large.iter().fold(0, |all, (lanes, _)| all | lanes);
-        let mut places = first_covered(simd, self.bin.many(&fragments.slots), centres, open & !of_large, offsets, rule);
-        for (lanes, edges) in &self.large {
+        let of_large = self.large.iter().fold(0, |all, triangle| all | triangle.lanes);
+        let many = self.pass.bin.many(&fragments.slots);
+        let mut places = fragments.first_covered(simd, many, open & !of_large, offsets, rule);
+        for LargeTriangle { lanes, edges } in &self.large {
             for lane in (0..WIDE).filter(|lane| lanes >> lane & 1 != 0) {
                 let place = edges.first_covered(fragments.centres.map(|along| along[lane]), offsets, rule);
                 (places[0][lane], places[1][lane]) = (place[0], place[1]);
@@ -292,54 +328,16 @@ impl ShadingJob<'_, &TileLattice> {
     }
 
     /// Shades one fragment with the code of the classic (scalar) path.
-    fn by_itself(&mut self, slot: Slot, pixel: (usize, usize), place: [i32; 2]) -> Rgba8 {
-        let BinEntry { key, draw } = self.bin.get(slot);
-        let frame = self.frame;
+    fn by_itself(&mut self, slot: Slot, pixel: SamplePlace, place: [i32; 2]) -> Rgba8 {
+        let TilePass { frame, bin, .. } = self.pass;
+        let BinEntry { key, draw } = bin.get(slot);
         let (draw, shader) = (draw as usize, frame.shader(draw as usize));
         self.shaded.add(shader, 1);
         if let Some(color) = shader.shader.flat_color(frame.id_of(key), frame.draws[draw].instance) {
             return color;
         }
-        let triangle = frame.screen_triangle(key, draw);
+        let classic = frame.classic(key, draw, bin.place);
         let edges = self.exact_edges(slot).unwrap_or_default().at(place);
-        let fragment = frame.fragment(&triangle, draw, self.tile, pixel, edges);
-        shader.shader.shade(&fragment, &triangle)
+        classic.shade(&classic.fragment(pixel, edges))
     }
-}
-
-/// Computes [`EdgeFunctions::first_covered`] for the triangles selected by `open`, whose edge values must fit into 32
-/// bits.
-///
-/// [`EdgeFunctions::first_covered`]: super::setup::EdgeFunctions::first_covered
-#[inline(always)]
-fn first_covered<S: Simd>(
-    simd: S,
-    many: Many<'_>,
-    centres: [i32x16<S>; 2],
-    mut open: u32,
-    offsets: &[[i32; 2]],
-    rule: FillRule,
-) -> [[i32; WIDE]; 2] {
-    let ([[a0, b0, c0], [a1, b1, c1]], area) = many.integer_edges(simd);
-    let [x, y] = centres;
-    let (e0, e1) = (a0 * x + b0 * y + c0, a1 * x + b1 * y + c1);
-    let (zero, one) = (i32x16::splat(simd, 0), i32x16::splat(simd, 1));
-    let edges = [(a0, b0, e0), (a1, b1, e1), (zero - a0 - a1, zero - b0 - b1, area - e0 - e1)];
-    // After the thresholds are subtracted, an edge value is non-negative exactly if the position is inside the edge.
-    let edges =
-        each!((a, b, e) in [edges[0], edges[1], edges[2]] => (a, b, e - inside_thresholds([zero, one], a, b, rule)));
-    let mut moved = [zero; 2];
-    for [right, down] in offsets {
-        let [e0, e1, e2] = each!((a, b, e) in [edges[0], edges[1], edges[2]] => e + a * *right + b * *down);
-        let covers = (e0 | e1 | e2).simd_ge(zero).to_bitmask() as u32 & open;
-        let here = mask32x16::from_bitmask(simd, covers.into());
-        moved = each!((offset, moved) in [(*right, moved[0]), (*down, moved[1])] => {
-            here.select(i32x16::splat(simd, offset), moved)
-        });
-        open &= !covers;
-        if open == 0 {
-            break;
-        }
-    }
-    each!(axis in [0, 1] => (centres[axis] + moved[axis]).to_array())
 }

@@ -19,23 +19,36 @@
 mod anisotropic;
 mod axis;
 mod batch;
+mod binning;
 mod bins;
+mod canvas;
+mod centre;
+mod classic;
 mod clusters;
+mod counters;
 mod depths;
+mod draw;
+mod draws;
 mod edge_number;
+mod edge_rows;
 mod entry;
 mod few;
+mod finish;
 mod gather;
 mod geometry;
 mod jitter;
 mod kernel;
 mod lattice;
+mod layout;
 mod lookup;
 mod mipmap;
 mod mixed;
 mod multisample;
 mod multisample_transparency;
 mod outcode;
+mod packed;
+mod pass;
+mod patch;
 mod pending;
 mod pixel_samples;
 mod queue;
@@ -47,29 +60,33 @@ mod setup;
 mod shade;
 mod shade_jittered;
 mod shader;
+mod slot;
 mod sorted;
 mod target;
 mod tested;
+mod texels;
 mod texture;
 mod tile;
 mod transparency;
+mod weights;
 
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use batch::{TriangleBatch, Triangles};
-use bins::{Binning, Chunk, MAX_TRIANGLES};
-use clusters::{ClusterCulling, VisibleClusters};
+use batch::TriangleGroup;
+use binning::Binning;
+use bins::{Chunk, MAX_TRIANGLES};
+use counters::FrameCounters;
 use depths::DepthRules;
-use entry::{BATCHES, GROUP, uses_hiz};
-use geometry::{Arrays, InstanceDraw};
+use draws::{plan, shaders};
+use geometry::{Arrays, InstanceDraw, TransformContext};
 pub(crate) use jitter::JITTER_POSITIONS;
 use jitter::JitterMemory;
 pub(crate) use jitter::Jittering;
 pub(crate) use jitter::SumOfSamples;
 pub(crate) use jitter::Sums;
-use lattice::{TILE, TileLattice};
+use lattice::TileLattice;
+use layout::{TILE, TileGrid};
 use mixed::MixedPixels;
 pub(crate) use multisample::Multisampling;
 pub(crate) use multisample::Picks;
@@ -78,29 +95,24 @@ use pending::Pending;
 pub(crate) use pixel_samples::PixelSamples;
 use pixel_samples::PreparedSamples;
 use queue::Queue;
-use record::{Slot, TileBin};
+use record::TileBin;
 pub(crate) use report::TiledCounts;
 pub(crate) use report::TiledReport;
 pub(crate) use report::TiledTimes;
-use runs::{TileRun, load, split_into_runs};
-use sample_positions::SamplePositions;
-use setup::{Origin, Setup};
-use shade::{ShadingTarget, ShadingWork, shade_tile};
+use runs::load;
 use shader::{DrawShader, LightSource};
-use target::{PictureRows, Target, TileMemory, TileRows, lock, picture_rows};
-use tile::{Tile, TileCounts};
+use target::{TileMemory, picture_rows};
+use tile::Tile;
 
-use super::clip::guard_band_widening;
+use super::DrawnView;
 use super::depth::DepthScale;
 use super::framebuffer::Framebuffer;
 use super::grid::SampleGrid;
-use super::plan::{DrawPlan, PipelinePart};
+use super::plan::DrawPlan;
 use super::settings::{Arithmetic, Interpolation, Settings};
-use super::shade::Shader;
-use super::vertex::{DrawMatrices, containment};
 use super::viewport::Viewport;
 use crate::image::{Image, Rgba8};
-use crate::math::lanes::*;
+use crate::math::lanes::Lanes;
 use crate::scene::material::Transparency;
 use crate::scene::{Camera, Scene};
 
@@ -147,7 +159,7 @@ struct Workspace {
     transparency: TransparencyMemory,
     jitter: JitterMemory,
     bin: TileBin,
-    batches: [TriangleBatch; BATCHES],
+    group: TriangleGroup,
     pending: Pending,
     queue: Queue,
 }
@@ -162,7 +174,7 @@ impl Workspace {
             transparency: TransparencyMemory::default(),
             jitter: JitterMemory::default(),
             bin: TileBin::default(),
-            batches: Default::default(),
+            group: TriangleGroup::default(),
             pending: Pending::default(),
             queue: Queue::default(),
         }
@@ -176,7 +188,7 @@ impl Workspace {
             + self.transparency.bytes()
             + self.jitter.bytes()
             + self.bin.bytes()
-            + size_of::<[TriangleBatch; BATCHES]>()
+            + size_of::<TriangleGroup>()
             + self.pending.bytes()
             + self.queue.bytes()
     }
@@ -193,6 +205,7 @@ struct TiledFrame<'a> {
     draws: &'a [InstanceDraw<'a>],
     arrays: &'a Arrays,
     chunks: &'a [Chunk],
+    tiles: TileGrid,
     /// Whether all draws are opaque: none is alpha-tested or blended.
     all_opaque: bool,
     /// Whether any draw computes light from per-pixel normals.
@@ -210,29 +223,26 @@ struct TiledFrame<'a> {
 ///
 /// [`obstacle`] must return `None` for the scene and the settings.
 pub(crate) fn draw(
-    scene: &Scene,
-    camera: &Camera,
-    settings: &Settings,
-    viewport: Viewport,
-    (framebuffer, samples): (&mut Framebuffer, PixelSamples<'_>),
+    view: &DrawnView<'_>,
+    framebuffer: &mut Framebuffer,
+    samples: PixelSamples<'_>,
     memory: &mut TiledMemory,
     lanes: Lanes,
 ) -> TiledReport {
     let start = Instant::now();
+    let DrawnView { scene, camera, settings, viewport } = *view;
     let scale = DepthScale::of(settings, camera);
-    let (draws, plans) = plan(scene, camera, settings, viewport, lanes);
-    let widening = guard_band_widening(viewport.width, viewport.height);
+    let (draws, plans) = plan(view, lanes);
     let TiledMemory { arrays, chunks, workspaces } = memory;
     let workspaces: &Mutex<Vec<Workspace>> = workspaces;
-    geometry::transform(&draws, settings, viewport, &scale, widening, lanes, arrays);
+    TransformContext::new(settings, viewport, scale).transform(&draws, lanes, arrays);
     let transformed = Instant::now();
 
     let packed = framebuffer.color.size();
     let lattice = TileLattice::new(framebuffer.grid).with_samples(&samples.offsets());
     let samples = PreparedSamples::new(samples, framebuffer.grid, framebuffer.depth.is_some());
-    let tile_counts = ((packed.0 as usize).div_ceil(TILE), (packed.1 as usize).div_ceil(TILE));
-    Binning { draws: &draws, arrays, settings, viewport, scale, lattice, packed, tiles: tile_counts }
-        .run(lanes, chunks);
+    let tiles = TileGrid::covering(packed);
+    Binning { draws: &draws, arrays, settings, viewport, scale, lattice, packed, tiles }.run(lanes, chunks);
     let binned = Instant::now();
 
     let Framebuffer { grid, color, depth, .. } = framebuffer;
@@ -249,6 +259,7 @@ pub(crate) fn draw(
         draws: &draws,
         arrays,
         chunks,
+        tiles,
         all_opaque: shaders.iter().all(|shader| shader.shader.transparency() == Transparency::Opaque),
         reads_normals: shaders.iter().any(|shader| shader.plan.light == LightSource::Normals),
         reads_colors: shaders.iter().any(|shader| shader.plan.colored),
@@ -257,7 +268,7 @@ pub(crate) fn draw(
         samples,
     };
     let work = FrameCounters::default();
-    frame.draw_tiles(lanes, tile_counts, &picture_rows(color, depth.as_mut()), workspaces, &work);
+    frame.draw_tiles(lanes, &picture_rows(color, depth.as_mut()), workspaces, &work);
     let tiles_time = binned.elapsed();
     let times = TiledTimes {
         transform: transformed - start,
@@ -277,190 +288,28 @@ pub(crate) const TILE_SIDE: u32 = TILE as u32;
 /// The image has one value per tile of [`TILE_SIDE`] × [`TILE_SIDE`] samples. `offsets` are the sample positions
 /// relative to the pixel centre, in steps of 1/256 px; if it is empty, pixels are sampled at their centres.
 /// [`obstacle`] must return `None` for the scene and the settings.
-pub(crate) fn tile_loads(
-    scene: &Scene,
-    camera: &Camera,
-    settings: &Settings,
-    (grid, viewport): (SampleGrid, Viewport),
-    offsets: &[[i32; 2]],
-) -> Image<u32> {
+pub(crate) fn tile_loads(view: &DrawnView<'_>, grid: SampleGrid, offsets: &[[i32; 2]]) -> Image<u32> {
+    let DrawnView { camera, settings, viewport, .. } = *view;
     let (scale, lanes) = (DepthScale::of(settings, camera), Lanes::best());
-    let (draws, _) = plan(scene, camera, settings, viewport, lanes);
-    let widening = guard_band_widening(viewport.width, viewport.height);
+    let (draws, _) = plan(view, lanes);
     let TiledMemory { mut arrays, mut chunks, .. } = TiledMemory::default();
-    geometry::transform(&draws, settings, viewport, &scale, widening, lanes, &mut arrays);
+    TransformContext::new(settings, viewport, scale).transform(&draws, lanes, &mut arrays);
     let packed = grid.packed_size(viewport.width, viewport.height);
-    let tiles = ((packed.0 as usize).div_ceil(TILE), (packed.1 as usize).div_ceil(TILE));
+    let tiles = TileGrid::covering(packed);
     let lattice = TileLattice::new(grid).with_samples(offsets);
     Binning { draws: &draws, arrays: &arrays, settings, viewport, scale, lattice, packed, tiles }
         .run(lanes, &mut chunks);
-    Image::from_fn(tiles.0 as u32, tiles.1 as u32, |column, row| {
-        let number = row as usize * tiles.0 + column as usize;
-        load(&chunks, number) as u32
+    Image::from_fn(tiles.columns as u32, tiles.rows as u32, |column, row| {
+        load(&chunks, tiles.place(column as usize, row as usize)) as u32
     })
-}
-
-/// Work counters and stage times of a frame, which all threads add to.
-#[derive(Debug, Default)]
-struct FrameCounters {
-    rasterize_ns: AtomicU64,
-    shade_ns: AtomicU64,
-    visited: AtomicU64,
-    uniform: AtomicU64,
-    shaded: AtomicU64,
-    texels: AtomicU64,
-}
-
-impl FrameCounters {
-    /// Adds the rasterization and shading times of one tile, and its work counts.
-    fn add(
-        &self,
-        (rasterize, shade): (Duration, Duration),
-        tiles: impl IntoIterator<Item = TileCounts>,
-        shaded: ShadingWork,
-    ) {
-        self.rasterize_ns.fetch_add(rasterize.as_nanos() as u64, Ordering::Relaxed);
-        self.shade_ns.fetch_add(shade.as_nanos() as u64, Ordering::Relaxed);
-        for TileCounts { visited, uniform: plain } in tiles {
-            self.visited.fetch_add(visited, Ordering::Relaxed);
-            self.uniform.fetch_add(plain, Ordering::Relaxed);
-        }
-        self.shaded.fetch_add(shaded.samples, Ordering::Relaxed);
-        self.texels.fetch_add(shaded.texels, Ordering::Relaxed);
-    }
-
-    fn share_of_rasterizing(&self, time: Duration) -> Duration {
-        let rasterize = self.rasterize_ns.load(Ordering::Relaxed) as f64;
-        let shade = self.shade_ns.load(Ordering::Relaxed) as f64;
-        time.mul_f64(if rasterize > 0.0 { rasterize / (rasterize + shade) } else { 0.0 })
-    }
 }
 
 /// Returns the draw plan of every instance of a scene, in instance order.
 pub fn plans(scene: &Scene, camera: &Camera, settings: &Settings, viewport: Viewport) -> Vec<DrawPlan> {
-    plan(scene, camera, settings, viewport, Lanes::best()).1
-}
-
-/// Creates the draw plan of every instance of a scene. Returns the draws of the instances that may be visible, and all
-/// plans.
-fn plan<'a>(
-    scene: &'a Scene,
-    camera: &Camera,
-    settings: &Settings,
-    viewport: Viewport,
-    lanes: Lanes,
-) -> (Vec<InstanceDraw<'a>>, Vec<DrawPlan>) {
-    let count = scene.instances.len();
-    let (mut draws, mut plans) = (Vec::with_capacity(count), Vec::with_capacity(count));
-    let mut first_vertex = 0;
-    let clip_from_world = camera.clip_from_world_f64(viewport.aspect(), settings.depth_format.mapping());
-    for ((index, instance), first) in scene.instances.iter().enumerate().zip(scene.first_triangles()) {
-        let mesh = scene.library.mesh(instance.mesh);
-        let matrices = DrawMatrices::new(instance, clip_from_world);
-        let inside = containment(mesh.visible_bounds(), matrices.clip_from_model);
-        let mut plan = DrawPlan::new(&scene.library, instance, camera, settings, inside).starting_at(first);
-        let mut kept = VisibleClusters::all(mesh);
-        if !mesh.clusters().is_empty() && plan.may_cull_clusters(settings, inside) {
-            let unseen;
-            (kept, unseen) = VisibleClusters::cull_clusters(
-                mesh,
-                &ClusterCulling::new(matrices.clip_from_model, inside, plan.culling(), viewport),
-                lanes,
-            );
-            plan = plan.with_cull_stats(unseen);
-        }
-        plans.push(plan);
-        if plan.runs(PipelinePart::Vertices) && !mesh.triangles.is_empty() {
-            draws.push(InstanceDraw::new(index as u32, mesh, plan, matrices, first, (first_vertex, kept)));
-            first_vertex += mesh.positions.len();
-        }
-    }
-    (draws, plans)
-}
-
-fn shaders<'a>(scene: &'a Scene, settings: &'a Settings, draws: &[InstanceDraw<'_>]) -> Vec<DrawShader<'a>> {
-    let shader = |draw: &InstanceDraw<'_>| {
-        let instance = &scene.instances[draw.instance as usize];
-        let shader = Shader::new(settings, &scene.library, instance, &draw.plan);
-        let texture = scene.library.material(instance.material).texture.map(|id| scene.library.texture(id));
-        DrawShader::new(shader, texture, draw.plan.runs(PipelinePart::PerspectiveDivision))
-    };
-    draws.iter().map(shader).collect()
+    plan(&DrawnView { scene, camera, settings, viewport }, Lanes::best()).1
 }
 
 impl TiledFrame<'_> {
-    /// Draws all tiles into the picture, on all threads. `rows` holds the picture, split into rows of tiles.
-    fn draw_tiles(
-        &self,
-        lanes: Lanes,
-        tile_counts: (usize, usize),
-        rows: &[Mutex<PictureRows<'_>>],
-        workspaces: &Mutex<Vec<Workspace>>,
-        work: &FrameCounters,
-    ) {
-        let threads = rayon::current_num_threads();
-        let runs = split_into_runs(self.chunks, tile_counts, threads);
-        let next_run = AtomicUsize::new(0);
-        let draw_runs = || {
-            let taken = workspaces.lock().ok().and_then(|mut all| all.pop());
-            let mut workspace = taken.unwrap_or_else(Workspace::new);
-            while let Some(run) = runs.get(next_run.fetch_add(1, Ordering::Relaxed)) {
-                self.draw_run(lanes, run, tile_counts.0, &rows[run.row], &mut workspace, work);
-            }
-            if let Ok(mut all) = workspaces.lock() {
-                all.push(workspace);
-            }
-        };
-        rayon::scope(|scope| {
-            for _ in 0..threads {
-                scope.spawn(|_| draw_runs());
-            }
-        });
-    }
-
-    /// Draws a run of tiles into a row of the picture that is `columns` tiles wide.
-    fn draw_run(
-        &self,
-        lanes: Lanes,
-        run: &TileRun,
-        columns: usize,
-        rows: &Mutex<PictureRows<'_>>,
-        workspace: &mut Workspace,
-        work: &FrameCounters,
-    ) {
-        let tiles = run.columns.clone().map(|column| ((column, run.row), run.row * columns + column));
-        if run.load == 0 {
-            let nothing = (self.background, self.rules.clear);
-            on_lanes!(lanes, simd => lock(rows).clear(simd, &run.columns, nothing));
-        } else if run.columns.len() == columns {
-            let mut rows = lock(rows);
-            on_lanes!(lanes, simd => rows.fill(simd, self.background));
-            for (place, number) in tiles {
-                self.draw_target(lanes, workspace, rows.target(place, number), work);
-            }
-        } else {
-            let mut memory = workspace.memory.take().unwrap_or_else(TileMemory::new);
-            for tile in tiles {
-                let draw = |target: Target<'_>| self.draw_target(lanes, workspace, target, work);
-                memory.draw(lanes, tile, rows, self.background, draw);
-            }
-            workspace.memory = Some(memory);
-        }
-    }
-
-    /// Draws and shades one tile in the sampling mode of the frame.
-    fn draw_target(&self, lanes: Lanes, workspace: &mut Workspace, target: Target<'_>, work: &FrameCounters) {
-        match &self.samples {
-            PreparedSamples::Centre => on_lanes!(lanes, simd => self.draw_tile(simd, workspace, target, work)),
-            PreparedSamples::Multisampled(planes) => {
-                on_lanes!(lanes, simd => self.draw_samples(simd, planes, workspace, target, work));
-            }
-            PreparedSamples::Jittered(samples) => {
-                on_lanes!(lanes, simd => self.draw_jittered(simd, samples, workspace, target, work));
-            }
-        }
-    }
-
     /// Returns the work counts of the frame. `triangles_in` is the number of triangles in the scene.
     fn counts(&self, triangles_in: u64, work: FrameCounters) -> TiledCounts {
         TiledCounts {
@@ -474,136 +323,6 @@ impl TiledFrame<'_> {
             shaded: work.shaded.into_inner(),
             texels: work.texels.into_inner(),
             vertices: self.draws.iter().map(|draw| draw.kept.vertices.count() as u64).sum(),
-        }
-    }
-
-    #[inline(always)]
-    fn draw_tile<S: Simd>(&self, simd: S, workspace: &mut Workspace, mut target: Target<'_>, work: &FrameCounters) {
-        let start = Instant::now();
-        let Workspace {
-            tile,
-            bin: entrants,
-            batches,
-            pending,
-            queue,
-            transparency: TransparencyMemory { blended, .. },
-            ..
-        } = workspace;
-        self.gather_bin(target.number, entrants);
-        if entrants.len() == 0 {
-            return target.clear_depths(self.rules.clear);
-        }
-        let place = target.place;
-        let origin = self.origin(&self.lattice, place);
-        blended.clear();
-        for group in (0..entrants.len()).step_by(GROUP) {
-            let (alive, large) = self.set_up_group(simd, entrants, batches, group, origin);
-            if group == 0 {
-                tile.clear(&self.rules, uses_hiz(entrants.len(), batches, &alive));
-            }
-            let owner = self.owner(entrants, &self.lattice, place);
-            for (number, batch) in batches.iter().enumerate() {
-                let mut alive = alive[number];
-                while alive != 0 {
-                    let lane = alive.trailing_zeros() as usize;
-                    alive &= alive - 1;
-                    let slot = Slot::new(group + number * LANES + lane, large[number] >> lane & 1 != 0);
-                    let triangle = (batch, lane, slot);
-                    self.draw_triangle(simd, (tile, &self.lattice), triangle, (entrants, place), &owner, blended);
-                }
-            }
-        }
-        if target.depths.is_some() {
-            self.write_depths(simd, tile, entrants, &mut target);
-        }
-        let rasterized = Instant::now();
-        let mut picture = target.picture;
-        let canvas = ShadingTarget {
-            tile,
-            locations: &self.lattice,
-            bin: entrants,
-            pending,
-            queue,
-            place,
-            picture: picture.reborrow(),
-        };
-        let mut shaded = shade_tile(simd, self, canvas);
-        if !blended.is_empty() {
-            shaded += self.blend(simd, (tile, &self.lattice), (entrants, blended), place, queue, &mut picture);
-        }
-        work.add((rasterized - start, rasterized.elapsed()), [tile.counts], shaded);
-    }
-
-    /// Draws one triangle of a batch into a tile, or appends it to `blended` if its material is blended.
-    #[inline(always)]
-    fn draw_triangle<S: Simd>(
-        &self,
-        simd: S,
-        (tile, locations): (&mut Tile, impl SamplePositions),
-        (triangles, lane, slot): (&impl Triangles, usize, Slot),
-        (entrants, place): (&TileBin, (usize, usize)),
-        owner: &impl Fn(Slot) -> Option<Setup>,
-        blended: &mut Vec<Slot>,
-    ) {
-        let transparency = if self.all_opaque { Transparency::Opaque } else { self.transparency(entrants.get(slot)) };
-        match transparency {
-            Transparency::Opaque => self.draw_opaque(simd, (tile, locations), (triangles, lane, slot), owner),
-            Transparency::AlphaTested => {
-                let triangle = triangles.triangle(lane, slot);
-                self.draw_alpha_tested(simd, (tile, locations), &triangle, (entrants, place), owner);
-            }
-            Transparency::Blended => blended.push(slot),
-        }
-    }
-
-    /// Draws one opaque triangle of a batch into a tile, with integer edge values if these fit into 32 bits.
-    #[inline(always)]
-    fn draw_opaque<S: Simd>(
-        &self,
-        simd: S,
-        (tile, locations): (&mut Tile, impl SamplePositions),
-        (triangles, lane, slot): (&impl Triangles, usize, Slot),
-        owner: &impl Fn(Slot) -> Option<Setup>,
-    ) {
-        if triangles.fits(lane) {
-            tile.draw(simd, &triangles.triangle::<i32>(lane, slot), locations, &self.rules, owner);
-        } else {
-            tile.draw(simd, &triangles.triangle::<f64>(lane, slot), locations, &self.rules, owner);
-        }
-    }
-
-    /// Returns the position of a tile's first sample in steps of 1/256 px, and that sample's column and row in the
-    /// packed picture. `place` is the column and row of the tile.
-    #[inline(always)]
-    fn origin(&self, lattice: &TileLattice, place: (usize, usize)) -> Origin {
-        (lattice.origin(place), [(place.0 * TILE) as f32, (place.1 * TILE) as f32])
-    }
-
-    /// Returns a function that sets up a triangle of the tile's bin again, given its slot.
-    #[inline(always)]
-    fn owner(
-        &self,
-        entrants: &TileBin,
-        lattice: &TileLattice,
-        place: (usize, usize),
-    ) -> impl Fn(Slot) -> Option<Setup> {
-        let origin = self.origin(lattice, place);
-        move |slot| {
-            let entrant = entrants.get(slot);
-            let corners = self.corners(entrant.key, entrant.draw as usize);
-            Setup::new(slot, &corners, self.settings.fill_rule, &self.scale, lattice, origin)
-        }
-    }
-
-    /// Copies the depths of a tile, sampled at pixel centres, to its target.
-    #[inline(always)]
-    fn write_depths<S: Simd>(&self, simd: S, tile: &mut Tile, entrants: &TileBin, target: &mut Target<'_>) {
-        let owner = self.owner(entrants, &self.lattice, target.place);
-        for (block, _) in tile.uniform_blocks() {
-            tile.expand_block(simd, block, &self.lattice, &self.rules, &owner);
-        }
-        for (row, out) in target.depths.iter_mut().flat_map(TileRows::rows).enumerate() {
-            out.copy_from_slice(&tile.depths(row)[..out.len()]);
         }
     }
 }

@@ -9,13 +9,18 @@
 
 use std::time::Instant;
 
-use super::batch::{TriangleBatch, Triangles as _};
+use super::batch::{BinnedTriangle, GROUP, TriangleGroup};
+use super::canvas::Canvas;
+use super::counters::{FrameCounters, TileWork};
 use super::lattice::TileLattice;
-use super::record::{Slot, TileBin};
-use super::shade::{ShadingTarget, shade_tile};
+use super::pass::TilePass;
+use super::record::TileBin;
+use super::shade::ShadingJob;
+use super::slot::Slot;
+use super::target::Target;
 use super::tested::set_bits;
-use super::tile::Tile;
-use super::{BATCHES, FrameCounters, GROUP, Target, TiledFrame, Workspace, uses_hiz};
+use super::tile::{Tile, TileCounts};
+use super::{TiledFrame, Workspace};
 use crate::image::Rgba8;
 use crate::math::lanes::*;
 use crate::pipeline::grid::SampleGrid;
@@ -62,6 +67,12 @@ impl<'a> SamplePlanes<'a> {
     }
 }
 
+/// Tiles of the sample planes, one for each lattice.
+pub(super) struct PlaneTiles<'a> {
+    pub(super) planes: &'a SamplePlanes<'a>,
+    pub(super) tiles: &'a mut [Tile],
+}
+
 impl TiledFrame<'_> {
     /// Draws and shades a tile of a multisampled picture.
     #[inline(always)]
@@ -74,51 +85,31 @@ impl TiledFrame<'_> {
         work: &FrameCounters,
     ) {
         let start = Instant::now();
-        let Workspace {
-            tile,
-            planes: tiles,
-            mixed,
-            transparency: seen_through,
-            bin: entrants,
-            batches,
-            pending,
-            queue,
-            ..
-        } = workspace;
-        let place = target.place;
-        self.gather_bin(target.number, entrants);
-        if entrants.len() == 0 {
+        let Workspace { tile, planes: tiles, mixed, transparency, bin, group, pending, queue, .. } = workspace;
+        self.gather_bin(target.place, bin);
+        if bin.len() == 0 {
             return target.clear_depths(self.rules.clear);
         }
         tiles.resize_with(planes.lattices.len(), Tile::new);
-        self.draw_planes(simd, (planes, tiles), (entrants, batches), place, &mut seen_through.blended);
+        self.draw_planes(simd, PlaneTiles { planes, tiles }, bin, group, &mut transparency.blended);
+        let pass = TilePass::new(self, bin, &self.lattice);
         let (samples, centres) = tiles.split_at_mut(planes.samples.offsets.len());
         if let [centres] = centres {
-            self.write_depths(simd, centres, entrants, &mut target);
+            pass.write_depths(simd, centres, &mut target);
         }
         let rasterized = Instant::now();
-        let mut picture = target.picture;
-        mixed.find(simd, &self.lattice, samples, tile, picture.size);
-        let mut shaded = shade_tile(
-            simd,
-            self,
-            ShadingTarget {
-                tile,
-                locations: &self.lattice,
-                bin: entrants,
-                pending,
-                queue,
-                place,
-                picture: picture.reborrow(),
-            },
-        );
-        shaded += mixed.shade(simd, self, planes, (entrants, pending, queue), place);
-        mixed.write(&mut picture);
-        if !seen_through.blended.is_empty() {
-            let (seen, memory) = ((&*entrants, place), (seen_through, queue));
-            shaded += self.blend_samples(simd, (planes, samples), seen, mixed, memory, &mut picture);
+        let mut canvas = Canvas { frame: self, place: target.place, queue, picture: target.picture };
+        mixed.find(simd, &self.lattice, samples, tile, canvas.picture.size);
+        let mut shading = ShadingJob::new(pass, pending, canvas.reborrow()).shade_tile(simd, tile);
+        shading += mixed.shade(simd, planes, pass, pending, canvas.reborrow());
+        mixed.write(&mut canvas.picture);
+        if !transparency.blended.is_empty() {
+            let planes = PlaneTiles { planes, tiles: samples };
+            shading += transparency.blend(simd, planes, bin, mixed, &mut canvas);
         }
-        work.add((rasterized - start, rasterized.elapsed()), tiles.iter().map(|tile| tile.counts), shaded);
+        let mut coverage = TileCounts::default();
+        tiles.iter().for_each(|tile| coverage += tile.counts);
+        work.add(TileWork { rasterize: rasterized - start, shade: rasterized.elapsed(), coverage, shading });
     }
 
     /// Draws the triangles of a tile into the tiles of all samples, and appends those that are blended to `blended`.
@@ -126,45 +117,46 @@ impl TiledFrame<'_> {
     fn draw_planes<S: Simd>(
         &self,
         simd: S,
-        (planes, tiles): (&SamplePlanes<'_>, &mut [Tile]),
-        (entrants, batches): (&mut TileBin, &mut [TriangleBatch; BATCHES]),
-        place: (usize, usize),
+        PlaneTiles { planes, tiles }: PlaneTiles<'_>,
+        bin: &mut TileBin,
+        group: &mut TriangleGroup,
         blended: &mut Vec<Slot>,
     ) {
         blended.clear();
-        let origin = self.origin(&self.lattice, place);
-        for group in (0..entrants.len()).step_by(GROUP) {
-            let (mut alive, large) = self.set_up_group(simd, entrants, batches, group, origin);
-            if group == 0 {
-                let bounded = uses_hiz(entrants.len(), batches, &alive);
+        let setup = self.setup_context(bin.place);
+        for first in (0..bin.len()).step_by(GROUP) {
+            self.set_up_group(simd, &setup, bin, first, group);
+            if first == 0 {
+                let bounded = group.uses_hiz(bin.len());
                 tiles.iter_mut().for_each(|tile| tile.clear(&self.rules, bounded));
             }
-            for (number, batch) in batches.iter().enumerate() {
-                let slot = |lane| Slot::new(group + number * LANES + lane, large[number] >> lane & 1 != 0);
+            for (number, batch) in group.batches.iter().enumerate() {
+                let mut alive = group.alive[number];
                 if !self.all_opaque {
-                    for lane in set_bits(alive[number]) {
-                        if self.transparency(entrants.get(slot(lane))) == Transparency::Blended {
-                            alive[number] &= !(1 << lane);
-                            blended.push(slot(lane));
+                    for lane in set_bits(alive) {
+                        let slot = group.slot(number, lane);
+                        if self.transparency(bin.get(slot)) == Transparency::Blended {
+                            alive &= !(1 << lane);
+                            blended.push(slot);
                         }
                     }
                 }
-                if alive[number] == 0 {
+                if alive == 0 {
                     continue;
                 }
                 for (tile, lattice) in tiles.iter_mut().zip(&planes.lattices) {
-                    let (within, moved) = batch.moved(simd, lattice, origin.1);
-                    let owner = self.owner(entrants, lattice, place);
-                    let mut alive = alive[number] & within;
+                    let (within, moved) = batch.moved(simd, lattice, setup.origin.packed);
+                    let pass = TilePass::new(self, bin, lattice);
+                    let mut alive = alive & within;
                     while alive != 0 {
                         let lane = alive.trailing_zeros() as usize;
                         alive &= alive - 1;
-                        let slot = slot(lane);
-                        if self.all_opaque || self.transparency(entrants.get(slot)) == Transparency::Opaque {
-                            self.draw_opaque(simd, (tile, lattice), (&moved, lane, slot), &owner);
+                        let slot = group.slot(number, lane);
+                        let triangle = BinnedTriangle { batch: &moved, lane, slot };
+                        if self.all_opaque || self.transparency(bin.get(slot)) == Transparency::Opaque {
+                            pass.draw_opaque(simd, tile, &triangle);
                         } else {
-                            let (triangle, seen) = (moved.triangle(lane, slot), (&*entrants, place));
-                            self.draw_alpha_tested_sample(simd, planes, (tile, &triangle, lattice), seen, &owner);
+                            pass.draw_alpha_tested_sample(simd, planes, tile, &triangle.setup());
                         }
                     }
                 }

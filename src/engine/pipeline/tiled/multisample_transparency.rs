@@ -6,22 +6,24 @@
 //! is recomputed for each sample in which it is visible: with sixteen at a time, this is faster than looking up a
 //! stored result.
 
-use super::TiledFrame;
-use super::lattice::{TILE, TILE_SAMPLES, TileLattice};
+use super::canvas::Canvas;
+use super::lattice::TileLattice;
+use super::layout::{SamplePlace, TILE, TILE_SAMPLES, TileSize};
 use super::mixed::MixedPixels;
-use super::multisample::{MeanOfSamples, Picks, SamplePlanes};
-use super::queue::{Queue, flush};
-use super::record::{Slot, TileBin};
+use super::multisample::{MeanOfSamples, Picks, PlaneTiles, SamplePlanes};
+use super::pass::TilePass;
+use super::record::TileBin;
 use super::setup::Setup;
 use super::shade::ShadingWork;
+use super::slot::Slot;
 use super::sorted::{SortedFragment, SortedFragments};
 use super::target::{ColorRows, TileRows};
 use super::tested::shade_tested;
 use super::tile::Tile;
+use super::transparency::BlendedTriangle;
 use crate::image::Rgba8;
 use crate::math::lanes::*;
 use crate::pipeline::settings::BlendingOrder;
-use crate::pipeline::viewport::ScreenTriangle;
 
 /// Buffers for blending, reused from tile to tile.
 #[derive(Clone, Debug, Default)]
@@ -56,125 +58,134 @@ impl TransparencyMemory {
             }
         }
     }
-}
 
-impl TiledFrame<'_> {
-    /// Draws an alpha-tested triangle into the tile of one sample. `lattice` is the lattice of that sample.
-    #[inline(always)]
-    pub(super) fn draw_alpha_tested_sample<S: Simd>(
-        &self,
-        simd: S,
-        planes: &SamplePlanes<'_>,
-        (tile, triangle, lattice): (&mut Tile, &Setup, &TileLattice),
-        (entrants, place): (&TileBin, (usize, usize)),
-        owner: &impl Fn(Slot) -> Option<Setup>,
-    ) {
-        let keep = self.alpha_test(simd, entrants.subject(triangle.slot), place);
-        tile.draw_kept(simd, triangle, lattice, &self.rules, owner, |tested| {
-            keep(&tested.at_first_covered(simd, triangle, lattice.offset(), &planes.shading_places))
-        });
+    /// Fills the sample colours with those of the picture and of the mixed pixels of a tile.
+    fn begin(&mut self, planes: &SamplePlanes<'_>, mixed: &MixedPixels, canvas: &mut Canvas<'_>) {
+        let Self { colors, .. } = self;
+        colors.resize(planes.samples.offsets.len() * TILE_SAMPLES, canvas.frame.background);
+        for sample in colors.chunks_exact_mut(TILE_SAMPLES) {
+            for (row, below) in sample.chunks_exact_mut(TILE).zip(canvas.picture.rows()) {
+                row[..below.len()].copy_from_slice(below);
+            }
+        }
+        mixed.spread(colors);
     }
 
     /// Blends the blended triangles of a tile over its picture, in which the opaque triangles are already shaded.
     /// Returns the number of samples shaded and texels read.
     #[inline(always)]
-    pub(super) fn blend_samples<S: Simd>(
-        &self,
+    pub(super) fn blend<S: Simd>(
+        &mut self,
         simd: S,
-        (planes, tiles): (&SamplePlanes<'_>, &mut [Tile]),
-        (entrants, place): (&TileBin, (usize, usize)),
+        mut planes: PlaneTiles<'_>,
+        entrants: &TileBin,
         mixed: &MixedPixels,
-        (memory, queue): (&mut TransparencyMemory, &mut Queue),
-        picture: &mut ColorRows<'_>,
+        canvas: &mut Canvas<'_>,
     ) -> ShadingWork {
-        let TransparencyMemory { blended, colors, .. } = memory;
-        let size = picture.size;
-        colors.resize(planes.samples.offsets.len() * TILE_SAMPLES, self.background);
-        for sample in colors.chunks_exact_mut(TILE_SAMPLES) {
-            for (row, below) in sample.chunks_exact_mut(TILE).zip(picture.rows()) {
-                row[..below.len()].copy_from_slice(below);
-            }
-        }
-        mixed.spread(colors);
-        let mut shaded = ShadingWork::default();
-        let triangles = self.in_order(entrants, blended);
-        if self.settings.blending.order == BlendingOrder::Exact {
-            let drawn = (entrants, &*triangles);
-            shaded = self.blend_sorted_samples(simd, (planes, tiles), drawn, (place, size), colors);
-            memory.resolve(planes.samples.mean, picture);
-            return shaded;
-        }
-        for (slot, triangle) in triangles {
-            let subject = entrants.subject(slot);
-            let shader = self.shader(subject.draw);
+        self.begin(planes.planes, mixed, canvas);
+        let frame = canvas.frame;
+        let triangles = frame.in_order(entrants, &self.blended);
+        let shaded = if frame.settings.blending.order == BlendingOrder::Exact {
+            self.blend_sorted(simd, &mut planes, entrants, &triangles, canvas)
+        } else {
+            self.blend_in_order(simd, &mut planes, entrants, &triangles, canvas)
+        };
+        self.resolve(planes.planes.samples.mean, &mut canvas.picture);
+        shaded
+    }
+
+    /// Blends the triangles of a tile over the colours of all samples, one after the other. Returns the number of
+    /// samples shaded and texels read.
+    #[inline(always)]
+    fn blend_in_order<S: Simd>(
+        &mut self,
+        simd: S,
+        PlaneTiles { planes, tiles }: &mut PlaneTiles<'_>,
+        entrants: &TileBin,
+        triangles: &[BlendedTriangle<'_>],
+        canvas: &mut Canvas<'_>,
+    ) -> ShadingWork {
+        let (mut shaded, frame, size) = (ShadingWork::default(), canvas.frame, canvas.picture.size);
+        // Treats the tiles of all samples as one tall tile, so that the queue need not be flushed between samples.
+        let tall = TileSize { columns: TILE, rows: self.colors.len() / TILE };
+        let picture = TileRows { values: &mut self.colors[..], stride: TILE, left: 0, size: tall };
+        let mut canvas = Canvas { picture, ..canvas.reborrow() };
+        for BlendedTriangle { slot, draw, classic } in triangles {
+            let (subject, shader) = (entrants.subject(*slot), frame.shader(*draw));
             let mut samples = 0;
             for (number, (tile, lattice)) in tiles.iter_mut().zip(&planes.lattices).enumerate() {
-                let owner = self.owner(entrants, lattice, place);
-                let Some(setup) = owner(slot) else { continue };
-                tile.draw_kept(simd, &setup, lattice, &self.rules, &owner, |tested| {
+                let pass = TilePass::new(frame, entrants, lattice);
+                let Some(setup) = pass.set_up(*slot) else { continue };
+                tile.draw_kept(simd, &setup, &pass, |tested| {
                     let mut tested = tested.at_first_covered(simd, &setup, lattice.offset(), &planes.shading_places);
                     tested.passed = tested.within(size);
                     samples += if shader.on_lanes {
-                        // Treats the tiles of all samples as one tall tile, so that the queue need not be flushed
-                        // between samples.
-                        tested.place.1 += number * TILE;
-                        let size = (TILE, colors.len() / TILE);
-                        let mut below = TileRows { values: colors, stride: TILE, left: 0, size };
-                        shade_tested(simd, self, &subject, (place, &tested), queue, &mut below)
+                        tested.place.row += number * TILE;
+                        shade_tested(simd, &subject, &tested, &mut canvas)
                     } else {
-                        let values = &mut colors[number * TILE_SAMPLES..];
+                        let values = &mut canvas.picture.values[number * TILE_SAMPLES..];
                         let mut below = TileRows { values, stride: TILE, left: 0, size };
-                        self.blend_one_by_one((&triangle, subject.draw), (place, &tested), &mut below)
+                        classic.blend_samples(&tested, &mut below)
                     };
                     // Blended samples do not occlude anything, so none is stored.
                     0
                 });
             }
             // The next triangle may overlap this one, so all its pixels must be written first.
-            flush(simd, self, queue, colors);
+            shaded.texels += canvas.finish(simd);
             shaded.add(shader, samples);
-            shaded.texels += std::mem::take(&mut queue.coarse_texels);
         }
-        memory.resolve(planes.samples.mean, picture);
         shaded
     }
 
     /// Blends the triangles of a tile over the colours of all samples, with fragments sorted by depth in each sample.
     /// Returns the number of samples shaded and texels read.
-    ///
-    /// `place` is the column and row of the tile, and `size` the number of its columns and rows that lie within the
-    /// picture.
-    fn blend_sorted_samples<S: Simd>(
-        &self,
+    fn blend_sorted<S: Simd>(
+        &mut self,
         simd: S,
-        (planes, tiles): (&SamplePlanes<'_>, &mut [Tile]),
-        (entrants, triangles): (&TileBin, &[(Slot, ScreenTriangle)]),
-        (place, size): ((usize, usize), (usize, usize)),
-        colors: &mut [Rgba8],
+        PlaneTiles { planes, tiles }: &mut PlaneTiles<'_>,
+        entrants: &TileBin,
+        triangles: &[BlendedTriangle<'_>],
+        canvas: &Canvas<'_>,
     ) -> ShadingWork {
-        let (mut shaded, mut list) = (ShadingWork::default(), SortedFragments::default());
-        for (number, (slot, triangle)) in triangles.iter().enumerate() {
+        let (frame, size) = (canvas.frame, canvas.picture.size);
+        let (mut shaded, mut list) = (ShadingWork::default(), SortedFragments::new(frame.settings));
+        for (number, BlendedTriangle { slot, draw, classic }) in triangles.iter().enumerate() {
             let before = list.len();
             for (sample, (tile, lattice)) in tiles.iter_mut().zip(&planes.lattices).enumerate() {
-                let owner = self.owner(entrants, lattice, place);
-                let Some(setup) = owner(*slot) else { continue };
-                tile.draw_kept(simd, &setup, lattice, &self.rules, &owner, |tested| {
+                let pass = TilePass::new(frame, entrants, lattice);
+                let Some(setup) = pass.set_up(*slot) else { continue };
+                tile.draw_kept(simd, &setup, &pass, |tested| {
                     let mut shading = tested.at_first_covered(simd, &setup, lattice.offset(), &planes.shading_places);
                     shading.passed = shading.within(size);
-                    list.add(self.settings, (triangle, number), (sample * TILE_SAMPLES, tested), &shading);
+                    list.add(number, &classic.triangle, sample * TILE_SAMPLES, tested, &shading);
                     // Blended fragments do not occlude anything, so none is stored.
                     0
                 });
             }
-            shaded.add(self.shader(entrants.subject(*slot).draw), list.len() - before);
+            shaded.add(frame.shader(*draw), list.len() - before);
         }
         for SortedFragment { at, triangle, edges, .. } in list.sorted() {
-            let (slot, of) = &triangles[triangle];
-            let draw = entrants.subject(*slot).draw;
-            let pixel = at % TILE_SAMPLES;
-            let fragment = self.fragment(of, draw, place, (pixel % TILE, pixel / TILE), edges);
-            colors[at] = self.shader(draw).shader.blend(&fragment, of, colors[at]);
+            let (place, classic) = (SamplePlace::of(at % TILE_SAMPLES), &triangles[triangle].classic);
+            classic.blend(&classic.fragment(place, edges), &mut self.colors[at]);
         }
         shaded
+    }
+}
+
+impl TilePass<'_, &TileLattice> {
+    /// Draws an alpha-tested triangle into the tile of one sample. The lattice of the pass is that of the sample.
+    #[inline(always)]
+    pub(super) fn draw_alpha_tested_sample<S: Simd>(
+        &self,
+        simd: S,
+        planes: &SamplePlanes<'_>,
+        tile: &mut Tile,
+        triangle: &Setup,
+    ) {
+        let keep = self.alpha_test(simd, triangle.slot);
+        tile.draw_kept(simd, triangle, self, |tested| {
+            keep(&tested.at_first_covered(simd, triangle, self.locations.offset(), &planes.shading_places))
+        });
     }
 }

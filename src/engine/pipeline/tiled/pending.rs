@@ -4,17 +4,19 @@
 //! Samples are therefore collected until there are four groups of sixteen. Each step is done for all groups before the
 //! next one, so that their latencies overlap.
 
-use super::TiledFrame;
+use super::canvas::Canvas;
+use super::edge_rows::exact_at;
 use super::few::Few;
-use super::gather::Taps;
-use super::kernel::{ALL, AttributeWeights, Patch, StoredWeights, corner_weights, exact_at, interpolate_pair};
-use super::mipmap::CoarseTaps;
-use super::queue::{Queue, QueuedPair, QueuedRow, make_room};
+use super::kernel::interpolate_pair;
+use super::mipmap::LevelTapsMut;
+use super::patch::{ALL, Patch};
+use super::queue::{QueuedRow, Reserved, ReservedPair};
 use super::record::{TileBin, TriangleSource};
 use super::sample_positions::SamplePositions;
 use super::setup::EdgeFunctions;
-use super::shader::{DrawShader, ShadingPlan};
+use super::shader::{PlannedShader, ShadingPlan};
 use super::target::ColorRows;
+use super::weights::{AttributeWeights, StoredWeights, corner_weights};
 use crate::math::lanes::*;
 
 /// Positions of sixteen samples, and destinations of their colours.
@@ -72,6 +74,24 @@ impl SampleTargets for Scattered<'_> {
     }
 }
 
+/// Sixteen samples that may belong to different triangles.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MixedSamples<'a, T> {
+    /// Slot of each sample's triangle.
+    pub(super) slots: &'a [u32; WIDE],
+    /// Bit mask of the samples to shade.
+    pub(super) mine: u32,
+    pub(super) targets: T,
+}
+
+/// Edge functions of a triangle whose edge values exceed 32 bits.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LargeTriangle {
+    /// Bit mask of the triangle's samples, among sixteen.
+    pub(super) lanes: u32,
+    pub(super) edges: EdgeFunctions,
+}
+
 /// Number of groups of sixteen samples that are shaded together.
 const CAPACITY: usize = 4;
 
@@ -82,9 +102,8 @@ pub(super) struct Pending {
     len: usize,
     /// Index of the samples' shader in the frame's list of shaders.
     shader: usize,
-    /// Edge functions of the triangles whose edge values exceed 32 bits. Each comes with the index of a group and the
-    /// bit mask of the triangle's samples in that group.
-    large: Vec<(usize, u32, EdgeFunctions)>,
+    /// Triangles whose edge values exceed 32 bits. Each comes with the index of a group.
+    large: Vec<(usize, LargeTriangle)>,
 }
 
 /// Group of sixteen samples that are shaded together.
@@ -103,7 +122,7 @@ struct SixteenSamples {
 impl Pending {
     /// Returns the memory use in bytes.
     pub(super) fn bytes(&self) -> usize {
-        size_of::<Self>() + self.large.capacity() * size_of::<(usize, u32, EdgeFunctions)>()
+        size_of::<Self>() + self.large.capacity() * size_of::<(usize, LargeTriangle)>()
     }
 
     /// Returns `true` if sixteen more samples that use the shader with index `shader` do not fit: the list is full, or
@@ -113,51 +132,43 @@ impl Pending {
         self.len == CAPACITY || self.len > 0 && self.shader != shader
     }
 
-    /// Adds sixteen samples that use the shader with index `shader`. `mine` selects the samples to shade.
-    ///
-    /// `large` has the edge functions of triangles whose edge values exceed 32 bits, each with the bit mask of its
-    /// samples.
+    /// Adds sixteen samples that use the shader with index `shader`. `large` has the triangles of these samples whose
+    /// edge values exceed 32 bits.
     #[inline(always)]
     pub(super) fn push<S: Simd>(
         &mut self,
         simd: S,
         shader: usize,
-        (slots, large): (&[u32; WIDE], &[(u32, EdgeFunctions)]),
-        (spots, mine): (impl SampleTargets, u32),
+        samples: MixedSamples<'_, impl SampleTargets>,
+        large: &[LargeTriangle],
         picture: &ColorRows<'_>,
     ) {
-        let places = spots.positions(simd);
+        let MixedSamples { slots, mine, targets } = samples;
+        let places = targets.positions(simd);
         let sixteen = &mut self.sixteens[self.len];
-        (sixteen.slots, sixteen.mine, sixteen.rows) = (*slots, mine, spots.rows(mine, picture));
+        (sixteen.slots, sixteen.mine, sixteen.rows) = (*slots, mine, targets.rows(mine, picture));
         for (place, stored) in places.into_iter().zip(&mut sixteen.places) {
             place.store_array(stored);
         }
-        self.large.extend(large.iter().map(|(lanes, edges)| (self.len, *lanes, *edges)));
+        self.large.extend(large.iter().map(|triangle| (self.len, *triangle)));
         self.shader = shader;
         self.len += 1;
     }
 
     /// Interpolates the attributes of all pending samples, moves the samples to the queue and clears the list.
     #[inline(never)]
-    pub(super) fn shade<S: Simd>(
-        &mut self,
-        simd: S,
-        frame: &TiledFrame<'_>,
-        entrants: &TileBin,
-        queue: &mut Queue,
-        picture: &mut ColorRows<'_>,
-    ) {
+    pub(super) fn shade<S: Simd>(&mut self, simd: S, entrants: &TileBin, canvas: &mut Canvas<'_>) {
         simd.vectorize(
             #[inline(always)]
             || {
                 if self.len == 0 {
                     return;
                 }
-                let room = make_room(simd, frame, self.shader, self.len, queue, picture.values);
-                let shader = &frame.shaders[self.shader];
+                let shader = &canvas.frame.shaders[self.shader];
+                let room = canvas.reserve(simd, self.shader, self.len);
                 match shader.plan {
-                    ShadingPlan::COMMON => self.interpolate(simd, (shader, ShadingPlan::COMMON), entrants, room),
-                    plan => self.interpolate(simd, (shader, plan), entrants, room),
+                    ShadingPlan::COMMON => self.interpolate(simd, PlannedShader::common(shader), entrants, room),
+                    _ => self.interpolate(simd, PlannedShader::new(shader), entrants, room),
                 }
                 self.len = 0;
                 self.large.clear();
@@ -170,10 +181,11 @@ impl Pending {
     fn interpolate<S: Simd>(
         &self,
         simd: S,
-        (shader, plan): (&DrawShader<'_>, ShadingPlan),
+        shader: PlannedShader<'_>,
         entrants: &TileBin,
-        (pairs, taps, coarse): (&mut [QueuedPair], &mut [Taps], &mut [CoarseTaps]),
+        Reserved { pairs, taps, coarse }: Reserved<'_>,
     ) {
+        let plan = shader.plan;
         let (mut few, mut weights) = ([None; CAPACITY], [StoredWeights::default(); CAPACITY]);
         for (i, (pair, sixteen)) in pairs.iter_mut().zip(&self.sixteens).enumerate() {
             pair.rows = sixteen.rows;
@@ -185,15 +197,13 @@ impl Pending {
             weights[i].store(plan, of_corners);
         }
         let mut coarse = coarse.iter_mut();
-        for (i, (pair, taps)) in pairs.iter_mut().zip(taps).enumerate().take(CAPACITY) {
+        for (i, (pair, fine)) in pairs.iter_mut().zip(taps).enumerate().take(CAPACITY) {
             let weights = weights[i].load(simd);
-            let out = (pair, (taps, if plan.mipmapped { coarse.next() } else { None }));
+            let taps = LevelTapsMut { fine, coarse: if plan.mipmapped { coarse.next() } else { None } };
+            let out = ReservedPair { pair, taps };
             match few[i] {
-                Some(few) => interpolate_pair(simd, shader, plan, few, weights, out),
-                None => {
-                    let many = entrants.many(&self.sixteens[i].slots);
-                    interpolate_pair(simd, shader, plan, many, weights, out);
-                }
+                Some(few) => interpolate_pair(simd, shader, few, weights, out),
+                None => interpolate_pair(simd, shader, entrants.many(&self.sixteens[i].slots), weights, out),
             }
         }
     }
@@ -205,7 +215,7 @@ impl Pending {
         let places = each!(axis in [0, 1] => i32x16::load_array_ref(simd, &places[axis]));
         let e = source.edge_values(simd, places);
         let mut e = each!(i in [0, 1, 2] => e[i].to_float::<f32x16<S>>());
-        for (_, lanes, edges) in self.large.iter().filter(|(of, ..)| *of == number) {
+        for (_, LargeTriangle { lanes, edges }) in self.large.iter().filter(|(of, _)| *of == number) {
             let (theirs, exact) = (mask32x16::from_bitmask(simd, (*lanes).into()), exact_at(simd, edges, places));
             e = each!(i in [0, 1, 2] => theirs.select(exact[i], e[i]));
         }

@@ -1,34 +1,28 @@
-//! Queue of samples that wait for their texels, and computation of their final colours: surface colour × texture ×
-//! light, encoded and written to the picture.
+//! Queue of samples that wait for their texels.
 
 use std::ops::Range;
 
-use super::TiledFrame;
 use super::gather::Taps;
-use super::kernel::ALL;
-use super::lattice::BLOCK;
-use super::mipmap::CoarseTaps;
-use super::shader::{DrawShader, LightSource, ShadingPlan, TEXELS_AROUND};
-use super::texture::{self, TextureReader};
-use crate::image::Rgba8;
-use crate::image::color::Tables;
+use super::layout::BLOCK;
+use super::mipmap::{CoarseTaps, LevelTapsMut};
+use super::patch::{ALL, Patch};
+use super::target::ColorRows;
 use crate::math::lanes::*;
-use crate::pipeline::settings::ColorSpace;
 
 /// Queue of pairs of sample rows that wait for their texels. The indices of all texels are computed before the first
 /// texel is read, so that cache misses overlap.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Queue {
-    pairs: [QueuedPair; QUEUED],
+    pub(super) pairs: [QueuedPair; QUEUED],
     /// Texture taps of each pair.
-    taps: [Taps; QUEUED],
+    pub(super) taps: [Taps; QUEUED],
     /// Texture taps of each pair in the coarser mip level. Allocated only in frames with mip-mapping.
-    coarse: Vec<CoarseTaps>,
+    pub(super) coarse: Vec<CoarseTaps>,
     /// Number of texels read from coarser mip levels since the caller last reset it.
     pub(super) coarse_texels: u64,
-    len: usize,
+    pub(super) len: usize,
     /// Index, in the frame's list of shaders, of the shader that all queued rows use.
-    shader: usize,
+    pub(super) shader: usize,
 }
 
 impl Queue {
@@ -36,10 +30,56 @@ impl Queue {
     pub(super) fn bytes(&self) -> usize {
         size_of::<Self>() + self.coarse.capacity() * size_of::<CoarseTaps>()
     }
+
+    /// Returns `true` if the queue must be flushed before `pairs` pairs of rows of a shader are added: it is full or
+    /// holds rows of another shader.
+    #[inline(always)]
+    pub(super) fn is_full(&self, shader: usize, pairs: usize) -> bool {
+        self.shader != shader || self.len + pairs > QUEUED
+    }
+
+    /// Reserves space for `pairs` pairs of rows.
+    #[inline(always)]
+    pub(super) fn reserve(&mut self, pairs: usize, mipmapped: bool) -> Reserved<'_> {
+        let from = self.len;
+        self.len += pairs;
+        let coarse: &mut [_] = if mipmapped {
+            self.coarse.resize_with(QUEUED, CoarseTaps::default);
+            &mut self.coarse[from..self.len]
+        } else {
+            &mut []
+        };
+        Reserved { pairs: &mut self.pairs[from..self.len], taps: &mut self.taps[from..self.len], coarse }
+    }
 }
 
 /// Capacity in pairs of rows: four blocks, so that texels have arrived in the cache when the first of them is read.
 const QUEUED: usize = 4 * BLOCK / 2;
+
+/// Pairs of rows in the queue, to be filled.
+pub(super) struct Reserved<'q> {
+    pub(super) pairs: &'q mut [QueuedPair],
+    /// Texture taps of each pair.
+    pub(super) taps: &'q mut [Taps],
+    /// Texture taps of each pair in the coarser mip level; empty without mip-mapping.
+    pub(super) coarse: &'q mut [CoarseTaps],
+}
+
+/// Pair of rows in the queue, to be filled.
+pub(super) struct ReservedPair<'q> {
+    pub(super) pair: &'q mut QueuedPair,
+    pub(super) taps: LevelTapsMut<'q>,
+}
+
+/// Pairs of rows in the queue whose texture taps are known.
+#[derive(Clone, Copy)]
+pub(super) struct FilledRows<'q> {
+    pub(super) pairs: &'q [QueuedPair],
+    /// Texture taps of each pair.
+    pub(super) taps: &'q [Taps],
+    /// Texture taps of each pair in the coarser mip level; empty without mip-mapping.
+    pub(super) coarse: &'q [CoarseTaps],
+}
 
 /// Interpolated attributes of eight samples in each of two rows.
 #[derive(Clone, Debug, Default)]
@@ -55,11 +95,11 @@ pub(super) struct QueuedPair {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct QueuedRow {
     /// Index of the first sample in the destination rows.
-    start: u32,
+    pub(super) start: u32,
     /// Number of samples that lie within the picture, 1 to 8.
     count: u16,
     /// Bit mask of the samples to write.
-    mine: u16,
+    pub(super) mine: u16,
 }
 
 impl QueuedRow {
@@ -84,400 +124,39 @@ impl QueuedRow {
 
     /// Returns the index range of the samples within the destination rows.
     #[inline(always)]
-    fn pixels(&self) -> Range<usize> {
+    pub(super) fn pixels(&self) -> Range<usize> {
         let start = self.start as usize;
         start..start + usize::from(self.count)
     }
 
     /// Returns the number of samples to write.
     #[inline(always)]
-    fn written(&self) -> u32 {
+    pub(super) fn written(&self) -> u32 {
         self.mine.count_ones()
     }
 }
 
-/// Reserves space in the queue for `pairs` pairs of rows of one shader. Flushes the queue first if it is full or holds
-/// rows of another shader. Returns the pairs, their texture taps, and their taps in the coarser mip level, which are
-/// empty without mip-mapping.
-#[inline(always)]
-pub(super) fn make_room<'q, S: Simd>(
-    simd: S,
-    frame: &TiledFrame<'_>,
-    shader: usize,
-    pairs: usize,
-    queue: &'q mut Queue,
-    pixels: &mut [Rgba8],
-) -> (&'q mut [QueuedPair], &'q mut [Taps], &'q mut [CoarseTaps]) {
-    if queue.shader != shader || queue.len + pairs > QUEUED {
-        flush(simd, frame, queue, pixels);
-        queue.shader = shader;
-    }
-    let from = queue.len;
-    queue.len += pairs;
-    let coarse: &mut [_] = if frame.shaders[shader].plan.mipmapped {
-        queue.coarse.resize_with(QUEUED, CoarseTaps::default);
-        &mut queue.coarse[from..queue.len]
-    } else {
-        &mut []
-    };
-    (&mut queue.pairs[from..queue.len], &mut queue.taps[from..queue.len], coarse)
+/// Destinations of the rows of a block, from top to bottom.
+pub(super) struct RowTargets {
+    next: QueuedRow,
+    /// Distance between adjacent rows, in pixels.
+    stride: usize,
+    /// Number of rows of the block.
+    pub(super) rows: usize,
 }
 
-/// Reads the texels of all rows in the queue, computes their final colours and writes them to `pixels`.
-#[inline(never)]
-pub(super) fn flush<S: Simd>(simd: S, frame: &TiledFrame<'_>, queue: &mut Queue, pixels: &mut [Rgba8]) {
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            let pairs = std::mem::take(&mut queue.len);
-            if pairs == 0 {
-                return;
-            }
-            let shader = &frame.shaders[queue.shader];
-            let Queue { pairs: all, taps, coarse, coarse_texels, .. } = queue;
-            let (pairs, taps) = (&all[..pairs], &taps[..pairs]);
-            // Uses loops: a closure passed to `for_each` might be compiled without the selected instruction set.
-            match shader.plan {
-                ShadingPlan::COMMON => {
-                    let Some(texture) = shader.texture else { return };
-                    if texture.gathers {
-                        finish_common(simd, shader, texture.that_gathers(true), (pairs, taps), pixels);
-                    } else {
-                        finish_common(simd, shader, texture.that_gathers(false), (pairs, taps), pixels);
-                    }
-                }
-                plan if plan.mipmapped => {
-                    let coarse = &coarse[..pairs.len()];
-                    *coarse_texels += finish_mipmapped(simd, shader, (pairs, taps, coarse), pixels);
-                }
-                plan if plan.blended => finish_blended(simd, shader, (pairs, taps), pixels),
-                plan => {
-                    let plan = ShadingPlan { mipmapped: false, blended: false, ..plan };
-                    for (pair, taps) in pairs.iter().zip(taps) {
-                        finish_pair(simd, (shader, shader.texture.as_ref()), plan, (pair, (taps, None)), pixels);
-                    }
-                }
-            }
-        },
-    );
-}
-
-/// Finishes pairs of rows of the most common plan with [`finish_pair`]. The shader and the texture are local copies.
-/// Stores to `pixels` cannot alias them, so they are loaded only once for all pairs. The caller decides before the loop
-/// whether `texture` uses hardware gathers.
-#[inline(always)]
-fn finish_common<S: Simd>(
-    simd: S,
-    shader: &DrawShader<'_>,
-    texture: TextureReader<'_>,
-    (pairs, taps): (&[QueuedPair], &[Taps]),
-    pixels: &mut [Rgba8],
-) {
-    let shader = &{ *shader };
-    for (pair, taps) in pairs.iter().zip(taps) {
-        finish_pair(simd, (shader, Some(&texture)), ShadingPlan::COMMON, (pair, (taps, None)), pixels);
-    }
-}
-
-/// Finishes pairs of rows of a blended draw with [`finish_pair`].
-#[inline(never)]
-fn finish_blended<S: Simd>(
-    simd: S,
-    shader: &DrawShader<'_>,
-    (pairs, taps): (&[QueuedPair], &[Taps]),
-    pixels: &mut [Rgba8],
-) {
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            let plan = ShadingPlan { mipmapped: false, blended: true, ..shader.plan };
-            for (pair, taps) in pairs.iter().zip(taps) {
-                finish_pair(simd, (shader, shader.texture.as_ref()), plan, (pair, (taps, None)), pixels);
-            }
-        },
-    );
-}
-
-/// Finishes pairs of rows of a mip-mapped draw with [`finish_pair`]. Returns the number of texels read from coarser mip
-/// levels.
-#[inline(never)]
-fn finish_mipmapped<S: Simd>(
-    simd: S,
-    shader: &DrawShader<'_>,
-    (pairs, taps, coarse): (&[QueuedPair], &[Taps], &[CoarseTaps]),
-    pixels: &mut [Rgba8],
-) -> u64 {
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            let plan = ShadingPlan { mipmapped: true, ..shader.plan };
-            let mut samples = 0;
-            // The anisotropic filter counts the texels of both levels with the samples.
-            let counts_coarse = shader.texture.is_some_and(|texture| !texture.is_anisotropic());
-            for ((pair, taps), coarse) in pairs.iter().zip(taps).zip(coarse) {
-                let [upper, lower] = &pair.rows;
-                samples += if counts_coarse && coarse.is_read { upper.written() + lower.written() } else { 0 };
-                finish_pair(simd, (shader, shader.texture.as_ref()), plan, (pair, (taps, Some(coarse))), pixels);
-            }
-            u64::from(samples) * TEXELS_AROUND
-        },
-    )
-}
-
-/// Computes surface colour × texture × light for a pair of rows, and writes the encoded pixels.
-#[inline(always)]
-fn finish_pair<S: Simd>(
-    simd: S,
-    (shader, texture): (&DrawShader<'_>, Option<&TextureReader<'_>>),
-    plan: ShadingPlan,
-    (pair, (taps, coarse)): (&QueuedPair, (&Taps, Option<&CoarseTaps>)),
-    pixels: &mut [Rgba8],
-) {
-    let mut codes = [0; WIDE];
-    if plan.blended {
-        let (upper, lower) = codes.split_at_mut(LANES);
-        read_row(&pair.rows[0], pixels, upper);
-        read_row(&pair.rows[1], pixels, lower);
-    }
-    match plan.space {
-        ColorSpace::Bytes => {
-            // Processes as many samples at a time as a register holds. If registers are narrow, the data of all sixteen
-            // samples does not fit into them.
-            for start in (0..WIDE).step_by(LANES.max(S::f32s::LEN)) {
-                let rows = start..start + LANES.max(S::f32s::LEN);
-                for first in rows.clone().step_by(S::f32s::LEN) {
-                    let codes = &mut codes[first..first + S::u32s::LEN];
-                    let mut color = surface_color::<S, S::f32s>(simd, shader, plan, pair, first);
-                    if let (Some(texture), Some(layout)) = (texture, plan.texture) {
-                        color = textured(plan, color, texture.filtered_bytes(simd, layout, (taps, coarse), first));
-                    }
-                    color = lit(simd, plan, color, pair, first);
-                    if plan.blended {
-                        let below = texture::codes::<S>(S::u32s::from_slice(simd, codes));
-                        let scale = shader.shader.sampler().scale;
-                        color = over(simd, color, each!(channel in [0, 1, 2] => below[channel] * scale));
-                    }
-                    pack(simd, color).store_slice(codes);
-                }
-                for first in rows.step_by(LANES) {
-                    let codes = u32x8::from_slice(simd, &codes[first..first + LANES]);
-                    write_row(simd, codes, &pair.rows[first / LANES], pixels);
-                }
-            }
-        }
-        ColorSpace::Linear => {
-            let mut color = surface_color::<S, f32x16<S>>(simd, shader, plan, pair, 0);
-            if let (Some(texture), Some(layout)) = (texture, plan.texture) {
-                color = textured(plan, color, texture.filtered_linear(simd, layout, (taps, coarse)));
-            }
-            color = lit(simd, plan, color, pair, 0);
-            if plan.blended {
-                let below = u32x16::load_array(simd, codes);
-                let decode = &Tables::get().linear_of_code;
-                color = over(
-                    simd,
-                    color,
-                    each!(shift in [0, 8, 16] => {
-                        Tables::lookup(simd, decode, (below >> shift) & 255)
-                    }),
-                );
-            }
-            encode(simd, color).store_array(&mut codes);
-            for (row, codes) in pair.rows.iter().zip(codes.chunks_exact(LANES)) {
-                write_row(simd, u32x8::from_slice(simd, codes), row, pixels);
-            }
-        }
-    }
-}
-
-/// Returns the surface colours and opacities of the samples starting at `first`. They are not yet multiplied by the
-/// texture.
-#[inline(always)]
-fn surface_color<S: Simd, F: SimdFloat<S, Element = f32>>(
-    simd: S,
-    shader: &DrawShader<'_>,
-    plan: ShadingPlan,
-    pair: &QueuedPair,
-    first: usize,
-) -> [F; 4] {
-    let alpha = F::splat(simd, shader.shader.opacity());
-    let [r, g, b] = if plan.colored {
-        each!(channel in [0, 1, 2] => F::from_slice(simd, &pair.color[channel][first..first + F::LEN]))
-    } else {
-        let diffuse = shader.shader.diffuse.to_array();
-        each!(channel in [0, 1, 2] => F::splat(simd, diffuse[channel]))
-    };
-    [r, g, b, alpha]
-}
-
-/// Multiplies surface colours by texels. Skips the multiplication of the colours if the surface is white.
-#[inline(always)]
-fn textured<S: Simd, F: SimdFloat<S>>(plan: ShadingPlan, [r, g, b, alpha]: [F; 4], texel: [F; 4]) -> [F; 4] {
-    let white = !plan.tinted && !plan.colored;
-    let [red, green, blue] =
-        if white { [texel[0], texel[1], texel[2]] } else { [r * texel[0], g * texel[1], b * texel[2]] };
-    [red, green, blue, alpha * texel[3]]
-}
-
-/// Multiplies colours by the light at the samples starting at `first`. Alpha is unchanged.
-#[inline(always)]
-fn lit<S: Simd, F: SimdFloat<S, Element = f32>>(
-    simd: S,
-    plan: ShadingPlan,
-    color: [F; 4],
-    pair: &QueuedPair,
-    first: usize,
-) -> [F; 4] {
-    if plan.light == LightSource::None {
-        return color;
-    }
-    let ([r, g, b, alpha], light) = (color, F::from_slice(simd, &pair.light[first..first + F::LEN]));
-    [r * light, g * light, b * light, alpha]
-}
-
-/// Blends colours over the colours in `below`, weighted by alpha.
-#[inline(always)]
-fn over<S: Simd, F: SimdFloat<S, Element = f32>>(simd: S, [r, g, b, alpha]: [F; 4], below: [F; 3]) -> [F; 4] {
-    let rest = F::splat(simd, 1.0) - alpha;
-    let [red, green, blue] =
-        each!((color, below) in [(r, below[0]), (g, below[1]), (b, below[2])] => color * alpha + below * rest);
-    [red, green, blue, alpha]
-}
-
-/// Reads the 8-bit RGBA colours of up to eight pixels that lie within the picture. Does nothing if none of these pixels
-/// will be written.
-fn read_row(row: &QueuedRow, pixels: &[Rgba8], codes: &mut [u32]) {
-    if row.mine == 0 {
-        return;
-    }
-    for (code, pixel) in codes.iter_mut().zip(&pixels[row.pixels()]) {
-        *code = u32::from_le_bytes(*pixel);
-    }
-}
-
-#[inline(always)]
-fn write_row<S: Simd>(simd: S, codes: u32x8<S>, row: &QueuedRow, pixels: &mut [Rgba8]) {
-    if u32::from(row.mine) == ALL {
-        let bytes = pixels[row.start as usize..][..LANES].as_flattened_mut();
-        codes.bitcast::<u8x32<S>>().store_slice(bytes);
-        return;
-    }
-    if row.mine == 0 {
-        return;
-    }
-    let out = &mut pixels[row.pixels()];
-    let Ok(out) = <&mut [Rgba8; LANES]>::try_from(&mut *out) else {
-        let codes = codes.to_array();
-        for (lane, pixel) in out.iter_mut().enumerate().filter(|(lane, _)| row.mine >> lane & 1 != 0) {
-            *pixel = codes[lane].to_le_bytes();
-        }
-        return;
-    };
-    let bytes = out.as_flattened_mut();
-    let there = u8x32::from_slice(simd, bytes).bitcast::<u32x8<S>>();
-    let codes = mask32x8::from_bitmask(simd, row.mine.into()).select(codes, there);
-    codes.bitcast::<u8x32<S>>().store_slice(bytes);
-}
-
-/// Quantises colours like [`crate::image::color::quantize`], and packs them into opaque pixels.
-#[inline(always)]
-fn pack<S: Simd>(simd: S, [r, g, b, _]: [S::f32s; 4]) -> S::u32s {
-    let scaled = each!(channel in [r, g, b] => channel * 255.0 + 0.5);
-    #[cfg(target_arch = "x86_64")]
-    if let Some(avx512) = simd.level().as_avx512() {
-        let scaled = each!(c in [0, 1, 2] => f32x16::from_slice(avx512, scaled[c].as_slice()).into());
-        let codes: u32x16<_> = x86::sixteen_opaque(avx512, scaled).simd_into(avx512);
-        return S::u32s::from_slice(simd, codes.as_slice());
-    }
-    #[cfg(target_arch = "x86_64")]
-    if S::f32s::LEN == LANES
-        && let Some(avx2) = simd.level().as_avx2()
-    {
-        let scaled = each!(c in [0, 1, 2] => f32x8::from_slice(avx2, scaled[c].as_slice()).into());
-        let codes: u32x8<_> = x86::opaque(avx2, scaled).simd_into(avx2);
-        return S::u32s::from_slice(simd, codes.as_slice());
-    }
-    let [r, g, b] = each!(c in [0, 1, 2] => {
-        scaled[c].max(0.0).min(S::f32s::splat(simd, 255.0)).to_int::<S::i32s>().bitcast::<S::u32s>()
-    });
-    r | g << 8 | b << 16 | 0xFF00_0000
-}
-
-#[cfg(target_arch = "x86_64")]
-mod x86 {
-    use std::arch::x86_64::*;
-
-    use fearless_simd::kernel;
-
-    use crate::math::lanes::each;
-
-    kernel! {
-        /// Truncates red, green and blue toward zero, clamps them to [0, 255] and packs them into eight opaque pixels.
-        #[inline]
-        pub(super) fn opaque(avx2: Avx2, channels: [__m256; 3]) -> __m256i {
-            let largest = _mm256_set1_ps(255.0);
-            // This operand order preserves NaN, which converts to the least integer and then saturates to 0.
-            let [r, g, b] = each!(c in [0, 1, 2] => _mm256_cvttps_epi32(_mm256_min_ps(largest, channels[c])));
-            let (red_green, blue_alpha) =
-                (_mm256_packs_epi32(r, g), _mm256_packs_epi32(b, _mm256_set1_epi32(255)));
-            let in_turn = _mm256_broadcastsi128_si256(_mm_setr_epi8(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15));
-            _mm256_shuffle_epi8(_mm256_packus_epi16(red_green, blue_alpha), in_turn)
-        }
+impl RowTargets {
+    #[inline(always)]
+    pub(super) fn new(block: &Patch, picture: &ColorRows<'_>) -> Self {
+        let next = QueuedRow::new(picture.start(block, block.first), block.count, block.mine);
+        Self { next, stride: picture.stride, rows: block.end - block.first }
     }
 
-    kernel! {
-        /// Truncates red, green and blue toward zero, clamps them to [0, 255] and packs them into sixteen opaque
-        /// pixels.
-        #[inline]
-        pub(super) fn sixteen_opaque(avx512: Avx512, channels: [__m512; 3]) -> __m512i {
-            let largest = _mm512_set1_ps(255.0);
-            let [r, g, b] = each!(c in [0, 1, 2] => _mm512_cvttps_epi32(_mm512_min_ps(largest, channels[c])));
-            let (red_green, blue_alpha) =
-                (_mm512_packs_epi32(r, g), _mm512_packs_epi32(b, _mm512_set1_epi32(255)));
-            let in_turn = _mm512_broadcast_i32x4(_mm_setr_epi8(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15));
-            _mm512_shuffle_epi8(_mm512_packus_epi16(red_green, blue_alpha), in_turn)
-        }
-    }
-}
-
-/// Encodes colours in linear light as sRGB, and packs them into opaque pixels.
-#[inline(always)]
-fn encode<S: Simd>(simd: S, color: [f32x16<S>; 4]) -> u32x16<S> {
-    let tables = Tables::get();
-    let [r, g, b] = each!(c in [0, 1, 2] => tables.encode_lanes(simd, color[c]));
-    r | g << 8 | b << 16 | 0xFF00_0000
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::image::color::quantize;
-
-    #[test]
-    fn packed_colors_equal_quantized_colors() {
-        let mut random = fastrand::Rng::with_seed(5);
-        let unusual = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30, -0.0, 1.0, -0.002, 1.002, 0.998];
-        let mut channel = || match random.usize(..3) {
-            0 => unusual[random.usize(..unusual.len())],
-            1 => (f32::from(random.u8(..)) + 0.5) / 255.0,
-            _ => random.f32() * 1.5 - 0.25,
-        };
-        for _ in 0..1000 {
-            let color: [[f32; WIDE]; 4] = std::array::from_fn(|_| std::array::from_fn(|_| channel()));
-            for lanes in Lanes::all() {
-                let codes = on_lanes!(lanes, simd => {
-                    #[inline(always)]
-                    fn packed<S: Simd>(simd: S, color: &[[f32; WIDE]; 4]) -> Vec<u32> {
-                        let first = each!(c in [0, 1, 2, 3] => S::f32s::from_slice(simd, &color[c][..S::f32s::LEN]));
-                        pack(simd, first).as_slice().to_vec()
-                    }
-                    packed(simd, &color)
-                });
-                for (lane, code) in codes.iter().enumerate() {
-                    let expected = [0, 1, 2].map(|c| quantize(color[c][lane]));
-                    assert_eq!(code.to_le_bytes(), [expected[0], expected[1], expected[2], 255], "by {}", lanes.name());
-                }
-            }
-        }
+    /// Returns the destinations of the next two rows, of which the lower one may be missing.
+    #[inline(always)]
+    pub(super) fn next_two(&mut self, has_lower: bool) -> [QueuedRow; 2] {
+        let upper = self.next;
+        self.next = upper.after(2 * self.stride);
+        [upper, if has_lower { upper.after(self.stride) } else { upper.none() }]
     }
 }

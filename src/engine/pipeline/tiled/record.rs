@@ -1,8 +1,10 @@
 //! Per-triangle data that the shading of a tile reads, laid out for SIMD loads.
 
 use super::bins::TriangleKey;
-use super::geometry::PackedSurface;
+use super::layout::TilePlace;
+use super::packed::PackedSurface;
 use super::setup::EdgeFunctions;
+use super::slot::Slot;
 use crate::math::fixed::SUBPIXELS;
 use crate::math::lanes::*;
 
@@ -42,17 +44,13 @@ impl Record {
         ([a0, b0, c0], [a1, b1, c1], area)
     }
 
-    /// Fills the records of eight triangles.
-    ///
-    /// `edges` are a, b and c of the first two edge functions. They and the doubled areas are the low 32 bits of the
-    /// exact integers. `corners` are 1/w, light, u and v of each vertex. `divides_by_w` selects the triangles with
-    /// perspective division.
+    /// Fills the records of eight triangles. `corners` are 1/w, light, u and v of each vertex. `divides_by_w` selects
+    /// the triangles with perspective division.
     #[inline(always)]
     pub(super) fn fill_eight<S: Simd>(
         simd: S,
         records: &mut [Self; LANES],
-        edges: [[i32x8<S>; 3]; 2],
-        doubled_area: i32x8<S>,
+        IntegerEdges { edges, doubled_area }: IntegerEdges<S>,
         corners: [[F32<S>; 4]; 3],
         divides_by_w: u64,
     ) {
@@ -80,6 +78,14 @@ impl Record {
             }
         }
     }
+}
+
+/// Edge functions of eight triangles in 32-bit integers. All numbers are the low 32 bits of the exact integers.
+#[derive(Clone, Copy)]
+pub(super) struct IntegerEdges<S: Simd> {
+    /// Terms a, b and c of each edge function.
+    pub(super) edges: [[i32x8<S>; 3]; 3],
+    pub(super) doubled_area: i32x8<S>,
 }
 
 /// Returns the relative 1/w of the three vertices of eight triangles, like
@@ -309,37 +315,11 @@ pub(super) struct BinEntry {
     pub(super) draw: u32,
 }
 
-/// Index of a [`BinEntry`] in a tile's bin, with a flag bit for edge values that may exceed 32 bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Slot(pub(super) u32);
-
-impl Slot {
-    /// Slot of samples that show the background.
-    pub(super) const NONE: Self = Self(u32::MAX);
-    /// Flag bit of triangles whose edge values may exceed 32 bits.
-    pub(super) const LARGE: u32 = 1 << 31;
-
-    #[inline(always)]
-    pub(super) fn new(place: usize, is_large: bool) -> Self {
-        Self(place as u32 | if is_large { Self::LARGE } else { 0 })
-    }
-
-    /// Returns the index of the entry in the tile's bin.
-    #[inline(always)]
-    pub(super) fn place(self) -> usize {
-        (self.0 & !Self::LARGE) as usize
-    }
-
-    /// Returns `true` if edge values of the triangle may exceed 32 bits.
-    #[inline(always)]
-    pub(super) fn is_large(self) -> bool {
-        self.0 & Self::LARGE != 0
-    }
-}
-
 /// Bin of a tile: its triangles in submission order, with the data that shading reads.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TileBin {
+    /// Tile to which the bin belongs.
+    pub(super) place: TilePlace,
     list: Vec<BinEntry>,
     /// Record of each triangle. There may be unused records at the end.
     records: Vec<Record>,
@@ -348,8 +328,9 @@ pub(super) struct TileBin {
 }
 
 impl TileBin {
-    /// Removes all triangles, but keeps the memory.
-    pub(super) fn clear(&mut self) {
+    /// Removes all triangles, keeps the memory, and assigns the bin to a tile.
+    pub(super) fn begin(&mut self, place: TilePlace) {
+        self.place = place;
         self.list.clear();
     }
 

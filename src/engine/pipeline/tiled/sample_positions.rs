@@ -4,9 +4,9 @@
 //! samples off the lattice therefore stay exact.
 
 use super::edge_number::EdgeNumber;
-use super::lattice::{TILE, TileLattice};
+use super::lattice::TileLattice;
+use super::layout::{ROWS, STRIDE, SamplePlace, TILE};
 use super::setup::EdgeFunctions;
-use super::tile::{ROWS, STRIDE};
 use crate::math::lanes::*;
 
 /// Sample positions in a tile, one for each point of a lattice.
@@ -18,13 +18,13 @@ pub(super) trait SamplePositions: Copy {
     fn lattice(&self) -> &TileLattice;
 
     /// Converts the edge values at eight lattice points of a row to the edge values at the corresponding samples.
-    /// `first` is the column and row of the first sample.
+    /// `first` is the place of the first sample.
     fn jittered<S: Simd, E: EdgeNumber>(
         self,
         simd: S,
         edges: &EdgeFunctions<E>,
         e: [E::Eight<S>; 3],
-        first: (usize, usize),
+        first: SamplePlace,
     ) -> [E::Eight<S>; 3];
 
     /// Converts edge values like [`SamplePositions::jittered`], for four samples of a row and the four below.
@@ -33,7 +33,7 @@ pub(super) trait SamplePositions: Copy {
         simd: S,
         edges: &EdgeFunctions<E>,
         e: [E::Eight<S>; 3],
-        first: (usize, usize),
+        first: SamplePlace,
     ) -> [E::Eight<S>; 3];
 
     /// Returns the positions of eight samples in each of two rows, starting at `column`. They are relative to the
@@ -55,7 +55,7 @@ impl SamplePositions for &TileLattice {
         _: S,
         _: &EdgeFunctions<E>,
         e: [E::Eight<S>; 3],
-        _: (usize, usize),
+        _: SamplePlace,
     ) -> [E::Eight<S>; 3] {
         e
     }
@@ -66,7 +66,7 @@ impl SamplePositions for &TileLattice {
         _: S,
         _: &EdgeFunctions<E>,
         e: [E::Eight<S>; 3],
-        _: (usize, usize),
+        _: SamplePlace,
     ) -> [E::Eight<S>; 3] {
         e
     }
@@ -109,15 +109,15 @@ impl Offsets {
     }
 
     #[inline(always)]
-    fn eight<S: Simd>(&self, simd: S, (column, row): (usize, usize)) -> [F32<S>; 2] {
-        each!(axis in [0, 1] => F32::from_slice(simd, &self.along[axis][row * STRIDE + column..][..LANES]))
+    fn eight<S: Simd>(&self, simd: S, first: SamplePlace) -> [F32<S>; 2] {
+        each!(axis in [0, 1] => F32::from_slice(simd, &self.along[axis][first.memory_index()..][..LANES]))
     }
 
     #[inline(always)]
-    fn four_by_two<S: Simd>(&self, simd: S, (column, row): (usize, usize)) -> [F32<S>; 2] {
+    fn four_by_two<S: Simd>(&self, simd: S, first: SamplePlace) -> [F32<S>; 2] {
         const HALF: usize = LANES / 2;
         each!(axis in [0, 1] => {
-            let offsets = &self.along[axis][row * STRIDE + column..][..STRIDE + HALF];
+            let offsets = &self.along[axis][first.memory_index()..][..STRIDE + HALF];
             f32x4::from_slice(simd, &offsets[..HALF]).combine(f32x4::from_slice(simd, &offsets[STRIDE..]))
         })
     }
@@ -145,7 +145,7 @@ impl SamplePositions for JitteredPositions<'_> {
         simd: S,
         edges: &EdgeFunctions<E>,
         e: [E::Eight<S>; 3],
-        first: (usize, usize),
+        first: SamplePlace,
     ) -> [E::Eight<S>; 3] {
         moved(simd, edges, e, self.offsets.eight(simd, first))
     }
@@ -156,7 +156,7 @@ impl SamplePositions for JitteredPositions<'_> {
         simd: S,
         edges: &EdgeFunctions<E>,
         e: [E::Eight<S>; 3],
-        first: (usize, usize),
+        first: SamplePlace,
     ) -> [E::Eight<S>; 3] {
         moved(simd, edges, e, self.offsets.four_by_two(simd, first))
     }
@@ -164,7 +164,7 @@ impl SamplePositions for JitteredPositions<'_> {
     #[inline(always)]
     fn positions<S: Simd>(self, simd: S, column: usize, rows: [usize; 2]) -> [i32x16<S>; 2] {
         let points = self.lattice.positions(simd, column, rows);
-        let [upper, lower] = each!(row in [rows[0], rows[1]] => self.offsets.eight(simd, (column, row)));
+        let [upper, lower] = each!(row in [rows[0], rows[1]] => self.offsets.eight(simd, SamplePlace { column, row }));
         each!(axis in [0, 1] => points[axis] + upper[axis].combine(lower[axis]).to_int::<i32x16<S>>())
     }
 }
@@ -219,18 +219,18 @@ impl<S: Simd, E: EdgeNumber> EdgeValueRows<S, E> {
     }
 }
 
-/// Returns the edge values at eight samples of a row, given the column and row of the first sample.
+/// Returns the edge values at eight samples of a row, given the place of the first one.
 #[inline(always)]
 pub(super) fn edge_values<S: Simd>(
     simd: S,
     edges: &EdgeFunctions,
-    (column, row): (usize, usize),
+    first: SamplePlace,
     locations: impl SamplePositions,
 ) -> [F64<S>; 3] {
     let lattice = locations.lattice();
     let steps = &lattice.doubles;
-    let x = F64::load_array_ref(simd, &steps.lanes) + (steps.column(column) + steps.shift(row));
-    let y = steps.row(row);
+    let x = F64::load_array_ref(simd, &steps.lanes) + (steps.column(first.column) + steps.shift(first.row));
+    let y = steps.row(first.row);
     let e = each!(i in [0, 1, 2] => x * edges.a[i] + (edges.c[i] + edges.b[i] * y));
-    locations.jittered(simd, edges, e, (column, row))
+    locations.jittered(simd, edges, e, first)
 }

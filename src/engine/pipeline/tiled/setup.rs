@@ -1,9 +1,10 @@
 //! Setup of a triangle in one tile: edge functions and depth terms relative to the tile's first sample.
 
 use super::edge_number::EdgeNumber;
-use super::geometry::PackedVertex;
-use super::lattice::{TILE, TileLattice};
-use super::record::Slot;
+use super::lattice::{TileLattice, TileOrigin};
+use super::layout::TILE;
+use super::packed::PackedVertex;
+use super::slot::Slot;
 use crate::math::fixed::SUBPIXELS;
 use crate::math::lanes::*;
 use crate::pipeline::depth::DepthScale;
@@ -45,8 +46,15 @@ impl From<&ScreenVertex> for SnappedVertex {
     }
 }
 
-/// Position of a tile's first sample in steps of 1/256 px, and that sample's column and row in the packed picture.
-pub(super) type Origin = ([f64; 2], [f32; 2]);
+/// Data that the setup of all triangles in a tile shares.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SetupContext<'a> {
+    pub(super) rule: FillRule,
+    pub(super) scale: &'a DepthScale,
+    pub(super) lattice: &'a TileLattice,
+    /// Place of the tile's first sample on the lattice.
+    pub(super) origin: TileOrigin,
+}
 
 /// Edge functions of a triangle, each belonging to the opposite vertex: e(x, y) = a·x + b·y + c.
 ///
@@ -143,17 +151,12 @@ impl<E: EdgeNumber> Setup<E> {
 }
 
 impl Setup {
-    /// Sets up a triangle in the tile at `origin`, whose first sample is column `first[0]` and row `first[1]` of the
-    /// packed picture. Returns `None` if its bounding box contains no sample of the tile, or if it has no area.
+    /// Sets up a triangle in a tile. Returns `None` if its bounding box contains no sample of the tile, or if it has no
+    /// area.
     #[inline(always)]
-    pub(super) fn new(
-        slot: Slot,
-        corners: &[SnappedVertex; 3],
-        rule: FillRule,
-        scale: &DepthScale,
-        lattice: &TileLattice,
-        (origin, first): Origin,
-    ) -> Option<Self> {
+    pub(super) fn new(slot: Slot, corners: &[SnappedVertex; 3], context: &SetupContext<'_>) -> Option<Self> {
+        let SetupContext { rule, scale, lattice, origin } = *context;
+        let first = origin.packed;
         let [columns, rows] = each!(axis in [0, 1] => {
             let [a, b, c] = each!(i in [0, 1, 2] => corners[i].position[axis] as f32);
             let [from, to] = lattice.range(axis, a.min(b).min(c), a.max(b).max(c));
@@ -162,7 +165,7 @@ impl Setup {
         if columns[0] > columns[1] || rows[0] > rows[1] {
             return None;
         }
-        let (edges, doubled_area) = EdgeFunctions::new(corners, origin)?;
+        let (edges, doubled_area) = EdgeFunctions::new(corners, origin.position)?;
         let inside = edges.inside(rule);
         let depths = each!(i in [0, 1, 2] => corners[i].depth);
         let (least, rises) = scale.terms(depths, doubled_area);

@@ -5,17 +5,18 @@
 
 use std::ops::AddAssign;
 
-use super::TiledFrame;
-use super::kernel::{ALL, Patch, shade_uniform};
-use super::lattice::{BLOCK, BLOCKS};
-use super::pending::{Pending, RowPair, SampleTargets};
-use super::queue::{Queue, flush};
-use super::record::{BinEntry, ShadedTriangle, Slot, TileBin};
+use super::canvas::Canvas;
+use super::kernel::shade_uniform;
+use super::layout::{BLOCK, Block, TileSize};
+use super::pass::TilePass;
+use super::patch::{ALL, Patch};
+use super::pending::{LargeTriangle, MixedSamples, Pending, RowPair, SampleTargets};
+use super::record::{BinEntry, ShadedTriangle};
 use super::sample_positions::SamplePositions;
 use super::setup::EdgeFunctions;
 use super::shade_jittered::shade_jittered;
 use super::shader::DrawShader;
-use super::target::ColorRows;
+use super::slot::Slot;
 use super::tile::Tile;
 use crate::image::Rgba8;
 use crate::math::lanes::*;
@@ -42,52 +43,6 @@ impl AddAssign for ShadingWork {
     }
 }
 
-/// A tile of the picture to be shaded, with the buffers that shading needs.
-pub(super) struct ShadingTarget<'a, L> {
-    pub(super) tile: &'a Tile,
-    pub(super) locations: L,
-    pub(super) bin: &'a TileBin,
-    pub(super) pending: &'a mut Pending,
-    pub(super) queue: &'a mut Queue,
-    /// Column and row of the tile in the picture, in tiles.
-    pub(super) place: (usize, usize),
-    pub(super) picture: ColorRows<'a>,
-}
-
-/// Shades all visible samples of a tile. Returns the number of samples shaded and texels read.
-#[inline(always)]
-pub(super) fn shade_tile<S: Simd>(
-    simd: S,
-    frame: &TiledFrame<'_>,
-    canvas: ShadingTarget<'_, impl SamplePositions>,
-) -> ShadingWork {
-    let ShadingTarget { tile, locations, bin: entrants, pending, queue, place, picture } = canvas;
-    let (columns, height) = picture.size;
-    let mut job = ShadingJob::new(frame, locations, (entrants, pending, queue), place, picture);
-    let blocks = columns.div_ceil(BLOCK);
-    for by in 0..height.div_ceil(BLOCK) {
-        let (first, end) = (by * BLOCK, ((by + 1) * BLOCK).min(height));
-        let mut bx = 0;
-        while bx < blocks {
-            let owner = tile.owner(by * BLOCKS + bx);
-            let mut next = bx + 1;
-            // Adjacent blocks of one triangle are shaded together, because they share most of the work.
-            while owner.is_some() && next < blocks && tile.owner(by * BLOCKS + next) == owner {
-                next += 1;
-            }
-            let column = bx * BLOCK;
-            let count = (columns - column).min((next - bx) * BLOCK);
-            let patch = Patch { tile: place, column, count, first, end, mine: ALL };
-            match owner {
-                Some(slot) => job.one_triangle(simd, slot, &patch),
-                None => job.rows(simd, tile, &patch),
-            }
-            bx = next;
-        }
-    }
-    job.finish(simd)
-}
-
 /// Returns the slot that sixteen samples share; `None` if their slots differ.
 #[inline(always)]
 fn uniform_slot<S: Simd>(slots: u32x16<S>) -> Option<Slot> {
@@ -97,54 +52,65 @@ fn uniform_slot<S: Simd>(slots: u32x16<S>) -> Option<Slot> {
 
 /// State of the shading of one tile.
 pub(super) struct ShadingJob<'a, L> {
-    pub(super) frame: &'a TiledFrame<'a>,
-    locations: L,
-    pub(super) bin: &'a TileBin,
+    pub(super) pass: TilePass<'a, L>,
     pending: &'a mut Pending,
-    queue: &'a mut Queue,
-    /// Column and row of the tile in the picture, in tiles.
-    pub(super) tile: (usize, usize),
+    pub(super) canvas: Canvas<'a>,
     /// Whether samples of all triangles can be shaded together.
     pub(super) alike: bool,
     /// Cache of edge functions in f64, for triangles whose edge values exceed 32 bits or that no SIMD kernel can shade.
     exact: Vec<(Slot, EdgeFunctions)>,
-    /// Edge functions of the triangles whose edge values exceed 32 bits. Each comes with the bit mask of its samples
-    /// among those that are shaded together.
-    pub(super) large: Vec<(u32, EdgeFunctions)>,
-    pub(super) picture: ColorRows<'a>,
+    /// Triangles whose edge values exceed 32 bits, among those of the samples that are shaded together.
+    pub(super) large: Vec<LargeTriangle>,
     pub(super) shaded: ShadingWork,
 }
 
 impl<'a, L: SamplePositions> ShadingJob<'a, L> {
-    pub(super) fn new(
-        frame: &'a TiledFrame<'a>,
-        locations: L,
-        (bin, pending, queue): (&'a TileBin, &'a mut Pending, &'a mut Queue),
-        tile: (usize, usize),
-        picture: ColorRows<'a>,
-    ) -> Self {
+    pub(super) fn new(pass: TilePass<'a, L>, pending: &'a mut Pending, canvas: Canvas<'a>) -> Self {
         Self {
-            frame,
-            locations,
-            bin,
+            pass,
             pending,
-            queue,
-            tile,
-            alike: frame.are_all_alike(),
+            canvas,
+            alike: pass.frame.are_all_alike(),
             exact: Vec::new(),
             large: Vec::new(),
-            picture,
             shaded: ShadingWork::default(),
         }
+    }
+
+    /// Shades all visible samples of a tile. Returns the number of samples shaded and texels read.
+    #[inline(always)]
+    pub(super) fn shade_tile<S: Simd>(mut self, simd: S, tile: &Tile) -> ShadingWork {
+        let TileSize { columns, rows } = self.canvas.picture.size;
+        let blocks = columns.div_ceil(BLOCK);
+        for by in 0..rows.div_ceil(BLOCK) {
+            let (first, end) = (by * BLOCK, ((by + 1) * BLOCK).min(rows));
+            let mut bx = 0;
+            while bx < blocks {
+                let owner = tile.owner(Block { column: bx, row: by });
+                let mut next = bx + 1;
+                // Adjacent blocks of one triangle are shaded together, because they share most of the work.
+                while owner.is_some() && next < blocks && tile.owner(Block { column: next, row: by }) == owner {
+                    next += 1;
+                }
+                let column = bx * BLOCK;
+                let count = (columns - column).min((next - bx) * BLOCK);
+                let patch = Patch { column, count, first, end, mine: ALL };
+                match owner {
+                    Some(slot) => self.one_triangle(simd, slot, &patch),
+                    None => self.rows(simd, tile, &patch),
+                }
+                bx = next;
+            }
+        }
+        self.finish(simd)
     }
 
     /// Shades the pending samples and flushes the queue. Returns the number of samples shaded and texels read in the
     /// tile.
     #[inline(always)]
     pub(super) fn finish<S: Simd>(mut self, simd: S) -> ShadingWork {
-        self.pending.shade(simd, self.frame, self.bin, self.queue, &mut self.picture);
-        flush(simd, self.frame, self.queue, self.picture.values);
-        self.shaded.texels += std::mem::take(&mut self.queue.coarse_texels);
+        self.pending.shade(simd, self.pass.bin, &mut self.canvas);
+        self.shaded.texels += self.canvas.finish(simd);
         self.shaded
     }
 
@@ -173,20 +139,20 @@ impl<'a, L: SamplePositions> ShadingJob<'a, L> {
         if slot == Slot::NONE {
             return;
         }
-        let BinEntry { key, draw } = self.bin.get(slot);
-        let (draw, one) = (draw as usize, self.bin.one(slot));
-        let shader = self.frame.shader(draw);
+        let TilePass { frame, bin, locations, .. } = self.pass;
+        let subject @ ShadedTriangle { key, draw, .. } = bin.subject(slot);
+        let shader = frame.shader(draw);
         self.shaded.add(shader, patch.count * (patch.end - patch.first));
-        if let Some(color) = shader.shader.flat_color(self.frame.id_of(key), self.frame.draws[draw].instance) {
+        if let Some(color) = shader.shader.flat_color(frame.id_of(key), frame.draws[draw].instance) {
             self.fill(patch, color);
             return;
         }
         let edges = (!shader.on_lanes || slot.is_large()).then(|| self.exact_edges(slot)).flatten();
-        let subject = ShadedTriangle { one, key, draw, edges: edges.as_ref() };
+        let subject = ShadedTriangle { edges: edges.as_ref(), ..subject };
         if L::ON_LATTICE {
-            shade_uniform(simd, self.frame, &subject, patch, self.queue, &mut self.picture);
+            shade_uniform(simd, &subject, patch, &mut self.canvas);
         } else {
-            shade_jittered(simd, self.frame, &subject, (patch, self.locations), self.queue, &mut self.picture);
+            shade_jittered(simd, &subject, patch, locations, &mut self.canvas);
         }
     }
 
@@ -196,9 +162,10 @@ impl<'a, L: SamplePositions> ShadingJob<'a, L> {
         if let Some((_, edges)) = self.exact.iter().rev().find(|(known, _)| *known == slot) {
             return Some(*edges);
         }
-        let BinEntry { key, draw } = self.bin.get(slot);
-        let (edges, _) =
-            EdgeFunctions::new(&self.frame.corners(key, draw as usize), self.frame.lattice.origin(self.tile))?;
+        let TilePass { frame, bin, .. } = self.pass;
+        let BinEntry { key, draw } = bin.get(slot);
+        let origin = frame.lattice.origin(bin.place);
+        let (edges, _) = EdgeFunctions::new(&frame.corners(key, draw as usize), origin.position)?;
         self.exact.push((slot, edges));
         Some(edges)
     }
@@ -206,7 +173,7 @@ impl<'a, L: SamplePositions> ShadingJob<'a, L> {
     /// Fills the samples that a patch selects with one colour.
     fn fill(&mut self, patch: &Patch, color: Rgba8) {
         for row in patch.first..patch.end {
-            let row = self.picture.row(patch, row);
+            let row = self.canvas.picture.row(patch, row);
             if patch.mine == ALL {
                 row.fill(color);
                 continue;
@@ -223,23 +190,24 @@ impl<'a, L: SamplePositions> ShadingJob<'a, L> {
     fn mixed_rows<S: Simd>(&mut self, simd: S, slots: u32x16<S>, patch: &Patch) {
         let within = ALL >> (LANES - patch.count);
         let within = if patch.end > patch.first + 1 { within | within << LANES } else { within };
-        let pair = RowPair { patch, locations: self.locations };
+        let TilePass { frame, bin, locations, .. } = self.pass;
+        let targets = RowPair { patch, locations };
         let seen = slots.simd_ne(Slot::NONE.0);
-        let slots = seen.select(slots, u32x16::splat(simd, 0)).to_array();
+        let slots = &seen.select(slots, u32x16::splat(simd, 0)).to_array();
         let mut open = seen.to_bitmask() as u32 & within;
         if self.alike {
-            self.together(simd, 0, open, &slots, pair);
+            self.together(simd, 0, MixedSamples { slots, mine: open, targets });
             return;
         }
         while open != 0 {
             let leader = Slot(slots[open.trailing_zeros() as usize]);
-            let draw = self.bin.get(leader).draw as usize;
-            let (shader, number) = (self.frame.shader(draw), self.frame.shader_of_draw[draw]);
+            let draw = bin.get(leader).draw as usize;
+            let (shader, number) = (frame.shader(draw), frame.shader_of_draw[draw]);
             let mine =
-                if shader.on_lanes { self.shaded_by(number, open, &slots) } else { open & same(simd, &slots, leader) };
+                if shader.on_lanes { self.shaded_by(number, open, slots) } else { open & same(simd, slots, leader) };
             open &= !mine;
             if shader.on_lanes {
-                self.together(simd, number, mine, &slots, pair);
+                self.together(simd, number, MixedSamples { slots, mine, targets });
                 continue;
             }
             for (half, mine) in halves_of(mine).into_iter().enumerate().filter(|(_, mine)| *mine != 0) {
@@ -251,22 +219,16 @@ impl<'a, L: SamplePositions> ShadingJob<'a, L> {
         }
     }
 
-    /// Adds the samples selected by `mine`, among sixteen, to the pending samples of a shader.
+    /// Adds samples to the pending samples of the shader with index `shader`.
     #[inline(always)]
-    pub(super) fn together<S: Simd>(
-        &mut self,
-        simd: S,
-        shader: usize,
-        mine: u32,
-        slots: &[u32; WIDE],
-        spots: impl SampleTargets,
-    ) {
-        self.shaded.add(&self.frame.shaders[shader], mine.count_ones() as usize);
+    pub(super) fn together<S: Simd>(&mut self, simd: S, shader: usize, samples: MixedSamples<'_, impl SampleTargets>) {
+        let MixedSamples { slots, mine, .. } = samples;
+        self.shaded.add(&self.pass.frame.shaders[shader], mine.count_ones() as usize);
         self.find_large(simd, mine, slots);
         if self.pending.is_full(shader) {
-            self.pending.shade(simd, self.frame, self.bin, self.queue, &mut self.picture);
+            self.pending.shade(simd, self.pass.bin, &mut self.canvas);
         }
-        self.pending.push(simd, shader, (slots, &self.large), (spots, mine), &self.picture);
+        self.pending.push(simd, shader, samples, &self.large, &self.canvas.picture);
     }
 
     /// Returns the bit mask of the samples in `open` that use the shader with index `shader`.
@@ -275,8 +237,8 @@ impl<'a, L: SamplePositions> ShadingJob<'a, L> {
         while open != 0 {
             let lane = open.trailing_zeros() as usize;
             open &= open - 1;
-            let draw = self.bin.get(Slot(slots[lane])).draw as usize;
-            mine |= u32::from(self.frame.shader_of_draw[draw] == shader) << lane;
+            let draw = self.pass.bin.get(Slot(slots[lane])).draw as usize;
+            mine |= u32::from(self.pass.frame.shader_of_draw[draw] == shader) << lane;
         }
         mine
     }
@@ -291,7 +253,7 @@ impl<'a, L: SamplePositions> ShadingJob<'a, L> {
             let lanes = mine & same(simd, slots, slot);
             mine &= !lanes;
             if let Some(edges) = self.exact_edges(slot) {
-                self.large.push((lanes, edges));
+                self.large.push(LargeTriangle { lanes, edges });
             }
         }
     }

@@ -3,39 +3,38 @@
 //! The edge values of adjacent samples differ by varying steps, so they are computed from the positions of the samples.
 //! Everything else is the same as for samples on a lattice.
 
-use super::TiledFrame;
-use super::kernel::{EdgeRows, Patch, exact_at, one_by_one, shade_rows};
-use super::queue::Queue;
+use super::canvas::Canvas;
+use super::edge_rows::{EdgeRows, exact_at};
+use super::kernel::shade_rows;
+use super::patch::Patch;
 use super::record::{ShadedTriangle, TriangleSource as _};
 use super::sample_positions::SamplePositions;
 use super::setup::EdgeFunctions;
-use super::target::ColorRows;
 use crate::math::lanes::*;
 
 /// Shades rows of jittered samples that belong to one triangle.
 #[inline(never)]
 pub(super) fn shade_jittered<S: Simd>(
     simd: S,
-    frame: &TiledFrame<'_>,
     subject: &ShadedTriangle<'_>,
-    (patch, locations): (&Patch, impl SamplePositions),
-    queue: &mut Queue,
-    picture: &mut ColorRows<'_>,
+    patch: &Patch,
+    locations: impl SamplePositions,
+    canvas: &mut Canvas<'_>,
 ) {
     simd.vectorize(
         #[inline(always)]
         || {
-            let shader = frame.shader(subject.draw);
-            let Some(edges) = subject.edges.filter(|_| !shader.on_lanes) else {
+            let frame = canvas.frame;
+            let Some(edges) = subject.edges.filter(|_| !frame.shader(subject.draw).on_lanes) else {
                 let mut edges = PlacedRows { subject, locations, first: (patch.column, patch.first) };
-                return shade_rows(simd, frame, subject, patch, (queue, picture), &mut edges);
+                return shade_rows(simd, subject, patch, canvas, &mut edges);
             };
-            let whole = frame.screen_triangle(subject.key, subject.draw);
+            let whole = frame.classic(subject.key, subject.draw, canvas.place);
             for block in patch.blocks() {
                 for row in block.first..block.end {
                     let places = locations.positions(simd, block.column, [row; 2]);
                     let e = edges_of_row(edges, each!(axis in [0, 1] => places[axis].to_array()));
-                    one_by_one(frame, shader, &whole, &block, row, &e, picture.row(&block, row));
+                    whole.shade_row(&block, row, &e, canvas.picture.row(&block, row));
                 }
             }
         },

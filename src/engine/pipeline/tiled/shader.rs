@@ -83,6 +83,30 @@ pub(super) struct DrawShader<'a> {
     pub(super) texels_per_sample: u64,
 }
 
+/// Shader of a draw, and the plan that its code is compiled for.
+///
+/// Both are references, so that the struct is passed as two of them. The compiler then knows that no store changes what
+/// they refer to, and loads it once per loop. A reference to a constant plan is still a compile-time constant.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PlannedShader<'a> {
+    pub(super) shader: &'a DrawShader<'a>,
+    /// Plan of the shader, or an equal constant.
+    pub(super) plan: &'a ShadingPlan,
+}
+
+impl<'a> PlannedShader<'a> {
+    #[inline(always)]
+    pub(super) fn new(shader: &'a DrawShader<'a>) -> Self {
+        Self { shader, plan: &shader.plan }
+    }
+
+    /// Returns a shader with the most common plan as a constant.
+    #[inline(always)]
+    pub(super) fn common(shader: &'a DrawShader<'a>) -> Self {
+        Self { shader, plan: &ShadingPlan::COMMON }
+    }
+}
+
 impl<'a> DrawShader<'a> {
     /// Creates the shading state of a draw. `texture` is the texture of its material.
     pub(super) fn new(shader: Shader<'a>, texture: Option<&'a Texture>, divides_by_w: bool) -> Self {

@@ -1,6 +1,5 @@
 //! Blended fragments of a tile, sorted by sample and depth before they are blended.
 
-use super::lattice::TILE;
 use super::tested::{TestedRows, TestedSample};
 use crate::pipeline::blending::nearness;
 use crate::pipeline::raster::RasterSample;
@@ -20,12 +19,16 @@ pub(super) struct SortedFragment {
 }
 
 /// List of the blended fragments of a tile.
-#[derive(Clone, Debug, Default)]
-pub(super) struct SortedFragments {
+pub(super) struct SortedFragments<'a> {
+    settings: &'a Settings,
     fragments: Vec<SortedFragment>,
 }
 
-impl SortedFragments {
+impl<'a> SortedFragments<'a> {
+    pub(super) fn new(settings: &'a Settings) -> Self {
+        Self { settings, fragments: Vec::new() }
+    }
+
     /// Returns the number of fragments.
     pub(super) fn len(&self) -> usize {
         self.fragments.len()
@@ -37,18 +40,19 @@ impl SortedFragments {
     /// themselves. `number` is the index of the triangle, and `first` the index of the tile's first sample.
     pub(super) fn add(
         &mut self,
-        settings: &Settings,
-        (triangle, number): (&ScreenTriangle, usize),
-        (first, tested): (usize, &TestedRows),
+        number: usize,
+        triangle: &ScreenTriangle,
+        first: usize,
+        tested: &TestedRows,
         shading: &TestedRows,
     ) {
         let own = TestedRows { passed: shading.passed, ..*tested };
-        for (TestedSample { place: (column, row), edges, .. }, shaded) in own.samples().zip(shading.samples()) {
+        for (TestedSample { place, edges, .. }, shaded) in own.samples().zip(shading.samples()) {
             // Column, row and position can all be zero, because depth depends only on the edge values.
             let sample = RasterSample { column: 0, row: 0, x: 0, y: 0, edges };
             self.fragments.push(SortedFragment {
-                at: first + row * TILE + column,
-                nearness: nearness(settings, triangle, &sample),
+                at: first + place.index(),
+                nearness: nearness(self.settings, triangle, &sample),
                 triangle: number,
                 edges: shaded.edges,
             });

@@ -4,8 +4,8 @@
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::kernel::Patch;
-use super::lattice::{TILE, TILE_SAMPLES};
+use super::layout::{SamplePlace, TILE, TILE_SAMPLES, TilePlace, TileSize};
+use super::patch::Patch;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 
@@ -16,8 +16,7 @@ pub(super) struct TileRows<'a, T> {
     pub(super) stride: usize,
     /// Index of the tile's first value in the first row.
     pub(super) left: usize,
-    /// Number of the tile's columns and rows that lie within the picture.
-    pub(super) size: (usize, usize),
+    pub(super) size: TileSize,
 }
 
 /// Rows of colours that contain the rows of a tile.
@@ -43,18 +42,22 @@ impl<T> TileRows<'_, T> {
         &mut self.values[start..start + patch.count]
     }
 
+    /// Returns the value of a sample.
+    #[inline(always)]
+    pub(super) fn at(&mut self, place: SamplePlace) -> &mut T {
+        &mut self.values[place.row * self.stride + self.left + place.column]
+    }
+
     /// Returns an iterator over the rows of the tile.
     pub(super) fn rows(&mut self) -> impl Iterator<Item = &mut [T]> {
-        let (left, (columns, rows)) = (self.left, self.size);
+        let (left, TileSize { columns, rows }) = (self.left, self.size);
         self.values.chunks_mut(self.stride).take(rows).map(move |row| &mut row[left..left + columns])
     }
 }
 
 /// Destination of one tile of the picture.
 pub(super) struct Target<'a> {
-    /// Column and row of the tile in the picture, in tiles.
-    pub(super) place: (usize, usize),
-    pub(super) number: usize,
+    pub(super) place: TilePlace,
     /// Destination of the colours, already filled with the background.
     pub(super) picture: ColorRows<'a>,
     /// Destination of the depths; `None` if they are not kept.
@@ -103,9 +106,9 @@ impl PictureRows<'_> {
         fill(simd, self.colors, background);
     }
 
-    /// Clears a range of columns of tiles to the background and the clear depth.
+    /// Clears a range of columns of tiles to a background and a depth.
     #[inline(always)]
-    pub(super) fn clear<S: Simd>(&mut self, simd: S, columns: &Range<usize>, (background, depth): (Rgba8, f32)) {
+    pub(super) fn clear<S: Simd>(&mut self, simd: S, columns: &Range<usize>, background: Rgba8, depth: f32) {
         let part = columns.start * TILE..self.width.min(columns.end * TILE);
         if part.len() == self.width {
             fill(simd, self.colors, background);
@@ -119,22 +122,22 @@ impl PictureRows<'_> {
         }
     }
 
-    /// Returns one of the tiles as a destination. `place` is its column and row, and `number` its index in the picture.
-    pub(super) fn target(&mut self, place: (usize, usize), number: usize) -> Target<'_> {
-        let (stride, left, size) = (self.width, place.0 * TILE, self.size(place.0));
+    /// Returns one of the tiles as a destination.
+    pub(super) fn target(&mut self, place: TilePlace) -> Target<'_> {
+        let (stride, left, size) = (self.width, place.column * TILE, self.size(place.column));
         let depths = self.depths.as_deref_mut().map(|values| TileRows { values, stride, left, size });
-        Target { place, number, picture: TileRows { values: self.colors, stride, left, size }, depths }
+        Target { place, picture: TileRows { values: self.colors, stride, left, size }, depths }
     }
 
-    /// Returns the number of columns and rows of a tile, given by its column, that lie within the picture.
-    fn size(&self, column: usize) -> (usize, usize) {
-        ((self.width - column * TILE).min(TILE), self.colors.len() / self.width)
+    /// Returns the size of a tile, given by its column.
+    fn size(&self, column: usize) -> TileSize {
+        TileSize { columns: (self.width - column * TILE).min(TILE), rows: self.colors.len() / self.width }
     }
 
     /// Copies a tile from private memory into the picture.
     #[inline(always)]
     fn put<S: Simd>(&mut self, simd: S, column: usize, memory: &TileMemory) {
-        let ((columns, _), left) = (self.size(column), column * TILE);
+        let (TileSize { columns, .. }, left) = (self.size(column), column * TILE);
         for (row, from) in self.colors.chunks_exact_mut(self.width).zip(memory.colors.as_chunks::<TILE>().0) {
             let row = &mut row[left..left + columns];
             if columns < TILE {
@@ -169,7 +172,7 @@ impl TileMemory {
     pub(super) fn draw(
         &mut self,
         lanes: Lanes,
-        (place, number): ((usize, usize), usize),
+        place: TilePlace,
         rows: &Mutex<PictureRows<'_>>,
         background: Rgba8,
         draw: impl FnOnce(Target<'_>),
@@ -177,12 +180,12 @@ impl TileMemory {
         on_lanes!(lanes, simd => fill(simd, &mut self.colors, background));
         let (size, keeps_depths) = {
             let rows = lock(rows);
-            (rows.size(place.0), rows.depths.is_some())
+            (rows.size(place.column), rows.depths.is_some())
         };
         let (stride, left) = (TILE, 0);
         let depths = keeps_depths.then_some(TileRows { values: &mut self.depths, stride, left, size });
-        draw(Target { place, number, picture: TileRows { values: &mut self.colors, stride, left, size }, depths });
-        on_lanes!(lanes, simd => lock(rows).put(simd, place.0, self));
+        draw(Target { place, picture: TileRows { values: &mut self.colors, stride, left, size }, depths });
+        on_lanes!(lanes, simd => lock(rows).put(simd, place.column, self));
     }
 }
 
@@ -202,20 +205,21 @@ fn fill<S: Simd>(simd: S, pixels: &mut [Rgba8], color: Rgba8) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::layout::TileGrid;
     use super::super::runs::{TileRun, split_into_runs};
     use super::*;
 
     /// Pretends to draw a tile: writes its number to every pixel and increments their third channel. Counts the tile in
     /// `drawn`.
     fn draw(target: Target<'_>, drawn: &mut [usize]) {
-        let [low, high, ..] = target.number.to_le_bytes();
-        drawn[target.number] += 1;
-        let Target { mut picture, mut depths, .. } = target;
+        let [low, high, ..] = target.place.number.to_le_bytes();
+        drawn[target.place.number] += 1;
+        let Target { place: TilePlace { number, .. }, mut picture, mut depths } = target;
         for pixel in picture.rows().flatten() {
             *pixel = [low, high, pixel[2] + 1, 255];
         }
         for depth in depths.iter_mut().flat_map(TileRows::rows).flatten() {
-            *depth = target.number as f32;
+            *depth = number as f32;
         }
     }
 
@@ -226,15 +230,15 @@ mod tests {
             for threads in [1, 2, 3, 16, 100] {
                 let mut colors = Image::from_fn(width, height, |_, _| [9; 4]);
                 let mut depths = Image::from_fn(width, height, |_, _| -1.0);
-                let tiles = ((width as usize).div_ceil(TILE), (height as usize).div_ceil(TILE));
+                let tiles = TileGrid::covering((width, height));
                 let rows = picture_rows(&mut colors, Some(&mut depths));
-                let (mut memory, mut drawn) = (TileMemory::new(), vec![0; tiles.0 * tiles.1]);
+                let (mut memory, mut drawn) = (TileMemory::new(), vec![0; tiles.count()]);
                 for TileRun { row, columns, .. } in split_into_runs(&[], tiles, threads) {
                     let rows = &rows[row];
-                    let places = columns.clone().map(|column| ((column, row), row * tiles.0 + column));
-                    if columns.len() == tiles.0 {
+                    let places = columns.clone().map(|column| tiles.place(column, row));
+                    if columns.len() == tiles.columns {
                         on_lanes!(Lanes::best(), simd => lock(rows).fill(simd, background));
-                        places.for_each(|(place, number)| draw(lock(rows).target(place, number), &mut drawn));
+                        places.for_each(|place| draw(lock(rows).target(place), &mut drawn));
                     } else {
                         places.for_each(|tile| {
                             memory.draw(Lanes::best(), tile, rows, background, |target| draw(target, &mut drawn));
@@ -242,7 +246,7 @@ mod tests {
                     }
                 }
                 drop(rows);
-                let number = |x: u32, y: u32| y as usize / TILE * tiles.0 + x as usize / TILE;
+                let number = |x: u32, y: u32| y as usize / TILE * tiles.columns + x as usize / TILE;
                 let color = |x: u32, y: u32| {
                     let [low, high, ..] = number(x, y).to_le_bytes();
                     [low, high, 7, 255]
@@ -259,13 +263,13 @@ mod tests {
     fn clearing_columns_of_tiles_leaves_others_unchanged() {
         let (mut colors, mut depths) = (Image::from_fn(200, 3, |_, _| [1; 4]), Image::from_fn(200, 3, |_, _| 1.0));
         let rows = picture_rows(&mut colors, Some(&mut depths));
-        on_lanes!(Lanes::best(), simd => lock(&rows[0]).clear(simd, &(1..2), ([2; 4], 2.0)));
+        on_lanes!(Lanes::best(), simd => lock(&rows[0]).clear(simd, &(1..2), [2; 4], 2.0));
         drop(rows);
         let value = |x: u32| if (64..128).contains(&x) { 2 } else { 1 };
         assert!(colors == Image::from_fn(200, 3, |x, _| [value(x); 4]));
         assert!(depths == Image::from_fn(200, 3, |x, _| f32::from(value(x))));
         let rows = picture_rows(&mut colors, Some(&mut depths));
-        on_lanes!(Lanes::best(), simd => lock(&rows[0]).clear(simd, &(0..4), ([3; 4], 3.0)));
+        on_lanes!(Lanes::best(), simd => lock(&rows[0]).clear(simd, &(0..4), [3; 4], 3.0));
         drop(rows);
         assert!(colors == Image::from_fn(200, 3, |_, _| [3; 4]));
         assert!(depths == Image::from_fn(200, 3, |_, _| 3.0));

@@ -1,15 +1,19 @@
 //! Samples of a triangle that passed the depth test but are not yet stored, eight in each of two adjacent rows.
 
 use super::TiledFrame;
+use super::canvas::Canvas;
 use super::edge_number::EdgeNumber as _;
 use super::gather::Taps;
-use super::kernel::{ALL, AttributeWeights, Patch, corner_weights, interpolate_pair, locate_texels};
-use super::mipmap::CoarseTaps;
+use super::kernel::{interpolate_pair, locate_texels};
+use super::layout::{SamplePlace, TileSize};
+use super::mipmap::{CoarseTaps, LevelTaps, LevelTapsMut};
+use super::patch::{ALL, Patch};
 use super::pending::{RowPair, SampleTargets as _};
-use super::queue::{Queue, make_room};
+use super::queue::{Reserved, ReservedPair};
 use super::record::{ShadedTriangle, TriangleSource as _};
 use super::setup::{EdgeFunctions, Setup};
-use super::target::ColorRows;
+use super::shader::PlannedShader;
+use super::weights::{AttributeWeights, corner_weights};
 use crate::math::lanes::*;
 
 /// Returns the indices of the set bits among the lowest [`WIDE`], in ascending order.
@@ -20,8 +24,8 @@ pub(super) fn set_bits(bits: u64) -> impl Iterator<Item = usize> {
 /// Results of the depth test for eight samples in each of two adjacent rows.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TestedRows {
-    /// Column of the first sample in both rows, and index of the upper row, within the tile.
-    pub(super) place: (usize, usize),
+    /// Place of the first sample in the upper row.
+    pub(super) place: SamplePlace,
     /// Edge values, indexed by row, edge and lane.
     pub(super) edges: [[[f64; LANES]; 3]; 2],
     /// Bit mask of the samples that passed. The bits of the lower row begin at bit [`LANES`].
@@ -33,29 +37,27 @@ pub(super) struct TestedRows {
 pub(super) struct TestedSample {
     /// Bit of the sample in [`TestedRows::passed`].
     pub(super) bit: u64,
-    /// Column and row of the sample within the tile.
-    pub(super) place: (usize, usize),
+    pub(super) place: SamplePlace,
     pub(super) edges: [f64; 3],
 }
 
 impl TestedRows {
     /// Returns an iterator over the samples that passed.
     pub(super) fn samples(&self) -> impl Iterator<Item = TestedSample> {
-        let (column, row) = self.place;
+        let SamplePlace { column, row } = self.place;
         set_bits(self.passed).map(move |i| {
             let (lane, below) = (i % LANES, i / LANES);
             TestedSample {
                 bit: 1 << i,
-                place: (column + lane, row + below),
+                place: SamplePlace { column: column + lane, row: row + below },
                 edges: self.edges[below].map(|values| values[lane]),
             }
         })
     }
 
-    /// Returns the bit mask of the samples that passed and lie within the first `columns` columns and `rows` rows of
-    /// the tile.
-    pub(super) fn within(&self, (columns, rows): (usize, usize)) -> u64 {
-        let (column, first) = self.place;
+    /// Returns the bit mask of the samples that passed and lie within the picture.
+    pub(super) fn within(&self, TileSize { columns, rows }: TileSize) -> u64 {
+        let SamplePlace { column, row: first } = self.place;
         let of_row = (1 << columns.saturating_sub(column).min(LANES)) - 1;
         let inside =
             (0..2).filter(|below| first + below < rows).fold(0, |bits, below| bits | of_row << (below * LANES));
@@ -117,27 +119,29 @@ impl TestedRows {
 #[inline(never)]
 pub(super) fn shade_tested<S: Simd>(
     simd: S,
-    frame: &TiledFrame<'_>,
     subject: &ShadedTriangle<'_>,
-    (tile, tested): ((usize, usize), &TestedRows),
-    queue: &mut Queue,
-    picture: &mut ColorRows<'_>,
+    tested: &TestedRows,
+    canvas: &mut Canvas<'_>,
 ) -> usize {
     simd.vectorize(
         #[inline(always)]
         || {
-            let (size, (column, first)) = (picture.size, tested.place);
+            let (size, SamplePlace { column, row: first }) = (canvas.picture.size, tested.place);
             let mine = tested.within(size) as u32;
             if mine == 0 {
                 return 0;
             }
-            let count = (size.0 - column).min(LANES);
-            let patch = Patch { tile, column, count, first, end: first + 2, mine };
-            let shader = frame.shader_of_draw[subject.draw];
-            let ([pair], [taps], coarse) = make_room(simd, frame, shader, 1, queue, picture.values) else { return 0 };
-            pair.rows = RowPair { patch: &patch, locations: &frame.lattice }.rows(mine, picture);
-            let (shader, weights) = (&frame.shaders[shader], tested.weights(simd, subject));
-            interpolate_pair(simd, shader, shader.plan, subject.one, weights, (pair, (taps, coarse.first_mut())));
+            let count = (size.columns - column).min(LANES);
+            let patch = Patch { column, count, first, end: first + 2, mine };
+            let frame = canvas.frame;
+            let rows = RowPair { patch: &patch, locations: &frame.lattice }.rows(mine, &canvas.picture);
+            let number = frame.shader_of_draw[subject.draw];
+            let Reserved { pairs: [pair], taps: [fine], coarse } = canvas.reserve(simd, number, 1) else { return 0 };
+            pair.rows = rows;
+            let (shader, weights) = (&frame.shaders[number], tested.weights(simd, subject));
+            let planned = PlannedShader::new(shader);
+            let taps = LevelTapsMut { fine, coarse: coarse.first_mut() };
+            interpolate_pair(simd, planned, subject.one, weights, ReservedPair { pair, taps });
             mine.count_ones() as usize
         },
     )
@@ -162,8 +166,11 @@ pub(super) fn keep_tested<S: Simd>(
             };
             let (mut taps, mut coarse) = (Taps::default(), shader.plan.mipmapped.then(CoarseTaps::default));
             let weights = tested.weights(simd, subject);
-            locate_texels(simd, shader, shader.plan, subject.one, weights, (&mut taps, coarse.as_mut()));
-            let alpha = texture.filtered_alpha(simd, layout, (&taps, coarse.as_ref())) * shader.shader.opacity();
+            let planned = PlannedShader::new(shader);
+            let out = LevelTapsMut { fine: &mut taps, coarse: coarse.as_mut() };
+            locate_texels(simd, planned, subject.one, weights, out);
+            let taps = LevelTaps { fine: &taps, coarse: coarse.as_ref() };
+            let alpha = texture.filtered_alpha(simd, layout, taps) * shader.shader.opacity();
             let failed = alpha.simd_lt(cutoff).to_bitmask();
             tested.passed & !failed
         },

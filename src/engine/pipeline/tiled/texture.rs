@@ -1,11 +1,11 @@
 //! SIMD texture reads for sixteen samples. Results equal those of [`crate::pipeline::sample::Sampler`] bit for bit.
 
 use super::axis::{TexelAxis, apply_address_mode, below_repeated, nearest, neighbours};
-use super::gather::{Taps, gather, quads};
+use super::gather::Taps;
 use crate::math::lanes::*;
 use crate::math::prefetch::prefetch;
 use crate::pipeline::footprint::MipFilter;
-use crate::pipeline::sample::{ALPHA_SCALE, Sampler};
+use crate::pipeline::sample::Sampler;
 use crate::pipeline::settings::{AddressMode, ColorSpace, Settings, TexelFilter};
 use crate::scene::{LevelLocation, Texture};
 
@@ -27,10 +27,10 @@ pub(super) enum Layout {
 pub(super) struct TextureReader<'a> {
     pub(super) layout: Layout,
     /// 8-bit RGBA texels, of all levels if the texture is mip-mapped. Empty if filtering is done in linear light.
-    texels: TexelRows<'a, u32>,
+    pub(super) texels: TexelRows<'a, u32>,
     /// Texels in linear light, of all levels if the texture is mip-mapped. Empty unless filtering is done in linear
     /// light.
-    linear: TexelRows<'a, [f32; 4]>,
+    pub(super) linear: TexelRows<'a, [f32; 4]>,
     /// Location of each mip level in the texel array; empty without mip-mapping.
     pub(super) levels: &'a [LevelLocation],
     /// Distance between adjacent rows, in texels.
@@ -49,10 +49,10 @@ pub(super) struct TextureReader<'a> {
 
 /// Rows of texels, padded with one extra texel at the end of each row and one extra row after the last.
 #[derive(Clone, Copy, Debug)]
-struct TexelRows<'a, T> {
-    all: &'a [T],
+pub(super) struct TexelRows<'a, T> {
+    pub(super) all: &'a [T],
     /// Texels from the second row on, so that a texel's lower neighbour has the same index in this slice.
-    below: &'a [T],
+    pub(super) below: &'a [T],
 }
 
 impl<'a, T> TexelRows<'a, T> {
@@ -67,6 +67,31 @@ pub(super) struct Images<S: Simd> {
     pub(super) first: i32x8<S>,
     /// Width and height of each image.
     pub(super) axes: [TexelAxis<S>; 2],
+}
+
+/// Texture taps of eight samples, one per lane.
+pub(super) struct TapsOfEight<S: Simd> {
+    /// Indices of the upper left, upper right, lower left and lower right texel.
+    index: [i32x8<S>; 4],
+    /// Bilinear weights of the right texels, in [0, 1].
+    right: F32<S>,
+    /// Bilinear weights of the lower texels, in [0, 1].
+    down: F32<S>,
+}
+
+impl<S: Simd> TapsOfEight<S> {
+    /// Stores the taps as those of eight of sixteen samples, starting at sample `first`.
+    #[inline(always)]
+    pub(super) fn store(self, layout: Layout, taps: &mut Taps, first: usize) {
+        let Self { index, right, down } = self;
+        let eight = first..first + LANES;
+        right.store_slice(&mut taps.right[eight.clone()]);
+        down.store_slice(&mut taps.down[eight.clone()]);
+        let read = if layout == Layout::Four { index.len() } else { 1 };
+        for (tap, place) in index.into_iter().enumerate().take(read) {
+            place.bitcast::<u32x8<S>>().store_slice(&mut taps.index[tap][eight.clone()]);
+        }
+    }
 }
 
 impl<'a> TextureReader<'a> {
@@ -153,7 +178,7 @@ impl<'a> TextureReader<'a> {
                 first: i32x8::splat(simd, 0),
                 axes: [TexelAxis::splat(simd, self.size.0), TexelAxis::splat(simd, self.size.1)],
             };
-            self.locate_eight(simd, layout, &images, uv, taps, first);
+            self.locate_eight(simd, &images, uv).store(layout, taps, first);
         }
     }
 
@@ -199,28 +224,17 @@ impl<'a> TextureReader<'a> {
         (y * self.stride + x).bitcast::<u32x8<S>>().store_slice(&mut taps.index[0][first..first + LANES]);
     }
 
-    /// Locates the four texels of eight of the sixteen samples, starting at sample `first`.
+    /// Locates the four texels that each of eight samples reads in its image.
     #[inline(always)]
-    pub(super) fn locate_eight<S: Simd>(
-        &self,
-        simd: S,
-        layout: Layout,
-        images: &Images<S>,
-        [u, v]: [F32<S>; 2],
-        taps: &mut Taps,
-        first: usize,
-    ) {
+    pub(super) fn locate_eight<S: Simd>(&self, simd: S, images: &Images<S>, [u, v]: [F32<S>; 2]) -> TapsOfEight<S> {
         let Sampler { address, .. } = self.sampler;
-        let eight = first..first + LANES;
         let x = neighbours(simd, apply_address_mode(simd, u, address), images.axes[0], address);
         let y = neighbours(simd, apply_address_mode(simd, v, address), images.axes[1], address);
-        x.weight.store_slice(&mut taps.right[eight.clone()]);
-        y.weight.store_slice(&mut taps.down[eight.clone()]);
         let [upper, lower] = each!(y in [y.first, y.second] => y * self.stride + images.first);
-        let all = [upper + x.first, upper + x.second, lower + x.first, lower + x.second];
-        let read = if layout == Layout::Four { all.len() } else { 1 };
-        for (tap, place) in all.into_iter().enumerate().take(read) {
-            place.bitcast::<u32x8<S>>().store_slice(&mut taps.index[tap][eight.clone()]);
+        TapsOfEight {
+            index: [upper + x.first, upper + x.second, lower + x.first, lower + x.second],
+            right: x.weight,
+            down: y.weight,
         }
     }
 
@@ -238,144 +252,6 @@ impl<'a> TextureReader<'a> {
             }
         }
     }
-
-    /// Reads and filters 8-bit texels, for as many samples as a register holds, starting at sample `first`. Returns
-    /// red, green, blue and alpha in [0, 1].
-    #[inline(always)]
-    pub(super) fn read_bytes<S: Simd>(&self, simd: S, layout: Layout, taps: &Taps, first: usize) -> [S::f32s; 4] {
-        let places = |tap: usize| &taps.index[tap][first..first + S::u32s::LEN];
-        let scales = self.scales();
-        let texels = match layout {
-            Layout::Single => {
-                let codes = codes::<S>(gather(simd, self.gathers, self.texels.all, places(0)));
-                return each!(channel in [0, 1, 2, 3] => codes[channel] * scales[channel]);
-            }
-            Layout::Four => each!(tap in [0, 1, 2, 3] => gather(simd, self.gathers, self.texels.all, places(tap))),
-            Layout::Quads | Layout::PowerOfTwoQuads => {
-                quads(simd, self.gathers, [self.texels.all, self.texels.below], places(0))
-            }
-        };
-        let weights = weights(
-            simd,
-            S::f32s::from_slice(simd, &taps.right[first..first + S::f32s::LEN]),
-            S::f32s::from_slice(simd, &taps.down[first..first + S::f32s::LEN]),
-        );
-        let codes = each!(tap in [0, 1, 2, 3] => codes::<S>(texels[tap]));
-        each!(channel in [0, 1, 2, 3] => {
-            let sum = codes[0][channel] * weights[0]
-                + codes[1][channel] * weights[1]
-                + codes[2][channel] * weights[2]
-                + codes[3][channel] * weights[3];
-            sum * scales[channel]
-        })
-    }
-
-    /// Reads and filters texels in linear light, for sixteen samples. Returns red, green, blue and alpha in [0, 1].
-    #[inline(always)]
-    pub(super) fn read_linear<S: Simd>(&self, simd: S, layout: Layout, taps: &Taps) -> [f32x16<S>; 4] {
-        let scales = self.scales();
-        if layout == Layout::Single {
-            let [low, high] = each!(first in [0, LANES] => {
-                let texels = each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
-                    f32x4::load_array_ref(simd, &self.linear.all[taps.index[0][first + lane] as usize])
-                });
-                transpose_quads(texels)
-            });
-            return each!(channel in [0, 1, 2, 3] => low[channel].combine(high[channel]) * scales[channel]);
-        }
-        let weights =
-            weights(simd, f32x16::load_array_ref(simd, &taps.right), f32x16::load_array_ref(simd, &taps.down));
-        let halves = each!(tap in [0, 1, 2, 3] => weights[tap].split());
-        let low = each!(tap in [0, 1, 2, 3] => halves[tap].0);
-        let high = each!(tap in [0, 1, 2, 3] => halves[tap].1);
-        let [low, high] = each!((weights, first) in [(low, 0), (high, LANES)] => {
-            self.mix_linear(simd, layout, weights, &taps.index, first)
-        });
-        each!(channel in [0, 1, 2, 3] => low[channel].combine(high[channel]) * scales[channel])
-    }
-
-    /// Returns the factors that scale the filtered channels to [0, 1].
-    #[inline(always)]
-    fn scales(&self) -> [f32; 4] {
-        let Sampler { scale, .. } = self.sampler;
-        [scale, scale, scale, ALPHA_SCALE]
-    }
-
-    /// Filters four texels in linear light for each of eight samples, starting at sample `first`. Processes two samples
-    /// at a time with all their channels, because loading each channel separately, with twelve loads per sample, takes
-    /// longer.
-    #[inline(always)]
-    fn mix_linear<S: Simd>(
-        &self,
-        simd: S,
-        layout: Layout,
-        weights: [F32<S>; 4],
-        index: &[[u32; WIDE]; 4],
-        first: usize,
-    ) -> [F32<S>; 4] {
-        let weights = each!(tap in [0, 1, 2, 3] => repeat_each(simd, weights[tap]));
-        let two = match layout {
-            Layout::Single | Layout::Four => each!(lane in [0, 1, 2, 3] => {
-                let [a, b, c, d] = each!(tap in [0, 1, 2, 3] => {
-                    let [low, high] = each!(of in [lane, lane + LANES / 2] => {
-                        f32x4::load_array_ref(simd, &self.linear.all[index[tap][first + of] as usize])
-                    });
-                    low.combine(high) * weights[tap][lane]
-                });
-                a + b + c + d
-            }),
-            Layout::Quads | Layout::PowerOfTwoQuads => {
-                let places = u32x8::from_slice(simd, &index[0][first..first + LANES]);
-                let pairs = each!(row in [self.linear.all, self.linear.below] => neighbours_at(simd, row, places));
-                each!(lane in [0, 1, 2, 3] => {
-                    let [a, b, c, d] = each!((tap, row, column) in [(0, 0, 0), (1, 0, 1), (2, 1, 0), (3, 1, 1)] => {
-                        let [low, high] = each!(of in [lane, lane + LANES / 2] => {
-                            f32x4::load_array_ref(simd, &pairs[row][of][column])
-                        });
-                        low.combine(high) * weights[tap][lane]
-                    });
-                    a + b + c + d
-                })
-            }
-        };
-        transpose_halves(two)
-    }
-}
-
-/// Returns the bilinear weights of the upper left, upper right, lower left and lower right texel.
-#[inline(always)]
-fn weights<S: Simd, F: SimdFloat<S, Element = f32>>(simd: S, right: F, down: F) -> [F; 4] {
-    let one = F::splat(simd, 1.0);
-    let (left, up) = (one - right, one - down);
-    [left * up, right * up, left * down, right * down]
-}
-
-/// Unpacks 8-bit texels into red, green, blue and alpha, as floats from 0 to 255.
-#[inline(always)]
-pub(super) fn codes<S: Simd>(texels: S::u32s) -> [S::f32s; 4] {
-    each!(shift in [0, 8, 16, 24] => ((texels >> shift) & 255).bitcast::<S::i32s>().to_float::<S::f32s>())
-}
-
-/// Returns the texels at eight indices, each with its right neighbour.
-///
-/// # Panics
-///
-/// Panics if a texel or its right neighbour is out of bounds.
-#[inline(always)]
-#[expect(
-    unsafe_code,
-    reason = "one bounds check for eight reads: a fully textured picture is drawn an eighth faster than with one each"
-)]
-fn neighbours_at<S: Simd, T: Copy>(_: S, texels: &[T], index: u32x8<S>) -> [[T; 2]; LANES] {
-    // Lengths are below 2³², because texture sizes are limited.
-    let last = texels.len().saturating_sub(1) as u32;
-    assert!(index.simd_lt(last).to_bitmask() == 0xFF, "all texels are within the texture");
-    let index = index.to_array();
-    each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
-        // SAFETY: `index[lane]` is less than the index of the last texel, as asserted above. This texel and the next
-        // one therefore lie within the slice, and an array has the alignment of its items.
-        unsafe { texels.as_ptr().add(index[lane] as usize).cast::<[T; 2]>().read() }
-    })
 }
 
 #[cfg(test)]

@@ -12,8 +12,8 @@ use crate::pipeline::interpolate::{AttributeSelection, affine_weights, attribute
 use crate::pipeline::raster::{self, AnyTriangle, Span};
 use crate::pipeline::settings::{Arithmetic, Choice as _, DepthFormat, FillRule, Interpolation, Rasterizer};
 use crate::pipeline::vertex::{ClipVertex, Varyings};
-use crate::pipeline::viewport::{ScreenTriangle, ScreenVertex, Viewport};
-use crate::scene::{self, DepthCurve, TriangleId};
+use crate::pipeline::viewport::{ScreenTriangle, ScreenVertex, TriangleOwner, Viewport};
+use crate::scene::{self, DepthCurve};
 
 /// Fill rule for pixel centres on edges, where a case does not specify one.
 const RULE: FillRule = FillRule::TopLeft;
@@ -113,7 +113,7 @@ impl Interpolator {
         let edges = AnyTriangle::new(by.arithmetic, vertices.map(|v| v.position_px), RULE)?;
         let in_space = by.interpolation == Interpolation::Perspective;
         let scale = DepthScale::default();
-        let triangle = ScreenTriangle::new((TriangleId(0), 0), vertices, edges.doubled_area(), &scale, in_space);
+        let triangle = ScreenTriangle::new(TriangleOwner::FIRST, vertices, edges.doubled_area(), &scale, in_space);
         Some(Self { triangle, edges, interpolation: by.interpolation })
     }
 

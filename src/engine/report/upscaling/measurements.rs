@@ -21,6 +21,7 @@ use crate::measure::region::PixelRegion;
 use crate::measure::rounds::RoundTimer;
 use crate::measure::shard::{Shard, ShardRun};
 use crate::measure::timing::{Summary, summarize};
+use crate::pipeline::DrawnView;
 
 /// Maximum width and height of a crop, in pixels.
 const CROP: (u32, u32) = (160, 110);
@@ -253,12 +254,11 @@ impl SceneWork<'_> {
     /// incomplete because of a cancellation.
     fn shares(&self, cancelled: &dyn Fn() -> bool) -> Option<Option<Vec<PixelShareTimes>>> {
         let Self { plan, subject: NamedView { scene, camera, .. }, .. } = self;
-        let first = &self.recipe(0);
-        if !skipping::applies(scene, first, camera, plan.viewport) {
+        let view = DrawnView { scene, camera, settings: &self.recipe(0).pipeline, viewport: plan.viewport };
+        if !skipping::applies(&view) {
             return Some(None);
         }
-        let rounds = plan.rounds.min(SHARE_ROUNDS);
-        let shares = skipping::measure(scene, camera, first, plan.viewport, rounds, cancelled);
+        let shares = skipping::measure(&view, plan.rounds.min(SHARE_ROUNDS), cancelled);
         shares.map(Some).or(cancelled().then_some(None))
     }
 

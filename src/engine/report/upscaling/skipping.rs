@@ -10,7 +10,6 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use crate::chain::Recipe;
 use crate::measure::timing::{Summary, summarize};
 use crate::pipeline::depth::{DepthComparison, depth_at};
 use crate::pipeline::framebuffer::Framebuffer;
@@ -18,10 +17,9 @@ use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::interpolate::interpolate;
 use crate::pipeline::raster::{Fixed, RasterTriangle};
 use crate::pipeline::settings::{Arithmetic, Rasterizer, Settings};
-use crate::pipeline::shade::Shader;
 use crate::pipeline::viewport::Viewport;
-use crate::pipeline::{Extent, Geometry, LastStage, draw, prepare};
-use crate::scene::{Camera, Scene, Transparency};
+use crate::pipeline::{DrawCall, DrawnView, Extent, LastStage, prepare};
+use crate::scene::Transparency;
 
 /// Sample grids to measure: every pixel, ½, ¼, 1/9 and 1/16 of the pixels.
 const GRIDS: [SampleGrid; 5] = [
@@ -61,28 +59,28 @@ impl Split {
 }
 
 /// Whether the naive loop can draw this view. It supports only opaque surfaces.
-pub(crate) fn applies(scene: &Scene, recipe: &Recipe, camera: &Camera, viewport: Viewport) -> bool {
-    let geometry = prepare(scene, camera, &settings(recipe), viewport, &mut ());
+pub(crate) fn applies(view: &DrawnView<'_>) -> bool {
+    let geometry = prepare(view.scene, view.camera, &settings(view.settings), view.viewport, &mut ());
     geometry.plans.iter().all(|plan| plan.transparency() == Transparency::Opaque)
 }
 
-/// Returns the settings of the recipe with the only rasterizer and arithmetic that the naive loop supports.
-fn settings(recipe: &Recipe) -> Settings {
-    Settings { rasterizer: Rasterizer::BoundingBox, arithmetic: Arithmetic::Fixed, ..recipe.pipeline }
+/// Returns the settings with the only rasterizer and arithmetic that the naive loop supports.
+fn settings(settings: &Settings) -> Settings {
+    Settings { rasterizer: Rasterizer::BoundingBox, arithmetic: Arithmetic::Fixed, ..*settings }
 }
 
 /// Times both ways to draw fewer pixels, with every sample grid, in interleaved rounds after one warm-up round. Returns
 /// `None` if cancelled.
 pub(crate) fn measure(
-    scene: &Scene,
-    camera: &Camera,
-    recipe: &Recipe,
-    viewport: Viewport,
+    view: &DrawnView<'_>,
     rounds: usize,
     cancelled: &dyn Fn() -> bool,
 ) -> Option<Vec<PixelShareTimes>> {
-    let settings = settings(recipe);
+    let DrawnView { scene, camera, viewport, .. } = *view;
+    let settings = settings(view.settings);
     let geometry = prepare(scene, camera, &settings, viewport, &mut ());
+    let extent = Extent::all(&geometry, viewport);
+    let whole = DrawCall::new(scene, &geometry, &settings, &extent);
     let runs = GRIDS.len() * 4;
     let mut times = vec![Vec::with_capacity(rounds); runs];
     for round in 0..=rounds {
@@ -93,10 +91,11 @@ pub(crate) fn measure(
             let grid = GRIDS[place / 4];
             let until = if place.is_multiple_of(2) { LastStage::Depth } else { LastStage::Shade };
             let start = Instant::now();
+            let call = DrawCall { until, ..whole };
             black_box(if place % 4 < 2 {
-                draw_skipping(scene, &geometry, &settings, viewport, grid, until)
+                draw_skipping(call, viewport, grid)
             } else {
-                draw_visiting(scene, &geometry, &settings, viewport, grid, until)
+                draw_visiting(call, viewport, grid)
             });
             if round > 0 {
                 times.push(start.elapsed().as_secs_f64() * 1e3);
@@ -113,36 +112,18 @@ pub(crate) fn measure(
     Some(shares.collect())
 }
 
-fn draw_visiting(
-    scene: &Scene,
-    geometry: &Geometry,
-    settings: &Settings,
-    viewport: Viewport,
-    grid: SampleGrid,
-    until: LastStage,
-) -> Framebuffer {
-    let mut frame = Framebuffer::new(grid, viewport.width, viewport.height, scene.background, settings);
-    draw(scene, geometry, settings, &Extent::all(geometry, viewport), until, &mut frame, &mut ());
+fn draw_visiting(call: DrawCall<'_>, Viewport { width, height }: Viewport, grid: SampleGrid) -> Framebuffer {
+    let mut frame = Framebuffer::new(grid, width, height, call.scene.background, call.settings);
+    call.draw(&mut frame, &mut ());
     frame
 }
 
 /// Draws with the naive loop, which visits every pixel in the bounding box of every triangle and skips unwanted ones.
-fn draw_skipping(
-    scene: &Scene,
-    geometry: &Geometry,
-    settings: &Settings,
-    Viewport { width, height }: Viewport,
-    grid: SampleGrid,
-    until: LastStage,
-) -> Framebuffer {
+fn draw_skipping(call: DrawCall<'_>, Viewport { width, height }: Viewport, grid: SampleGrid) -> Framebuffer {
+    let DrawCall { scene, geometry, settings, until, .. } = call;
     let mut frame = Framebuffer::new(SampleGrid::FULL, width, height, scene.background, settings);
     let comparison = DepthComparison::of(settings);
-    let shaders: Vec<Shader<'_>> = scene
-        .instances
-        .iter()
-        .zip(&geometry.plans)
-        .map(|(instance, plan)| Shader::new(settings, &scene.library, instance, plan))
-        .collect();
+    let shaders = call.shaders();
     for triangle in &geometry.triangles {
         let corners_px = triangle.corners_px();
         let Some(edges) = RasterTriangle::<Fixed>::new(corners_px, settings.fill_rule) else { continue };
@@ -194,14 +175,14 @@ mod tests {
     #[test]
     fn both_ways_draw_the_same_samples() {
         let scene = builtin::by_id("chess").unwrap().build();
-        let mut recipe = Recipe::default();
-        recipe.pipeline.arithmetic = Arithmetic::F32;
-        let settings = settings(&recipe);
+        let settings = settings(&Settings { arithmetic: Arithmetic::F32, ..Settings::default() });
         let viewport = Viewport { width: 96, height: 64 };
         let geometry = prepare(&scene, &scene.home, &settings, viewport, &mut ());
+        let extent = Extent::all(&geometry, viewport);
+        let call = DrawCall::new(&scene, &geometry, &settings, &extent);
         for grid in GRIDS {
-            let skipped = draw_skipping(&scene, &geometry, &settings, viewport, grid, LastStage::Shade);
-            let visited = draw_visiting(&scene, &geometry, &settings, viewport, grid, LastStage::Shade);
+            let skipped = draw_skipping(call, viewport, grid);
+            let visited = draw_visiting(call, viewport, grid);
             assert_eq!(packed(&skipped.color, grid), visited.color, "{grid:?}");
         }
     }
@@ -209,11 +190,12 @@ mod tests {
     #[test]
     fn every_share_is_timed_both_ways_until_it_is_cancelled() {
         let scene = builtin::by_id("triangle").unwrap().build();
-        let (recipe, viewport) = (Recipe::default(), Viewport { width: 32, height: 32 });
-        assert!(applies(&scene, &recipe, &scene.home, viewport));
-        let shares = measure(&scene, &scene.home, &recipe, viewport, 3, &|| false).unwrap();
+        let (settings, viewport) = (&Settings::default(), Viewport { width: 32, height: 32 });
+        let view = DrawnView { scene: &scene, camera: &scene.home, settings, viewport };
+        assert!(applies(&view));
+        let shares = measure(&view, 3, &|| false).unwrap();
         assert_eq!(shares.iter().map(|share| share.drawn).collect::<Vec<_>>()[..3], [1.0, 0.5, 0.25]);
         assert!(shares.iter().all(|share| share.skipping.whole.n == 3 && share.visiting.whole.median > 0.0));
-        assert!(measure(&scene, &scene.home, &recipe, viewport, 3, &|| true).is_none());
+        assert!(measure(&view, 3, &|| true).is_none());
     }
 }

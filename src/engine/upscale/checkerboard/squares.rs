@@ -106,10 +106,11 @@ pub(super) struct DrawnNeighbours<S: Simd> {
 
 /// Fills an image with drawn and interpolated pixels, in parallel.
 pub(super) fn fill(lanes: Lanes, grid: SampleGrid, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>, by: &impl Fill) {
-    let size = full.size();
+    let (width, height) = full.size();
+    let half = DrawnHalf { grid, drawn, height };
     bands::fill(full, Scale::ONE, |first, _, pixels| {
-        for (y, row) in (first..).zip(pixels.chunks_exact_mut(size.0 as usize)) {
-            let filled = on_lanes!(lanes, simd => fill_row(simd, grid, drawn, (size, y), row, by));
+        for (y, row) in (first..).zip(pixels.chunks_exact_mut(width as usize)) {
+            let filled = on_lanes!(lanes, simd => half.fill_row(simd, y, row, by));
             for x in (0..filled.start).chain(filled.end..row.len()) {
                 row[x] = by.pixel((x as u32, y));
             }
@@ -117,51 +118,55 @@ pub(super) fn fill(lanes: Lanes, grid: SampleGrid, drawn: &Image<Rgba8>, full: &
     });
 }
 
-/// Fills the interior of a row, where all sources of a pixel lie inside the image. Returns the columns filled; the
-/// range is empty if there are too few such pixels.
-#[inline(always)]
-fn fill_row<S: Simd>(
-    simd: S,
+/// Drawn half of the pixels of a picture.
+struct DrawnHalf<'a> {
     grid: SampleGrid,
-    drawn: &Image<Rgba8>,
-    (size, y): ((u32, u32), u32),
-    row: &mut [Rgba8],
-    by: &impl Fill,
-) -> std::ops::Range<usize> {
-    let [Some(across), Some(far_across)] = [TOUCHING, BEHIND].map(|by| step(y, by, size.1)) else { return 0..0 };
-    let drawn_first = grid.sample_at(0, y).is_some();
-    // Groups of four pixels whose two missing pixels have a drawn one on both sides.
-    let fours = if drawn_first { 0..row.len().saturating_sub(1) / 4 } else { 1..row.len() / 4 };
-    let (from, end) = (2 * fours.start, 2 * fours.end);
-    if end < from + WIDE {
-        return 0..0;
-    }
-    let [own, near, far] = [y, across, far_across].map(|y| drawn.row(y).as_flattened());
-    // The packed index of the drawn pixel beside a missing pixel is one more or one less than the index of the missing
-    // pixel among the missing ones.
-    let beside = |first: usize| if drawn_first { first + 1 } else { first - 1 };
-    let mut first = from;
-    loop {
-        let touching = words(simd, &own[4 * beside(first)..]);
-        let around = DrawnNeighbours {
-            beside: touching,
-            across: words(simd, &near[4 * first..]),
-            far_beside: swap_pairs(touching),
-            far_across: words(simd, &far[4 * first..]),
-        };
-        let before = 2 * (first + usize::from(drawn_first)) - 1;
-        let run = MissingRun { y, across, far_across, before };
-        let missing = by.missing(simd, &run, around).bitcast::<u64x8<S>>();
-        let drawn = words(simd, &own[4 * first..]).bitcast::<u64x8<S>>();
-        let (left, right) = if drawn_first { drawn.interleave(missing) } else { missing.interleave(drawn) };
-        let codes = row[2 * first..2 * (first + WIDE)].as_flattened_mut();
-        left.bitcast::<u8x64<S>>().store_slice(&mut codes[..4 * WIDE]);
-        right.bitcast::<u8x64<S>>().store_slice(&mut codes[4 * WIDE..]);
-        if first + WIDE == end {
-            return 4 * fours.start..4 * fours.end;
+    drawn: &'a Image<Rgba8>,
+    /// Height of the full picture in pixels.
+    height: u32,
+}
+
+impl DrawnHalf<'_> {
+    /// Fills the interior of a row, where all sources of a pixel lie inside the image. Returns the columns filled; the
+    /// range is empty if there are too few such pixels.
+    #[inline(always)]
+    fn fill_row<S: Simd>(&self, simd: S, y: u32, row: &mut [Rgba8], by: &impl Fill) -> std::ops::Range<usize> {
+        let Self { grid, drawn, height } = *self;
+        let [Some(across), Some(far_across)] = [TOUCHING, BEHIND].map(|by| step(y, by, height)) else { return 0..0 };
+        let drawn_first = grid.sample_at(0, y).is_some();
+        // Groups of four pixels whose two missing pixels have a drawn one on both sides.
+        let fours = if drawn_first { 0..row.len().saturating_sub(1) / 4 } else { 1..row.len() / 4 };
+        let (from, end) = (2 * fours.start, 2 * fours.end);
+        if end < from + WIDE {
+            return 0..0;
         }
-        // The last run overlaps the previous one.
-        first = (first + WIDE).min(end - WIDE);
+        let [own, near, far] = [y, across, far_across].map(|y| drawn.row(y).as_flattened());
+        // The packed index of the drawn pixel beside a missing pixel is one more or one less than the index of the missing
+        // pixel among the missing ones.
+        let beside = |first: usize| if drawn_first { first + 1 } else { first - 1 };
+        let mut first = from;
+        loop {
+            let touching = words(simd, &own[4 * beside(first)..]);
+            let around = DrawnNeighbours {
+                beside: touching,
+                across: words(simd, &near[4 * first..]),
+                far_beside: swap_pairs(touching),
+                far_across: words(simd, &far[4 * first..]),
+            };
+            let before = 2 * (first + usize::from(drawn_first)) - 1;
+            let run = MissingRun { y, across, far_across, before };
+            let missing = by.missing(simd, &run, around).bitcast::<u64x8<S>>();
+            let drawn = words(simd, &own[4 * first..]).bitcast::<u64x8<S>>();
+            let (left, right) = if drawn_first { drawn.interleave(missing) } else { missing.interleave(drawn) };
+            let codes = row[2 * first..2 * (first + WIDE)].as_flattened_mut();
+            left.bitcast::<u8x64<S>>().store_slice(&mut codes[..4 * WIDE]);
+            right.bitcast::<u8x64<S>>().store_slice(&mut codes[4 * WIDE..]);
+            if first + WIDE == end {
+                return 4 * fours.start..4 * fours.end;
+            }
+            // The last run overlaps the previous one.
+            first = (first + WIDE).min(end - WIDE);
+        }
     }
 }
 

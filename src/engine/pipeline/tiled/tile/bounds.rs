@@ -1,11 +1,12 @@
 //! Hierarchical Z: lower and upper bounds on the stored depths of each block, or of the whole tile. They are used to
 //! reject triangles without reading samples.
 
-use super::super::depths::{DepthPlane, DepthRules, compare_bounds, whole_depths};
+use super::super::depths::{DepthPlane, DepthRules, EightPositions, compare_bounds, whole_depths};
 use super::super::edge_number::EdgeNumber;
-use super::super::lattice::{BLOCK, BLOCKS, TILE, TileLattice};
+use super::super::lattice::TileLattice;
+use super::super::layout::{BLOCK, BLOCKS, Block, STRIDE, TILE};
 use super::super::setup::Setup;
-use super::{STRIDE, Tile};
+use super::Tile;
 use crate::math::lanes::*;
 use crate::pipeline::depth::DepthComparison;
 
@@ -35,8 +36,7 @@ impl Tile {
         rules: &DepthRules,
     ) -> bool {
         let Some(backdrop) = self.occluder else { return false };
-        let first = (F64::splat(simd, 0.0), 0.0);
-        let bounds = plane.bounds(simd, first, lattice.tile_extent(), rules);
+        let bounds = plane.bounds(simd, EightPositions::first(simd), lattice.tile_extent(), rules);
         let stored = each!(bound in [backdrop.min_depth, backdrop.max_depth] => F32::splat(simd, bound));
         let (hidden, in_front) = compare_bounds(bounds, stored, rules.comparison);
         if hidden != 0 {
@@ -67,7 +67,7 @@ impl Tile {
         };
         let blocks = F64::load_array_ref(simd, &lattice.doubles.blocks);
         for by in 0..BLOCKS {
-            let places = (blocks, lattice.doubles.row(by * BLOCK));
+            let places = EightPositions { x: blocks, y: lattice.doubles.row(by * BLOCK) };
             let [low, high] = plane.bounds(simd, places, lattice.doubles.block, rules);
             let here = by * BLOCKS..(by + 1) * BLOCKS;
             low.store_slice(&mut self.min_depths[here.clone()]);
@@ -94,8 +94,7 @@ impl Tile {
         if in_front || !self.bounded || !rules.stored {
             return false;
         }
-        let first = (F64::splat(simd, 0.0), 0.0);
-        let bounds = plane.bounds(simd, first, lattice.tile_extent(), rules);
+        let bounds = plane.bounds(simd, EightPositions::first(simd), lattice.tile_extent(), rules);
         // Each lane holds one of the eight columns of blocks.
         let (mut least, mut greatest) = (F32::splat(simd, f32::INFINITY), F32::splat(simd, f32::NEG_INFINITY));
         for row in 0..BLOCKS {
@@ -108,8 +107,8 @@ impl Tile {
 
     /// Returns `true` if a triangle may pass the depth test anywhere in a block.
     #[inline(always)]
-    pub(super) fn may_show<E: EdgeNumber>(&self, triangle: &Setup<E>, block: usize, rules: &DepthRules) -> bool {
-        let [low, high] = whole_depths(triangle, rules);
+    pub(super) fn may_show<E: EdgeNumber>(&self, triangle: &Setup<E>, block: Block, rules: &DepthRules) -> bool {
+        let ([low, high], block) = (whole_depths(triangle, rules), block.index());
         match rules.comparison {
             DepthComparison::Always => true,
             DepthComparison::Less => low < self.max_depths[block],
@@ -121,8 +120,8 @@ impl Tile {
 
     /// Widens the depth bounds of a block so that they still hold after a triangle is drawn into it.
     #[inline(always)]
-    pub(super) fn widen_bounds<E: EdgeNumber>(&mut self, triangle: &Setup<E>, block: usize, rules: &DepthRules) {
-        let [low, high] = whole_depths(triangle, rules);
+    pub(super) fn widen_bounds<E: EdgeNumber>(&mut self, triangle: &Setup<E>, block: Block, rules: &DepthRules) {
+        let ([low, high], block) = (whole_depths(triangle, rules), block.index());
         match rules.comparison {
             DepthComparison::Less | DepthComparison::LessEqual => {
                 self.min_depths[block] = self.min_depths[block].min(low);
@@ -136,13 +135,13 @@ impl Tile {
 
     /// Computes the depth bounds of a block from its samples.
     #[inline(always)]
-    pub(super) fn measure_bounds<S: Simd>(&mut self, simd: S, (bx, by): (usize, usize)) {
+    pub(super) fn measure_bounds<S: Simd>(&mut self, simd: S, block: Block) {
         let (mut least, mut greatest) = (F32::splat(simd, f32::INFINITY), F32::splat(simd, f32::NEG_INFINITY));
-        for row in by * BLOCK..(by + 1) * BLOCK {
-            let depths = F32::from_slice(simd, &self.depths[row * STRIDE + bx * BLOCK..][..LANES]);
+        for row in block.rows() {
+            let depths = F32::from_slice(simd, &self.depths[row * STRIDE + block.first_column()..][..LANES]);
             (least, greatest) = (least.min(depths), greatest.max(depths));
         }
-        let block = by * BLOCKS + bx;
+        let block = block.index();
         (self.min_depths[block], self.max_depths[block]) = (least.reduce_min(), greatest.reduce_max());
     }
 }

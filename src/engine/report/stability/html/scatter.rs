@@ -77,7 +77,7 @@ fn legend() -> String {
     });
     let shapes = Rasterizer::ALL.iter().enumerate().map(|(index, rasterizer)| {
         format!("<span><svg viewBox=\"0 0 16 16\" style=\"width:15px;display:inline-block;vertical-align:-3px\">{}</svg> {}</span>",
-            marker((8.0, 8.0), index, 4, 5.0, "dominated"), escaped(rasterizer.name()))
+            Marker { shape: index, color: 4, radius: 5.0, style: "dominated" }.svg((8.0, 8.0)), escaped(rasterizer.name()))
     });
     format!(
         "<div class=\"legend\">{}</div><div class=\"legend\">{}</div>\n",
@@ -160,8 +160,7 @@ fn panel(points: &[TradeoffPoint], with_classes: bool, y_axis: &str) -> String {
         for point in points {
             for (class, ns, error) in &point.by_class {
                 let title = format!("{class}: {} at {} ns", short(*error), short(*ns));
-                let small =
-                    marker((plot.x(*ns), plot.y(*error)), shape(point.column), color(point.column), 3.0, "small");
+                let small = Marker::of(point, 3.0, "small").svg((plot.x(*ns), plot.y(*error)));
                 let _ = write!(svg, "<g><title>{}</title>{small}</g>", escaped(&title));
             }
         }
@@ -271,39 +270,59 @@ fn drawn(plot: &ScatterPlot, point: &TradeoffPoint) -> String {
         escaped(&title),
         plot.x(point.ns.p10),
         plot.x(point.ns.p90),
-        marker((x, y), shape(point.column), color, 5.0, style)
+        Marker::of(point, 5.0, style).svg((x, y))
     )
 }
 
-/// Returns the SVG of a marker at (`x`, `y`) with radius `r`, in SVG units; `shape` selects one of seven shapes.
-fn marker((x, y): (f64, f64), shape: usize, color: usize, r: f64, style: &str) -> String {
-    let class = format!("class=\"mark k{color} {style}\"");
-    let polygon = |corners: &[(f64, f64)]| {
-        let points: Vec<String> =
-            corners.iter().map(|(dx, dy)| format!("{:.1},{:.1}", x + dx * r, y + dy * r)).collect();
-        format!("<polygon {class} points=\"{}\"/>", points.join(" "))
-    };
-    match shape {
-        0 => polygon(&[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)]),
-        1 => format!("<circle {class} cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{r}\"/>"),
-        2 => polygon(&[(0.0, -1.1), (1.0, 0.8), (-1.0, 0.8)]),
-        3 => polygon(&[(0.0, 1.1), (1.0, -0.8), (-1.0, -0.8)]),
-        4 => polygon(&[(0.0, -1.2), (1.2, 0.0), (0.0, 1.2), (-1.2, 0.0)]),
-        5 => polygon(&[
-            (-1.0, -1.0),
-            (0.0, -0.4),
-            (1.0, -1.0),
-            (0.4, 0.0),
-            (1.0, 1.0),
-            (0.0, 0.4),
-            (-1.0, 1.0),
-            (-0.4, 0.0),
-        ]),
-        6 => polygon(&[(0.0, -1.2), (1.1, -0.3), (0.7, 1.0), (-0.7, 1.0), (-1.1, -0.3)]),
-        _ => {
-            let sides = shape - 1;
-            let corner = |corner: usize| (std::f64::consts::TAU * corner as f64 / sides as f64).sin_cos();
-            polygon(&(0..sides).map(corner).map(|(sin, cos)| (1.2 * sin, -1.2 * cos)).collect::<Vec<_>>())
+/// Marker of a point.
+struct Marker<'a> {
+    /// Number of the shape. The first seven differ most.
+    shape: usize,
+    /// Number of the colour.
+    color: usize,
+    /// Radius in SVG units.
+    radius: f64,
+    /// Other class of its style.
+    style: &'a str,
+}
+
+impl<'a> Marker<'a> {
+    /// Returns the marker of a point, in the shape and colour of its column.
+    fn of(point: &TradeoffPoint, radius: f64, style: &'a str) -> Self {
+        Self { shape: shape(point.column), color: color(point.column), radius, style }
+    }
+
+    /// Returns the SVG of the marker at a position in SVG units.
+    fn svg(&self, (x, y): (f64, f64)) -> String {
+        let Self { shape, color, radius: r, style } = *self;
+        let class = format!("class=\"mark k{color} {style}\"");
+        let polygon = |corners: &[(f64, f64)]| {
+            let points: Vec<String> =
+                corners.iter().map(|(dx, dy)| format!("{:.1},{:.1}", x + dx * r, y + dy * r)).collect();
+            format!("<polygon {class} points=\"{}\"/>", points.join(" "))
+        };
+        match shape {
+            0 => polygon(&[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)]),
+            1 => format!("<circle {class} cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{r}\"/>"),
+            2 => polygon(&[(0.0, -1.1), (1.0, 0.8), (-1.0, 0.8)]),
+            3 => polygon(&[(0.0, 1.1), (1.0, -0.8), (-1.0, -0.8)]),
+            4 => polygon(&[(0.0, -1.2), (1.2, 0.0), (0.0, 1.2), (-1.2, 0.0)]),
+            5 => polygon(&[
+                (-1.0, -1.0),
+                (0.0, -0.4),
+                (1.0, -1.0),
+                (0.4, 0.0),
+                (1.0, 1.0),
+                (0.0, 0.4),
+                (-1.0, 1.0),
+                (-0.4, 0.0),
+            ]),
+            6 => polygon(&[(0.0, -1.2), (1.1, -0.3), (0.7, 1.0), (-0.7, 1.0), (-1.1, -0.3)]),
+            _ => {
+                let sides = shape - 1;
+                let corner = |corner: usize| (std::f64::consts::TAU * corner as f64 / sides as f64).sin_cos();
+                polygon(&(0..sides).map(corner).map(|(sin, cos)| (1.2 * sin, -1.2 * cos)).collect::<Vec<_>>())
+            }
         }
     }
 }
