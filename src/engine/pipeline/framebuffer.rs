@@ -68,10 +68,9 @@ impl Framebuffer {
         background: [u8; 3],
         settings: &Settings,
     ) -> Self {
-        let [r, g, b] = settings.background.resolve(background);
         let clear_depth = clear_value(settings);
         let depth = (settings.depth_test != DepthTest::Off).then(|| Image::filled(width, height, clear_depth));
-        let color = Image::filled(width, height, [r, g, b, 255]);
+        let color = Image::filled(width, height, settings.clear_color(background));
         Self { grid, origin, color, depth, clear_depth, depth_scale: DepthScale::default() }
     }
 
