@@ -713,3 +713,20 @@ pub(crate) const KEYLESS: &[KeylessCommand] = &[
     keyless("Start the introduction in four steps", || Command::Onboarding(OnboardingChange::StartCoach))
         .also(&["tutorial", "tour", "coach"]),
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_binding_is_hidden_by_an_earlier_one() {
+        for (place, binding) in BINDINGS.iter().enumerate() {
+            // The toolkit reports Ctrl as both `ctrl` and `command`.
+            let pressed = Modifiers { ctrl: binding.modifiers.command, ..binding.modifiers };
+            let hides =
+                |earlier: &&KeyBinding| earlier.key == binding.key && pressed.matches_logically(earlier.modifiers);
+            let hiding = BINDINGS[..place].iter().find(hides).map(|earlier| earlier.description);
+            assert_eq!(hiding, None, "{}", binding.description);
+        }
+    }
+}

@@ -5,14 +5,8 @@ use eframe::egui::{Color32, Rgba, Ui};
 use glam::{Mat3, Vec3, mat3, vec3};
 
 use super::theme::tokens;
+use crate::report::upscaling::hue_degrees;
 use crate::upscale::{Scale, Upscaling};
-
-/// Angle between the hues of consecutive methods, in degrees: the golden angle, which keeps the hues of any number of
-/// methods apart and those of neighbours far apart.
-const HUE_STEP: f32 = 137.508;
-
-/// Hue of the first method after native rendering, in degrees.
-const FIRST_HUE: f32 = 60.0;
 
 /// Chroma of the colours, reduced where the sRGB gamut ends earlier.
 const CHROMA: f32 = 0.15;
@@ -25,18 +19,18 @@ const LIGHT_LIGHTNESS: [f32; 2] = [0.42, 0.62];
 
 /// Returns the colour of an upscaler in the theme of `ui`. Native rendering has the colour of text.
 pub(crate) fn method_color(ui: &Ui, upscaling: Upscaling) -> Color32 {
-    match upscaling.place() {
-        0 => tokens(ui).text,
-        method => hue_color(ui.visuals().dark_mode, method - 1, upscaling.scale()),
+    match hue_degrees(upscaling) {
+        None => tokens(ui).text,
+        Some(degrees) => hue_color(ui.visuals().dark_mode, degrees, upscaling.scale()),
     }
 }
 
-/// Returns the colour of method number `method`, counted without native rendering.
-fn hue_color(dark_mode: bool, method: usize, scale: Scale) -> Color32 {
+/// Returns the colour of a hue in degrees, whose lightness depends on the scale.
+fn hue_color(dark_mode: bool, degrees: f32, scale: Scale) -> Color32 {
     let [native, coarsest] = if dark_mode { DARK_LIGHTNESS } else { LIGHT_LIGHTNESS };
     let share = (scale.value().log2() / Scale::FOUR.value().log2()) as f32;
     let lightness = native + (coarsest - native) * share;
-    let hue = (FIRST_HUE + HUE_STEP * method as f32).to_radians();
+    let hue = degrees.to_radians();
     let linear = |chroma: f32| linear_from_oklab(vec3(lightness, chroma * hue.cos(), chroma * hue.sin()));
     /// Chroma is reduced in this many steps until the colour is in the gamut.
     const STEPS: u8 = 30;
@@ -80,7 +74,7 @@ mod tests {
     }
 
     fn color(dark_mode: bool, upscaling: Upscaling) -> Color32 {
-        hue_color(dark_mode, upscaling.place() - 1, upscaling.scale())
+        hue_color(dark_mode, hue_degrees(upscaling).unwrap(), upscaling.scale())
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::f32::consts::{PI, TAU};
 
 use glam::{Mat4, Vec3};
-use rasterscope::chain::Recipe;
+use rasterscope::chain::{Recipe, SettingKey, ValueForm};
 use rasterscope::pipeline::from_clip_space;
 use rasterscope::pipeline::observe::Observer;
 use rasterscope::pipeline::raster::{AnyTriangle, RasterSample, cover};
@@ -171,6 +171,24 @@ pub(crate) fn distinct(recipes: impl IntoIterator<Item = Recipe>) -> Vec<Recipe>
         }
     }
     distinct
+}
+
+/// Returns `key=value` for all words of a setting, and for some numbers or colours if it accepts them.
+pub(crate) fn assignments_of(key: SettingKey) -> Vec<String> {
+    let values = key.values();
+    let numbers = match values.form {
+        None => Vec::new(),
+        Some(ValueForm::Number(Some(range))) => vec![range.start().to_string(), range.end().to_string()],
+        Some(ValueForm::Number(None)) => ["0", "-1.5", "40", "-5e6"].map(str::to_owned).into(),
+        Some(ValueForm::Whole) => ["0", "7"].map(str::to_owned).into(),
+        Some(ValueForm::Percent(most)) => vec!["0".to_owned(), most.to_string()],
+        Some(ValueForm::Numbers(lengths)) => {
+            lengths.iter().flat_map(|length| ["0.75", "-0.3"].map(|number| vec![number; *length].join(","))).collect()
+        }
+        Some(ValueForm::Color) => vec!["#d04010".to_owned()],
+    };
+    let words = values.words.into_iter().map(|word| word.id).chain(numbers);
+    words.map(|value| format!("{}={value}", key.id())).collect()
 }
 
 /// Returns the default recipe changed by `assignments` such as `culling=none`.

@@ -17,6 +17,7 @@ mod properties;
 mod replay;
 pub(crate) mod samples;
 pub(crate) mod scene_builder;
+mod settings;
 mod shading;
 pub(crate) mod sound;
 mod stability_oracle;

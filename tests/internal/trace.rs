@@ -13,9 +13,9 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::internal::common::{coplanar_scene, ground_and_cube, recipe, transparency_scene};
+use crate::internal::common::{assignments_of, coplanar_scene, ground_and_cube, recipe, transparency_scene};
 use rasterscope::antialias::settings::{AntialiasMethod, PostFilterKind as PostChoice};
-use rasterscope::chain::{Frame, KeepDepth, Recipe, Renderer, SettingKey, SettingStage, ValueForm, execution};
+use rasterscope::chain::{Frame, KeepDepth, Recipe, Renderer, SettingKey, SettingStage, execution};
 use rasterscope::image::Rgba8;
 use rasterscope::inspect::trace::TraceLine;
 use rasterscope::inspect::{PixelReport, Trace, inspect};
@@ -52,27 +52,9 @@ fn is_factor(key: SettingKey) -> bool {
     key.stage() != SettingStage::Upscale && !apart.contains(&key)
 }
 
-/// Returns `key=value` for all words of a setting, and for some numbers or colours if it accepts them.
-fn factor(key: SettingKey) -> Vec<String> {
-    let values = key.values();
-    let numbers = match values.form {
-        None => Vec::new(),
-        Some(ValueForm::Number(Some(range))) => vec![range.start().to_string(), range.end().to_string()],
-        Some(ValueForm::Number(None)) => ["0", "-1.5", "40", "-5e6"].map(str::to_owned).into(),
-        Some(ValueForm::Whole) => ["0", "7"].map(str::to_owned).into(),
-        Some(ValueForm::Percent(most)) => vec!["0".to_owned(), most.to_string()],
-        Some(ValueForm::Numbers(lengths)) => {
-            lengths.iter().flat_map(|length| ["0.75", "-0.3"].map(|number| vec![number; *length].join(","))).collect()
-        }
-        Some(ValueForm::Color) => vec!["#d04010".to_owned()],
-    };
-    let words = values.words.into_iter().map(|word| word.id).chain(numbers);
-    words.map(|value| format!("{}={value}", key.id())).collect()
-}
-
 /// Returns the values of each of the pipeline's settings except the rasterizer, which is combined with all of them.
 fn factors() -> Vec<Vec<String>> {
-    SettingKey::ALL.iter().copied().filter(|key| is_factor(*key)).map(factor).collect()
+    SettingKey::ALL.iter().copied().filter(|key| is_factor(*key)).map(assignments_of).collect()
 }
 
 /// Values of two different factors (settings), each as indices of factor and value.

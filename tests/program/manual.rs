@@ -9,12 +9,12 @@ use std::process::Command;
 
 use rasterscope::chain::{Recipe, SettingKey};
 use rasterscope::explain::{self, Kind};
-use rasterscope::inspect::buffers::Buffer;
+use rasterscope::inspect::buffers::{Buffer, BufferChannels};
 use rasterscope::inspect::intermediate::Intermediate;
 use rasterscope::inspect::overlays::Overlay;
 use rasterscope::manual::Chapter;
 use rasterscope::pipeline::settings::Choice as _;
-use rasterscope::scene::builtin;
+use rasterscope::scene::{SceneFormat, builtin};
 use rasterscope::ui::key_sheet::keys_and_descriptions;
 use rasterscope::upscale;
 
@@ -96,22 +96,27 @@ fn scenes() -> String {
     table("id | triangles | what it shows", rows)
 }
 
-/// Returns the table of commands with their summaries, taken from the program's help.
-fn commands() -> String {
+/// Returns the commands with their summaries, taken from the program's help.
+fn command_summaries() -> Vec<(String, String)> {
     let output = Command::new(PROGRAM).arg("--help").output().expect("the program starts");
     let help = String::from_utf8(output.stdout).expect("UTF-8");
     let list = help.split_once("Commands:\n").expect("a list of commands").1.split("\n\n").next().unwrap_or_default();
-    let mut rows: Vec<Vec<String>> = Vec::new();
+    let mut rows: Vec<(String, String)> = Vec::new();
     for line in list.lines() {
         let name = line.strip_prefix("  ").filter(|rest| !rest.starts_with(' '));
         if let Some((name, summary)) = name.and_then(|rest| rest.split_once(' ')) {
-            rows.push(vec![code(name), summary.trim().to_owned()]);
-        } else if let Some(last) = rows.last_mut() {
-            last[1] = format!("{} {}", last[1], line.trim());
+            rows.push((name.to_owned(), summary.trim().to_owned()));
+        } else if let Some((_, summary)) = rows.last_mut() {
+            *summary = format!("{summary} {}", line.trim());
         }
     }
-    rows.retain(|row| row[0] != "`help`");
+    rows.retain(|(name, _)| name != "help");
     assert!(rows.len() > 10, "{help}");
+    rows
+}
+
+fn commands() -> String {
+    let rows = command_summaries().into_iter().map(|(name, summary)| vec![code(&name), summary]);
     table("command | what it does", rows)
 }
 
@@ -237,6 +242,33 @@ fn the_chapter_on_upscalers_names_every_method() {
     for upscaler in upscale::BUILT_IN {
         let id = format!("`{}`", upscaler.id());
         assert!(Chapter::ComparingUpscalers.text().contains(&id), "{id} is missing in the table of methods");
+    }
+}
+
+#[test]
+fn the_chapter_on_files_names_every_format_of_models_and_channel() {
+    let text = Chapter::ScenesAndFileFormats.text();
+    let is_named = |name: &str| assert!(text.contains(&code(name)), "{name}");
+    for format in SceneFormat::ALL {
+        format.extensions.iter().for_each(|extension| is_named(&format!(".{extension}")));
+    }
+    for buffer in Buffer::ALL {
+        match buffer.channels() {
+            BufferChannels::Color(names) => names.into_iter().for_each(is_named),
+            BufferChannels::Weights(names) => names.into_iter().for_each(is_named),
+            BufferChannels::Number(name) | BufferChannels::Count(name) | BufferChannels::Triangle(name) => {
+                is_named(name)
+            }
+        }
+    }
+}
+
+#[test]
+fn every_command_has_an_example_that_runs() {
+    let examples: String = Chapter::ALL.iter().flat_map(|chapter| blocks(chapter.text(), "sh")).collect();
+    for (name, _) in command_summaries() {
+        // Without the name of a command, the window opens.
+        assert!(name == "window" || examples.contains(&format!("rasterscope {name}")), "{name}");
     }
 }
 

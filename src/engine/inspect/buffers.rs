@@ -387,3 +387,38 @@ impl Buffers {
         if self.has(origin, frame) { self } else { self.with(origin, scene, recipe, frame) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::chain::{PrecedingView, run};
+    use crate::inspect::view;
+    use crate::pipeline::settings::Choice as _;
+    use crate::pipeline::viewport::Viewport;
+    use crate::scene::builtin;
+
+    const SIZE: Viewport = Viewport { width: 64, height: 40 };
+
+    /// Checks that no buffer is declared whose values are never recorded.
+    #[test]
+    fn the_values_of_every_buffer_vary_over_the_picture_of_a_scene_in_motion() {
+        let scene = Arc::new(builtin::by_id("walker").unwrap().build());
+        let posed = scene.at(0.1);
+        let recipe = Recipe::default();
+        let mut camera = scene.home;
+        camera.orbit(0.1, 0.0);
+        let mut frame = run(&posed, &camera, &recipe, SIZE, &mut ());
+        frame.before = Some(PrecedingView { scene: Arc::clone(&scene), camera: scene.home });
+        let mut buffers = capture(&posed, &recipe, &frame);
+        for buffer in Buffer::ALL {
+            buffers = buffers.completed_for(*buffer, &posed, &recipe, &frame);
+            let pixels = (0..SIZE.height).flat_map(|y| (0..SIZE.width).map(move |x| (x, y)));
+            let values = pixels.map(|(x, y)| view::value(*buffer, &frame, Some(&buffers), x, y));
+            let mut values = values.filter(|value| *value != Value::Nothing);
+            let first = values.next();
+            assert!(first.is_some_and(|first| values.any(|value| value != first)), "{}: {first:?}", buffer.id());
+        }
+    }
+}

@@ -57,10 +57,9 @@ impl Framebuffer {
 
     /// Returns a cleared framebuffer that holds samples of the packed picture from the first one on.
     fn cleared(grid: SampleGrid, (width, height): (u32, u32), background: [u8; 3], settings: &Settings) -> Self {
-        let [r, g, b] = settings.background.resolve(background);
         let clear_depth = clear_value(settings);
         let depth = (settings.depth_test != DepthTest::Off).then(|| Image::filled(width, height, clear_depth));
-        let color = Image::filled(width, height, [r, g, b, 255]);
+        let color = Image::filled(width, height, settings.clear_color(background));
         Self { grid, origin: (0, 0), color, depth, clear_depth, depth_scale: DepthScale::default() }
     }
 

@@ -11,6 +11,7 @@ pub use super::choice::{Choice, choice};
 pub use super::depth::DepthFormat;
 pub use super::raster::{Arithmetic, FillRule, Rasterizer};
 pub use super::shading::{SceneData, Shading};
+use crate::image::Rgba8;
 
 choice! {
     /// Execution strategy of the pipeline. All alternatives give the same picture, bit for bit, but differ in speed.
@@ -315,6 +316,13 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// Returns the colour of the pixels that no triangle covers. `of_scene` is the background colour of the scene, as sRGB
+    /// codes.
+    pub(crate) fn clear_color(&self, of_scene: [u8; 3]) -> Rgba8 {
+        let [r, g, b] = self.background.resolve(of_scene);
+        [r, g, b, 255]
+    }
+
     /// Returns whether depth is reversed, so that nearer surfaces have larger stored depths.
     pub fn reversed(&self) -> bool {
         self.depth_format.mapping().is_reversed()

@@ -27,7 +27,7 @@ use super::plan::{DrawPlan, PipelinePart};
 use super::sample::Sampler;
 use super::settings::{AddressMode, AlphaMode, ColorSpace, Settings, TexelFilter};
 pub(crate) use super::shading::id_color;
-use super::shading::{FlatInputs, Input, cel};
+use super::shading::{FlatInputs, Input, ShadingKind, cel};
 use super::viewport::ScreenTriangle;
 use crate::image::color::{Tables, decode_rgb, quantize};
 use crate::image::{Image, Rgba8};
@@ -369,7 +369,7 @@ impl<'a> Shader<'a> {
         }
         let inputs = SurfacePoint { inputs: FragmentInputs { shader: self, fragment }, triangle };
         match shading.quantity(&inputs).map(Vec3::from_array) {
-            Some(color) if shading.facts().is_color => self.encode(color),
+            Some(color) if shading.kind() == ShadingKind::Surface => self.encode(color),
             Some(color) => quantized(color),
             None => self.encode(self.reflected(fragment)),
         }

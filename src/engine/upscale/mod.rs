@@ -51,21 +51,9 @@ mod spares;
 mod taa;
 mod ycocg;
 
-pub(crate) use accumulation::ACCUMULATION;
-pub(crate) use bicubic::BICUBIC;
-pub(crate) use bilinear::BILINEAR;
-pub(crate) use checkerboard::CHECKERBOARD;
-pub(crate) use checkerboard::CHECKERBOARD_EDGES;
-pub(crate) use checkerboard::CHECKERBOARD_SURFACES;
-pub(crate) use checkerboard::CHECKERBOARD_TEMPORAL;
 pub use choice::FilterSpace;
 pub(crate) use choice::MAX_SHARPENING;
 pub use choice::Upscaling;
-pub(crate) use cubic::CATMULL_ROM;
-pub(crate) use cubic::MITCHELL;
-pub(crate) use ewa::EWA_LANCZOS;
-pub(crate) use fsr::FSR1;
-pub(crate) use fsr2::FSR2;
 pub use history::Accumulated;
 pub use history::BlendSpace;
 pub(crate) use history::FrameInputs;
@@ -79,23 +67,16 @@ pub use history::Rejection;
 pub(crate) use history::Reprojected;
 pub(crate) use history::whole_and_fraction;
 pub use jitter::Jitter;
-pub(crate) use lanczos::LANCZOS2;
-pub(crate) use lanczos::LANCZOS3;
 pub use lattice::Anchor;
 pub(crate) use lattice::Lattice;
-pub(crate) use native::NATIVE;
-pub(crate) use nearest::NEAREST;
-pub(crate) use nis::NIS;
 pub use registry::RegisterError;
 pub use registry::all;
 pub use registry::register;
 pub use registry::register_boxed;
 pub use scale::Scale;
-pub(crate) use sgsr2::SGSR2;
 pub use taa::HistoryFilter;
 pub use taa::HistoryOptions;
 pub use taa::Rectification;
-pub(crate) use taa::TAA;
 
 /// An upscaler, which fills in the pixels that were not drawn.
 pub trait Upscaler: Sync {
@@ -329,25 +310,25 @@ pub struct Tap {
 
 /// The built-in upscalers, in menu order.
 pub static BUILT_IN: &[&dyn Upscaler] = &[
-    &NATIVE,
-    &CHECKERBOARD,
-    &CHECKERBOARD_EDGES,
-    &CHECKERBOARD_SURFACES,
-    &CHECKERBOARD_TEMPORAL,
-    &NEAREST,
-    &BILINEAR,
-    &BICUBIC,
-    &CATMULL_ROM,
-    &MITCHELL,
-    &LANCZOS2,
-    &LANCZOS3,
-    &EWA_LANCZOS,
-    &FSR1,
-    &NIS,
-    &ACCUMULATION,
-    &TAA,
-    &FSR2,
-    &SGSR2,
+    &native::NATIVE,
+    &checkerboard::CHECKERBOARD,
+    &checkerboard::CHECKERBOARD_EDGES,
+    &checkerboard::CHECKERBOARD_SURFACES,
+    &checkerboard::CHECKERBOARD_TEMPORAL,
+    &nearest::NEAREST,
+    &bilinear::BILINEAR,
+    &bicubic::BICUBIC,
+    &cubic::CATMULL_ROM,
+    &cubic::MITCHELL,
+    &lanczos::LANCZOS2,
+    &lanczos::LANCZOS3,
+    &ewa::EWA_LANCZOS,
+    &fsr::FSR1,
+    &nis::NIS,
+    &accumulation::ACCUMULATION,
+    &taa::TAA,
+    &fsr2::FSR2,
+    &sgsr2::SGSR2,
 ];
 
 #[cfg(test)]

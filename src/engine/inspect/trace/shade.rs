@@ -17,7 +17,7 @@ use crate::pipeline::footprint::TextureRead;
 use crate::pipeline::plan::PipelinePart;
 use crate::pipeline::settings::{Choice as _, ColorSpace};
 use crate::pipeline::shade::{Highlight, NormalMap, Readable};
-use crate::pipeline::shading::{Input, LightInputs as _, cel};
+use crate::pipeline::shading::{Input, LightInputs as _, ShadingKind, cel};
 use crate::scene::Transparency;
 
 /// Writes the trace lines for the fragment's lighting, opacity and colour.
@@ -325,7 +325,8 @@ pub(super) fn encoded(value: &Formula, space: ColorSpace) -> Formula {
 /// Writes the trace lines for the colour in shading modes that do not use the material.
 fn quantity(subject: &TracedFragment<'_>, code: Rgba8, scribe: &mut TraceRecorder) {
     let shading = subject.settings.shading;
-    let space = if shading.facts().is_color { subject.settings.color_space } else { ColorSpace::Bytes };
+    let is_encoded = shading.kind() == ShadingKind::Surface;
+    let space = if is_encoded { subject.settings.color_space } else { ColorSpace::Bytes };
     let formulas = shading.quantity(&FormulaInputs(subject));
     for (channel, name) in CHANNELS.into_iter().enumerate() {
         let what = format!("{name} code");

@@ -21,10 +21,12 @@ pub(super) fn why(report: &PixelReport, scene: &Scene, recipe: &Recipe) -> Optio
     let settings = &recipe.pipeline;
     let why = match settings.shading.kind() {
         ShadingKind::Material => factors(scene, settings, instance, visible, shading),
-        ShadingKind::Quantity if settings.shading.reads(Input::VertexColor) => {
+        ShadingKind::Surface if settings.shading.reads(Input::VertexColor) => {
             vec![format!("the vertex colours here are {}", numbers(shading.vertex_color?.into()))]
         }
-        ShadingKind::Quantity | ShadingKind::Flat => return Some(number_shown(settings, visible)),
+        ShadingKind::Quantity | ShadingKind::Surface | ShadingKind::Flat => {
+            return Some(number_shown(settings, visible));
+        }
     };
     let why = if why.is_empty() { product(scene, settings, instance, shading) } else { why.join(", and ") };
     Some(format!("Black: {why}."))

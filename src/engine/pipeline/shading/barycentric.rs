@@ -10,8 +10,6 @@ pub(super) const FACTS: ShadingFacts = ShadingFacts {
         synonyms: &[],
     },
     reads: Inputs::of(&[Input::Weights]),
-    requires: None,
-    is_color: false,
 };
 
 #[inline(always)]

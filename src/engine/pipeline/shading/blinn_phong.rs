@@ -12,6 +12,4 @@ pub(super) const FACTS: ShadingFacts = ShadingFacts {
         synonyms: &[],
     },
     reads: Inputs::of(&[Input::Normal, Input::LightDirection, Input::Ambient, Input::Specular]),
-    requires: None,
-    is_color: true,
 };

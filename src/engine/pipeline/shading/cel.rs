@@ -17,8 +17,6 @@ pub(super) const FACTS: ShadingFacts = ShadingFacts {
         synonyms: &[],
     },
     reads: Inputs::of(&[Input::Normal, Input::LightDirection, Input::DarkTexture]),
-    requires: None,
-    is_color: true,
 };
 
 #[inline(always)]

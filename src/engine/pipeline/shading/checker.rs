@@ -1,6 +1,6 @@
 //! Checkerboard in texture space.
 
-use super::{CheckerInputs, Input, Inputs, Label, SceneData, ShadingFacts, SurfaceInputs};
+use super::{CheckerInputs, Input, Inputs, Label, ShadingFacts, SurfaceInputs};
 use crate::math::real::Real as _;
 
 pub(super) const FACTS: ShadingFacts = ShadingFacts {
@@ -11,8 +11,6 @@ pub(super) const FACTS: ShadingFacts = ShadingFacts {
         synonyms: &[],
     },
     reads: Inputs::of(&[Input::Uv, Input::Checker]),
-    requires: Some(SceneData::TextureCoordinates),
-    is_color: false,
 };
 
 #[inline(always)]

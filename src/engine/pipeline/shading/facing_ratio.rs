@@ -12,8 +12,6 @@ pub(super) const FACTS: ShadingFacts = ShadingFacts {
         synonyms: &["fresnel", "rim"],
     },
     reads: Inputs::of(&[Input::Normal, Input::EyeDirection]),
-    requires: None,
-    is_color: false,
 };
 
 #[inline(always)]

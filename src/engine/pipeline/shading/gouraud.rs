@@ -10,8 +10,6 @@ pub(super) const FACTS: ShadingFacts = ShadingFacts {
         synonyms: &[],
     },
     reads: Inputs::of(&[Input::VertexLight]),
-    requires: None,
-    is_color: true,
 };
 
 #[inline(always)]

@@ -11,8 +11,6 @@ pub(super) const FACTS: ShadingFacts = ShadingFacts {
         synonyms: &[],
     },
     reads: Inputs::of(&[Input::Normal, Input::LightDirection, Input::Ambient]),
-    requires: None,
-    is_color: true,
 };
 
 #[inline(always)]

@@ -1,12 +1,13 @@
 //! Shadings: sources of a fragment's colour. Each file declares one: its names, its inputs, and its kernel.
 //!
-//! There are three kinds of kernels:
+//! There are four kinds of kernels:
 //! - `material`: `light` returns the factor by which light multiplies the colour of the material. Textures, highlight,
 //!   emission and blending are the same for all shadings of this kind.
-//! - `quantity`: `color` returns a colour that shows a quantity. The surface is opaque.
+//! - `quantity`: `color` returns a quantity as a colour, whose values 0 to 1 are the codes 0 to 255. The surface is opaque.
+//! - `surface`: `color` returns a colour in the working colour space, which is encoded like light. The surface is opaque.
 //! - `flat`: `color` returns the colour of a whole triangle.
 //!
-//! Kernels of the first two kinds are generic over the number. Pictures and the inspector call them with floats, the
+//! Kernels of all kinds except `flat` are generic over the number. Pictures and the inspector call them with floats, the
 //! tiled execution with lanes, and the trace with formulas, so that all three agree. Lanes shade all draws that read
 //! nothing else than [`LightInputs`] and a colour texture. Quantities are shaded sample by sample, even by the tiled
 //! execution: their pictures are for inspection, where speed matters less than a short kernel.
@@ -57,7 +58,7 @@ macro_rules! shadings {
                 match self { $(Self::$variant => light!($kind, $module, at)),+ }
             }
 
-            /// Returns the colour that shows a quantity, or `None` if the shading is of another kind.
+            /// Returns the colour that shows a quantity or a surface, or `None` if the shading is of another kind.
             #[inline(always)]
             pub(crate) fn quantity<I: SurfaceInputs>(self, at: &I) -> Option<[I::Number; 3]> {
                 match self { $(Self::$variant => quantity!($kind, $module, at)),+ }
@@ -79,6 +80,9 @@ macro_rules! kind {
     (quantity) => {
         ShadingKind::Quantity
     };
+    (surface) => {
+        ShadingKind::Surface
+    };
     (flat) => {
         ShadingKind::Flat
     };
@@ -97,6 +101,9 @@ macro_rules! quantity {
     (quantity, $module:ident, $at:ident) => {
         Some($module::color($at))
     };
+    (surface, $module:ident, $at:ident) => {
+        Some($module::color($at))
+    };
     ($other:ident, $module:ident, $at:ident) => {
         None
     };
@@ -113,7 +120,7 @@ macro_rules! flat {
 
 shadings! {
     Texture = material texture;
-    VertexColor = quantity vertex_color;
+    VertexColor = surface vertex_color;
     Gouraud = material gouraud;
     Lambert = material lambert;
     BlinnPhong = material blinn_phong;
@@ -133,8 +140,10 @@ shadings! {
 pub(crate) enum ShadingKind {
     /// The colour of the material times light.
     Material,
-    /// A quantity as a colour.
+    /// A quantity as a colour, whose values 0 to 1 are the codes 0 to 255.
     Quantity,
+    /// A colour in the working colour space, which is encoded like light.
+    Surface,
     /// One colour for a whole triangle.
     Flat,
 }
@@ -145,11 +154,6 @@ pub(crate) enum ShadingKind {
 pub(crate) struct ShadingFacts {
     pub(crate) label: Label,
     pub(crate) reads: Inputs,
-    /// Data that a scene must have for the shading to be offered.
-    pub(crate) requires: Option<SceneData>,
-    /// Whether quantities are colours in the working colour space, which are encoded like light. Otherwise 0 to 1 are
-    /// the codes 0 to 255.
-    pub(crate) is_color: bool,
 }
 
 /// Input of a shading's kernel, or of the kernel's surroundings.
@@ -333,7 +337,15 @@ impl Shading {
 
     /// Returns the data that a scene must have for the shading mode to be useful, or `None` if every scene has it.
     pub const fn requires(self) -> Option<SceneData> {
-        self.facts().requires
+        if self.reads(Input::Uv) {
+            Some(SceneData::TextureCoordinates)
+        } else if self.reads(Input::VertexColor) {
+            Some(SceneData::VertexColors)
+        } else if self.reads_material() && !self.is_lit() {
+            Some(SceneData::Textures)
+        } else {
+            None
+        }
     }
 
     /// Returns whether lanes have all inputs of the shading mode: it reads a single colour texture, and normals or the

@@ -1,12 +1,10 @@
 //! The unlit colour of the material and its texture.
 
-use super::{Inputs, Label, LightInputs, SceneData, ShadingFacts};
+use super::{Inputs, Label, LightInputs, ShadingFacts};
 
 pub(super) const FACTS: ShadingFacts = ShadingFacts {
     label: Label { id: "texture", name: "Texture, unlit", help: "Texture × material colour, unlit.", synonyms: &[] },
     reads: Inputs::of(&[]),
-    requires: Some(SceneData::Textures),
-    is_color: true,
 };
 
 #[inline(always)]

@@ -12,8 +12,6 @@ pub(super) const FACTS: ShadingFacts = ShadingFacts {
         synonyms: &[],
     },
     reads: Inputs::of(&[]),
-    requires: None,
-    is_color: false,
 };
 
 #[inline(always)]

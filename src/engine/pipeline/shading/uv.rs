@@ -1,6 +1,6 @@
 //! Texture coordinates as a colour.
 
-use super::{Input, Inputs, Label, SceneData, ShadingFacts, SurfaceInputs};
+use super::{Input, Inputs, Label, ShadingFacts, SurfaceInputs};
 use crate::math::real::Real as _;
 
 pub(super) const FACTS: ShadingFacts = ShadingFacts {
@@ -11,8 +11,6 @@ pub(super) const FACTS: ShadingFacts = ShadingFacts {
         synonyms: &[],
     },
     reads: Inputs::of(&[Input::Uv]),
-    requires: Some(SceneData::TextureCoordinates),
-    is_color: false,
 };
 
 #[inline(always)]

@@ -1,6 +1,6 @@
 //! Interpolated vertex colours.
 
-use super::{Input, Inputs, Label, SceneData, ShadingFacts, SurfaceInputs};
+use super::{Input, Inputs, Label, ShadingFacts, SurfaceInputs};
 
 pub(super) const FACTS: ShadingFacts = ShadingFacts {
     label: Label {
@@ -10,8 +10,6 @@ pub(super) const FACTS: ShadingFacts = ShadingFacts {
         synonyms: &[],
     },
     reads: Inputs::of(&[Input::VertexColor]),
-    requires: Some(SceneData::VertexColors),
-    is_color: true,
 };
 
 #[inline(always)]

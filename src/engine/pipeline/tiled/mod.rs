@@ -248,14 +248,13 @@ pub(crate) fn draw(
     let Framebuffer { grid, color, depth, .. } = framebuffer;
     let rules = DepthRules::new(settings, &scale, depth.is_some());
     let shaders = shaders(scene, settings, &draws);
-    let [r, g, b] = settings.background.resolve(scene.background);
     let frame = TiledFrame {
         settings,
         grid: *grid,
         lattice,
         scale,
         rules,
-        background: [r, g, b, 255],
+        background: settings.clear_color(scene.background),
         draws: &draws,
         arrays,
         chunks,

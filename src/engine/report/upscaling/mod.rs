@@ -25,3 +25,5 @@ pub(crate) mod skipping;
 pub mod sweep;
 
 pub mod tradeoff;
+
+pub use plot::hue_degrees;

@@ -147,7 +147,7 @@ fn sixteenth(rows: &[UpscalingRow], native: &UpscalingRow, metric: Metric) -> St
                 format!("{:.2}", row.motion.mean.codes.psnr_db),
             ];
             let cells = cells.map(|cell| format!("<td>{cell}</td>")).concat();
-            let dot = format!("<span class=\"dot m{}\"></span>", plot::color(row));
+            let dot = format!("<span class=\"dot\" {}></span>", plot::color(row));
             format!("<tr><td>{dot}{}</td>{cells}</tr>\n", escaped(&row.label))
         })
         .collect();
@@ -259,7 +259,7 @@ fn line(row: &UpscalingRow, columns: Columns) -> String {
         codes.differing_pixels.to_string(),
     ];
     format!(
-        "<tr class=\"{style}\"><td><span class=\"dot m{}\"></span>{}</td>{}<td class=\"words\">{}</td>{}</tr>\n",
+        "<tr class=\"{style}\"><td><span class=\"dot\" {}></span>{}</td>{}<td class=\"words\">{}</td>{}</tr>\n",
         plot::color(row),
         escaped(&row.label),
         cells.map(|cell| format!("<td>{cell}</td>")).concat(),

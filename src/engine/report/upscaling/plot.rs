@@ -12,16 +12,28 @@ use crate::report::html::escaped;
 use crate::report::plot::{
     BOTTOM, HEIGHT, LEFT, LETTER, LINE, MARK, Plot, PlotAxis, RIGHT, TOP, WIDTH, ZERO_LANE, svg, tick,
 };
+use crate::upscale::Upscaling;
 
-/// Number of colours in the style sheet; the first one belongs to native rendering.
-const COLORS: usize = 19;
+/// Angle between the hues of consecutive methods, in degrees: the golden angle, which keeps the hues of any number of
+/// methods apart and those of neighbours far apart.
+const HUE_STEP_DEGREES: f32 = 137.508;
 
-/// Returns the colour index of a row's method. If there are more methods than colours, colours repeat.
-pub(super) fn color(row: &UpscalingRow) -> usize {
-    match row.recipe.upscaler.place() {
-        0 => 0,
-        method => 1 + (method - 1) % (COLORS - 1),
-    }
+/// Hue of the first method after native rendering, in degrees.
+const FIRST_HUE_DEGREES: f32 = 60.0;
+
+/// Returns the hue in Oklab of an upscaler's colour in pages and in the window, in degrees. Native rendering has no hue.
+pub fn hue_degrees(upscaling: Upscaling) -> Option<f32> {
+    let method = upscaling.place().checked_sub(1)?;
+    Some(FIRST_HUE_DEGREES + HUE_STEP_DEGREES * method as f32)
+}
+
+/// Returns the colour of a row's method as a style attribute.
+pub(super) fn color(row: &UpscalingRow) -> String {
+    let color = match hue_degrees(row.recipe.upscaler) {
+        None => "var(--native)".to_owned(),
+        Some(degrees) => format!("oklch(var(--method) {degrees:.1})"),
+    };
+    format!("style=\"color: {color}\"")
 }
 
 /// Returns an SVG plot of error by a metric against time, or an empty string if there are no rows.
@@ -39,7 +51,7 @@ pub(super) fn tradeoff(scene: &SceneReport, metric: Metric) -> String {
     for rows in scene.rows.chunk_by(|a, b| a.recipe.upscaler.method() == b.recipe.upscaler.method()) {
         let points: Vec<String> =
             rows.iter().map(|row| plot.place(row)).map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
-        let _ = write!(content, "<polyline class=\"family m{}\" points=\"{}\"/>", color(&rows[0]), points.join(" "));
+        let _ = write!(content, "<polyline class=\"family\" {} points=\"{}\"/>", color(&rows[0]), points.join(" "));
     }
     content += &plot.front(&scene.rows);
     scene.rows.iter().for_each(|row| content += &plot.drawn(row));
@@ -88,8 +100,8 @@ impl ErrorPlot {
         let (metric, value) = (self.metric.name(), self.metric.format(row.motion.mean.value(self.metric)));
         let title = format!("{}: {:.2} ms, {metric} in motion {value}{by}", row.label, row.frame_ms.median);
         format!(
-            "<g class=\"{style}\"><title>{}</title><line class=\"bar m{color}\" x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{y:.1}\" \
-             y2=\"{y:.1}\"/><circle class=\"mark m{color}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{MARK}\"/></g>",
+            "<g class=\"{style}\"><title>{}</title><line class=\"bar\" {color} x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{y:.1}\" \
+             y2=\"{y:.1}\"/><circle class=\"mark\" {color} cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{MARK}\"/></g>",
             escaped(&title),
             self.plot.x(row.frame_ms.p10 * row.scale),
             self.plot.x(row.frame_ms.p90 * row.scale)

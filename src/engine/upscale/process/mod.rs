@@ -23,9 +23,10 @@ pub use failure::failures_after;
 use protocol::FrameMessage;
 pub use spec::ProcessSpec;
 
+use super::nearest::NEAREST;
 use super::{
-    Accumulated, Anchor, FilterSpace, NEAREST, Offers, Reads, RegisterError, Sampling, Scale, Tap, UpscaleInputs,
-    Upscaled, Upscaler, Upscaling, register_boxed,
+    Accumulated, Anchor, FilterSpace, Offers, Reads, RegisterError, Sampling, Scale, Tap, UpscaleInputs, Upscaled,
+    Upscaler, Upscaling, register_boxed,
 };
 use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::Choice as _;

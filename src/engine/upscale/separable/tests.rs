@@ -1,5 +1,9 @@
 use super::*;
-use crate::upscale::{BICUBIC, BILINEAR, CATMULL_ROM, LANCZOS2, LANCZOS3, MITCHELL};
+use crate::upscale::BUILT_IN;
+use crate::upscale::bicubic::BICUBIC;
+use crate::upscale::bilinear::BILINEAR;
+use crate::upscale::cubic::{CATMULL_ROM, MITCHELL};
+use crate::upscale::lanczos::{LANCZOS2, LANCZOS3};
 
 /// Kernel: weight as a function of distance in samples.
 type Curve = fn(f64) -> f64;
@@ -13,6 +17,9 @@ const METHODS: [(&Separable, Curve); 6] = [
     (&LANCZOS2, |x| lanczos(x, 2.0)),
     (&LANCZOS3, |x| lanczos(x, 3.0)),
 ];
+
+/// Ids of upscalers with the scales of separable ones that are not a [`Separable`].
+const OTHERS: [&str; 2] = ["nearest", "ewa-lanczos"];
 
 /// Cardinal function of cubic Lagrange interpolation, piecewise for distances up to 1 and up to 2.
 fn lagrange(x: f64) -> f64 {
@@ -131,6 +138,14 @@ fn filled(method: &Separable, level: Level, how: Upscaling, drawn: &Image<Rgba8>
     let mut full = Image::filled(size.0, size.1, [77, 1, 2, 3]);
     method.fill(level, how, drawn, &mut full);
     full
+}
+
+#[test]
+fn every_separable_upscaler_has_its_published_kernel_here() {
+    for upscaler in BUILT_IN.iter().filter(|upscaler| upscaler.offers().scales == SCALES) {
+        let is_known = METHODS.iter().any(|(method, _)| method.id == upscaler.id());
+        assert!(is_known != OTHERS.contains(&upscaler.id()), "{} is in neither list, or in both", upscaler.id());
+    }
 }
 
 #[test]
