@@ -257,7 +257,7 @@ fn the_chapter_on_files_names_every_format_of_models_and_channel() {
             BufferChannels::Color(names) => names.into_iter().for_each(is_named),
             BufferChannels::Weights(names) => names.into_iter().for_each(is_named),
             BufferChannels::Number(name) | BufferChannels::Count(name) | BufferChannels::Triangle(name) => {
-                is_named(name)
+                is_named(name);
             }
         }
     }
