@@ -60,6 +60,20 @@ pub(crate) const LANES: usize = 8;
 /// half as many instructions.
 pub(crate) const WIDE: usize = 2 * LANES;
 
+/// Numbers of the lanes.
+pub(crate) const LANE_NUMBERS: [f32; WIDE] =
+    [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
+
+/// Returns the first `N` values of a slice, followed by copies of `missing` if there are fewer.
+#[inline(always)]
+pub(crate) fn padded<const N: usize, T: Copy>(values: &[T], missing: T) -> [T; N] {
+    values.first_chunk().copied().unwrap_or_else(|| {
+        let mut all = [missing; N];
+        all[..values.len()].copy_from_slice(values);
+        all
+    })
+}
+
 /// Vector of eight `f32` lanes.
 pub(crate) type F32<S> = f32x8<S>;
 

@@ -49,17 +49,6 @@ impl Block {
     }
 }
 
-/// Returns the pixels of a row that begin at column `first`; `missing` for those beyond its end.
-#[inline(always)]
-pub(super) fn load<T: Copy>(row: &[T], first: usize, missing: T) -> [T; BLOCK] {
-    let rest = &row[first..];
-    rest.first_chunk().copied().unwrap_or_else(|| {
-        let mut block = [missing; BLOCK];
-        block[..rest.len()].copy_from_slice(rest);
-        block
-    })
-}
-
 /// Stores the pixels of a row that begin at column `first`, without those beyond its end.
 #[inline(always)]
 pub(super) fn store<T: Copy>(row: &mut [T], first: usize, block: &[T; BLOCK]) {

@@ -255,8 +255,8 @@ impl<'a> FrameMotion<'a> {
     #[inline(always)]
     fn resolve_row<S: Simd>(&self, simd: S, y: u32, row: &mut MotionRow<'_>, cache: &mut Cache) {
         for first in (0..row.ids.len()).step_by(BLOCK) {
-            let mut ids = block::load(row.ids, first, GBuffer::NO_OBJECT);
-            let mut block = Block::still(&block::load(row.distances, first, 0.0));
+            let mut ids = padded(&row.ids[first..], GBuffer::NO_OBJECT);
+            let mut block = Block::still(&padded(&row.distances[first..], 0.0));
             let mut start = 0;
             while start < BLOCK {
                 let id = ids[start];

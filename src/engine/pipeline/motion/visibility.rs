@@ -93,7 +93,8 @@ impl GBuffer {
         let [x, y] = each!(axis in [0, 1] => place[axis] - 0.5);
         let (column, row) = (x.floor(), y.floor());
         let (first, at) = (column.to_array()[0], row.to_array()[0]);
-        let is_adjacent = column.simd_eq(F32::load_array(simd, COLUMNS) + first) & row.simd_eq(F32::splat(simd, at));
+        let is_adjacent =
+            column.simd_eq(F32::from_slice(simd, &LANE_NUMBERS[..LANES]) + first) & row.simd_eq(F32::splat(simd, at));
         let is_inside = first >= 0.0 && at >= 0.0 && first + (LANES as f32) < width as f32 && at + 1.0 < height as f32;
         // Mostly, neighbours come from neighbours.
         if is_inside && is_adjacent.all_true() {
@@ -160,7 +161,7 @@ impl GBuffer {
 
 /// Eight adjacent pixels, and the motion of the points that they show.
 struct MovedPoints<'a> {
-    /// First pixel.
+    /// Column and row of the first pixel.
     at: (u32, u32),
     objects: &'a [Rgba8; LANES],
     across_px: &'a [f32; LANES],
@@ -184,7 +185,7 @@ impl MovedPoints<'_> {
     #[inline(always)]
     fn places<S: Simd>(&self, simd: S) -> [F32<S>; 2] {
         [
-            F32::load_array(simd, COLUMNS) + (self.at.0 as f32 + 0.5) + self.across(simd),
+            F32::from_slice(simd, &LANE_NUMBERS[..LANES]) + (self.at.0 as f32 + 0.5) + self.across(simd),
             F32::splat(simd, self.at.1 as f32 + 0.5) + self.down(simd),
         ]
     }
@@ -197,9 +198,6 @@ struct Around<S: Simd> {
     /// Whether all four pixels lie in the picture; where not, the other fields are not meaningful.
     is_inside: mask32x8<S>,
 }
-
-/// Columns of eight adjacent pixels.
-const COLUMNS: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 /// Loads eight objects as numbers.
 #[inline(always)]

@@ -32,10 +32,10 @@ impl<S: Simd> Surfaces<S> {
     #[inline(always)]
     fn load(simd: S, gbuffer: &GBuffer, vectors: &MotionVectors, (from, y): (usize, u32)) -> Self {
         let [distance, across_px, down_px] = each!(image in [&gbuffer.distance, &vectors.across_px, &vectors.down_px] => {
-            f32x16::load_array(simd, sixteen(image.row(y), from))
+            f32x16::load_array(simd, padded(&image.row(y)[from..], 0.0))
         });
         let mut visible = [0; WIDE];
-        for (wide, byte) in visible.iter_mut().zip(sixteen(vectors.visible.row(y), from)) {
+        for (wide, byte) in visible.iter_mut().zip(padded::<WIDE, u8>(&vectors.visible.row(y)[from..], 0)) {
             *wide = u32::from(byte);
         }
         let is_visible =
@@ -53,17 +53,6 @@ impl<S: Simd> Surfaces<S> {
             down_px: is_nearer.select(other.down_px, self.down_px),
         }
     }
-}
-
-/// Returns the sixteen values of a row that begin at `from`; default values beyond its end.
-#[inline(always)]
-fn sixteen<T: Copy + Default>(row: &[T], from: usize) -> [T; WIDE] {
-    let rest = &row[from..];
-    rest.first_chunk().copied().unwrap_or_else(|| {
-        let mut all = [T::default(); WIDE];
-        all[..rest.len()].copy_from_slice(rest);
-        all
-    })
 }
 
 impl DilatedVectors {

@@ -47,9 +47,6 @@ pub(in crate::upscale) struct VectorLanes<S: Simd> {
     pub(crate) visible: u32x8<S>,
 }
 
-/// Columns 0 to 7 of a group of pixels.
-pub(in crate::upscale) const COLUMNS: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
-
 impl MotionVectors {
     /// Loads the vectors of up to eight adjacent pixels of a row. Missing pixels are disoccluded.
     #[inline(always)]
@@ -61,10 +58,10 @@ impl MotionVectors {
             *wide = u32::from(*byte);
         }
         VectorLanes {
-            column: F32::load_array(simd, COLUMNS) + first,
+            column: F32::from_slice(simd, &LANE_NUMBERS[..LANES]) + first,
             row: F32::splat(simd, y as f32),
-            across_px: F32::load_array(simd, filled_up(across_px)),
-            down_px: F32::load_array(simd, filled_up(down_px)),
+            across_px: F32::load_array(simd, padded(across_px, 0.0)),
+            down_px: F32::load_array(simd, padded(down_px, 0.0)),
             visible: u32x8::load_array(simd, visible),
         }
     }
@@ -84,16 +81,6 @@ impl MotionVectors {
             down,
         }
     }
-}
-
-/// Returns up to eight numbers, followed by zeros.
-#[inline(always)]
-fn filled_up(numbers: &[f32]) -> [f32; LANES] {
-    numbers.first_chunk().copied().unwrap_or_else(|| {
-        let mut all = [0.0; LANES];
-        all[..numbers.len()].copy_from_slice(numbers);
-        all
-    })
 }
 
 /// Returns the indices of the pixels whose centres lie before and after each position along an axis of `length` px, and

@@ -35,13 +35,10 @@ enum PixelBefore {
 /// Four rows of four adjacent pixels each; the position lies between the second and the third row and column.
 pub(in crate::upscale) type Window<S> = [f32x16<S>; 4];
 
-/// Columns 0 to 15 of a block of pixels.
-const COLUMNS: [f32; WIDE] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
-
 /// Returns the centres of sixteen pixels from pixel `from` of row `y` on.
 #[inline(always)]
 pub(in crate::upscale) fn centers<S: Simd>(simd: S, (from, y): (usize, u32)) -> [f32x16<S>; 2] {
-    [f32x16::load_array(simd, COLUMNS) + from as f32 + 0.5, f32x16::splat(simd, y as f32 + 0.5)]
+    [f32x16::load_array(simd, LANE_NUMBERS) + from as f32 + 0.5, f32x16::splat(simd, y as f32 + 0.5)]
 }
 
 impl<S: Simd> PastPlaces<S> {
