@@ -17,7 +17,7 @@ pub(crate) use blinn_phong::EyeDirections;
 pub(crate) use blinn_phong::Highlight;
 pub(crate) use blinn_phong::Viewpoint;
 use glam::{Vec2, Vec3};
-use inputs::{FragmentInputs, SurfacePoint};
+use inputs::FragmentInputs;
 pub(crate) use normal_map::NormalMap;
 pub(crate) use surface::PlacedMesh;
 
@@ -317,7 +317,7 @@ impl<'a> Shader<'a> {
 
     /// Returns the light intensity by which a fragment's albedo is multiplied. It is 1 in unlit shading modes.
     pub(crate) fn light(&self, fragment: &Fragment) -> f32 {
-        self.settings.shading.light(&FragmentInputs { shader: self, fragment })
+        self.settings.shading.light(&FragmentInputs { shader: self, fragment, triangle: () })
     }
 
     /// Returns the alpha of a fragment in [0, 1]: the material's opacity, times the alpha of the colour texture if one
@@ -367,7 +367,7 @@ impl<'a> Shader<'a> {
         if let Some(color) = self.flat_color(triangle.id, triangle.instance) {
             return color;
         }
-        let inputs = SurfacePoint { inputs: FragmentInputs { shader: self, fragment }, triangle };
+        let inputs = FragmentInputs { shader: self, fragment, triangle };
         match shading.quantity(&inputs).map(Vec3::from_array) {
             Some(color) if shading.kind() == ShadingKind::Surface => self.encode(color),
             Some(color) => quantized(color),

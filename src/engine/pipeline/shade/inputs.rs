@@ -7,14 +7,16 @@ use crate::pipeline::settings::Checker;
 use crate::pipeline::shading::{CheckerInputs, LightInputs, SurfaceInputs};
 use crate::pipeline::viewport::ScreenTriangle;
 
-/// Inputs of the light at a fragment, in floats.
+/// Inputs at a fragment, in floats: of the light, or with its triangle also of a quantity.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FragmentInputs<'a> {
+pub(super) struct FragmentInputs<'a, T> {
     pub(super) shader: &'a Shader<'a>,
     pub(super) fragment: &'a Fragment,
+    /// The triangle, or `()`.
+    pub(super) triangle: T,
 }
 
-impl LightInputs for FragmentInputs<'_> {
+impl<T> LightInputs for FragmentInputs<'_, T> {
     type Number = f32;
 
     #[inline(always)]
@@ -48,74 +50,33 @@ impl LightInputs for FragmentInputs<'_> {
     }
 }
 
-/// Inputs of a quantity at a fragment, in floats.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SurfacePoint<'a> {
-    pub(super) inputs: FragmentInputs<'a>,
-    pub(super) triangle: &'a ScreenTriangle,
-}
-
-impl LightInputs for SurfacePoint<'_> {
-    type Number = f32;
-
-    #[inline(always)]
-    fn constant(&self, value: f32) -> f32 {
-        value
-    }
-
-    #[inline(always)]
-    fn normal(&self) -> [f32; 3] {
-        self.inputs.normal()
-    }
-
-    #[inline(always)]
-    fn vertex_light(&self) -> f32 {
-        self.inputs.vertex_light()
-    }
-
-    #[inline(always)]
-    fn light_direction(&self) -> [f32; 3] {
-        self.inputs.light_direction()
-    }
-
-    #[inline(always)]
-    fn ambient(&self) -> f32 {
-        self.inputs.ambient()
-    }
-
-    #[inline(always)]
-    fn dark_factor(&self) -> f32 {
-        self.inputs.dark_factor()
-    }
-}
-
-impl SurfaceInputs for SurfacePoint<'_> {
+impl SurfaceInputs for FragmentInputs<'_, &ScreenTriangle> {
     fn eye_direction(&self) -> [f32; 3] {
-        self.inputs.shader.eye_direction(self.inputs.fragment).to_array()
+        self.shader.eye_direction(self.fragment).to_array()
     }
 
     #[inline(always)]
     fn uv(&self) -> [f32; 2] {
-        self.inputs.fragment.uv.to_array()
+        self.fragment.uv.to_array()
     }
 
     #[inline(always)]
     fn vertex_color(&self) -> [f32; 3] {
-        self.inputs.fragment.color.to_array()
+        self.fragment.color.to_array()
     }
 
     #[inline(always)]
     fn weights(&self) -> [f32; 3] {
-        self.inputs.fragment.source_weights.to_array()
+        self.fragment.source_weights.to_array()
     }
 
     #[inline(always)]
     fn depth(&self) -> f32 {
-        depth_at(self.triangle, &self.inputs.fragment.sample)
+        depth_at(self.triangle, &self.fragment.sample)
     }
 
     fn checker(&self) -> CheckerInputs<f32> {
-        let Checker { squares, even, odd } = self.inputs.shader.settings.checker;
+        let Checker { squares, even, odd } = self.shader.settings.checker;
         CheckerInputs { squares, even: even.to_array(), odd: odd.to_array() }
     }
 }
