@@ -144,16 +144,13 @@ impl<'a> FrameSamples<'a> {
         let centres = (keep_depth == KeepDepth::Yes).then(|| executor.draw(&self.pass(Purpose::Frame), pool));
         let mut average = Average::new(recipe, self.area.packed_size());
         let mut first = executor.draw(&self.pass_at(*first, Purpose::Supersample), pool);
-        average.add(std::mem::replace(&mut first.color, Image::filled(0, 0, [0; 4])), pool);
+        average.add(std::mem::take(&mut first.color), pool);
         for place in others {
             average.add(executor.draw(&self.pass_at(*place, Purpose::Supersample), pool).color, pool);
         }
         let mut drawn = centres.unwrap_or(first);
         let (mean, resolve) = average.finish(pool);
-        let unused = std::mem::replace(&mut drawn.color, mean);
-        if unused.bytes() > 0 {
-            pool.give_codes(unused);
-        }
+        pool.give_codes(std::mem::replace(&mut drawn.color, mean));
         (drawn, resolve)
     }
 }

@@ -40,9 +40,11 @@ impl BufferPool {
         self.vectors.pop()
     }
 
-    /// Adds a buffer with four bytes per pixel.
+    /// Adds a buffer with four bytes per pixel, unless it is empty.
     pub(super) fn give_codes(&mut self, image: Image<Rgba8>) {
-        give(&mut self.codes, image);
+        if image.bytes() > 0 {
+            give(&mut self.codes, image);
+        }
     }
 
     /// Adds a buffer with one number per pixel.

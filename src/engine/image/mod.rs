@@ -18,7 +18,7 @@ pub mod sequence;
 pub type Rgba8 = [u8; 4];
 
 /// Two-dimensional array of values of type `T`, stored row by row from the top, and from left to right in each row.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Image<T> {
     width: u32,
     height: u32,

@@ -1,4 +1,4 @@
-//! What a tile is drawn to: its rows of the picture, and the queue of samples that wait for their texels.
+//! Target of a tile: its rows of the picture, and the queue of samples that wait for their texels.
 
 use super::TiledFrame;
 use super::finish::{finish_blended, finish_common, finish_mipmapped, finish_opaque};

@@ -15,10 +15,7 @@ use crate::pipeline::settings::ColorSpace;
 #[inline(always)]
 pub(super) fn finish_opaque<S: Simd>(simd: S, shader: &DrawShader<'_>, rows: FilledRows<'_>, pixels: &mut [Rgba8]) {
     let plan = ShadingPlan { mipmapped: false, blended: false, ..shader.plan };
-    let finisher = Finisher { shader, texture: shader.texture.as_ref(), plan };
-    for (pair, fine) in rows.pairs.iter().zip(rows.taps) {
-        finisher.finish(simd, pair, LevelTaps { fine, coarse: None }, pixels);
-    }
+    Finisher::new(shader, plan).finish_all(simd, rows, pixels);
 }
 
 /// Finishes pairs of rows of the most common plan. The shader and the texture are local copies. Stores to `pixels`
@@ -33,9 +30,7 @@ pub(super) fn finish_common<S: Simd>(
     pixels: &mut [Rgba8],
 ) {
     let finisher = Finisher { shader: &{ *shader }, texture: Some(&texture), plan: ShadingPlan::COMMON };
-    for (pair, fine) in rows.pairs.iter().zip(rows.taps) {
-        finisher.finish(simd, pair, LevelTaps { fine, coarse: None }, pixels);
-    }
+    finisher.finish_all(simd, rows, pixels);
 }
 
 /// Finishes pairs of rows of a blended draw.
@@ -45,10 +40,7 @@ pub(super) fn finish_blended<S: Simd>(simd: S, shader: &DrawShader<'_>, rows: Fi
         #[inline(always)]
         || {
             let plan = ShadingPlan { mipmapped: false, blended: true, ..shader.plan };
-            let finisher = Finisher { shader, texture: shader.texture.as_ref(), plan };
-            for (pair, fine) in rows.pairs.iter().zip(rows.taps) {
-                finisher.finish(simd, pair, LevelTaps { fine, coarse: None }, pixels);
-            }
+            Finisher::new(shader, plan).finish_all(simd, rows, pixels);
         },
     );
 }
@@ -65,7 +57,7 @@ pub(super) fn finish_mipmapped<S: Simd>(
         #[inline(always)]
         || {
             let plan = ShadingPlan { mipmapped: true, ..shader.plan };
-            let finisher = Finisher { shader, texture: shader.texture.as_ref(), plan };
+            let finisher = Finisher::new(shader, plan);
             let mut samples = 0;
             // The anisotropic filter counts the texels of both levels with the samples.
             let counts_coarse = shader.texture.is_some_and(|texture| !texture.is_anisotropic());
@@ -79,7 +71,7 @@ pub(super) fn finish_mipmapped<S: Simd>(
     )
 }
 
-/// What the final colours are computed from, besides the queued samples.
+/// Shader, texture and plan with which the colours of queued samples are finished.
 struct Finisher<'a> {
     shader: &'a DrawShader<'a>,
     /// Texture of the shader.
@@ -87,7 +79,21 @@ struct Finisher<'a> {
     plan: ShadingPlan,
 }
 
-impl Finisher<'_> {
+impl<'a> Finisher<'a> {
+    /// Returns the finisher for a shader with its own texture.
+    #[inline(always)]
+    fn new(shader: &'a DrawShader<'a>, plan: ShadingPlan) -> Self {
+        Self { shader, texture: shader.texture.as_ref(), plan }
+    }
+
+    /// Finishes pairs of rows without mip-mapping.
+    #[inline(always)]
+    fn finish_all<S: Simd>(&self, simd: S, rows: FilledRows<'_>, pixels: &mut [Rgba8]) {
+        for (pair, fine) in rows.pairs.iter().zip(rows.taps) {
+            self.finish(simd, pair, LevelTaps { fine, coarse: None }, pixels);
+        }
+    }
+
     /// Computes surface colour × texture × light for a pair of rows, and writes the encoded pixels.
     #[inline(always)]
     fn finish<S: Simd>(&self, simd: S, pair: &QueuedPair, taps: LevelTaps<'_>, pixels: &mut [Rgba8]) {
