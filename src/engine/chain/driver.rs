@@ -158,14 +158,14 @@ impl<'a> FrameSamples<'a> {
 /// Mean of supersampling passes.
 struct Average {
     mean: Mean,
-    /// Passes that are not yet added.
+    /// Colours of the passes that are not yet in `mean`.
     drawn: Vec<Image<Rgba8>>,
     /// Time spent on averaging, without the passes themselves.
     time: Duration,
 }
 
 impl Average {
-    /// Number of passes that are added at once.
+    /// Number of supersampling passes that are averaged at once.
     const TOGETHER: usize = 4;
 
     fn new(recipe: &Recipe, size: (u32, u32)) -> Self {

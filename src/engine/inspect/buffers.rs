@@ -50,9 +50,9 @@ pub(crate) struct BufferFacts {
 pub enum BufferChannels {
     /// Colours, as [`Value::Color`]: red, green, blue and alpha.
     Color([&'static str; 4]),
-    /// Numbers, as [`Value::Number`].
+    /// One channel of floats, from [`Value::Number`].
     Number(&'static str),
-    /// Integers from 0, as [`Value::Count`].
+    /// One channel of unsigned integers, from [`Value::Count`].
     Count(&'static str),
     /// Barycentric weights, as [`Value::Weights`]: one channel per corner.
     Weights([&'static str; 3]),

@@ -125,8 +125,7 @@ impl Sorting<'_> {
         }
     }
 
-    /// Collects those samples of a blended triangle that pass the depth test, and reports the other samples to the
-    /// observer.
+    /// Collects the samples of a blended triangle that pass the depth test. Reports the others to the observer.
     pub(super) fn collect<N: Numbers, O: Observer>(
         &self,
         EdgedTriangle { triangle, edges }: EdgedTriangle<'_, N>,

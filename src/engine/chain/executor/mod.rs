@@ -45,7 +45,7 @@ pub(super) struct Pass<'a> {
     pub(super) keep_depth: KeepDepth,
 }
 
-/// What the samples of a pass are used for.
+/// Use of the samples of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Purpose {
     /// The samples at the pixel centres with their depths, and the colours unless the frame has passes of the next kind.

@@ -10,7 +10,7 @@ use crate::upscale::{self, HistoryFilter, HistoryOptions, MAX_SHARPENING, Offers
 /// Pipeline stage whose switches include a setting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SettingStage {
-    /// Removal of triangles by the side that faces the eye.
+    /// Back-face or front-face culling.
     Cull,
     /// Coverage of samples; also the execution mode.
     Rasterize,

@@ -15,7 +15,7 @@ use crate::upscale::Scale;
 pub struct Word {
     /// Word in files and on the command line.
     pub id: String,
-    /// Name in menus.
+    /// Display name, for example in menus.
     pub name: String,
     /// Help text; empty if the name needs none.
     pub help: &'static str,

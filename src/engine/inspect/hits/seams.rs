@@ -125,7 +125,7 @@ struct Placing<'a> {
     drawn: Vec<TriangleId>,
 }
 
-/// Picture of a frame.
+/// Picture of a frame before or after upscaling.
 #[derive(Clone, Copy)]
 enum PictureKind {
     /// The rasterized picture, which an upscaler may enlarge.

@@ -39,7 +39,7 @@ enum SquarePosition {
     Across,
 }
 
-/// Rectangle of pixels.
+/// Part of a triangle's bounding box that lies within the scissor rectangle, in whole pixels.
 #[derive(Clone, Copy)]
 struct PixelBounds {
     columns: PixelRange,

@@ -131,7 +131,7 @@ impl Survivors {
         }
     }
 
-    /// Appends a triangle.
+    /// Appends a triangle and the range of tiles that it may touch.
     pub(super) fn push(&mut self, key: TriangleKey, tiles: TileRange) {
         self.reserve();
         (self.keys[self.used], self.tiles[self.used]) = (key.0, tiles.0);

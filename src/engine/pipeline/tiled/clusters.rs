@@ -17,7 +17,7 @@
 //! culling test itself, which is computed in doubles. Over a box, an affine function has its maximum at the corner that
 //! the signs of its coefficients select. M has its maximum where the magnitude of each coordinate is largest.
 //!
-//! **Back-facing**: see [`back_facing`].
+//! **Back-facing**: the bounds are derived in [`back_facing`].
 //!
 //! [`ROUNDING`]: crate::pipeline::vertex::ROUNDING
 //! [`UNDERFLOW`]: crate::pipeline::vertex::UNDERFLOW

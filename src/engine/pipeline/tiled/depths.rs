@@ -140,7 +140,7 @@ pub(super) struct EightPositions<S: Simd> {
 }
 
 impl<S: Simd> EightPositions<S> {
-    /// Returns the positions of samples that are all the tile's first one.
+    /// Returns the position of the tile's first sample in all lanes.
     #[inline(always)]
     pub(super) fn first(simd: S) -> Self {
         Self { x: F64::splat(simd, 0.0), y: 0.0 }

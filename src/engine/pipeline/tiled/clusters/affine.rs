@@ -9,9 +9,9 @@ use crate::scene::clusters::Boxes;
 
 /// Bounding boxes of eight clusters, one per lane.
 pub(super) struct EightBoxes<S: Simd> {
-    /// Minimum coordinates.
+    /// Corner with the least x, y and z, in model space.
     least: [F64<S>; 3],
-    /// Maximum coordinates.
+    /// Corner with the greatest x, y and z, in model space.
     greatest: [F64<S>; 3],
     /// Largest magnitude of each coordinate.
     farthest: [F64<S>; 3],

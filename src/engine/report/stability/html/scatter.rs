@@ -278,7 +278,7 @@ fn drawn(plot: &ScatterPlot, point: &TradeoffPoint) -> String {
 struct Marker<'a> {
     /// Number of the shape. The first seven differ most.
     shape: usize,
-    /// Number of the colour.
+    /// Index of the colour: the CSS classes are `k0` to `k4`.
     color: usize,
     /// Radius in SVG units.
     radius: f64,
