@@ -1,7 +1,6 @@
 //! Second pass: blending of the samples of a frame with its history. History is read and pixels are encoded sixteen at a
 //! time; the samples around them are weighted eight at a time, because that needs many registers.
 
-use super::super::history::{PastPlaces, centers};
 use super::super::jitter::Continuation;
 use super::super::quads::{self, Quad};
 use super::super::ycocg::YCoCg;
@@ -9,6 +8,7 @@ use super::super::{HistoryStep, Motion, PastColor, Rejection, Tap, UpscaleInputs
 use super::convert::{Convert, Converted};
 use super::jitter_of;
 use super::kernel::{Around, Axis, Position, Shape, is_near};
+use super::past::{Past, PastLanes, SampleMotion};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 
@@ -78,37 +78,6 @@ pub(super) struct Sgsr2Pixel {
     pub(super) step: HistoryStep,
 }
 
-/// Motion of a sample, and of the pixels nearest to it.
-#[derive(Clone, Copy)]
-struct SampleMotion {
-    /// Motion vector, in pixels to the right and downwards; not a number if the previous frame does not show the surface.
-    vector_px: [f32; 2],
-    /// Share of depth edges around the sample, in [0, 1].
-    depth_clip: f32,
-}
-
-/// Histories of sixteen pixels, one per lane. All numbers are 0 where there is none.
-struct PastLanes {
-    /// Colour and accumulated weight.
-    color: [[f32; WIDE]; 4],
-    /// 1 where there is a history, otherwise 0.
-    is_known: [f32; WIDE],
-    /// Position in the previous frame, in pixels.
-    place: [[f32; WIDE]; 2],
-    speed_px: [f32; WIDE],
-    depth_clip: [f32; WIDE],
-}
-
-/// Histories of eight pixels.
-struct Past<S: Simd> {
-    color: [F32<S>; 3],
-    /// Accumulated weight, at least 0.
-    weight: F32<S>,
-    is_known: mask32x8<S>,
-    speed_px: F32<S>,
-    depth_clip: F32<S>,
-}
-
 /// Blending of eight pixels with their history.
 struct Blend<S: Simd> {
     present: [F32<S>; 3],
@@ -158,38 +127,6 @@ impl RowBuffers {
             for (column, motion) in (0..).zip(motion) {
                 *motion = frame.motion_of_sample((column, row));
             }
-        }
-    }
-}
-
-impl SampleMotion {
-    const UNKNOWN: Self = Self { vector_px: [f32::NAN; 2], depth_clip: 0.0 };
-}
-
-impl PastLanes {
-    const NONE: Self = Self {
-        color: [[0.0; WIDE]; 4],
-        is_known: [0.0; WIDE],
-        place: [[0.0; WIDE]; 2],
-        speed_px: [0.0; WIDE],
-        depth_clip: [0.0; WIDE],
-    };
-
-    /// Returns eight lanes from lane `first` on.
-    #[inline(always)]
-    fn eight<S: Simd>(&self, simd: S, first: usize) -> Past<S> {
-        let [y, co, cg, weight, is_known, speed_px, depth_clip] = {
-            let [y, co, cg, weight] = &self.color;
-            each!(numbers in [y, co, cg, weight, &self.is_known, &self.speed_px, &self.depth_clip] => {
-                F32::from_slice(simd, &numbers[first..first + LANES])
-            })
-        };
-        Past {
-            color: [y, co, cg],
-            weight: weight.max(F32::splat(simd, 0.0)),
-            is_known: is_known.simd_gt(F32::splat(simd, 0.0)),
-            speed_px,
-            depth_clip,
         }
     }
 }
@@ -367,43 +304,14 @@ impl<'a> Sgsr2Frame<'a> {
         self.past(simd, (at.0 as usize, at.1), &motion)
     }
 
-    /// Returns the history of sixteen pixels from pixel `at` on. `motion` is that of their nearest samples.
+    /// Returns the history of sixteen pixels from pixel `at` on. `motion` is the motion of their nearest samples.
     #[inline(always)]
     fn past<S: Simd>(&self, simd: S, at: (usize, u32), motion: &[SampleMotion; WIDE]) -> PastLanes {
-        let mut past = PastLanes::NONE;
-        let Some((_, history)) = &self.history else { return past };
-        let (mut quads, center) = ([[0.0; 4]; WIDE], centers(simd, at));
-        if self.convert.is_none() {
-            let row = &history.row(at.1)[at.0..];
-            let read = row.len().min(WIDE);
-            quads[..read].copy_from_slice(&row[..read]);
-            past.is_known = [1.0; WIDE];
-            past.place = each!(axis in [0, 1] => center[axis].to_array());
-        } else {
-            let mut vectors = [[0.0; WIDE]; 2];
-            for (lane, SampleMotion { vector_px, .. }) in motion.iter().enumerate() {
-                (vectors[0][lane], vectors[1][lane]) = (vector_px[0], vector_px[1]);
-            }
-            let vectors = each!(axis in [0, 1] => f32x16::load_array(simd, vectors[axis]));
-            let places = PastPlaces::new(simd, at, vectors, self.size);
-            places.read_bilinear(simd, history, &mut quads);
-            let [across, down] = each!(axis in [0, 1] => places.place[axis] - center[axis]);
-            let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-            let speed_px = (across * across + down * down).sqrt();
-            let mut depth_clip = [0.0; WIDE];
-            for (clip, motion) in depth_clip.iter_mut().zip(motion) {
-                *clip = motion.depth_clip;
-            }
-            past.is_known = places.is_known.select(one, zero).to_array();
-            past.place = each!(axis in [0, 1] => places.place[axis].to_array());
-            past.speed_px = places.is_known.select(speed_px, zero).to_array();
-            past.depth_clip = places.is_known.select(f32x16::load_array(simd, depth_clip), zero).to_array();
+        match &self.history {
+            None => PastLanes::NONE,
+            Some((_, history)) if self.convert.is_none() => PastLanes::still(simd, history, at),
+            Some((_, history)) => PastLanes::moved(simd, history, at, motion),
         }
-        past.color = {
-            let columns = quads::columns(simd, &quads);
-            each!(i in [0, 1, 2, 3] => columns[i].to_array())
-        };
-        past
     }
 
     /// Returns the alpha of a pixel as an 8-bit value: that of the nearest sample.

@@ -24,6 +24,7 @@
 mod convert;
 mod frame;
 mod kernel;
+mod past;
 #[cfg(test)]
 mod tests;
 
