@@ -40,7 +40,6 @@ const CLIP_IN_KERNEL: f32 = 0.25;
 pub(super) struct Sgsr2Frame<'a> {
     colors: YCoCg,
     drawn: &'a UpscaleInputs<'a>,
-    size: (u32, u32),
     /// Reciprocal of the kernel's radius at a depth clip of 0, in sample distances.
     narrow: f32,
     /// Reciprocal of the radius towards which the depth clip widens the kernel, in sample distances.
@@ -142,7 +141,6 @@ impl<'a> Sgsr2Frame<'a> {
         Self {
             colors: YCoCg::new(how.light()),
             drawn,
-            size,
             narrow: 0.5 * factor,
             wide: 0.5 * (0.3 + 0.3 * factor).max(1.0),
             deviations: (area * area * area).min(MOST_DEVIATIONS),
