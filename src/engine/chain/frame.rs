@@ -95,6 +95,17 @@ pub struct Frame {
     pub tiled: Option<TiledReport>,
 }
 
+/// Change of camera or scene since the preceding frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ViewChange {
+    /// There is no preceding frame, or the upscaler does not read it.
+    First,
+    /// Camera and scene are unchanged.
+    Same,
+    /// The camera or the scene has moved.
+    Changed,
+}
+
 impl Frame {
     /// Returns the geometry of the frame, with the list of rasterized triangles. After a tiled execution, which does not
     /// need it in this form, the first call computes it, and later calls return the same.
@@ -136,8 +147,17 @@ impl Frame {
 
     /// Returns the number of consecutive preceding frames with the camera and the scene of this frame.
     fn still_frames_before(&self) -> u32 {
-        let is_still = self.surfaces.as_ref().is_some_and(|shown| shown.motion.is_none());
+        let is_still = self.view_change() == ViewChange::Same;
         self.history.as_ref().filter(|_| is_still).map_or(0, |past| past.still_frames)
+    }
+
+    /// Returns the change of camera or scene since the preceding frame.
+    pub fn view_change(&self) -> ViewChange {
+        match (&self.history, &self.surfaces) {
+            (Some(_), Some(Surfaces { motion: None, .. })) => ViewChange::Same,
+            (Some(_), Some(_)) => ViewChange::Changed,
+            _ => ViewChange::First,
+        }
     }
 
     /// Gives the buffers of the frame to a pool, except those that something else still shares.

@@ -24,6 +24,7 @@ pub use crate::pipeline::motion::FrameView;
 pub use frame::Frame;
 pub(crate) use frame::FrameTimes;
 pub use frame::PrecedingView;
+pub use frame::ViewChange;
 pub use motion::MotionBuffers;
 pub use progressive::ProgressiveRender;
 pub use recipe::Recipe;

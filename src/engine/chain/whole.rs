@@ -4,7 +4,7 @@
 use serde::Serialize;
 
 use super::view::{gbuffer_recipe, raster_viewport, reactivity};
-use super::{KeepDepth, Recipe, execution};
+use super::{KeepDepth, Recipe, ViewChange, execution};
 use crate::pipeline::plan::PlanStep;
 use crate::pipeline::settings::{DepthTest, Execution};
 use crate::pipeline::viewport::Viewport;
@@ -19,6 +19,8 @@ pub enum FramePart {
     /// Drawing a full-resolution G-buffer (object and distance per pixel), unless the preceding frame had the same
     /// view.
     Surfaces,
+    /// Finding the motion of every pixel since the preceding frame.
+    Motion,
     /// Giving less weight to the history of surfaces that are blended or have holes.
     ReactiveMask,
     /// Drawing several samples per pixel.
@@ -35,9 +37,10 @@ pub enum FramePart {
 
 impl FramePart {
     /// All parts, in the order of the stages.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::EveryPixel,
         Self::Surfaces,
+        Self::Motion,
         Self::ReactiveMask,
         Self::AntiAliasing,
         Self::KeptDepths,
@@ -51,6 +54,7 @@ impl FramePart {
         match self {
             Self::EveryPixel => "Every pixel",
             Self::Surfaces => "Full-size G-buffer",
+            Self::Motion => "Motion vectors",
             Self::ReactiveMask => "Reactive mask",
             Self::AntiAliasing => "Anti-aliasing",
             Self::KeptDepths => "Stored depths",
@@ -61,14 +65,23 @@ impl FramePart {
     }
 
     /// Returns whether a frame runs the part, with the reason if it does not.
-    pub fn step(self, scene: &Scene, recipe: &Recipe, keep_depth: KeepDepth) -> PlanStep {
+    pub fn step(self, scene: &Scene, recipe: &Recipe, keep_depth: KeepDepth, since: ViewChange) -> PlanStep {
         let (native, depth_test) = (recipe.upscaler.is_native(), recipe.pipeline.depth_test);
         let tiled = execution(scene, recipe).0 == Execution::Tiled;
         PlanStep::unless(match self {
             Self::EveryPixel => (!native).then_some("the upscaler reads fewer and fills in the rest"),
-            Self::Surfaces if gbuffer_recipe(recipe).is_some() => None,
+            Self::Surfaces if gbuffer_recipe(recipe).is_some() => {
+                (since == ViewChange::Same).then_some("camera and scene are still: the preceding frame's is kept")
+            }
             Self::Surfaces if recipe.upscaler.upscaler().reads().gbuffer => Some("the depth test is off"),
             Self::Surfaces => Some("the upscaler reads no G-buffer"),
+            Self::Motion if !recipe.upscaler.upscaler().reads().history => Some("the upscaler reads no history"),
+            Self::Motion | Self::KeptDepths if depth_test == DepthTest::Off => Some("the depth test is off"),
+            Self::Motion => match since {
+                ViewChange::First => Some("there is no preceding frame"),
+                ViewChange::Same => Some("camera and scene are still"),
+                ViewChange::Changed => None,
+            },
             Self::ReactiveMask if !recipe.upscaler.upscaler().reads_reactive_mask() => {
                 Some("the upscaler reads no reactive mask")
             }
@@ -76,7 +89,6 @@ impl FramePart {
                 reactivity(scene, recipe).is_none().then_some("no surface is blended or alpha-tested")
             }
             Self::AntiAliasing => recipe.antialias.is_off().then_some("the setting is one sample per pixel"),
-            Self::KeptDepths if depth_test == DepthTest::Off => Some("the depth test is off"),
             Self::KeptDepths => {
                 (tiled && keep_depth == KeepDepth::No).then_some("nothing reads them after a tile is drawn")
             }
@@ -100,6 +112,7 @@ mod tests {
 
     use super::*;
     use crate::chain::Renderer;
+    use crate::pipeline::gbuffer::GBuffer;
     use crate::scene::builtin;
     use crate::scene::builtin::workload::layers;
     use crate::upscale::Upscaling;
@@ -116,7 +129,7 @@ mod tests {
             let frame = Renderer::default().render(&scene, &scene.home, &recipe, SIZE, KeepDepth::No);
             let shaded = frame.tiled.as_ref().unwrap().counts.shaded;
             assert_eq!(shaded, rasterized_pixels(&recipe, SIZE), "{upscaler:?}");
-            let all = FramePart::EveryPixel.step(&scene, &recipe, KeepDepth::No).runs();
+            let all = FramePart::EveryPixel.step(&scene, &recipe, KeepDepth::No, frame.view_change()).runs();
             assert_eq!(all, shaded == 96 * 48 && upscaler.is_native(), "{upscaler:?}");
         }
     }
@@ -135,12 +148,40 @@ mod tests {
             let mut recipe = Recipe::default();
             recipe.set_all(settings).unwrap();
             let frame = Renderer::default().render(&scene, &scene.home, &recipe, SIZE, keep);
-            let runs = |part: FramePart| part.step(&scene, &recipe, keep).runs();
+            let runs = |part: FramePart| part.step(&scene, &recipe, keep, frame.view_change()).runs();
             assert_eq!(runs(FramePart::KeptDepths), frame.drawn.depth.is_some(), "{settings:?}");
             assert_eq!(runs(FramePart::Surfaces), frame.surfaces.is_some(), "{settings:?}");
             let has_mask = frame.surfaces.as_ref().is_some_and(|shown| shown.reactivity.is_some());
             assert_eq!(runs(FramePart::ReactiveMask), has_mask, "{settings:?}");
             assert_eq!(runs(FramePart::Upscaling), !std::ptr::eq(frame.image(), &frame.drawn.color), "{settings:?}");
+        }
+    }
+
+    #[test]
+    fn a_still_view_skips_motion_and_keeps_its_surfaces() {
+        let scene = Arc::new(builtin::by_id("cubes").unwrap().build());
+        let mut moved = scene.home;
+        moved.orbit(0.1, 0.0);
+        for (method, reads_history) in [("fsr2", true), ("taa", true), ("native", false)] {
+            let upscaler = Upscaling::new(method, if method == "fsr2" { 2 } else { 1 }).unwrap();
+            let recipe = Recipe { upscaler, ..Recipe::default() };
+            let mut renderer = Renderer::default();
+            let mut before: Option<Arc<GBuffer>> = None;
+            let changes = [scene.home, moved, moved].map(|camera| {
+                let frame = renderer.render(&scene, &camera, &recipe, SIZE, KeepDepth::No);
+                let since = frame.view_change();
+                let runs = |part: FramePart| part.step(&scene, &recipe, KeepDepth::No, since).runs();
+                let surfaces = frame.surfaces.clone();
+                let has_motion = surfaces.as_ref().is_some_and(|shown| shown.motion.is_some());
+                assert_eq!(runs(FramePart::Motion), has_motion, "{method} {since:?}");
+                let now = surfaces.map(|shown| shown.gbuffer);
+                let is_kept = matches!((&before, &now), (Some(before), Some(now)) if Arc::ptr_eq(before, now));
+                assert_eq!(runs(FramePart::Surfaces), now.is_some() && !is_kept, "{method} {since:?}");
+                before = now;
+                since
+            });
+            let expected = [ViewChange::First, ViewChange::Changed, ViewChange::Same];
+            assert_eq!(changes, if reads_history { expected } else { [ViewChange::First; 3] }, "{method}");
         }
     }
 

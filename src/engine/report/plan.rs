@@ -4,7 +4,7 @@
 use serde::Serialize;
 
 use crate::chain::whole::{FramePart, rasterized_pixels};
-use crate::chain::{KeepDepth, Recipe};
+use crate::chain::{KeepDepth, Recipe, ViewChange};
 use crate::pipeline::plan::{CullStats, DrawPlan, PipelinePart, PlanStep};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Scene, Transparency};
@@ -49,13 +49,15 @@ pub struct WholeFrame {
     pub(crate) parts: Vec<PlanEntry<FramePart>>,
 }
 
-/// Describes the pipeline parts of a frame that do not belong to any draw, assuming that the frame's depth buffer is
-/// not read afterwards.
+/// Describes the pipeline parts of a frame that do not belong to any draw. Assumes that the frame is the first one, and
+/// that its depth buffer is not read afterwards.
 pub fn whole(scene: &Scene, recipe: &Recipe, viewport: Viewport) -> WholeFrame {
     WholeFrame {
         rasterized_pixels: rasterized_pixels(recipe, viewport),
         pixels: u64::from(viewport.width) * u64::from(viewport.height),
-        parts: FramePart::ALL.map(|part| entry(part, part.step(scene, recipe, KeepDepth::No))).into(),
+        parts: FramePart::ALL
+            .map(|part| entry(part, part.step(scene, recipe, KeepDepth::No, ViewChange::First)))
+            .into(),
     }
 }
 

@@ -469,7 +469,8 @@ fn skip_reason(stage: Stage, view: &RenderedView) -> Option<String> {
         Stage::Clip => PipelinePart::Clipping,
         Stage::Depth => PipelinePart::Depth,
         Stage::Upscale => {
-            let step = FramePart::Upscaling.step(&view.request.scene, &view.request.recipe, KeepDepth::Yes);
+            let (scene, recipe) = (&view.request.scene, &view.request.recipe);
+            let step = FramePart::Upscaling.step(scene, recipe, KeepDepth::Yes, view.frame.view_change());
             return step.reason().map(str::to_owned);
         }
     };

@@ -86,7 +86,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session) {
         let frame = &view.frame;
         let keeps = if frame.drawn.depth.is_some() { KeepDepth::Yes } else { KeepDepth::No };
         for part in FramePart::ALL {
-            let step = part.step(&view.request.scene, &view.request.recipe, keeps);
+            let step = part.step(&view.request.scene, &view.request.recipe, keeps, frame.view_change());
             ui.label(part.name());
             let color = if step.runs() { tokens(ui).text_strong } else { tokens(ui).text_weak };
             let drawn = format!("{:.2} % of pixels", frame.drawn_share() * 100.0);
