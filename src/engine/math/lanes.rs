@@ -74,6 +74,16 @@ pub(crate) fn padded<const N: usize, T: Copy>(values: &[T], missing: T) -> [T; N
     })
 }
 
+/// Stores values in a slice, without those beyond its end.
+#[inline(always)]
+pub(crate) fn store_in<const N: usize, T: Copy>(slice: &mut [T], values: &[T; N]) {
+    match slice.first_chunk_mut() {
+        // Of constant length, because calls of `memcpy` for so few bytes take longer than the bytes.
+        Some(whole) => *whole = *values,
+        None => slice.copy_from_slice(&values[..slice.len()]),
+    }
+}
+
 /// Vector of eight `f32` lanes.
 pub(crate) type F32<S> = f32x8<S>;
 

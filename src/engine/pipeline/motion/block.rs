@@ -49,16 +49,6 @@ impl Block {
     }
 }
 
-/// Stores the pixels of a row that begin at column `first`, without those beyond its end.
-#[inline(always)]
-pub(super) fn store<T: Copy>(row: &mut [T], first: usize, block: &[T; BLOCK]) {
-    let rest = &mut row[first..];
-    match rest.first_chunk_mut() {
-        Some(whole) => *whole = *block,
-        None => rest.copy_from_slice(&block[..rest.len()]),
-    }
-}
-
 /// Cache of triangle motions: neighbouring pixels and rows mostly show the same triangles.
 pub(super) struct Cache {
     /// Entry of triangle `id` at `id % ENTRIES`, with the bytes of the id that it holds.

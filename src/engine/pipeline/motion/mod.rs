@@ -206,7 +206,7 @@ impl<'a> FrameMotion<'a> {
         PointMotion {
             vector_px: [block.across_px[place], block.down_px[place]],
             distance: block.distance[place],
-            is_visible: visible.is_some_and(|visible| visible[place]),
+            is_visible: visible.is_some_and(|visible| visible[place] == MotionVectors::VISIBLE),
         }
     }
 
@@ -271,13 +271,12 @@ impl<'a> FrameMotion<'a> {
                 ids[start..end].fill(motion.object);
                 start = end;
             }
-            block::store(row.ids, first, &ids);
-            block::store(row.across_px, first, &block.across_px);
-            block::store(row.down_px, first, &block.down_px);
+            store_in(&mut row.ids[first..], &ids);
+            store_in(&mut row.across_px[first..], &block.across_px);
+            store_in(&mut row.down_px[first..], &block.down_px);
             let Some(before) = self.before else { continue };
-            let shown = before.shows_moved(simd, (first as u32, y), &ids, &block);
-            let visible = shown.map(|shown| if shown { MotionVectors::VISIBLE } else { 0 });
-            block::store(row.visible, first, &visible);
+            let visible = before.shows_moved(simd, (first as u32, y), &ids, &block);
+            store_in(&mut row.visible[first..], &visible);
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Visibility of moved surface points in the preceding frame.
 
+use super::MotionVectors;
 use super::block::Block;
 use super::plane::BLOCK;
 use crate::image::Rgba8;
@@ -19,8 +20,9 @@ fn is_near(distance: f32, nearest: f32, farthest: f32) -> bool {
 }
 
 impl GBuffer {
-    /// Whether this frame shows the points of a block, of which the first pixel is `at`, at the positions and distances
-    /// to which their vectors lead. `objects` are those of the points.
+    /// Returns [`MotionVectors::VISIBLE`] for each point of a block that this frame shows at the position and the distance
+    /// to which its vector leads, and 0 for the others. `at` is the first pixel of the block, and `objects` are those of
+    /// the points.
     ///
     /// The four pixels around a position decide, by their bilinear weights, so that silhouettes are found to a fraction
     /// of a pixel. The distances of those that show the object must agree with that of the point, or the object hides
@@ -32,8 +34,8 @@ impl GBuffer {
         at: (u32, u32),
         objects: &[Rgba8; BLOCK],
         block: &Block,
-    ) -> [bool; BLOCK] {
-        let mut visible = [false; BLOCK];
+    ) -> [u8; BLOCK] {
+        let mut visible = [0; BLOCK];
         for (half, visible) in visible.as_chunks_mut().0.iter_mut().enumerate() {
             let points = MovedPoints {
                 at: (at.0 + (half * LANES) as u32, at.1),
@@ -47,9 +49,9 @@ impl GBuffer {
         visible
     }
 
-    /// Whether this frame shows eight moved points.
+    /// Returns [`MotionVectors::VISIBLE`] for each of eight moved points that this frame shows, and 0 for the others.
     #[inline(always)]
-    fn shows_eight<S: Simd>(&self, simd: S, points: &MovedPoints<'_>) -> [bool; LANES] {
+    fn shows_eight<S: Simd>(&self, simd: S, points: &MovedPoints<'_>) -> [u8; LANES] {
         let place = points.places(simd);
         let around = self.around(simd, place);
         let own = u32s(simd, points.objects);
@@ -66,21 +68,25 @@ impl GBuffer {
             distance.simd_eq(nearest) | (distance.simd_ge(nearest - slack) & distance.simd_le(farthest + slack));
         let is_simple = shows_object & !is_still;
         let shown = (is_simple & is_near & distance.simd_gt(zero)).to_bitmask();
+        if shown == 0xff {
+            return [MotionVectors::VISIBLE; LANES];
+        }
         let (is_simple, is_still) = (is_simple.to_bitmask(), is_still.to_bitmask());
-        let mut visible = [false; LANES];
+        let byte = |is_visible: bool| if is_visible { MotionVectors::VISIBLE } else { 0 };
+        let mut visible = [0; LANES];
         for (lane, visible) in visible.iter_mut().enumerate() {
-            *visible = shown >> lane & 1 != 0;
+            *visible = byte(shown >> lane & 1 != 0);
         }
         if is_simple != 0xff {
             let [x, y] = each!(axis in [0, 1] => place[axis].to_array());
             for lane in (0..LANES).filter(|lane| is_simple >> lane & 1 == 0) {
                 let (object, distance) = (points.objects[lane], points.distance[lane]);
                 let pixel = (points.at.0 + lane as u32, points.at.1);
-                visible[lane] = if is_still >> lane & 1 != 0 {
+                visible[lane] = byte(if is_still >> lane & 1 != 0 {
                     pixel.0 < self.object.width() && self.shows(pixel, object, distance)
                 } else {
                     self.shows_partly([x[lane], y[lane]], object, distance)
-                };
+                });
             }
         }
         visible

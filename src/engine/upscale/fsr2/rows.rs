@@ -112,9 +112,9 @@ impl Fsr2Frame<'_> {
         let history = history.color.chunks_mut(WIDE).zip(history.locks.chunks_mut(WIDE));
         for (from, (row, (color, locks))) in (0..).step_by(WIDE).zip(row.chunks_mut(WIDE).zip(history)) {
             let blended = self.finished(simd, &self.block(simd, (from, y), scratch));
-            row.copy_from_slice(&blended.codes[..row.len()]);
-            color.copy_from_slice(&blended.color[..color.len()]);
-            locks.copy_from_slice(&blended.locks[..locks.len()]);
+            store_in(row, &blended.codes);
+            store_in(color, &blended.color);
+            store_in(locks, &blended.locks);
         }
     }
 

@@ -150,8 +150,8 @@ impl<'a> TaaFrame<'a> {
         let blocks = row.chunks_mut(WIDE).zip(memory.chunks_mut(WIDE));
         for (from, (row, memory)) in (0..).step_by(WIDE).zip(blocks) {
             let (codes, quads) = self.finished(simd, &self.block(simd, (from, y), scratch));
-            row.copy_from_slice(&codes[..row.len()]);
-            memory.copy_from_slice(&quads[..memory.len()]);
+            store_in(row, &codes);
+            store_in(memory, &quads);
         }
     }
 
