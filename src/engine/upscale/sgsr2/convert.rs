@@ -1,25 +1,41 @@
 //! First pass: the motion vector and the depth clip of every sample, from the distances of the samples around it.
 
-use super::super::{Lattice, UpscaleInputs};
+use std::ops::Range;
+
+use super::super::quads::window;
+use super::super::{FrameInputs, Lattice, UpscaleInputs};
+use super::past::SampleMotion;
 use crate::image::Image;
+use crate::math::lanes::*;
+use crate::pipeline::motion::MotionVectors;
 
 /// Relative difference of two distances up to which they belong to one surface, per pixel of the diagonal of the drawn
 /// picture.
 const SEPARATION: f32 = 1.37e-5;
 
-/// Motion and depth clip of a sample.
+/// Motion of a sample, and its source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Converted {
     /// Pixel whose motion vector applies: that of the nearest surface among the 3 × 3 samples around the sample.
     pub(super) vector_of: (u32, u32),
-    /// Share of depth edges around the sample, in [0, 1].
-    pub(super) depth_clip: f32,
+    pub(super) motion: SampleMotion,
 }
 
-/// Distances of the visible surfaces at all samples.
+/// Motion and depth clip of sixteen samples.
+struct ConvertedLanes<S: Simd> {
+    /// Motion vectors, in pixels to the right and downwards; not numbers if the previous frame does not show the surface.
+    vector_px: [f32x16<S>; 2],
+    /// Sample whose motion vector applies, by its place among the 3 × 3 samples, row by row.
+    vector_of: u32x16<S>,
+    depth_clip: f32x16<S>,
+}
+
+/// Visible surfaces at all samples, and their motion.
 #[derive(Clone, Debug)]
 pub(super) struct Convert<'a> {
     distance: &'a Image<f32>,
+    /// `None` if nothing moves.
+    vectors: Option<&'a MotionVectors>,
     /// Column of the pixel that contains the centre of each column of samples.
     columns: Vec<u32>,
     /// Row of the pixel that contains the centre of each row of samples.
@@ -28,62 +44,140 @@ pub(super) struct Convert<'a> {
     separation: f32,
 }
 
+/// Surfaces of four adjacent rows of samples.
+pub(super) struct SurfaceRows([SurfaceRow; 4]);
+
+/// Surfaces of a row of samples. Sample `i` is at index `i + 1`; the first and the last sample are repeated, so that
+/// sixteen can be read from every sample and from the two behind it.
+struct SurfaceRow {
+    /// Row and samples that the buffers hold.
+    holds: Option<(u32, Range<u32>)>,
+    distance: Vec<f32>,
+    across_px: Vec<f32>,
+    down_px: Vec<f32>,
+}
+
+impl SurfaceRows {
+    /// Returns buffers for rows of `samples` samples, which hold none yet.
+    pub(super) fn new(samples: u32) -> Self {
+        let numbers = || vec![0.0; samples as usize + 3 + WIDE];
+        let row = || SurfaceRow { holds: None, distance: numbers(), across_px: numbers(), down_px: numbers() };
+        Self([0; 4].map(|_| row()))
+    }
+}
+
 impl<'a> Convert<'a> {
     /// Prepares the pass; returns `None` if there is no G-buffer.
     pub(super) fn new(lattice: Lattice, drawn: &UpscaleInputs<'a>) -> Option<Self> {
-        let distance = &drawn.frame?.gbuffer.distance;
+        let FrameInputs { gbuffer, motion: vectors, .. } = drawn.frame?;
+        let distance = &gbuffer.distance;
         let (width, height) = drawn.color.size();
         let pixels = |samples: u32, length: u32| {
             (0..samples).map(|index| (lattice.position_px(index) as u32).min(length - 1)).collect()
         };
         let (columns, rows) = (pixels(width, distance.width()), pixels(height, distance.height()));
         let (width, height) = (width as f32, height as f32);
-        Some(Self { distance, columns, rows, separation: SEPARATION * (width * width + height * height).sqrt() })
+        let separation = SEPARATION * (width * width + height * height).sqrt();
+        Some(Self { distance, vectors, columns, rows, separation })
     }
 
-    /// Returns the motion and the depth clip of a sample.
+    /// Returns the motion of all samples of a row.
     #[inline(always)]
-    pub(super) fn sample(&self, (column, row): (u32, u32)) -> Converted {
-        let around = |at: u32, pixels: &[u32]| {
-            let last = pixels.len() as i64 - 1;
-            [-1, 0, 1, 2].map(|by| pixels[(i64::from(at) + by).clamp(0, last) as usize])
-        };
-        let (columns, rows) = (around(column, &self.columns), around(row, &self.rows));
-        let distances = rows.map(|row| {
-            let row = self.distance.row(row);
-            columns.map(|column| row[column as usize])
-        });
-        // The sample itself wins ties.
-        let (mut nearest, mut vector_of) = (distances[1][1], (columns[1], rows[1]));
-        for (row, distances) in rows.into_iter().zip(distances).take(3) {
-            for (column, distance) in columns.into_iter().zip(distances).take(3) {
-                if distance < nearest {
-                    (nearest, vector_of) = (distance, (column, row));
-                }
+    pub(super) fn row<S: Simd>(&self, simd: S, row: u32, surfaces: &mut SurfaceRows, motion: &mut [SampleMotion]) {
+        let around = self.surfaces_around(row, 0..self.columns.len() as u32, surfaces);
+        for (first, motion) in (0..).step_by(WIDE).zip(motion.chunks_mut(WIDE)) {
+            let ConvertedLanes { vector_px: [across, down], depth_clip, .. } = self.sixteen(simd, &around, first);
+            let [across, down, depth_clip] = each!(numbers in [across, down, depth_clip] => numbers.to_array());
+            for (lane, motion) in motion.iter_mut().enumerate() {
+                *motion = SampleMotion { vector_px: [across[lane], down[lane]], depth_clip: depth_clip[lane] };
             }
         }
-        Converted { vector_of, depth_clip: self.depth_clip(&distances) }
+    }
+
+    /// Returns the motion of one sample, bit-identical to [`Self::row`].
+    pub(super) fn sample(&self, (column, row): (u32, u32)) -> Converted {
+        let mut surfaces = SurfaceRows::new(self.columns.len() as u32);
+        let around = self.surfaces_around(row, column..column + 1, &mut surfaces);
+        let ConvertedLanes { vector_px, vector_of, depth_clip } = self.sixteen(baseline(), &around, column as usize);
+        let place = vector_of.to_array()[0];
+        let pixel = |at: u32, by: u32, pixels: &[u32]| {
+            pixels[(at + by).saturating_sub(1).min(pixels.len() as u32 - 1) as usize]
+        };
+        Converted {
+            motion: SampleMotion {
+                vector_px: vector_px.map(|numbers| numbers.to_array()[0]),
+                depth_clip: depth_clip.to_array()[0],
+            },
+            vector_of: (pixel(column, place % 3, &self.columns), pixel(row, place / 3, &self.rows)),
+        }
+    }
+
+    /// Returns the row of samples before a row, that row and the two behind it, with the surfaces at and around the given
+    /// samples.
+    #[inline(always)]
+    fn surfaces_around<'b>(&self, row: u32, samples: Range<u32>, surfaces: &'b mut SurfaceRows) -> [&'b SurfaceRow; 4] {
+        let rows = [0, 1, 2, 3].map(|by| (row + by).saturating_sub(1).min(self.rows.len() as u32 - 1));
+        for row in rows {
+            self.fill(row, &samples, &mut surfaces.0[row as usize % 4]);
+        }
+        rows.map(|row| &surfaces.0[row as usize % 4])
+    }
+
+    /// Makes sure that a row holds the surfaces at and around the given samples.
+    #[inline(always)]
+    fn fill(&self, row: u32, samples: &Range<u32>, surfaces: &mut SurfaceRow) {
+        if surfaces.holds.as_ref().is_some_and(|(held, all)| (*held, all) == (row, samples)) {
+            return;
+        }
+        let (y, last) = (self.rows[row as usize], self.columns.len() - 1);
+        let distances = self.distance.row(y);
+        for index in samples.start as usize..samples.end as usize + 3 {
+            let x = self.columns[index.saturating_sub(1).min(last)];
+            surfaces.distance[index] = distances[x as usize];
+            let vector = self.vectors.and_then(|vectors| vectors.visible_vector((x, y)));
+            [surfaces.across_px[index], surfaces.down_px[index]] = vector.unwrap_or([f32::NAN; 2]);
+        }
+        surfaces.holds = Some((row, samples.clone()));
+    }
+
+    /// Returns the motion of sixteen samples from sample `first` on.
+    #[inline(always)]
+    fn sixteen<S: Simd>(&self, simd: S, around: &[&SurfaceRow; 4], first: usize) -> ConvertedLanes<S> {
+        let load = |numbers: &[f32], column: usize| f32x16::load_array_ref(simd, window(numbers, first + column));
+        let distances = each!(row in [0, 1, 2, 3] => {
+            each!(column in [0, 1, 2, 3] => load(&around[row].distance, column))
+        });
+        // The sample itself wins ties.
+        let (mut nearest, mut vector_of) = (distances[1][1], u32x16::splat(simd, 4));
+        let mut vector_px = [load(&around[1].across_px, 1), load(&around[1].down_px, 1)];
+        for (row, distances) in distances.iter().enumerate().take(3) {
+            for (column, distance) in distances.iter().enumerate().take(3) {
+                let is_nearer = distance.simd_lt(nearest);
+                let vector = [load(&around[row].across_px, column), load(&around[row].down_px, column)];
+                vector_px = each!(axis in [0, 1] => is_nearer.select(vector[axis], vector_px[axis]));
+                vector_of = is_nearer.select(u32x16::splat(simd, (3 * row + column) as u32), vector_of);
+                nearest = is_nearer.select(*distance, nearest);
+            }
+        }
+        ConvertedLanes { vector_px, vector_of, depth_clip: self.depth_clip(simd, &distances) }
     }
 
     /// Returns the share of depth edges among 4 × 4 distances. The nearest distance of each quarter is compared with that
     /// of the middle 2 × 2.
     #[inline(always)]
-    fn depth_clip(&self, distances: &[[f32; 4]; 4]) -> f32 {
-        let nearest = |row: usize, column: usize| {
-            let [above, below] = [row, row + 1].map(|row| distances[row][column].min(distances[row][column + 1]));
-            above.min(below)
-        };
-        let middle = nearest(1, 1);
-        if !middle.is_finite() {
-            return 0.0;
-        }
-        let continuity = |(row, column): (usize, usize)| {
+    fn depth_clip<S: Simd>(&self, simd: S, distances: &[[f32x16<S>; 4]; 4]) -> f32x16<S> {
+        let [first, middle, last] = each!(row in [0, 1, 2] => each!(column in [0, 1, 2] => {
+            let [above, below] = [distances[row], distances[row + 1]];
+            above[column].min(above[column + 1]).min(below[column].min(below[column + 1]))
+        }));
+        let (middle, one) = (middle[1], f32x16::splat(simd, 1.0));
+        let [a, b, c, d] = each!(nearest in [first[0], first[2], last[0], last[2]] => {
             // The relative difference, also if one distance is infinite.
-            let difference = (1.0 - middle / nearest(row, column)).abs();
-            if difference > self.separation { self.separation / difference } else { 1.0 }
-        };
-        let [a, b, c, d] = [(0, 0), (0, 2), (2, 0), (2, 2)].map(continuity);
-        (1.0 - 0.25 * (a + b + c + d)).clamp(0.0, 1.0)
+            let difference = (one - middle / nearest).abs();
+            difference.simd_gt(self.separation).select(self.separation / difference, one)
+        });
+        let clip = (one - (a + b + c + d) * 0.25).max(0.0).min(1.0);
+        middle.simd_lt(f32::INFINITY).select(clip, f32x16::splat(simd, 0.0))
     }
 }
 
@@ -109,11 +203,11 @@ mod tests {
         let edge = |x: u32, _| if x < 20 { 2.0 } else { 10.0 };
         let at = |column| converted(Image::from_fn(64, 48, edge), (column, 12));
         // In front of the edge, all quarters are as near as the middle, or half of them are far behind it.
-        assert_eq!(at(3).depth_clip, 0.0);
-        assert!((0.49..=0.5).contains(&at(9).depth_clip), "{:?}", at(9));
+        assert_eq!(at(3).motion.depth_clip, 0.0);
+        assert!((0.49..=0.5).contains(&at(9).motion.depth_clip), "{:?}", at(9));
         // Just behind the edge, half of the quarters are nearer.
-        assert!((0.49..=0.5).contains(&at(10).depth_clip), "{:?}", at(10));
-        assert_eq!(at(15).depth_clip, 0.0);
+        assert!((0.49..=0.5).contains(&at(10).motion.depth_clip), "{:?}", at(10));
+        assert_eq!(at(15).motion.depth_clip, 0.0);
         // Sample 10 lies behind the edge. Of the equally near samples in column 9, the uppermost one is taken.
         assert_eq!(at(10).vector_of, (19, 23));
         assert_eq!(at(11).vector_of, (23, 25));
@@ -122,10 +216,10 @@ mod tests {
     #[test]
     fn slanted_surfaces_and_the_background_have_no_edges() {
         let slanted = Image::from_fn(64, 48, |x, y| 5.0 + 1e-4 * (x + y) as f32);
-        assert_eq!(converted(slanted, (16, 12)).depth_clip, 0.0);
-        assert_eq!(converted(Image::filled(64, 48, f32::INFINITY), (16, 12)).depth_clip, 0.0);
+        assert_eq!(converted(slanted, (16, 12)).motion.depth_clip, 0.0);
+        assert_eq!(converted(Image::filled(64, 48, f32::INFINITY), (16, 12)).motion.depth_clip, 0.0);
         let horizon = Image::from_fn(64, 48, |_, y| if y < 24 { f32::INFINITY } else { 3.0 });
-        let clip = converted(horizon, (16, 11)).depth_clip;
+        let clip = converted(horizon, (16, 11)).motion.depth_clip;
         assert!((0.49..=0.5).contains(&clip), "{clip}");
     }
 }

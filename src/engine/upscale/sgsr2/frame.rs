@@ -5,7 +5,7 @@ use super::super::jitter::Continuation;
 use super::super::quads::{self, Quad};
 use super::super::ycocg::YCoCg;
 use super::super::{HistoryStep, Motion, PastColor, Rejection, Tap, UpscaleInputs, Upscaling};
-use super::convert::{Convert, Converted};
+use super::convert::{Convert, SurfaceRows};
 use super::jitter_of;
 use super::kernel::{Around, Axis, Position, Shape, is_near};
 use super::past::{Past, PastLanes, SampleMotion};
@@ -64,6 +64,7 @@ pub(super) struct RowBuffers {
     stretched: [(Option<u32>, StretchedRow); 3],
     /// Motion of a row of samples, with its index.
     motion: (Option<u32>, Vec<SampleMotion>),
+    surfaces: SurfaceRows,
     decoded: Vec<Quad>,
 }
 
@@ -97,6 +98,7 @@ impl RowBuffers {
         Self {
             stretched: [0; 3].map(|_| (None, stretched())),
             motion: (None, vec![SampleMotion::UNKNOWN; samples]),
+            surfaces: SurfaceRows::new(samples as u32),
             decoded: vec![[0.0; 4]; samples],
         }
     }
@@ -120,12 +122,12 @@ impl RowBuffers {
 
     /// Makes sure that the first pass is done for a row of samples.
     #[inline(always)]
-    fn find_motion(&mut self, frame: &Sgsr2Frame<'_>, row: u32) {
+    fn find_motion<S: Simd>(&mut self, simd: S, frame: &Sgsr2Frame<'_>, row: u32) {
         let (held, motion) = &mut self.motion;
-        if frame.convert.is_some() && held.replace(row) != Some(row) {
-            for (column, motion) in (0..).zip(motion) {
-                *motion = frame.motion_of_sample((column, row));
-            }
+        if let Some(convert) = &frame.convert
+            && held.replace(row) != Some(row)
+        {
+            convert.row(simd, row, &mut self.surfaces, motion);
         }
     }
 }
@@ -165,7 +167,7 @@ impl<'a> Sgsr2Frame<'a> {
         for index in rows {
             buffers.fill(simd, self, index);
         }
-        buffers.find_motion(self, rows[1]);
+        buffers.find_motion(simd, self, rows[1]);
         let samples = rows.map(|index| &buffers.stretched[index as usize % 3].1);
         let rows = self.rows.splat(simd, y as usize);
         let groups = row.chunks_mut(WIDE).zip(memory.chunks_mut(WIDE));
@@ -204,10 +206,10 @@ impl<'a> Sgsr2Frame<'a> {
             let color = each!(i in [0, 1, 2, 3] => f32x16::load_array_ref(simd, &color[i]));
             let mut quads = [[0.0; 4]; WIDE];
             quads::store(color, &mut quads);
-            memory.copy_from_slice(&quads[..memory.len()]);
+            store_in(memory, &quads);
             let [y, co, cg, _] = color;
             let codes = self.colors.encode(simd, [y, co, cg], f32x16::load_array(simd, alpha));
-            pixels.copy_from_slice(&codes[..pixels.len()]);
+            store_in(pixels, &codes);
         }
     }
 
@@ -280,10 +282,7 @@ impl<'a> Sgsr2Frame<'a> {
     /// Returns the motion of a sample. It is unknown in the first frame, and in a still view.
     #[inline(always)]
     fn motion_of_sample(&self, sample: (u32, u32)) -> SampleMotion {
-        let vectors = self.history.as_ref().and_then(|(motion, _)| motion.vectors);
-        let (Some(convert), Some(vectors)) = (&self.convert, vectors) else { return SampleMotion::UNKNOWN };
-        let Converted { vector_of, depth_clip } = convert.sample(sample);
-        SampleMotion { vector_px: vectors.visible_vector(vector_of).unwrap_or([f32::NAN; 2]), depth_clip }
+        self.convert.as_ref().map_or(SampleMotion::UNKNOWN, |convert| convert.sample(sample).motion)
     }
 
     /// Returns why a pixel has no history, if it has none.

@@ -6,7 +6,7 @@ use crate::image::Image;
 use crate::math::lanes::*;
 
 /// Motion of a sample, and of the pixels nearest to it.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SampleMotion {
     /// Motion vector, in pixels to the right and downwards; NaN if the previous frame does not show the surface.
     pub(super) vector_px: [f32; 2],
