@@ -53,11 +53,6 @@ const REMAINING: &[Remaining] = &[
         reason: "Lattices are generic over the numbers of edge functions, which are evaluated on lattices.",
     },
     Remaining {
-        folder: "rasterscope_engine::upscale",
-        modules: "choice history jitter sample_rows taa ycocg",
-        reason: "The choice of an upscaler holds history options, and methods with history read the choice.",
-    },
-    Remaining {
         folder: "rasterscope_engine::upscale::separable",
         modules: "fixed_avx2 gather_avx2",
         reason: "Both kernels share the block of samples and the table of gathered samples.",
