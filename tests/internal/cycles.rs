@@ -43,11 +43,6 @@ const REMAINING: &[Remaining] = &[
                  shaders read.",
     },
     Remaining {
-        folder: "rasterscope_engine::pipeline::raster",
-        modules: "numbers steps",
-        reason: "Steps of edge functions are generic over the numbers that declare them.",
-    },
-    Remaining {
         folder: "rasterscope_engine::pipeline::tiled",
         modules: "edge_number lattice",
         reason: "Lattices are generic over the numbers of edge functions, which are evaluated on lattices.",

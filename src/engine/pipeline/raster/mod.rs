@@ -24,6 +24,8 @@ mod fixed;
 
 mod float;
 
+pub(crate) mod inward;
+
 mod published;
 
 mod scanline;

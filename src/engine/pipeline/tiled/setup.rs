@@ -9,7 +9,7 @@ use crate::math::fixed::SUBPIXELS;
 use crate::math::lanes::*;
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::raster::fill_rule::EdgeOwner;
-use crate::pipeline::raster::numbers::Inward;
+use crate::pipeline::raster::inward::Inward;
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::ScreenVertex;
 
