@@ -43,11 +43,6 @@ const REMAINING: &[Remaining] = &[
                  shaders read.",
     },
     Remaining {
-        folder: "rasterscope_engine::pipeline::tiled",
-        modules: "edge_number lattice",
-        reason: "Lattices are generic over the numbers of edge functions, which are evaluated on lattices.",
-    },
-    Remaining {
         folder: "rasterscope_engine::upscale::separable",
         modules: "fixed_avx2 gather_avx2",
         reason: "Both kernels share the block of samples and the table of gathered samples.",
