@@ -42,11 +42,6 @@ const REMAINING: &[Remaining] = &[
         reason: "Observers see the data of all stages, settings name depth encodings, and plans depend on what \
                  shaders read.",
     },
-    Remaining {
-        folder: "rasterscope_engine::upscale::separable",
-        modules: "fixed_avx2 gather_avx2",
-        reason: "Both kernels share the block of samples and the table of gathered samples.",
-    },
 ];
 
 /// Maximum number of imports that are listed for a new cycle.
