@@ -31,11 +31,6 @@ const REMAINING: &[Remaining] = &[
         reason: "The session owns the state of all features, and each feature changes the session and draws itself.",
     },
     Remaining {
-        folder: "rasterscope_engine::inspect",
-        modules: "history pixel remedy verdict",
-        reason: "The report of a pixel holds the verdict and the remedies that are computed from it.",
-    },
-    Remaining {
         folder: "rasterscope_engine::pipeline",
         modules: "clip depth footprint interpolate observe plan raster sample settings shade triangle_list vertex \
                   viewport",

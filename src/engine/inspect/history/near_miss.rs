@@ -8,8 +8,8 @@ use std::collections::BTreeSet;
 
 use glam::DVec2;
 
-use super::{Absent, Cause};
 use crate::chain::{Frame, Recipe};
+use crate::inspect::pixel::{Absent, Cause};
 use crate::pipeline::raster::AnyTriangle;
 use crate::pipeline::settings::{Arithmetic, Choice as _, Settings};
 use crate::pipeline::viewport::ScreenTriangle;

@@ -11,9 +11,9 @@ use rayon::prelude::*;
 
 use super::clipped::{Meeting, meeting};
 use super::near_miss::distance_px;
-use super::{Absent, Cause};
 use crate::chain::{Frame, Recipe};
 use crate::image::Image;
+use crate::inspect::pixel::{Absent, Cause};
 use crate::pipeline::clip::{ClipPlane, clip, guard_band_widening};
 use crate::pipeline::cull::{Facing, cull, facing};
 use crate::pipeline::observe::{Fate, Observer};
@@ -242,7 +242,7 @@ impl Survey {
     }
 
     /// Returns the open seams of the scene; `None` until they are known.
-    pub(super) fn seams(&self) -> Option<&Seams> {
+    pub(in crate::inspect) fn seams(&self) -> Option<&Seams> {
         self.seams.as_deref()
     }
 

@@ -1,10 +1,9 @@
 //! Observer that records every fragment while one pixel is replayed.
 
-use super::{FragmentOutcome, FragmentRecord, ShadingRecord, TexelRecord, TextureMap};
+use super::{FragmentOutcome, FragmentRecord, SampleState, ShadingRecord, TexelRecord, TextureMap};
 use crate::chain::{Frame, Recipe};
 use crate::image::Rgba8;
 use crate::inspect::depth::DepthRecord;
-use crate::inspect::history::SampleState;
 use crate::pipeline::depth::{DepthComparison, clear_value, depth_at};
 use crate::pipeline::footprint::TextureRead;
 use crate::pipeline::interpolate::{Fragment, affine_weights, attribute_weights};
