@@ -20,24 +20,15 @@ struct Remaining {
 }
 
 /// Cycles that remain. The list may only become shorter.
-const REMAINING: &[Remaining] = &[
-    Remaining {
-        folder: "rasterscope::ui",
-        modules: "appearance camera_path canvas canvas_state checks command compare engine explaining fates fault_bar \
+const REMAINING: &[Remaining] = &[Remaining {
+    folder: "rasterscope::ui",
+    modules: "appearance camera_path canvas canvas_state checks command compare engine explaining fates fault_bar \
                   features files filmstrip first_pick key_map key_sheet lab legend_strip long_tasks look manual \
                   mesh_view navigate onboarding open_case over_time overlays palette panels picked_point \
                   picture_panel picture_size place probe range save_as scene_time scrub sequences session stages \
                   temporal timings trace vertices watch what_if window_task worker workspace",
-        reason: "The session owns the state of all features, and each feature changes the session and draws itself.",
-    },
-    Remaining {
-        folder: "rasterscope_engine::pipeline",
-        modules: "clip depth footprint interpolate observe plan raster sample settings shade triangle_list vertex \
-                  viewport",
-        reason: "Observers see the data of all stages, settings name depth encodings, and plans depend on what \
-                 shaders read.",
-    },
-];
+    reason: "The session owns the state of all features, and each feature changes the session and draws itself.",
+}];
 
 /// Maximum number of imports that are listed for a new cycle.
 const MAX_LISTED: usize = 40;

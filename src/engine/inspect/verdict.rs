@@ -259,7 +259,8 @@ mod tests {
     use super::*;
     use crate::inspect::DepthRecord;
     use crate::inspect::pixel::SampleState;
-    use crate::pipeline::depth::{DepthEncoding, DepthScale};
+    use crate::pipeline::depth::DepthScale;
+    use crate::pipeline::depth_format::DepthEncoding;
     use crate::pipeline::settings::{Arithmetic, FillRule, Rasterizer};
     use crate::scene::{DepthMapping, Transparency, TriangleId};
 
