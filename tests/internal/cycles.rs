@@ -7,7 +7,7 @@
 
 use std::collections::BTreeSet;
 
-use super::module_graph::{ModuleGraph, cycles};
+use super::module_graph::{ModuleGraph, TestCode, cycles};
 
 /// Cycle that remains, with the reason.
 struct Remaining {
@@ -35,7 +35,7 @@ const MAX_LISTED: usize = 40;
 
 #[test]
 fn modules_of_a_folder_import_each_other_in_one_direction() {
-    let graph = ModuleGraph::read();
+    let graph = ModuleGraph::read(TestCode::LeftOut);
     assert!(graph.len() > 700, "only {} modules seen", graph.len());
     let mut known: BTreeSet<(&str, &str)> = REMAINING.iter().map(|cycle| (cycle.folder, cycle.modules)).collect();
     let mut new = String::new();
