@@ -19,7 +19,7 @@ use crate::image::{Image, Rgba8};
 use crate::inspect::bad_fragments::BadFragments;
 use crate::inspect::buffers::{Buffer, Buffers, capture};
 use crate::inspect::intermediate::{self, Captured};
-use crate::inspect::remedy;
+use crate::inspect::remedy_search;
 use crate::inspect::scrub::{Moment, Timeline};
 use crate::inspect::view::Range;
 use crate::inspect::{Intermediate, PixelReport, Stage, Survey, explain};
@@ -366,9 +366,9 @@ fn with_remedies(request: &Request, frame: &Frame, mut report: PixelReport, slow
     let is_whole = request.triangle_limit.is_none();
     let is_finished = !is_whole
         || slow == SlowOverlays::Computed
-        || !remedy::are_conceivable(&report, &request.recipe, &request.camera);
+        || !remedy_search::are_conceivable(&report, &request.recipe, &request.camera);
     if is_whole && is_finished {
-        report.remedies = remedy::remedies(&request.scene, &request.recipe, frame, &report);
+        report.remedies = remedy_search::remedies(&request.scene, &request.recipe, frame, &report);
     }
     (report, is_finished)
 }

@@ -8,28 +8,29 @@ pub(crate) mod history;
 
 mod list;
 
+mod tradeoff;
+
 pub(crate) mod window_times;
 
-pub(crate) use budget::BudgetWinner;
 pub(crate) use list::MethodList;
 pub(crate) use list::RowOrder;
 pub(crate) use list::TimingsChange;
+pub(crate) use tradeoff::TradeOff;
 
 use std::collections::{BTreeMap, VecDeque};
 
+use self::budget::BudgetWinner;
 use self::history::FrameHistory;
 use self::window_times::WindowTimes;
 use super::engine::Request;
 use super::look::Look;
 use super::worker::{MeasureRequest, MethodError};
 use crate::chain::Recipe;
-use crate::measure::against::ErrorMetrics;
 use crate::measure::metric::Metric;
 use crate::measure::motion::Turn;
 use crate::measure::noise::Noise;
 use crate::measure::other_programs::DISTURBING_SHARE;
-use crate::measure::timing::{Summary, summarize};
-use crate::report::upscaling::tradeoff::{Standing, standings};
+use crate::measure::timing::summarize;
 use crate::ui::features::Feature;
 use crate::ui::save_as::SaveItem;
 use crate::ui::session::Session;
@@ -104,35 +105,6 @@ impl Default for Timings {
             others_share: None,
             window: WindowTimes::default(),
         }
-    }
-}
-
-/// Frame time and error of an upscaler.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct TradeOff {
-    /// Upscaler with its options.
-    pub(crate) upscaling: Upscaling,
-    /// Statistics of the frame times, in milliseconds.
-    pub(crate) ms: Summary,
-    /// Error against the reference of the measurement.
-    pub(crate) error: MethodError,
-    /// Metric by which upscalers are ranked.
-    pub(crate) metric: Metric,
-    /// Position relative to the Pareto front of frame time and mean error.
-    pub(crate) standing: Standing<Upscaling>,
-    /// Whether the frame time differs from that of native rendering by no more than the noise.
-    pub(crate) native_within_noise: bool,
-}
-
-impl TradeOff {
-    /// Returns the mean value of the metric over the frames in motion.
-    pub(crate) fn mean(&self) -> f64 {
-        self.error.motion.mean.value(self.metric)
-    }
-
-    /// Returns the mean error in motion by the metric: 0 for pictures that equal the reference.
-    pub(crate) fn mean_error(&self) -> f64 {
-        self.metric.error(self.mean())
     }
 }
 
@@ -247,37 +219,6 @@ impl Timings {
         !upscaling.is_native() && times.is_some_and(|((noise, native), own)| noise.covers(native, own))
     }
 
-    /// Returns every upscaler of the measurement whose time and error are known. Empty before the first round is
-    /// complete.
-    pub(crate) fn tradeoff(&self) -> Vec<TradeOff> {
-        let Some(noise) = self.noise else { return Vec::new() };
-        let known = self
-            .errors
-            .iter()
-            .filter_map(|(upscaling, error)| Some((*upscaling, summarize(self.measured.get(upscaling)?)?, *error)));
-        let known: Vec<_> = known.collect();
-        let metric = self.metric_in_use();
-        let points: Vec<_> = known.iter().map(|(_, ms, error)| (ms.median, mean_error(error, metric))).collect();
-        let point =
-            |((upscaling, ms, error), standing): (&(Upscaling, Summary, MethodError), Standing<usize>)| TradeOff {
-                upscaling: *upscaling,
-                ms: *ms,
-                error: *error,
-                metric,
-                standing: standing.map(|other| known[other].0),
-                native_within_noise: self.is_within_noise_of_native(*upscaling),
-            };
-        known.iter().zip(standings(&points, &noise)).map(point).collect()
-    }
-
-    /// Returns the metric that ranks the upscalers: the chosen one, or FLIP if the measurement lacks it.
-    pub(crate) fn metric_in_use(&self) -> Metric {
-        let is_requested = self.measurement_request.as_ref().is_none_or(|request| request.metric == self.metric);
-        let is_known = |error: &MethodError| mean_error(error, self.metric).is_finite();
-        let is_measured = ErrorMetrics::always_has(self.metric) || is_requested;
-        if is_measured && self.errors.values().all(is_known) { self.metric } else { Metric::Flip }
-    }
-
     /// Returns the time budget in milliseconds: the one that the user has set, or about half of the median time of
     /// native rendering.
     pub(crate) fn budget_ms(&self) -> f64 {
@@ -389,11 +330,6 @@ impl Feature for Timings {
     }
 }
 
-/// Returns the mean error of an upscaler in motion by a metric.
-fn mean_error(error: &MethodError, metric: Metric) -> f64 {
-    metric.error(error.motion.mean.value(metric))
-}
-
 /// Copies the frame times of every upscaler into a list, oldest first.
 fn per_method<T>(times: &BTreeMap<Upscaling, T>) -> Vec<(Upscaling, Vec<f64>)>
 where
@@ -412,6 +348,7 @@ mod tests {
     use crate::measure::motion::MotionError;
     use crate::measure::reference::Reference;
     use crate::pipeline::viewport::Viewport;
+    use crate::report::upscaling::tradeoff::Standing;
     use crate::scene::SceneSource;
     use crate::ui::engine::Shown;
 

@@ -4,12 +4,13 @@ use std::f32::consts::{PI, TAU};
 
 use glam::{Mat4, Vec3};
 use rasterscope::chain::{Recipe, SettingKey, ValueForm};
+use rasterscope::pipeline::clip_space::ClipVertex;
 use rasterscope::pipeline::from_clip_space;
 use rasterscope::pipeline::observe::Observer;
 use rasterscope::pipeline::raster::{AnyTriangle, RasterSample, cover};
+use rasterscope::pipeline::screen_triangle::ScreenTriangle;
 use rasterscope::pipeline::settings::{Arithmetic, Choice, DepthBias, FillRule, Rasterizer};
-use rasterscope::pipeline::vertex::ClipVertex;
-use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
+use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::{Mesh, Scene};
 
 pub(crate) use crate::internal::scene_builder::{

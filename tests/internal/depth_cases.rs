@@ -4,7 +4,8 @@
 use crate::internal::cases;
 use std::collections::BTreeMap;
 
-use rasterscope::pipeline::depth::{DepthEncoding, DepthScale};
+use rasterscope::pipeline::depth::DepthScale;
+use rasterscope::pipeline::depth_format::DepthEncoding;
 use rasterscope::scene::DepthMapping;
 use serde_json::Value;
 

@@ -5,10 +5,9 @@ use glam::{DVec4, Mat4, Vec3};
 use rasterscope::chain::{Frame, Recipe};
 use rasterscope::inspect::Fates;
 use rasterscope::inspect::fates::{FragmentFate, TriangleFate};
-use rasterscope::pipeline::depth::depth_at;
 use rasterscope::pipeline::raster::RasterSample;
+use rasterscope::pipeline::screen_triangle::{ScreenTriangle, depth_at};
 use rasterscope::pipeline::settings::{Choice as _, Culling, DepthTest};
-use rasterscope::pipeline::viewport::ScreenTriangle;
 use rasterscope::scene::{DepthMapping, Scene, TriangleId};
 
 use crate::internal::common::{SceneBuilder, for_seeds, render, soup};

@@ -1,8 +1,11 @@
-//! Checks the layering of modules by reading the sources of both crates: imports point only upstream, and only `ui`
+//! Checks the layering of modules by reading the sources of all crates: imports point only upstream, and only `ui`
 //! names the window toolkit.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
+
+use super::module_graph::{ModuleGraph, ModulePath, TestCode};
 
 /// Crates that only the module `ui` may name.
 const WINDOW_TOOLKIT: [&str; 7] =
@@ -10,9 +13,6 @@ const WINDOW_TOOLKIT: [&str; 7] =
 
 /// Folder of the engine's crate in `src`.
 const ENGINE: &str = "engine";
-
-/// Folder of the crate that explains other renderers' pictures in `src`, and its name in imports of the root package.
-const EXPLAIN: &str = "explain";
 
 /// Markers of unfinished work, split so that this file does not contain them.
 const UNFINISHED: [[&str; 2]; 4] = [["TO", "DO"], ["FIX", "ME"], ["unimple", "mented"], ["to", "do"]];
@@ -66,81 +66,32 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
     text.split(|c: char| !c.is_alphanumeric() && c != '_')
 }
 
-/// Returns the modules in the order of their declaration: those of the engine, the crate `explain` as one, those of the
-/// root package, and `main`.
-/// Each crate's `lib` follows its modules; the engine's is called `rasterscope_engine`, as in imports.
-fn order(sources: &[Source]) -> Vec<String> {
-    let declared = |library: &str| {
-        let library = sources.iter().find(|source| source.path == Path::new(library)).unwrap();
-        let name = |line: &str| Some(line.strip_prefix("pub mod ")?.strip_suffix(';')?.to_owned());
-        library.code().filter_map(move |(_, line)| name(line)).collect::<Vec<_>>()
-    };
-    let names = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect::<Vec<_>>();
-    let libraries = names(&["rasterscope_engine", EXPLAIN]);
-    [declared("engine/lib.rs"), libraries, declared("lib.rs"), names(&["lib", "main"])].concat()
-}
-
-/// Returns the top-level modules that `code` names after `crate::`, `rasterscope::` or `rasterscope_engine::`, singly or
-/// within braces.
-fn imports(code: &str) -> Vec<String> {
-    let prefixes = ["crate::", "rasterscope::", "rasterscope_engine::"];
-    let starts = prefixes.iter().flat_map(|prefix| code.match_indices(prefix));
-    starts.flat_map(|(at, prefix)| named_modules(&code[at + prefix.len()..])).collect()
-}
-
-fn named_modules(rest: &str) -> Vec<String> {
-    let Some(group) = rest.strip_prefix('{') else {
-        return words(rest).take(1).map(str::to_owned).collect();
-    };
-    let mut depth = 0;
-    let items = group.split(|c| {
-        depth += i32::from(c == '{') - i32::from(c == '}');
-        c == ',' && depth == 0 || depth < 0
-    });
-    items.map_while(|item| words(item.trim_start()).next().filter(|word| !word.is_empty())).map(str::to_owned).collect()
+/// Returns the path of the root of a crate.
+fn root(name: &str) -> ModulePath {
+    vec![name.to_owned()]
 }
 
 #[test]
 fn imports_point_only_upstream() {
-    let sources = sources();
-    let order = order(&sources);
-    let position = |module: &str| order.iter().position(|m| m == module);
-    let mut found = 0;
-    for source in &sources {
-        let name = source.module();
-        let name = if source.is_engine() && name == "lib" { "rasterscope_engine" } else { &name };
-        let own = position(name).unwrap_or_else(|| panic!("{} is in no module", source.path.display()));
-        let code: String = source.code().flat_map(|(_, line)| [line, "\n"]).collect();
-        // Within `explain`, `crate` is that crate, which is one module here.
-        let code = if name == EXPLAIN { code.replace("crate::", "") } else { code };
-        for import in imports(&code) {
-            // Names that are not modules are macros of the crate.
-            let Some(imported) = position(&import) else { continue };
-            found += 1;
-            assert!(imported <= own, "{} imports {import}, which comes after it", source.path.display());
+    let graph = ModuleGraph::read(TestCode::Included);
+    let imports = graph.sibling_imports();
+    // In `explain`, all modules are one layer.
+    for (name, least) in [("rasterscope_engine", 50), ("rasterscope", 2)] {
+        let order = graph.declared(&root(name));
+        let position = |module: &str| order.iter().position(|declared| *declared == module);
+        let imports = &imports[&root(name)];
+        assert!(imports.len() >= least, "only {} imports seen in {name}", imports.len());
+        for ((from, to), module) in imports {
+            assert!(position(to) < position(from), "{} imports {to}, which comes after it", module.join("::"));
         }
     }
-    assert!(found > 50, "only {found} imports seen");
-}
-
-#[test]
-fn import_groups_are_understood() {
-    assert_eq!(imports("use crate::math;"), ["math"]);
-    assert_eq!(imports("use crate::{image::{Image, Rgba8}, scene};"), ["image", "scene"]);
-    assert_eq!(imports("let x = crate::chain::run(rasterscope::ui::start());"), ["chain", "ui"]);
-    assert_eq!(imports("pub use rasterscope_engine::{\n    case, text\n};"), ["case", "text"]);
 }
 
 #[test]
 fn the_root_package_re_exports_every_module_of_the_engine() {
-    let sources = sources();
-    let library = &sources.iter().find(|source| source.path == Path::new("lib.rs")).unwrap().text;
-    let (_, rest) = library.split_once("pub use rasterscope_engine::").unwrap();
-    let mut exported = named_modules(rest);
-    exported.sort_unstable();
-    let mut modules: Vec<_> = order(&sources).into_iter().take_while(|module| module != "rasterscope_engine").collect();
-    modules.sort_unstable();
-    assert_eq!(exported, modules);
+    let graph = ModuleGraph::read(TestCode::LeftOut);
+    let exported: BTreeSet<_> = graph.imported_from(&root("rasterscope"), "rasterscope_engine").collect();
+    assert_eq!(exported, graph.declared(&root("rasterscope_engine")).into_iter().collect());
 }
 
 #[test]

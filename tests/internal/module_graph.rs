@@ -1,7 +1,7 @@
 //! Graph of the modules of all crates by their imports, read from the sources.
 //!
-//! A module is a file; modules in braces belong to their file. Code that is compiled only for tests is left out. An
-//! import counts for the module that defines the item: re-exports are followed.
+//! A module is a file; modules in braces belong to their file. An import counts for the module that defines the item:
+//! re-exports are followed.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -21,9 +21,18 @@ struct Mention {
     words: Vec<String>,
 }
 
+/// Treatment of code in `src` that is compiled only for tests.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum TestCode {
+    Included,
+    LeftOut,
+}
+
 /// A module as it is written.
 #[derive(Debug, Default)]
 struct Module {
+    /// Names of the modules in files of their own, in the order of their declaration.
+    children: Vec<String>,
     /// Imports by the name that they define.
     imports: Vec<(String, Mention)>,
     /// Paths outside of imports.
@@ -42,11 +51,11 @@ pub(crate) type SiblingImport = (String, String);
 
 impl ModuleGraph {
     /// Reads the sources of all crates.
-    pub(crate) fn read() -> Self {
+    pub(crate) fn read(test_code: TestCode) -> Self {
         let mut graph = Self { modules: BTreeMap::new(), names: BTreeMap::new() };
         for (folder, name) in CRATES {
             let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src").join(folder);
-            graph.add(&root.join("lib.rs"), &root, &vec![name.to_owned()]);
+            graph.add(&root.join("lib.rs"), &root, &vec![name.to_owned()], test_code);
         }
         let names = graph.modules.iter().map(|(path, module)| {
             let named = module.imports.iter().filter_map(|(name, mention)| {
@@ -61,17 +70,17 @@ impl ModuleGraph {
     }
 
     /// Adds the module in a file, and the modules below it. Files of modules below it lie in `folder`.
-    fn add(&mut self, file: &Path, folder: &Path, path: &ModulePath) {
+    fn add(&mut self, file: &Path, folder: &Path, path: &ModulePath, test_code: TestCode) {
         let text = fs::read_to_string(file).unwrap();
-        let mut reader = Reader { tokens: tokens(&text), at: 0, module: Module::default(), children: Vec::new() };
+        let mut reader = Reader { tokens: tokens(&text), at: 0, module: Module::default(), test_code };
         reader.items(path);
-        let Reader { module, children, .. } = reader;
-        self.modules.insert(path.clone(), module);
+        let children = reader.module.children.clone();
+        self.modules.insert(path.clone(), reader.module);
         for name in children {
             let child = [&path[..], std::slice::from_ref(&name)].concat();
             let files: [PathBuf; 2] = [folder.join(format!("{name}.rs")), folder.join(&name).join("mod.rs")];
             if let Some(file) = files.iter().find(|file| file.is_file() && !self.modules.contains_key(&child)) {
-                self.add(file, &folder.join(&name), &child);
+                self.add(file, &folder.join(&name), &child, test_code);
             }
         }
     }
@@ -133,6 +142,18 @@ impl ModuleGraph {
         folders
     }
 
+    /// Returns the names of the modules in a folder, in the order of their declaration.
+    pub(crate) fn declared(&self, folder: &[String]) -> Vec<&str> {
+        let is_read = |name: &&String| self.modules.contains_key(&[folder, std::slice::from_ref(*name)].concat());
+        self.modules[folder].children.iter().filter(is_read).map(String::as_str).collect()
+    }
+
+    /// Returns the names that a module imports from the root of another crate.
+    pub(crate) fn imported_from<'a>(&'a self, module: &[String], root: &'a str) -> impl Iterator<Item = &'a str> {
+        let items = self.names[module].iter();
+        items.filter(move |(_, item)| item.len() == 2 && item[0] == root).map(|(name, _)| name.as_str())
+    }
+
     /// Returns the number of modules.
     pub(crate) fn len(&self) -> usize {
         self.modules.len()
@@ -166,8 +187,7 @@ struct Reader<'a> {
     tokens: Vec<&'a str>,
     at: usize,
     module: Module,
-    /// Names of the modules in files of their own.
-    children: Vec<String>,
+    test_code: TestCode,
 }
 
 impl<'a> Reader<'a> {
@@ -181,12 +201,12 @@ impl<'a> Reader<'a> {
         while self.at < self.tokens.len() {
             match (self.token(0), self.token(1)) {
                 ("#", "[") => {
-                    if self.attribute() {
+                    if self.attribute() && self.test_code == TestCode::LeftOut {
                         self.skip_item();
                     }
                     continue;
                 }
-                ("mod", name) if is_word(name) && self.token(2) == ";" => self.children.push(name.to_owned()),
+                ("mod", name) if is_word(name) && self.token(2) == ";" => self.module.children.push(name.to_owned()),
                 ("mod", name) if is_word(name) && self.token(2) == "{" => {
                     self.at += 3;
                     self.items(&[&within[..], &[name.to_owned()]].concat());

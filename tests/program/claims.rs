@@ -13,7 +13,8 @@ use rasterscope::image::color::decode_byte;
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::measure::difference::Difference;
 use rasterscope::measure::reference::Reference;
-use rasterscope::pipeline::depth::{DepthEncoding, DepthScale};
+use rasterscope::pipeline::depth::DepthScale;
+use rasterscope::pipeline::depth_format::DepthEncoding;
 use rasterscope::pipeline::settings::{self, Choice, DepthFormat};
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::{DepthMapping, Scene, builtin};
@@ -248,7 +249,7 @@ const CLAIMS: &[Claim] = &[
         ),
     },
     Claim {
-        source: "src/engine/pipeline/depth/format.rs",
+        source: "src/engine/pipeline/depth_format/mod.rs",
         words: "at most 2⁻²³ of the distance from it",
         proof: Proof::Test(
             "tests/internal/properties/depth.rs",
@@ -256,12 +257,12 @@ const CLAIMS: &[Claim] = &[
         ),
     },
     Claim {
-        source: "src/engine/pipeline/depth/format.rs",
+        source: "src/engine/pipeline/depth_format/mod.rs",
         words: "floats are finest where perspective is coarsest, so distant surfaces z-fight less",
         proof: Proof::Test("tests/internal/depth_cases.rs", "close_surfaces_tie_as_often_as_theory_says"),
     },
     Claim {
-        source: "src/engine/pipeline/depth/format.rs",
+        source: "src/engine/pipeline/depth_format/mod.rs",
         words: "in perspective nearly all steps lie close to the near plane",
         proof: Proof::Here(nearly_all_steps_lie_near),
     },

@@ -4,6 +4,8 @@ pub(crate) mod area;
 
 pub(crate) mod fxaa;
 
+mod luma;
+
 pub(crate) mod mask;
 
 pub mod pattern;

@@ -3,13 +3,13 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Check, Control, Exactly, Float, Options, TriangleSpans, Unanswered, check_length, check_picture};
-use crate::pipeline::depth::depth_at;
+use crate::pipeline::clip_space::ClipVertex;
 use crate::pipeline::from_clip_space;
 use crate::pipeline::interpolate::{AttributeSelection, interpolate};
 use crate::pipeline::raster::{AnyTriangle, Span};
+use crate::pipeline::screen_triangle::{ScreenTriangle, depth_at};
 use crate::pipeline::settings::{FillRule, Interpolation};
-use crate::pipeline::vertex::ClipVertex;
-use crate::pipeline::viewport::{ScreenTriangle, Viewport};
+use crate::pipeline::viewport::Viewport;
 
 /// Input of a `clip_tri` case: triangles in clip space and a picture size.
 #[derive(Clone, Debug, PartialEq, Deserialize)]

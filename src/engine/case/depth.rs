@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Check, Control, Real, Refusal, Unanswered};
-use crate::pipeline::depth::{DepthEncoding, DepthScale};
+use crate::pipeline::depth::DepthScale;
+use crate::pipeline::depth_format::DepthEncoding;
 use crate::scene::DepthMapping;
 
 /// Input of a `depth` case: view depths, and the mapping and format that encode them.

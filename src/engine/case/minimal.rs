@@ -4,8 +4,9 @@
 use serde::Serialize;
 
 use super::rule;
+use crate::pipeline::screen_triangle::ScreenTriangle;
 use crate::pipeline::settings::{FillRule, Settings};
-use crate::pipeline::viewport::{ScreenTriangle, Viewport};
+use crate::pipeline::viewport::Viewport;
 
 /// Maximum width and height of the picture of a minimal case, in pixels.
 const SIDE_PX: u32 = 64;

@@ -5,12 +5,14 @@ use glam::Vec2;
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::{Check, Control, Exactly, Float, Refusal, Unanswered, check_length};
-use crate::pipeline::depth::{DepthScale, depth_at};
+use crate::pipeline::clip_space::Varyings;
+use crate::pipeline::depth::DepthScale;
 use crate::pipeline::interpolate::{AttributeSelection, affine_weights, interpolate};
 use crate::pipeline::raster::{AnyTriangle, RasterSample};
+use crate::pipeline::screen_triangle::{ScreenTriangle, TriangleOwner, depth_at};
+use crate::pipeline::screen_vertex::ScreenVertex;
 use crate::pipeline::settings::{Arithmetic, FillRule, Interpolation};
-use crate::pipeline::vertex::Varyings;
-use crate::pipeline::viewport::{MAX_SIDE_PX, ScreenTriangle, ScreenVertex, TriangleOwner};
+use crate::pipeline::viewport::MAX_SIDE_PX;
 
 /// Input of a `tri_attr` case: a triangle and the pixels to evaluate.
 #[derive(Clone, Debug, PartialEq, Deserialize)]

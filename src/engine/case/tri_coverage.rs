@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Check, Control, Exactly, Float, Options, Unanswered, check_length, check_picture, rule};
+use crate::pipeline::pixel_box::box_around;
 use crate::pipeline::raster::Span;
 use crate::pipeline::settings::FillRule;
-use crate::pipeline::triangle_list::box_around;
 use crate::pipeline::viewport::Viewport;
 
 /// Input of a `tri_coverage` case: triangles and a picture size.

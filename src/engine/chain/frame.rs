@@ -14,10 +14,11 @@ use crate::pipeline::Geometry;
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::plan::DrawPlan;
+use crate::pipeline::screen_triangle::ScreenTriangle;
 use crate::pipeline::settings::Execution;
 use crate::pipeline::tiled::TiledReport;
 use crate::pipeline::triangle_list::TriangleList;
-use crate::pipeline::viewport::{ScreenTriangle, Viewport};
+use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 use crate::upscale::{Accumulated, History, Sampling, UpscaleInputs};
 

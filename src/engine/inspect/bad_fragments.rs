@@ -5,8 +5,8 @@ use crate::pipeline::LastStage;
 use crate::pipeline::interpolate::attribute_weights;
 use crate::pipeline::observe::{Counters, DepthOutcome, Fate, Observer};
 use crate::pipeline::raster::RasterSample;
+use crate::pipeline::screen_triangle::ScreenTriangle;
 use crate::pipeline::settings::{DepthTest, Settings};
-use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::{Scene, TriangleId};
 
 /// Pipeline counters, and the number of fragments that passed the depth test with a NaN or infinite depth or weight.

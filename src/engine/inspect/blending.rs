@@ -3,13 +3,12 @@
 use crate::chain::{Frame, Recipe, redraw};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::LastStage;
-use crate::pipeline::depth::depth_at;
 use crate::pipeline::interpolate::Fragment;
 use crate::pipeline::observe::Observer;
 use crate::pipeline::plan::DrawPlan;
 use crate::pipeline::raster::RasterSample;
+use crate::pipeline::screen_triangle::{ScreenTriangle, depth_at};
 use crate::pipeline::settings::{BlendingOrder, Settings};
-use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::{Scene, Transparency};
 
 /// Returns a copy of the recipe that blends fragments in exact depth order.

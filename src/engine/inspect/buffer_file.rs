@@ -18,9 +18,9 @@ use crate::pipeline::LastStage;
 use crate::pipeline::interpolate::{AttributeSelection, Fragment, interpolate};
 use crate::pipeline::observe::Observer;
 use crate::pipeline::plan::PipelinePart;
+use crate::pipeline::screen_triangle::ScreenTriangle;
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::shade::{PlacedMesh, Shader};
-use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::Scene;
 
 /// Value of a pixel without a value in a channel of integers.

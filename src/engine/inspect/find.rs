@@ -8,7 +8,8 @@ use crate::pipeline::LastStage;
 use crate::pipeline::interpolate::Fragment;
 use crate::pipeline::observe::Observer;
 use crate::pipeline::raster::RasterSample;
-use crate::pipeline::viewport::{ScreenTriangle, Viewport};
+use crate::pipeline::screen_triangle::ScreenTriangle;
+use crate::pipeline::viewport::Viewport;
 use crate::scene::{Scene, TriangleId};
 
 /// Target of a search in a frame.

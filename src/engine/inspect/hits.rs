@@ -25,9 +25,10 @@ use crate::chain::{Frame, Recipe};
 use crate::image::Image;
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::raster::{CoverageRules, SampleArea, Scissor, Span};
+use crate::pipeline::screen_triangle::ScreenTriangle;
 use crate::pipeline::settings::{Arithmetic, FillRule, Rasterizer, Settings};
 use crate::pipeline::triangle_list::TriangleList;
-use crate::pipeline::viewport::{ScreenTriangle, Viewport};
+use crate::pipeline::viewport::Viewport;
 use crate::scene::seams::{Junction, JunctionKind, SeamCounts, Seams};
 use crate::scene::{Scene, TriangleId};
 
@@ -272,7 +273,7 @@ impl<'a> FaultSearch<'a> {
     /// Calls `sink` for every hit, with the index of the triangle, and the column and row of the sample relative to
     /// `origin`.
     fn each_hit(&self, way: CountMode, mut sink: impl FnMut(usize, (u32, u32))) {
-        let drawn = CoverageRules::of(self.settings);
+        let drawn = self.settings.coverage_rules();
         let sound_rule = if drawn.fill_rule.draws_shared_edges_once() { drawn.fill_rule } else { FillRule::TopLeft };
         let rules = match way {
             CountMode::Drawn => drawn,

@@ -7,14 +7,15 @@ use super::view::{Range, Value};
 use crate::chain::{Frame, Recipe, redraw};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::LastStage;
-use crate::pipeline::depth::{DepthEncoding, DepthScale, depth_at};
+use crate::pipeline::depth::DepthScale;
+use crate::pipeline::depth_format::DepthEncoding;
 use crate::pipeline::interpolate::{Fragment, affine_weights, uv_gradient};
 use crate::pipeline::observe::Observer;
 use crate::pipeline::plan::{DrawPlan, PipelinePart};
 use crate::pipeline::raster::{AnyTriangle, RasterSample};
+use crate::pipeline::screen_triangle::{ScreenTriangle, depth_at};
 use crate::pipeline::settings::{Choice, Settings, choice};
 use crate::pipeline::shade::Shader;
-use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::Scene;
 
 choice! {

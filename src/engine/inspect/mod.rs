@@ -18,6 +18,8 @@ pub(crate) mod depth;
 
 pub mod display;
 
+mod explain;
+
 pub mod fates;
 
 pub mod feeds;
@@ -62,6 +64,8 @@ mod recording;
 
 pub mod remedy;
 
+pub mod remedy_search;
+
 mod reprojection;
 
 pub mod scrub;
@@ -91,16 +95,16 @@ pub mod what_if;
 pub use buffers::Buffer;
 pub use buffers::capture;
 pub use depth::DepthRecord;
+pub use explain::explain;
+pub use explain::inspect;
 pub use fates::Fates;
 pub use history::Survey;
-pub use history::explain;
 pub use hits::FaultKind;
 pub use hits::Hits;
 pub use intermediate::Intermediate;
 pub use pixel::FragmentOutcome;
 pub use pixel::FragmentRecord;
 pub use pixel::PixelReport;
-pub use pixel::inspect;
 pub use place::InspectionState;
 pub use remedy::Remedy;
 pub use selection::TriangleSelection;

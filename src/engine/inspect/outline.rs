@@ -28,8 +28,10 @@ use crate::drawing::{Drawing, PartitionRegion, Rgb, Shape, Stroke};
 use crate::flat2d::line::part_inside;
 use crate::image::Image;
 use crate::pipeline::prepare;
+use crate::pipeline::screen_triangle::ScreenTriangle;
+use crate::pipeline::screen_vertex::ScreenVertex;
 use crate::pipeline::settings::{Choice, DepthBias, DepthFormat, DepthTest, choice};
-use crate::pipeline::viewport::{ScreenTriangle, ScreenVertex, Viewport};
+use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 use crate::upscale::Upscaling;
 

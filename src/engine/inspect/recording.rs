@@ -10,7 +10,7 @@ use crate::pipeline::LastStage;
 use crate::pipeline::interpolate::{Fragment, affine_weights};
 use crate::pipeline::observe::Observer;
 use crate::pipeline::raster::RasterSample;
-use crate::pipeline::viewport::ScreenTriangle;
+use crate::pipeline::screen_triangle::ScreenTriangle;
 use crate::scene::seams::Seams;
 use crate::scene::{Scene, TriangleId};
 

@@ -14,9 +14,10 @@ use crate::pipeline::cull::cull;
 use crate::pipeline::observe::Observer;
 use crate::pipeline::plan::culling;
 use crate::pipeline::raster::{RasterSample, doubled_area};
+use crate::pipeline::screen_triangle::ScreenTriangle;
 use crate::pipeline::settings::{Choice, Culling, Settings, Shading, choice};
 use crate::pipeline::shade::id_color;
-use crate::pipeline::viewport::{ScreenTriangle, Viewport};
+use crate::pipeline::viewport::Viewport;
 use crate::pipeline::{LastStage, prepare, wireframe};
 use crate::scene::{Camera, Scene};
 

@@ -14,9 +14,8 @@ pub(super) use order::is_blended_wrongly;
 
 use std::collections::BTreeSet;
 
-use super::history::Absent;
 use super::hits::{Fault, FaultKind};
-use super::pixel::{FragmentOutcome, FragmentRecord, PixelReport};
+use super::pixel::{Absent, FragmentOutcome, FragmentRecord, PixelReport};
 use crate::chain::{Frame, Recipe};
 use crate::pipeline::depth::DepthComparison;
 use crate::pipeline::settings::{Choice as _, Settings};
@@ -259,8 +258,9 @@ const SEPARATE: &str =
 mod tests {
     use super::*;
     use crate::inspect::DepthRecord;
-    use crate::inspect::history::SampleState;
-    use crate::pipeline::depth::{DepthEncoding, DepthScale};
+    use crate::inspect::pixel::SampleState;
+    use crate::pipeline::depth::DepthScale;
+    use crate::pipeline::depth_format::DepthEncoding;
     use crate::pipeline::settings::{Arithmetic, FillRule, Rasterizer};
     use crate::scene::{DepthMapping, Transparency, TriangleId};
 

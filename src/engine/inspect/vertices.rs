@@ -7,10 +7,10 @@
 use glam::{DMat4, DVec3, Vec2, Vec3, Vec4};
 use serde::Serialize;
 
-use crate::pipeline::clip::{ClipPlane, MIN_W};
+use crate::pipeline::clip_space::{ClipPlane, ClipVertex, MIN_W};
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::settings::Settings;
-use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
+use crate::pipeline::vertex::DrawMatrices;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Mesh, Scene, TriangleId};
 

@@ -2,7 +2,8 @@
 //!
 //! Each row is computed by replaying its pixel, like the pixel report, so drawing the frame has no overhead.
 
-use super::pixel::{FragmentOutcome, FragmentRecord, PixelReport, inspect};
+use super::explain::inspect;
+use super::pixel::{FragmentOutcome, FragmentRecord, PixelReport};
 use crate::chain::{Frame, Recipe};
 use crate::image::Rgba8;
 use crate::scene::{Scene, TriangleId};

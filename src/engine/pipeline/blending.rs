@@ -6,16 +6,16 @@
 //! from far to near. Fragments of equal depth stay in submission order. The observer receives each fragment when it is
 //! blended, so a pixel's history lists fragments in blending order.
 
-use super::depth::{DepthComparison, depth_at, unquantised_depth_at};
+use super::depth::DepthComparison;
 use super::framebuffer::Framebuffer;
 use super::interpolate::{Fragment, interpolate};
 use super::observe::{DepthOutcome, Observer};
 use super::raster::numbers::Numbers;
 use super::raster::{RasterSample, RasterTriangle, SampleArea, Scissor, Span, cover_samples};
 use super::samples::EdgedTriangle;
+use super::screen_triangle::{ScreenTriangle, depth_at, unquantised_depth_at};
 use super::settings::Settings;
 use super::shade::Shader;
-use super::viewport::ScreenTriangle;
 use super::{Extent, Geometry, partial};
 use crate::image::Image;
 

@@ -10,102 +10,15 @@
 //! bit-identical new vertices and stay watertight. Distances and cuts are computed in f64, and the new vertex is placed
 //! exactly on the plane, because an edge may be 10³⁸ times longer than its part inside.
 
-use glam::{DVec4, Vec3, Vec4};
+use glam::Vec3;
 
+use super::clip_space::{ClipPlane, ClipVertex};
 use super::observe::{Fate, Observer};
-use super::vertex::ClipVertex;
 use crate::scene::TriangleId;
 
 /// Half the width of the guard band in pixels: screen coordinates stay within ±2¹⁵ px of the picture's centre. f32
 /// still resolves 1/256 px there, and edge functions of such coordinates need 49 bits of an i64.
 pub(crate) const GUARD_BAND_PX: f32 = 32_768.0;
-
-/// Smallest w that is projected: the smallest normal f32, so that 1/w is finite.
-pub(crate) const MIN_W: f32 = f32::MIN_POSITIVE;
-
-/// Clipping plane of the view frustum.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ClipPlane {
-    /// Plane z = 0, with z ≥ 0 inside. With reversed depth it is the far plane of the view: see [`Self::of_view`].
-    Near,
-    /// Plane w = [`MIN_W`], with w ≥ `MIN_W` inside. It replaces the condition w > 0. If a camera projected the
-    /// vertices, a vertex inside the near plane of the view is also inside this plane, except for rounding errors.
-    Eye,
-    /// Plane z = w, with z ≤ w inside.
-    Far,
-    /// Plane x = −w, with x ≥ −w inside.
-    Left,
-    /// Plane x = w, with x ≤ w inside.
-    Right,
-    /// Plane y = −w, with y ≥ −w inside.
-    Bottom,
-    /// Plane y = w, with y ≤ w inside.
-    Top,
-}
-
-impl ClipPlane {
-    /// All planes, in the order of clipping: depth first, so that w > 0 when the sides are cut.
-    pub(crate) const ALL: [Self; 7] =
-        [Self::Near, Self::Eye, Self::Far, Self::Left, Self::Right, Self::Bottom, Self::Top];
-
-    /// Returns the signed distance of a point from the plane, in clip-space units; ≥ 0 inside. The four side planes are
-    /// moved outwards by the factor `widening`.
-    #[inline]
-    pub(crate) fn distance(self, p: Vec4, widening: f32) -> f64 {
-        let DVec4 { x, y, z, w } = p.as_dvec4();
-        let side = w * f64::from(widening);
-        match self {
-            Self::Near => z,
-            Self::Eye => w - f64::from(MIN_W),
-            Self::Far => w - z,
-            Self::Left => side + x,
-            Self::Right => side - x,
-            Self::Bottom => side + y,
-            Self::Top => side - y,
-        }
-    }
-
-    /// Converts a clip-space plane to the plane of the view frustum that it represents, or the other way round: swaps
-    /// near and far if z = 0 is the far plane.
-    pub(crate) fn of_view(self, has_zero_at_far: bool) -> Self {
-        match self {
-            Self::Near if has_zero_at_far => Self::Far,
-            Self::Far if has_zero_at_far => Self::Near,
-            plane => plane,
-        }
-    }
-
-    /// Returns the largest magnitude among the clip-space components from which [`Self::distance`] is computed. The
-    /// argument holds the magnitudes of x, y, z and w.
-    pub(super) fn magnitude(self, DVec4 { x, y, z, w }: DVec4) -> f64 {
-        match self {
-            Self::Near => z,
-            Self::Eye => w,
-            Self::Far => w.max(z),
-            Self::Left | Self::Right => w.max(x),
-            Self::Bottom | Self::Top => w.max(y),
-        }
-    }
-
-    /// Returns whether the plane is the near or the far plane, all of whose points have the same depth.
-    fn is_of_depth(self) -> bool {
-        matches!(self, Self::Near | Self::Far)
-    }
-
-    /// Returns `p` moved exactly onto the plane by changing one of its components.
-    fn pin(self, p: Vec4, widening: f32) -> Vec4 {
-        let side = p.w * widening;
-        match self {
-            Self::Near => p.with_z(0.0),
-            Self::Eye => p.with_w(MIN_W),
-            Self::Far => p.with_z(p.w),
-            Self::Left => p.with_x(-side),
-            Self::Right => p.with_x(side),
-            Self::Bottom => p.with_y(-side),
-            Self::Top => p.with_y(side),
-        }
-    }
-}
 
 /// Triangle inside the guard band: a whole triangle of the scene, or a piece of one that was cut.
 #[derive(Clone, Copy, Debug)]
@@ -278,6 +191,8 @@ fn between(a: &ClipVertex, b: &ClipVertex, (da, db): (f64, f64)) -> ClipVertex {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec4;
+
     use super::*;
 
     fn vertex(x: f32, y: f32, z: f32, w: f32) -> ClipVertex {

@@ -4,13 +4,16 @@ use std::time::Instant;
 
 use glam::{DMat4, Vec3};
 
+use super::clip_space::ClipVertex;
 use super::depth::DepthScale;
 use super::observe::{Fate, Observer};
 use super::plan::{DrawPlan, PipelinePart};
 use super::raster::doubled_area;
+use super::screen_triangle::{ScreenTriangle, TriangleOwner};
+use super::screen_vertex::ScreenVertex;
 use super::settings::{Arithmetic, Culling, Settings};
-use super::vertex::{ClipVertex, DrawMatrices, containment, transform};
-use super::viewport::{ScreenTriangle, ScreenVertex, TriangleOwner, Viewport};
+use super::vertex::{DrawMatrices, containment, transform};
+use super::viewport::Viewport;
 use super::{DrawnView, Geometry, clip, cull};
 use crate::scene::{Camera, Scene, TriangleId};
 

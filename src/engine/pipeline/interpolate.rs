@@ -14,9 +14,9 @@ use glam::{Vec2, Vec3};
 
 use super::plan::{DrawPlan, PipelinePart};
 use super::raster::RasterSample;
+use super::screen_triangle::ScreenTriangle;
 use super::settings::{Arithmetic, Interpolation, Settings};
 use super::shading::Input;
-use super::viewport::ScreenTriangle;
 use crate::scene::TriangleId;
 
 /// Returns the screen-space weights λ at a sample: each corner's edge value times the rounded reciprocal of the doubled
@@ -232,11 +232,12 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
+    use crate::pipeline::clip_space::Varyings;
     use crate::pipeline::depth::DepthScale;
     use crate::pipeline::raster::{AnyTriangle, doubled_area};
+    use crate::pipeline::screen_triangle::TriangleOwner;
+    use crate::pipeline::screen_vertex::ScreenVertex;
     use crate::pipeline::settings::FillRule;
-    use crate::pipeline::vertex::Varyings;
-    use crate::pipeline::viewport::{ScreenVertex, TriangleOwner};
 
     /// Returns the texture coordinates of a triangle at a position in pixels, computed in f64 from its snapped corners.
     fn true_uv(corners: &[ScreenVertex; 3], [x, y]: [f64; 2]) -> DVec2 {

@@ -23,9 +23,13 @@ pub(crate) mod choice;
 
 pub(crate) mod clip;
 
+pub(crate) mod clip_space;
+
 pub(crate) mod cull;
 
 pub mod depth;
+
+pub mod depth_format;
 
 pub(crate) mod footprint;
 
@@ -47,13 +51,21 @@ pub mod observe;
 
 pub mod partial;
 
+pub(crate) mod pixel_box;
+
 pub mod plan;
+
+pub(crate) mod project;
 
 pub(crate) mod raster;
 
 pub(crate) mod sample;
 
 mod samples;
+
+pub mod screen_triangle;
+
+pub mod screen_vertex;
 
 pub mod settings;
 
@@ -66,6 +78,8 @@ pub mod tiled;
 pub(crate) mod triangle_list;
 
 pub(crate) mod vertex;
+
+pub(crate) mod viewpoint;
 
 pub mod viewport;
 
@@ -85,10 +99,11 @@ use plan::DrawPlan;
 use raster::numbers::Numbers;
 use raster::{RasterTriangle, SampleArea, Scissor, Span, cover_samples, with_arithmetic};
 use samples::{EdgedTriangle, SampleStages};
+use screen_triangle::ScreenTriangle;
 use settings::{Blending, BlendingOrder, Settings};
 use shade::Shader;
 use triangle_list::TriangleList;
-use viewport::{ScreenTriangle, Viewport};
+use viewport::Viewport;
 
 use crate::scene::{Camera, Scene, Transparency};
 

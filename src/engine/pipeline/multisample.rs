@@ -12,16 +12,17 @@
 use std::ops::Range;
 
 use super::blending::{self, FragmentList, Sorting};
-use super::depth::{DepthComparison, DepthScale, depth_at};
+use super::depth::{DepthComparison, DepthScale};
 use super::framebuffer::Framebuffer;
 use super::grid::SampleGrid;
 use super::interpolate::{Fragment, interpolate};
 use super::raster::numbers::Numbers;
 use super::raster::{RasterSample, RasterTriangle, SampleArea, Span, cover_samples, doubled_area, with_arithmetic};
 use super::samples::{EdgedTriangle, SampleStages};
+use super::screen_triangle::{ScreenTriangle, depth_at};
+use super::screen_vertex::ScreenVertex;
 use super::settings::Settings;
 use super::shade::Shader;
-use super::viewport::{ScreenTriangle, ScreenVertex};
 use super::{DrawCall, LastStage};
 use crate::math::fixed::snap;
 use crate::scene::Transparency;

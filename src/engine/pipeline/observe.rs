@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use super::interpolate::Fragment;
 use super::raster::RasterSample;
-use super::viewport::ScreenTriangle;
+use super::screen_triangle::ScreenTriangle;
 use crate::image::Rgba8;
 use crate::scene::TriangleId;
 

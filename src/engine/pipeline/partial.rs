@@ -2,13 +2,14 @@
 //! rasterizer finds them.
 
 use super::grid::SampleGrid;
-use super::raster::{CoverageRules, SampleArea, Span};
+use super::raster::{SampleArea, Span};
+use super::screen_triangle::ScreenTriangle;
 use super::settings::Settings;
-use super::viewport::{ScreenTriangle, Viewport};
+use super::viewport::Viewport;
 
 /// Returns the samples that a triangle covers, in drawing order.
 pub fn samples_of(triangle: &ScreenTriangle, settings: &Settings, (grid, raster): (SampleGrid, Viewport)) -> Vec<Span> {
-    let rules = CoverageRules::of(settings);
+    let rules = settings.coverage_rules();
     let mut spans = Vec::new();
     rules.cover_within(triangle.corners_px(), SampleArea::full(grid, raster), &mut spans);
     spans

@@ -8,8 +8,8 @@ use glam::{Vec2, Vec3};
 use serde::Serialize;
 
 use super::settings::{Culling, DepthTest, DisabledOptimisation, Interpolation, Settings, Shading};
-use super::shade::Viewpoint;
 use super::shading::Input;
+use super::viewpoint::Viewpoint;
 use crate::scene::{Camera, Instance, Library, Material, Mesh, Projection, TextureId, Transparency, TriangleId};
 
 /// Part of the pipeline that a draw may not need.

@@ -7,14 +7,14 @@
 use std::hint::black_box;
 
 use super::LastStage;
-use super::depth::{DepthComparison, depth_at};
+use super::depth::DepthComparison;
 use super::framebuffer::Framebuffer;
 use super::interpolate::interpolate;
 use super::observe::{DepthOutcome, Observer};
 use super::raster::numbers::Numbers;
 use super::raster::{RasterTriangle, Span};
+use super::screen_triangle::{ScreenTriangle, depth_at};
 use super::shade::Shader;
-use super::viewport::ScreenTriangle;
 use crate::image::Image;
 use crate::scene::Transparency;
 

@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use super::background::Background;
 pub use super::choice::{Choice, choice};
-pub use super::depth::DepthFormat;
+pub use super::depth_format::DepthFormat;
+use super::raster::CoverageRules;
 pub use super::raster::{Arithmetic, FillRule, Rasterizer};
 pub use super::shading::{SceneData, Shading};
 use crate::image::Rgba8;
@@ -321,6 +322,12 @@ impl Settings {
     pub(crate) fn clear_color(&self, of_scene: [u8; 3]) -> Rgba8 {
         let [r, g, b] = self.background.resolve(of_scene);
         [r, g, b, 255]
+    }
+
+    /// Returns the rules that decide which samples a triangle covers.
+    pub(crate) fn coverage_rules(&self) -> CoverageRules {
+        let Self { rasterizer, arithmetic, fill_rule, .. } = *self;
+        CoverageRules { rasterizer, arithmetic, fill_rule }
     }
 
     /// Returns whether depth is reversed, so that nearer surfaces have larger stored depths.

@@ -5,7 +5,8 @@
 use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 
-use super::viewport::ScreenTriangle;
+use super::pixel_box::{PixelBox, box_around};
+use super::screen_triangle::ScreenTriangle;
 
 /// List of screen triangles, readable as a slice. Cloning and truncating take constant time, because all clones share
 /// the memory.
@@ -16,16 +17,6 @@ pub struct TriangleList {
     len: usize,
     /// Bounding box of each triangle; `None` until [`TriangleList::find_boxes`] computes them.
     boxes: Option<Arc<[PixelBox]>>,
-}
-
-/// Bounding box of a triangle in pixels, before snapping: minimum and maximum x, then minimum and maximum y.
-pub(crate) type PixelBox = [f32; 4];
-
-/// Returns the bounding box of a triangle's corners, in pixels.
-pub(crate) fn box_around([a, b, c]: [[f32; 2]; 3]) -> PixelBox {
-    let least = |axis: usize| a[axis].min(b[axis]).min(c[axis]);
-    let greatest = |axis: usize| a[axis].max(b[axis]).max(c[axis]);
-    [least(0), greatest(0), least(1), greatest(1)]
 }
 
 impl TriangleList {
@@ -102,9 +93,10 @@ impl<'a> IntoIterator for &'a TriangleList {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pipeline::clip_space::Varyings;
     use crate::pipeline::depth::DepthScale;
-    use crate::pipeline::vertex::Varyings;
-    use crate::pipeline::viewport::{ScreenVertex, TriangleOwner};
+    use crate::pipeline::screen_triangle::TriangleOwner;
+    use crate::pipeline::screen_vertex::ScreenVertex;
     use crate::scene::TriangleId;
 
     fn triangle(id: u32) -> ScreenTriangle {

@@ -6,61 +6,13 @@
 
 use glam::{DMat4, Mat3, Mat4, Vec2, Vec3, Vec4};
 
-use super::clip::ClipPlane;
+use super::clip_space::{ClipPlane, ClipVertex, Varyings};
 use super::plan::{Containment, DrawPlan, PipelinePart};
 use super::settings::Settings;
 use super::shade::to_working_space;
 use super::shading::{Input, lambert};
 use crate::math::{Aabb, unit_or};
 use crate::scene::{Instance, Mesh};
-
-/// Attributes interpolated over a triangle besides position. Attributes that the draw plan skips are zero, except that
-/// the colour is white.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Varyings {
-    /// World-space normal, of unit length only at vertices.
-    pub normal: Vec3,
-    /// Texture coordinates, with v pointing down.
-    pub uv: Vec2,
-    /// Vertex colour in the working colour space; white if the mesh has none.
-    pub color: Vec3,
-    /// Light intensity computed at the vertex; 0 unless the shading reads it.
-    pub light: f32,
-    /// Barycentric weights of the three vertices of the unclipped triangle.
-    pub source_weights: Vec3,
-}
-
-impl Varyings {
-    /// Interpolates linearly from `self` at t = 0 to `other` at t = 1. A value that is equal in both stays exactly
-    /// equal.
-    pub(crate) fn lerp(&self, other: &Self, t: f32) -> Self {
-        Self {
-            normal: self.normal + (other.normal - self.normal) * t,
-            uv: self.uv + (other.uv - self.uv) * t,
-            color: self.color + (other.color - self.color) * t,
-            light: self.light + (other.light - self.light) * t,
-            source_weights: self.source_weights + (other.source_weights - self.source_weights) * t,
-        }
-    }
-}
-
-/// Vertex in clip space.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ClipVertex {
-    /// Homogeneous position in clip space. Inside the frustum 0 ≤ z ≤ w, |x| ≤ w and |y| ≤ w.
-    pub(crate) position: Vec4,
-    /// Near or far plane if clipping created the vertex on it; `None` for all other vertices.
-    pub(crate) cut_at: Option<ClipPlane>,
-    /// Attributes of the vertex, to be interpolated.
-    pub(crate) varyings: Varyings,
-}
-
-impl ClipVertex {
-    /// Returns an unclipped vertex with default attributes.
-    pub(crate) fn at(position: Vec4) -> Self {
-        Self { position, cut_at: None, varyings: Varyings::default() }
-    }
-}
 
 /// Transform matrices of one draw.
 #[derive(Clone, Copy, Debug, PartialEq)]

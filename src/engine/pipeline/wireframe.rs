@@ -4,7 +4,8 @@
 //! picture below, light on dark and dark on light, so that lines stay visible on any picture. [`crosses`] finds the
 //! edge over a single pixel, which lets the inspector explain that pixel.
 
-use super::viewport::{ScreenTriangle, ScreenVertex};
+use super::screen_triangle::ScreenTriangle;
+use super::screen_vertex::ScreenVertex;
 use crate::flat2d::line::{clip_to, midpoint_line};
 use crate::image::color::luma;
 use crate::image::{Image, Rgba8};

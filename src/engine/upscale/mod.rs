@@ -29,6 +29,7 @@ mod ewa;
 mod fsr;
 mod fsr2;
 mod history;
+mod history_options;
 mod jitter;
 mod lanczos;
 #[cfg(target_arch = "x86_64")]
@@ -66,6 +67,9 @@ pub use history::PastColor;
 pub use history::Rejection;
 pub(crate) use history::Reprojected;
 pub(crate) use history::whole_and_fraction;
+pub use history_options::HistoryFilter;
+pub use history_options::HistoryOptions;
+pub use history_options::Rectification;
 pub use jitter::Jitter;
 pub use lattice::Anchor;
 pub(crate) use lattice::Lattice;
@@ -74,9 +78,6 @@ pub use registry::all;
 pub use registry::register;
 pub use registry::register_boxed;
 pub use scale::Scale;
-pub use taa::HistoryFilter;
-pub use taa::HistoryOptions;
-pub use taa::Rectification;
 
 /// An upscaler, which fills in the pixels that were not drawn.
 pub trait Upscaler: Sync {

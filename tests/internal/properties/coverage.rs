@@ -5,9 +5,10 @@
 //! rule.
 
 use rasterscope::image::Image;
+use rasterscope::pipeline::clip_space::ClipVertex;
+use rasterscope::pipeline::screen_triangle::ScreenTriangle;
 use rasterscope::pipeline::settings::{FillRule, Rasterizer};
-use rasterscope::pipeline::vertex::ClipVertex;
-use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
+use rasterscope::pipeline::viewport::Viewport;
 
 use crate::internal::common::{
     clip_vertex, covered, for_seeds, grid_triangles, screen_triangles, signed, sound_fill_rules,

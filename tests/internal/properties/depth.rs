@@ -6,15 +6,17 @@ use num_traits::{Signed as _, ToPrimitive as _};
 use rasterscope::chain::{Frame, Recipe, run};
 use rasterscope::inspect::capture;
 use rasterscope::pipeline::clip::{clip, guard_band_widening};
-use rasterscope::pipeline::depth::{DepthEncoding, DepthScale};
+use rasterscope::pipeline::depth::DepthScale;
+use rasterscope::pipeline::depth_format::DepthEncoding;
 use rasterscope::pipeline::observe::{DepthOutcome, Observer};
 use rasterscope::pipeline::plan::PipelinePart;
 use rasterscope::pipeline::raster::RasterSample;
+use rasterscope::pipeline::screen_triangle::ScreenTriangle;
 use rasterscope::pipeline::settings::{
     Arithmetic, Choice, Culling, DepthBias, DepthFormat, DepthTest, FillRule, Rasterizer,
 };
 use rasterscope::pipeline::vertex::{DrawMatrices, transform};
-use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
+use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::{Camera, DepthCurve, DepthMapping, Mesh, Scene, TriangleId, builtin};
 
 use crate::internal::common::{DEPTH_BIASES, SceneBuilder, covered, cube, for_seeds, in_cube, mesh, render, scenes};

@@ -3,11 +3,12 @@
 //! centre that touches two or more triangles lies on their shared edge or corner.
 
 use rasterscope::inspect::{FaultKind, Hits};
+use rasterscope::pipeline::clip_space::ClipVertex;
 use rasterscope::pipeline::grid::SampleGrid;
 use rasterscope::pipeline::raster::cover;
+use rasterscope::pipeline::screen_triangle::ScreenTriangle;
 use rasterscope::pipeline::settings::{Arithmetic, Choice as _, FillRule, Rasterizer, Settings};
-use rasterscope::pipeline::vertex::ClipVertex;
-use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
+use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::builtin;
 
 use crate::internal::common::{

@@ -3,12 +3,14 @@
 //! Vertices lie on the 1/256 px grid, so snapping moves nothing and the oracle computes with the same triangle.
 
 use glam::{DVec3, Vec2, Vec3};
-use rasterscope::pipeline::depth::{DepthEncoding, DepthFunction, depth_at};
+use rasterscope::pipeline::clip_space::Varyings;
+use rasterscope::pipeline::depth::DepthFunction;
+use rasterscope::pipeline::depth_format::DepthEncoding;
 use rasterscope::pipeline::interpolate::{AttributeSelection, affine_weights, attribute_weights, interpolate};
 use rasterscope::pipeline::raster::{AnyTriangle, RasterSample};
+use rasterscope::pipeline::screen_triangle::{ScreenTriangle, depth_at};
 use rasterscope::pipeline::settings::{Arithmetic, FillRule, Interpolation, Rasterizer};
-use rasterscope::pipeline::vertex::Varyings;
-use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
+use rasterscope::pipeline::viewport::Viewport;
 
 use crate::internal::common::{clip_vertex, covered, for_seeds, in_cube, screen_triangles};
 

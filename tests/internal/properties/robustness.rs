@@ -6,14 +6,14 @@ use std::collections::{HashMap, HashSet};
 use glam::{DVec4, Mat4, Vec3, Vec4};
 use rasterscope::chain::{Recipe, run};
 use rasterscope::image::{Image, Rgba8};
-use rasterscope::pipeline::depth::depth_at;
+use rasterscope::pipeline::clip_space::ClipVertex;
 use rasterscope::pipeline::from_clip_space;
 use rasterscope::pipeline::interpolate::{AttributeSelection, Fragment, interpolate};
 use rasterscope::pipeline::observe::{Counters, Fate, Observer};
 use rasterscope::pipeline::raster::cover;
+use rasterscope::pipeline::screen_triangle::{ScreenTriangle, depth_at};
 use rasterscope::pipeline::settings::{Arithmetic, Choice as _, FillRule, Interpolation, Rasterizer};
-use rasterscope::pipeline::vertex::ClipVertex;
-use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
+use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::{Camera, Scene, TriangleId};
 
 use crate::internal::common::{

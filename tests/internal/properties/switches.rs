@@ -10,9 +10,11 @@ use rasterscope::pipeline::interpolate::{AttributeSelection, Fragment, interpola
 use rasterscope::pipeline::observe::{DepthOutcome, Observer};
 use rasterscope::pipeline::plan::PipelinePart;
 use rasterscope::pipeline::raster::{RasterSample, Scissor};
+use rasterscope::pipeline::screen_triangle::ScreenTriangle;
+use rasterscope::pipeline::screen_vertex::relative_inv_w;
 use rasterscope::pipeline::settings::{Choice, DepthFormat, DepthTest, DisabledOptimisation, Interpolation, Shading};
 use rasterscope::pipeline::shade::Shader;
-use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport, relative_inv_w};
+use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::pipeline::{DrawCall, Extent, LastStage};
 use rasterscope::scene::{Material, Scene, Transparency, TriangleId};
 

@@ -4,14 +4,13 @@
 use glam::{Mat4, Vec3};
 use rasterscope::chain::{Frame, Recipe, redraw};
 use rasterscope::image::{Image, Rgba8};
-use rasterscope::pipeline::depth::depth_at;
 use rasterscope::pipeline::framebuffer::Framebuffer;
 use rasterscope::pipeline::interpolate::Fragment;
 use rasterscope::pipeline::observe::Observer;
 use rasterscope::pipeline::plan::{DrawPlan, PipelinePart, PlanStep};
+use rasterscope::pipeline::screen_triangle::{ScreenTriangle, depth_at};
 use rasterscope::pipeline::settings::{BlendingOrder, Choice as _, ColorSpace, DepthFormat, Shading, TexelFilter};
 use rasterscope::pipeline::shade::Shader;
-use rasterscope::pipeline::viewport::ScreenTriangle;
 use rasterscope::pipeline::{DrawCall, Extent, LastStage};
 use rasterscope::scene::{Instance, Material, Mesh, MeshData, Scene, Texture, Transparency};
 

@@ -1,8 +1,8 @@
 //! Tests of the history of a pixel, the menu “Why is this pixel black?”, and the assertions.
 
 use rasterscope::inspect::assertions::Assertion;
-use rasterscope::inspect::history::Kind;
 use rasterscope::inspect::lesson;
+use rasterscope::inspect::pixel::Kind;
 use rasterscope::pipeline::settings::Choice as _;
 use rasterscope::ui::workspace::Panel;
 

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::antialias::fxaa::{BLOCK, fill_luma};
+use crate::antialias::luma::{BLOCK, fill_luma};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 

@@ -5,8 +5,8 @@ use super::exact::{Owner, corner_depths};
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::interpolate::{Fragment, affine_weights, attribute_weights};
 use crate::pipeline::raster::RasterSample;
+use crate::pipeline::screen_triangle::ScreenTriangle;
 use crate::pipeline::settings::{Arithmetic, Choice as _, DepthTest, Settings};
-use crate::pipeline::viewport::ScreenTriangle;
 
 /// Maximum difference between 1 and the sum of the attribute weights: twice the machine epsilon of f32.
 const SUM_SLACK: f32 = 2.0 * f32::EPSILON;

@@ -2,8 +2,8 @@
 
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::raster::{AnyTriangle, CoverageRules, RasterSample, SampleArea, Span};
+use crate::pipeline::screen_triangle::ScreenTriangle;
 use crate::pipeline::settings::{Arithmetic, FillRule, Rasterizer, Settings};
-use crate::pipeline::viewport::ScreenTriangle;
 
 /// Exact test of whether a triangle owns a sample, set up once for all samples of the triangle.
 pub(super) struct Owner {

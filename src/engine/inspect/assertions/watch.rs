@@ -6,14 +6,14 @@ use super::{Assertion, AssertionReport, Finding, Violation};
 use crate::chain::{Frame, Recipe};
 use crate::image::{Image, Rgba8};
 use crate::inspect::blending::BlendedDepths;
-use crate::pipeline::depth::{DepthScale, depth_at};
+use crate::pipeline::depth::DepthScale;
 use crate::pipeline::interpolate::Fragment;
 use crate::pipeline::observe::{DepthOutcome, Observer};
 use crate::pipeline::plan::{DrawPlan, PipelinePart};
 use crate::pipeline::raster::RasterSample;
+use crate::pipeline::screen_triangle::{ScreenTriangle, depth_at};
 use crate::pipeline::settings::Settings;
 use crate::pipeline::shading::Input;
-use crate::pipeline::viewport::ScreenTriangle;
 
 /// Observer that checks the fragments of a frame in drawing order.
 pub(super) struct AssertionObserver<'a> {

@@ -5,9 +5,10 @@ use crate::image::Image;
 use crate::inspect::selection::TriangleSelection;
 use crate::pipeline::Geometry;
 use crate::pipeline::grid::SampleGrid;
-use crate::pipeline::raster::{CoverageRules, SampleArea, Span};
+use crate::pipeline::raster::{SampleArea, Span};
+use crate::pipeline::screen_triangle::ScreenTriangle;
 use crate::pipeline::settings::Arithmetic;
-use crate::pipeline::viewport::{ScreenTriangle, Viewport};
+use crate::pipeline::viewport::Viewport;
 use crate::scene::TriangleId;
 use crate::upscale::Sampling;
 
@@ -110,7 +111,7 @@ impl Fates {
     /// Returns the samples that the shapes cover, regardless of occlusion, as columns and rows of the packed
     /// framebuffer.
     fn covered_by(&self, shapes: &[ScreenShape]) -> Vec<(u32, u32)> {
-        let rules = CoverageRules::of(&self.recipe.pipeline);
+        let rules = self.recipe.pipeline.coverage_rules();
         let area = SampleArea::full(self.sampling.grid(), self.raster);
         let mut spans: Vec<Span> = Vec::new();
         shapes.iter().for_each(|shape| rules.cover_within(shape.corners_px, area, &mut spans));

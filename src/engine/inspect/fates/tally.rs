@@ -7,8 +7,8 @@ use crate::pipeline::Geometry;
 use crate::pipeline::interpolate::Fragment;
 use crate::pipeline::observe::{DepthOutcome, Observer};
 use crate::pipeline::raster::RasterSample;
+use crate::pipeline::screen_triangle::ScreenTriangle;
 use crate::pipeline::shade::Shader;
-use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::{Scene, Transparency, TriangleId};
 
 /// Sentinel index that ends the list of layers of a sample.

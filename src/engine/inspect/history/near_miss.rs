@@ -8,11 +8,11 @@ use std::collections::BTreeSet;
 
 use glam::DVec2;
 
-use super::{Absent, Cause};
 use crate::chain::{Frame, Recipe};
+use crate::inspect::pixel::{Absent, Cause};
 use crate::pipeline::raster::AnyTriangle;
+use crate::pipeline::screen_triangle::ScreenTriangle;
 use crate::pipeline::settings::{Arithmetic, Choice as _, Settings};
-use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::{Scene, TriangleId};
 
 /// Maximum distance in px between a pixel's centre and a triangle's bounding box at which the triangle counts as near.

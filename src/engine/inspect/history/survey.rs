@@ -11,16 +11,17 @@ use rayon::prelude::*;
 
 use super::clipped::{Meeting, meeting};
 use super::near_miss::distance_px;
-use super::{Absent, Cause};
 use crate::chain::{Frame, Recipe};
 use crate::image::Image;
-use crate::pipeline::clip::{ClipPlane, clip, guard_band_widening};
+use crate::inspect::pixel::{Absent, Cause};
+use crate::pipeline::clip::{clip, guard_band_widening};
+use crate::pipeline::clip_space::{ClipPlane, ClipVertex};
 use crate::pipeline::cull::{Facing, cull, facing};
 use crate::pipeline::observe::{Fate, Observer};
 use crate::pipeline::plan::{PipelinePart, culling};
-use crate::pipeline::raster::{CoverageRules, SampleArea, Scissor, Span, doubled_area};
+use crate::pipeline::raster::{SampleArea, Scissor, Span, doubled_area};
 use crate::pipeline::settings::{Choice as _, Culling, Settings};
-use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
+use crate::pipeline::vertex::DrawMatrices;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::seams::Seams;
 use crate::scene::{Camera, Projection, Scene, TriangleId};
@@ -222,7 +223,7 @@ impl Survey {
     pub(crate) fn culled_coverage(&self, settings: &Settings, frame: &Frame) -> Image<u32> {
         let (width, height) = frame.drawn.color.size();
         let mut counts = Image::filled(width, height, 0);
-        let rules = CoverageRules::of(settings);
+        let rules = settings.coverage_rules();
         let area = SampleArea::full(frame.drawn.grid, self.raster);
         let culled = |piece: &&PlacedTriangle| matches!(piece.cause, Cause::BackFacing | Cause::FrontFacing);
         let mut spans: Vec<Span> = Vec::new();
@@ -242,7 +243,7 @@ impl Survey {
     }
 
     /// Returns the open seams of the scene; `None` until they are known.
-    pub(super) fn seams(&self) -> Option<&Seams> {
+    pub(in crate::inspect) fn seams(&self) -> Option<&Seams> {
         self.seams.as_deref()
     }
 
@@ -342,7 +343,7 @@ impl PlacedTriangle {
         }
         let mut spans: Vec<Span> = Vec::new();
         let area = SampleArea { grid: frame.drawn.grid, scissor };
-        CoverageRules::of(settings).cover_within(self.corners_px, area, &mut spans);
+        settings.coverage_rules().cover_within(self.corners_px, area, &mut spans);
         !spans.is_empty()
     }
 

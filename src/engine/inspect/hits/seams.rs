@@ -14,13 +14,15 @@ use crate::chain::{Frame, Recipe};
 use crate::inspect::vertices::Outcode;
 use crate::math::fixed::{snap, to_pixels};
 use crate::pipeline::clip::{Cut, Polygon, guard_band_widening};
+use crate::pipeline::clip_space::ClipVertex;
 use crate::pipeline::cull::{Facing, cull, facing};
 use crate::pipeline::observe::Fate;
 use crate::pipeline::plan::culling;
+use crate::pipeline::project::divided;
 use crate::pipeline::raster::{AnyTriangle, Scissor, doubled_area};
 use crate::pipeline::settings::{Arithmetic, FillRule, Settings};
-use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
-use crate::pipeline::viewport::{Viewport, divided};
+use crate::pipeline::vertex::DrawMatrices;
+use crate::pipeline::viewport::Viewport;
 use crate::scene::seams::{Junction, Seam, Seams, TriangleCorner, TriangleEdge};
 use crate::scene::{Scene, TriangleId};
 

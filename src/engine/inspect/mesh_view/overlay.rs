@@ -7,8 +7,9 @@ use super::hatch::{ScreenPoint, hatch};
 use super::{Inner, corners};
 use crate::inspect::fates::GeometryOutcome;
 use crate::pipeline::clip::{Cut, Polygon, guard_band_widening};
+use crate::pipeline::clip_space::ClipVertex;
 use crate::pipeline::observe::Fate;
-use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
+use crate::pipeline::vertex::DrawMatrices;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, DepthMapping, Projection, Scene, TriangleId};
 

@@ -4,8 +4,8 @@ use glam::DVec2;
 
 use super::visible::{StackId, Visibility};
 use crate::pipeline::Geometry;
+use crate::pipeline::screen_triangle::ScreenTriangle;
 use crate::pipeline::settings::{DepthTest, Settings};
-use crate::pipeline::viewport::ScreenTriangle;
 
 /// A point on the boundary of two regions.
 #[derive(Clone, Copy, Debug, PartialEq)]

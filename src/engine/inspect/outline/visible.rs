@@ -13,8 +13,9 @@ use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::interpolate::Fragment;
 use crate::pipeline::observe::Observer;
 use crate::pipeline::raster::Scissor;
+use crate::pipeline::screen_triangle::ScreenTriangle;
 use crate::pipeline::settings::Settings;
-use crate::pipeline::viewport::{ScreenTriangle, Viewport};
+use crate::pipeline::viewport::Viewport;
 use crate::pipeline::{DrawCall, Extent, Geometry};
 use crate::scene::{Scene, TriangleId};
 

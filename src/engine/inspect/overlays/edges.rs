@@ -7,7 +7,7 @@ use crate::chain::{Frame, Recipe};
 use crate::image::Image;
 use crate::pipeline::prepare;
 use crate::pipeline::raster::AnyTriangle;
-use crate::pipeline::viewport::ScreenTriangle;
+use crate::pipeline::screen_triangle::ScreenTriangle;
 use crate::pipeline::wireframe::line_pixels;
 use crate::scene::Scene;
 use crate::upscale::Sampling;

@@ -7,9 +7,9 @@ use crate::pipeline::cull::{Facing, facing};
 use crate::pipeline::interpolate::{Fragment, uv_gradient};
 use crate::pipeline::observe::{DepthOutcome, Observer};
 use crate::pipeline::raster::{RasterSample, doubled_area};
+use crate::pipeline::screen_triangle::ScreenTriangle;
 use crate::pipeline::settings::Arithmetic;
 use crate::pipeline::shade::Shader;
-use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::{Scene, TriangleId};
 
 /// Fragment counts and visible triangles of all samples, in the packed layout of the framebuffer.

@@ -1,20 +1,19 @@
 //! Observer that records every fragment while one pixel is replayed.
 
-use super::{FragmentOutcome, FragmentRecord, ShadingRecord, TexelRecord, TextureMap};
+use super::{FragmentOutcome, FragmentRecord, SampleState, ShadingRecord, TexelRecord, TextureMap};
 use crate::chain::{Frame, Recipe};
 use crate::image::Rgba8;
 use crate::inspect::depth::DepthRecord;
-use crate::inspect::history::SampleState;
-use crate::pipeline::depth::{DepthComparison, clear_value, depth_at};
+use crate::pipeline::depth::{DepthComparison, clear_value};
 use crate::pipeline::footprint::TextureRead;
 use crate::pipeline::interpolate::{Fragment, affine_weights, attribute_weights};
 use crate::pipeline::observe::{DepthOutcome, Observer};
 use crate::pipeline::plan::{DrawPlan, PipelinePart};
 use crate::pipeline::raster::RasterSample;
 use crate::pipeline::sample::{Sampler, TexelTap};
+use crate::pipeline::screen_triangle::{ScreenTriangle, depth_at};
 use crate::pipeline::settings::{Arithmetic, Choice as _, DepthTest, Interpolation};
 use crate::pipeline::shade::{NormalMap, Readable, Shader};
-use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::{Scene, Transparency};
 
 /// Observer that records every fragment at the sample of a replayed pixel.

@@ -6,7 +6,8 @@ use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::interpolate::Fragment;
 use crate::pipeline::observe::Observer;
-use crate::pipeline::viewport::{ScreenTriangle, Viewport};
+use crate::pipeline::screen_triangle::ScreenTriangle;
+use crate::pipeline::viewport::Viewport;
 use crate::pipeline::{DrawCall, Extent, prepare};
 use crate::scene::{Camera, Scene, TriangleId};
 

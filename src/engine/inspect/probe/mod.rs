@@ -25,9 +25,10 @@ use serde_json::Value;
 use crate::image::{Image, Rgba8, png_text};
 use crate::measure::shard::Shard;
 use crate::pipeline::prepare;
-use crate::pipeline::raster::{CoverageRules, SampleArea};
+use crate::pipeline::raster::SampleArea;
+use crate::pipeline::screen_triangle::ScreenTriangle;
 use crate::pipeline::settings::{Choice, Settings, choice};
-use crate::pipeline::viewport::{ScreenTriangle, Viewport};
+use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 
 pub use counts::ProbeCounts;
@@ -148,7 +149,7 @@ impl ProbeResult {
 /// Whether a triangle covers the centre of a pixel, according to the rasterizer in `settings`.
 fn covers(triangle: &ScreenTriangle, settings: &Settings, pixel: (u32, u32)) -> bool {
     let mut spans = Vec::new();
-    CoverageRules::of(settings).cover_within(triangle.corners_px(), SampleArea::pixel(pixel), &mut spans);
+    settings.coverage_rules().cover_within(triangle.corners_px(), SampleArea::pixel(pixel), &mut spans);
     !spans.is_empty()
 }
 

@@ -3,7 +3,8 @@
 use crate::image::Image;
 use crate::pipeline::Geometry;
 use crate::pipeline::framebuffer::Framebuffer;
-use crate::pipeline::viewport::{ScreenTriangle, Viewport};
+use crate::pipeline::screen_triangle::ScreenTriangle;
+use crate::pipeline::viewport::Viewport;
 
 /// Maximum number of checkpoints. With more, drawing from one checkpoint to the next would take less time than copying
 /// the framebuffer.

@@ -3,7 +3,8 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use crate::pipeline::viewport::{ScreenTriangle, ScreenVertex};
+use crate::pipeline::screen_triangle::ScreenTriangle;
+use crate::pipeline::screen_vertex::ScreenVertex;
 use crate::scene::TriangleId;
 
 /// Maximum number of triangles of an object whose silhouette is computed, which takes about 50 ms.

@@ -8,7 +8,8 @@ use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::interpolate::Fragment;
 use crate::pipeline::observe::Observer;
 use crate::pipeline::raster::{RasterSample, Scissor};
-use crate::pipeline::viewport::{ScreenTriangle, Viewport};
+use crate::pipeline::screen_triangle::ScreenTriangle;
+use crate::pipeline::viewport::Viewport;
 use crate::pipeline::{DrawCall, Extent, Geometry, partial};
 use crate::scene::{Scene, TriangleId};
 

@@ -7,9 +7,9 @@ use super::line::{TraceRecorder, TraceStage};
 use super::names::{AXES, CHANNELS};
 use super::subject::TracedFragment;
 use crate::inspect::intermediate::Intermediate;
+use crate::pipeline::clip_space::Varyings;
 use crate::pipeline::interpolate::{edge_slopes, weight_gradient};
 use crate::pipeline::settings::Arithmetic;
-use crate::pipeline::vertex::Varyings;
 
 /// Writes the trace lines for every attribute that the draw interpolates.
 pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {

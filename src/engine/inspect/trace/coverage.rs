@@ -7,7 +7,7 @@ use super::subject::TracedFragment;
 use crate::inspect::intermediate::Intermediate;
 use crate::math::fixed::snap;
 use crate::pipeline::raster::doubled_area;
-use crate::pipeline::raster::numbers::Inward;
+use crate::pipeline::raster::inward::Inward;
 use crate::pipeline::raster::steps::{EdgeNumbers, EdgeSteps, ExactSteps, FixedSteps, FloatSteps};
 use crate::pipeline::settings::{Arithmetic, Choice as _};
 

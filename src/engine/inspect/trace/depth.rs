@@ -5,7 +5,8 @@ use super::line::{Notable, TraceRecorder, TraceStage};
 use super::subject::TracedFragment;
 use crate::inspect::depth::DepthRecord;
 use crate::inspect::intermediate::Intermediate;
-use crate::pipeline::depth::{DepthComparison, TriangleBias, depth_at, unquantised_depth_at};
+use crate::pipeline::depth::{DepthComparison, TriangleBias};
+use crate::pipeline::screen_triangle::{depth_at, unquantised_depth_at};
 use crate::pipeline::settings::DepthBias;
 
 /// Writes the trace lines for the fragment's depth and the depth test.

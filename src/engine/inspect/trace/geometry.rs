@@ -7,10 +7,11 @@ use super::inputs::{FormulaInputs, vector};
 use super::line::{Notable, TraceRecorder, TraceStage};
 use super::names::AXES;
 use super::subject::TracedFragment;
-use crate::pipeline::clip::{ClipPlane, Cut, EdgeCut, MIN_W, Polygon, guard_band_widening};
+use crate::pipeline::clip::{Cut, EdgeCut, Polygon, guard_band_widening};
+use crate::pipeline::clip_space::{ClipPlane, ClipVertex, MIN_W};
 use crate::pipeline::plan::{PipelinePart, PlanStep};
 use crate::pipeline::shading::{Input, LightInputs as _, lambert};
-use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
+use crate::pipeline::vertex::DrawMatrices;
 
 /// A vertex in clip space, and its name in trace lines.
 #[derive(Clone, Debug)]

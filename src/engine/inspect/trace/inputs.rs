@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::formula::{Formula, constant, given};
 use super::names::CHANNELS;
 use super::subject::TracedFragment;
-use crate::pipeline::depth::depth_at;
+use crate::pipeline::screen_triangle::depth_at;
 use crate::pipeline::settings::Checker;
 use crate::pipeline::shading::{CheckerInputs, LightInputs, SurfaceInputs};
 

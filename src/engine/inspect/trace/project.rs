@@ -6,12 +6,12 @@ use super::geometry::NamedVertex;
 use super::line::{Notable, TraceRecorder, TraceStage};
 use super::subject::TracedFragment;
 use crate::math::fixed::SUBPIXELS;
-use crate::pipeline::clip::ClipPlane;
+use crate::pipeline::clip_space::{ClipPlane, ClipVertex};
 use crate::pipeline::depth::{DepthLaw, DepthSource};
 use crate::pipeline::plan::{PipelinePart, PlanStep};
+use crate::pipeline::project::divided;
+use crate::pipeline::screen_vertex::ScreenVertex;
 use crate::pipeline::settings::Arithmetic;
-use crate::pipeline::vertex::ClipVertex;
-use crate::pipeline::viewport::{ScreenVertex, divided};
 
 /// Writes the trace lines for projecting all corners of the triangle.
 pub(super) fn write(subject: &TracedFragment<'_>, corners: &[NamedVertex], scribe: &mut TraceRecorder) {

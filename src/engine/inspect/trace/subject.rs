@@ -2,15 +2,16 @@
 
 use crate::chain::{Frame, Recipe};
 use crate::inspect::pixel::{FragmentRecord, PixelReport};
-use crate::pipeline::clip::ClipPlane;
+use crate::pipeline::clip_space::ClipPlane;
 use crate::pipeline::interpolate::{Fragment, interpolate};
 use crate::pipeline::plan::{DrawPlan, PipelinePart};
 use crate::pipeline::raster::steps::EdgeSteps;
 use crate::pipeline::raster::{AnyTriangle, RasterSample};
+use crate::pipeline::screen_triangle::ScreenTriangle;
 use crate::pipeline::settings::Settings;
 use crate::pipeline::shade::Shader;
 use crate::pipeline::vertex::{DrawMatrices, Transformer};
-use crate::pipeline::viewport::{ScreenTriangle, Viewport};
+use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Instance, Mesh, Scene};
 
 /// Fragment to trace, with all inputs from which it was drawn.

@@ -1,8 +1,8 @@
 //! Explanation of a pixel that shows the background: its fragments were rejected, or no triangle covers it.
 
 use super::count_triangles;
-use crate::inspect::history::{Absent, Cause, px};
-use crate::inspect::pixel::{FragmentOutcome, FragmentRecord};
+use crate::inspect::history::px;
+use crate::inspect::pixel::{Absent, Cause, FragmentOutcome, FragmentRecord};
 
 /// Explains a pixel whose fragments are all invisible. If the pixel has no fragments, names the most relevant triangle
 /// that does not cover it, if known.

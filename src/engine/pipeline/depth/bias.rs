@@ -13,10 +13,10 @@
 //! clipped triangle has its own bias. A w-buffer uses the same slope m, although its depth has no constant slope on the
 //! screen.
 
-use super::DepthEncoding;
 use crate::math::fixed::SUBPIXELS;
+use crate::pipeline::depth_format::DepthEncoding;
+use crate::pipeline::screen_vertex::ScreenVertex;
 use crate::pipeline::settings::{Arithmetic, DepthBias, Settings};
-use crate::pipeline::viewport::ScreenVertex;
 
 /// Depth-bias settings of a view, which determine the bias of each triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]

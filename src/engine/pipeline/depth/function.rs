@@ -8,9 +8,7 @@
 //! exactly, and no sample inside the triangle leaves the range of the corner depths. A depth bias is added to the
 //! smallest depth. Depth is computed in f64 and rounded once.
 
-use super::DepthEncoding;
-use crate::pipeline::raster::RasterSample;
-use crate::pipeline::viewport::ScreenTriangle;
+use crate::pipeline::depth_format::DepthEncoding;
 
 /// Depth as a function over the samples of one triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,38 +62,38 @@ impl DepthFunction {
     pub(crate) fn terms(&self) -> (f64, [f64; 3]) {
         (self.min_depth, self.rises)
     }
+
+    /// Returns the number format of stored depths.
+    #[inline]
+    pub(in crate::pipeline) fn encoding(&self) -> DepthEncoding {
+        self.encoding
+    }
+
+    /// Returns the depth of a sample in [0, 1], before it is quantised. `inv_w` is the 1/w of each corner.
+    #[inline]
+    pub(in crate::pipeline) fn at(&self, edges: [f64; 3], inv_w: [f32; 3]) -> f64 {
+        let Self { course, min_depth: least, rises, .. } = *self;
+        let weighted = |[a, b, c]: [f64; 3]| a * rises[0] + b * rises[1] + c * rises[2];
+        let rise = match course {
+            Interpolant::Screen => weighted(edges),
+            Interpolant::Space => {
+                let [a, b, c] = inv_w.map(f64::from);
+                // Inexact arithmetic may also cover samples slightly outside an edge, whose edge value is negative.
+                // Such values are clamped to 0. Otherwise, the sum of the weights could be close to 0 and the depth far
+                // out of range.
+                let [e0, e1, e2] = edges.map(|edge| edge.max(0.0));
+                let weights = [e0 * a, e1 * b, e2 * c];
+                let sum = weights[0] + weights[1] + weights[2];
+                // In float arithmetic, all clamped edge values may be 0.
+                if sum > 0.0 { weighted(weights) / sum } else { 0.0 }
+            }
+        };
+        (least + rise).clamp(0.0, 1.0)
+    }
 }
 
 /// Returns the smallest corner depth, and the difference of each corner depth from it.
 fn rises(corners: [f64; 3]) -> (f64, [f64; 3]) {
     let least = corners[0].min(corners[1]).min(corners[2]);
     (least, corners.map(|depth| depth - least))
-}
-
-/// Returns the depth of a covered sample as the depth buffer stores it.
-#[inline]
-pub(crate) fn depth_at(triangle: &ScreenTriangle, sample: &RasterSample) -> f32 {
-    triangle.depth.encoding.quantize(unquantised_depth_at(triangle, sample))
-}
-
-/// Returns the depth of a covered sample in [0, 1], before it is quantised.
-#[inline]
-pub(crate) fn unquantised_depth_at(triangle: &ScreenTriangle, sample: &RasterSample) -> f64 {
-    let DepthFunction { course, min_depth: least, rises, .. } = triangle.depth;
-    let weighted = |[a, b, c]: [f64; 3]| a * rises[0] + b * rises[1] + c * rises[2];
-    let rise = match course {
-        Interpolant::Screen => weighted(sample.edges),
-        Interpolant::Space => {
-            let [a, b, c] = triangle.vertices.each_ref().map(|v| f64::from(v.inv_w));
-            // Inexact arithmetic may also cover samples slightly outside an edge, whose edge value is negative. Such
-            // values are clamped to 0. Otherwise, the sum of the weights could be close to 0 and the depth far out of
-            // range.
-            let [e0, e1, e2] = sample.edges.map(|edge| edge.max(0.0));
-            let weights = [e0 * a, e1 * b, e2 * c];
-            let sum = weights[0] + weights[1] + weights[2];
-            // In float arithmetic, all clamped edge values may be 0.
-            if sum > 0.0 { weighted(weights) / sum } else { 0.0 }
-        }
-    };
-    (least + rise).clamp(0.0, 1.0)
 }

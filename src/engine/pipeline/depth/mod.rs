@@ -9,20 +9,12 @@
 
 mod bias;
 
-mod encoding;
-
-mod format;
-
 mod function;
 
 mod scale;
 
 pub(crate) use bias::TriangleBias;
-pub use encoding::DepthEncoding;
-pub use format::DepthFormat;
 pub(crate) use function::DepthFunction;
-pub(crate) use function::depth_at;
-pub(crate) use function::unquantised_depth_at;
 pub(crate) use scale::DepthLaw;
 pub use scale::DepthScale;
 pub(crate) use scale::DepthSource;

@@ -17,14 +17,13 @@
 //! - Inside a triangle, depth is interpolated from the triangle's own corners.
 //! - In orthographic views, depth is clip-space z over w, with all rounding of the matrix product.
 
-use super::DepthEncoding;
 use super::bias::{BiasRule, TriangleBias};
 use super::function::DepthFunction;
 use crate::math::lanes::*;
-use crate::pipeline::clip::ClipPlane;
+use crate::pipeline::clip_space::{ClipPlane, ClipVertex};
+use crate::pipeline::depth_format::DepthEncoding;
+use crate::pipeline::screen_vertex::ScreenVertex;
 use crate::pipeline::settings::{DepthFormat, Settings};
-use crate::pipeline::vertex::ClipVertex;
-use crate::pipeline::viewport::ScreenVertex;
 use crate::scene::{Camera, DepthCurve, DepthMapping, Projection};
 
 /// Mapping between distances and stored depths for one view. Distances are measured from the eye along the view
@@ -105,7 +104,8 @@ impl DepthScale {
     ///
     /// # Examples
     /// ```
-    /// use rasterscope_engine::pipeline::depth::{DepthEncoding, DepthScale};
+    /// use rasterscope_engine::pipeline::depth::DepthScale;
+    /// use rasterscope_engine::pipeline::depth_format::DepthEncoding;
     /// use rasterscope_engine::scene::DepthMapping;
     ///
     /// let scale = DepthScale::perspective(DepthMapping::STANDARD, DepthEncoding::Unorm16, 1.0, 100.0);

@@ -11,7 +11,8 @@ use robust::{Coord, orient2d};
 
 use super::fill_rule::FillRule;
 use super::float::{Floating, unit_scale};
-use super::numbers::{BoundaryWalk, Inward, Numbers, RasterEdge};
+use super::inward::Inward;
+use super::numbers::{BoundaryWalk, Numbers, RasterEdge};
 use super::steps::{EdgeNumbers, EdgeSteps, ExactSteps};
 use crate::pipeline::viewport::MAX_SIDE_PX;
 

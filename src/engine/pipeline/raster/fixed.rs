@@ -13,7 +13,8 @@
 //! pipeline's guard band (±2²⁴ grid steps) values stay below 2⁵³, so they are exact as f64 as well.
 
 use super::fill_rule::FillRule;
-use super::numbers::{BoundaryWalk, Inward, Numbers, RasterEdge};
+use super::inward::Inward;
+use super::numbers::{BoundaryWalk, Numbers, RasterEdge};
 use super::steps::{EdgeNumbers, EdgeSteps, FixedSteps};
 use crate::math::fixed::{HALF_PIXEL, SUBPIXELS, snap};
 

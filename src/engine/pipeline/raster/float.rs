@@ -9,7 +9,8 @@
 use num_traits::Float;
 
 use super::fill_rule::FillRule;
-use super::numbers::{BoundaryWalk, Inward, Numbers, RasterEdge};
+use super::inward::Inward;
+use super::numbers::{BoundaryWalk, Numbers, RasterEdge};
 use super::steps::{EdgeNumbers, EdgeSteps, FloatSteps};
 
 /// Rasterization arithmetic in IEEE 754 floats of type `F`.

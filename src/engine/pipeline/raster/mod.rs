@@ -24,6 +24,8 @@ mod fixed;
 
 mod float;
 
+pub(crate) mod inward;
+
 mod published;
 
 mod scanline;
@@ -46,8 +48,7 @@ use numbers::Numbers;
 
 use super::choice::{Choice as _, Label, registry};
 use super::grid::SampleGrid;
-use super::settings::Settings;
-use super::triangle_list::{PixelBox, box_around};
+use super::pixel_box::{PixelBox, box_around};
 use super::viewport::Viewport;
 use crate::math::fixed::{snap, to_pixels};
 
@@ -358,12 +359,6 @@ pub(crate) struct CoverageRules {
 }
 
 impl CoverageRules {
-    /// Returns the rules that the settings select.
-    pub(crate) fn of(settings: &Settings) -> Self {
-        let Settings { rasterizer, arithmetic, fill_rule, .. } = *settings;
-        Self { rasterizer, arithmetic, fill_rule }
-    }
-
     /// Rasterizes a triangle like [`cover()`], but in bands of rows from top to bottom; the spans and their order are
     /// the same. `take` receives the spans of each band and the first row below the band. Bands far from the triangle
     /// are skipped. Stops at the first error that `take` returns.

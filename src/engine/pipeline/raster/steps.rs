@@ -1,7 +1,7 @@
 //! Intermediate values of an edge function at one pixel's centre, for explaining the coverage of a pixel. The sign of
 //! the final value decides coverage.
 
-use super::numbers::Inward;
+use super::inward::Inward;
 
 /// Edge function evaluated at one pixel's centre, with its intermediate values.
 #[derive(Clone, Copy, Debug, PartialEq)]

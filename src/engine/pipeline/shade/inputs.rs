@@ -1,11 +1,10 @@
 //! Inputs of the kernels of shadings at a fragment, in floats.
 
 use super::Shader;
-use crate::pipeline::depth::depth_at;
 use crate::pipeline::interpolate::Fragment;
+use crate::pipeline::screen_triangle::{ScreenTriangle, depth_at};
 use crate::pipeline::settings::Checker;
 use crate::pipeline::shading::{CheckerInputs, LightInputs, SurfaceInputs};
-use crate::pipeline::viewport::ScreenTriangle;
 
 /// Inputs at a fragment, in floats: of the light, or with its triangle also of a quantity.
 #[derive(Clone, Copy, Debug)]

@@ -325,7 +325,7 @@ impl<E: EdgeNumber> EdgeArrays<E> {
     /// Returns the constant terms c of the edge functions, translated to a lattice with another sample offset.
     #[inline(always)]
     fn moved<S: Simd>(&self, simd: S, lattice: &TileLattice) -> [[E; LANES]; 3] {
-        let [right, down] = lattice.offset().map(E::of);
+        let [right, down] = lattice.offset().map(E::from);
         each!(i in [0, 1, 2] => {
             let [a, b, c] = each!(of in [&self.a, &self.b, &self.c] => E::load(simd, &of[i]));
             E::store(a * right + b * down + c)

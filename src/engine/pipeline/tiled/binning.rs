@@ -15,11 +15,11 @@ use super::outcode::{ClipVerdict, Outcode};
 use super::packed::{PackedSurface, PackedVertex};
 use crate::math::lanes::*;
 use crate::pipeline::Geometry;
+use crate::pipeline::clip_space::Varyings;
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::geometry_stages::{ClipSpaceDraw, GeometryStages};
 use crate::pipeline::plan::PipelinePart;
 use crate::pipeline::settings::{Culling, Settings};
-use crate::pipeline::vertex::Varyings;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::TriangleId;
 

@@ -8,7 +8,7 @@ use std::ops::Range;
 use super::layout::TileGrid;
 use super::packed::{PackedSurface, PackedVertex};
 use crate::math::lanes::*;
-use crate::pipeline::viewport::ScreenTriangle;
+use crate::pipeline::screen_triangle::ScreenTriangle;
 
 /// Key of a triangle within a frame: the identifier of a scene triangle or, if the highest bit is set, the chunk and
 /// the index of a piece made by clipping.

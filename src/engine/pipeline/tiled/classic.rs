@@ -11,8 +11,8 @@ use crate::math::lanes::LANES;
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::interpolate::{Fragment, interpolate};
 use crate::pipeline::raster::RasterSample;
+use crate::pipeline::screen_triangle::ScreenTriangle;
 use crate::pipeline::shade::Shader;
-use crate::pipeline::viewport::ScreenTriangle;
 
 /// Triangle of a tile for the code of the classic path, with its shader.
 pub(super) struct ClassicTriangle<'a> {

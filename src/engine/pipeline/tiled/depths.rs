@@ -4,7 +4,8 @@
 use super::edge_number::EdgeNumber;
 use super::setup::{EdgeFunctions, Setup};
 use crate::math::lanes::*;
-use crate::pipeline::depth::{DepthComparison, DepthEncoding, DepthScale, clear_value};
+use crate::pipeline::depth::{DepthComparison, DepthScale, clear_value};
+use crate::pipeline::depth_format::DepthEncoding;
 use crate::pipeline::settings::Settings;
 
 /// Rules for storing and comparing depths. They are the same in all tiles of a frame.
@@ -75,8 +76,8 @@ pub(super) fn passes<S: Simd>(new: F32<S>, stored: F32<S>, comparison: DepthComp
     }
 }
 
-/// Computes the stored depths of eight samples from their edge values, like [`crate::pipeline::depth::depth_at`]. Valid
-/// only for samples that the triangle covers.
+/// Computes the stored depths of eight samples from their edge values, like
+/// [`crate::pipeline::screen_triangle::depth_at`]. Valid only for samples that the triangle covers.
 #[inline(always)]
 pub(super) fn depth<S: Simd, E: EdgeNumber>(
     simd: S,

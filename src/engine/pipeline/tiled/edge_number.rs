@@ -9,7 +9,7 @@ use super::lattice::{LatticeSteps, TileLattice};
 use crate::math::lanes::*;
 
 /// Number type for edge values: a scalar, and a vector of eight.
-pub(super) trait EdgeNumber: Copy + Add<Output = Self> + Mul<Output = Self> {
+pub(super) trait EdgeNumber: Copy + From<i32> + Add<Output = Self> + Mul<Output = Self> {
     /// Vector of eight numbers.
     type Eight<S: Simd>: Copy
         + Add<Output = Self::Eight<S>>
@@ -21,9 +21,6 @@ pub(super) trait EdgeNumber: Copy + Add<Output = Self> + Mul<Output = Self> {
     /// Whether edges are reordered to make the last one opposite the vertex of least depth. The depth term of this edge
     /// is zero. If depth is linear in view space, edges are never reordered.
     const LAST_HAS_MIN_DEPTH: bool;
-
-    /// Converts an integer to this type.
-    fn of(number: i32) -> Self;
 
     /// Converts the number to a double, without rounding.
     fn double(self) -> f64;
@@ -64,11 +61,6 @@ impl EdgeNumber for f64 {
     type Eight<S: Simd> = F64<S>;
 
     const LAST_HAS_MIN_DEPTH: bool = false;
-
-    #[inline(always)]
-    fn of(number: i32) -> Self {
-        number.into()
-    }
 
     #[inline(always)]
     fn double(self) -> f64 {
@@ -131,11 +123,6 @@ impl EdgeNumber for i32 {
     type Eight<S: Simd> = i32x8<S>;
 
     const LAST_HAS_MIN_DEPTH: bool = true;
-
-    #[inline(always)]
-    fn of(number: i32) -> Self {
-        number
-    }
 
     #[inline(always)]
     fn double(self) -> f64 {

@@ -15,12 +15,13 @@ use crate::math::lanes::*;
 use crate::math::prefetch::prefetch;
 use crate::math::{unit_or, unit_or_lanes};
 use crate::pipeline::clip::guard_band_widening;
+use crate::pipeline::clip_space::{ClipVertex, Varyings};
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::plan::{DrawPlan, PipelinePart};
 use crate::pipeline::settings::Settings;
 use crate::pipeline::shade::to_working_space;
 use crate::pipeline::shading::{Input, lambert};
-use crate::pipeline::vertex::{ClipVertex, DrawMatrices, Varyings};
+use crate::pipeline::vertex::DrawMatrices;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Mesh, TriangleId};
 

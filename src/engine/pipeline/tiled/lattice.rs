@@ -1,6 +1,7 @@
 //! Lattice of a tile's samples: the sample positions of a [`SampleGrid`], as tables of distances for SIMD code.
 
-use super::edge_number::EdgeNumber;
+use std::ops::Mul;
+
 use super::layout::{BLOCK, BLOCKS, SamplePlace, TILE, TilePlace};
 use crate::math::fixed::{HALF_PIXEL, SUBPIXELS};
 use crate::math::lanes::{F32, LANES, Simd, SimdBase as _, SimdFloat as _, i32x8};
@@ -64,9 +65,9 @@ pub(super) struct LatticeSteps<T> {
     pub(super) block: [T; 2],
 }
 
-impl<T: EdgeNumber> LatticeSteps<T> {
+impl<T: Copy + From<i32> + Mul<Output = T>> LatticeSteps<T> {
     fn new(grid: SampleGrid) -> Self {
-        let of = |steps: i64| T::of(steps as i32);
+        let of = |steps: i64| T::from(steps as i32);
         let column = |column: usize| i64::from(grid.pixel(column as u32, 0).0 - grid.pixel(0, 0).0) * SUBPIXELS;
         let row = |row: usize| i64::from(grid.pixel(0, row as u32).1) * SUBPIXELS;
         let are_straight = matches!(grid, SampleGrid::Block { .. });
@@ -91,13 +92,13 @@ impl<T: EdgeNumber> LatticeSteps<T> {
         // A checkerboard samples two of every four pixels in a row. On both kinds of grid, pixel columns are as far
         // apart as rows.
         let pixel = if self.are_straight { column } else { column / 2 * 4 + column % 2 };
-        T::of(pixel as i32) * self.row_step
+        T::from(pixel as i32) * self.row_step
     }
 
     /// Returns the vertical distance of a row from the first one, in steps of 1/256 px.
     #[inline(always)]
     pub(super) fn row(&self, row: usize) -> T {
-        T::of(row as i32) * self.row_step
+        T::from(row as i32) * self.row_step
     }
 
     /// Returns the horizontal shift of a row relative to the leftmost rows, in steps of 1/256 px.

@@ -9,7 +9,8 @@ use super::setup::{self, SnappedVertex};
 use super::shader::DrawShader;
 use crate::math::fixed::to_pixels;
 use crate::pipeline::plan::PipelinePart;
-use crate::pipeline::viewport::{ScreenTriangle, ScreenVertex, relative_inv_w};
+use crate::pipeline::screen_triangle::ScreenTriangle;
+use crate::pipeline::screen_vertex::{ScreenVertex, relative_inv_w};
 use crate::scene::TriangleId;
 use crate::scene::material::Transparency;
 

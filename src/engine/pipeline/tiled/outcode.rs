@@ -6,7 +6,7 @@
 use std::ops::{BitAnd, BitOr};
 
 use crate::math::lanes::*;
-use crate::pipeline::clip::{ClipPlane, MIN_W};
+use crate::pipeline::clip_space::{ClipPlane, MIN_W};
 
 /// Outcode of a vertex: one bit for each frustum plane that the vertex is beyond, and two flags.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -89,8 +89,8 @@ pub(super) struct IntegerEdges<S: Simd> {
 }
 
 /// Returns the relative 1/w of the three vertices of eight triangles, like
-/// [`crate::pipeline::viewport::relative_inv_w`]: 1/w divided by the largest 1/w of the triangle. The result is 1 for
-/// triangles that `divides_by_w` does not select.
+/// [`crate::pipeline::screen_vertex::relative_inv_w`]: 1/w divided by the largest 1/w of the triangle. The result is 1
+/// for triangles that `divides_by_w` does not select.
 #[inline(always)]
 fn relative_inv_w<S: Simd>(simd: S, inv_w: [F32<S>; 3], divides_by_w: u64) -> [F32<S>; 3] {
     let largest = inv_w[0].max(inv_w[1]).max(inv_w[2]);

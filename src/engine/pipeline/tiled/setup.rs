@@ -9,9 +9,9 @@ use crate::math::fixed::SUBPIXELS;
 use crate::math::lanes::*;
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::raster::fill_rule::EdgeOwner;
-use crate::pipeline::raster::numbers::Inward;
+use crate::pipeline::raster::inward::Inward;
+use crate::pipeline::screen_vertex::ScreenVertex;
 use crate::pipeline::settings::FillRule;
-use crate::pipeline::viewport::ScreenVertex;
 
 /// Vertex of a triangle, snapped to the subpixel grid.
 #[derive(Clone, Copy, Debug)]

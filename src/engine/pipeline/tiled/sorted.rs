@@ -3,8 +3,8 @@
 use super::tested::{TestedRows, TestedSample};
 use crate::pipeline::blending::nearness;
 use crate::pipeline::raster::RasterSample;
+use crate::pipeline::screen_triangle::ScreenTriangle;
 use crate::pipeline::settings::Settings;
-use crate::pipeline::viewport::ScreenTriangle;
 
 /// Fragment that passed the depth test and is not yet blended.
 #[derive(Clone, Copy, Debug)]

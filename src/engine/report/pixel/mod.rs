@@ -13,7 +13,7 @@ use text::{color, fragment_rows, outcome, source_line};
 use super::html::{FittedPictures, MAX_PAGE_BYTES, command_section, document, escaped, table};
 use crate::chain::{Frame, Recipe};
 use crate::image::{Image, Rgba8};
-use crate::inspect::remedy::remedies;
+use crate::inspect::remedy_search::remedies;
 use crate::inspect::trace::TraceLine;
 use crate::inspect::{FragmentRecord, PixelReport, Survey, Trace, explain};
 use crate::pipeline::settings::Choice as _;

@@ -4,7 +4,7 @@
 use std::fmt::Debug;
 
 use crate::image::Rgba8;
-use crate::inspect::history::SampleState;
+use crate::inspect::pixel::SampleState;
 use crate::inspect::pixel::{ShadingRecord, SourceRecord, TextureMap};
 use crate::inspect::{DepthRecord, FragmentOutcome, FragmentRecord, PixelReport};
 use crate::pipeline::settings::{Arithmetic, Choice as _};

@@ -6,13 +6,16 @@ use glam::{Mat4, Vec3};
 use serde::Serialize;
 
 use super::oracle::{DepthMapping, DepthStorage, ScreenCorner, Snap};
-use crate::pipeline::depth::{DepthEncoding, DepthScale, depth_at};
+use crate::pipeline::clip_space::{ClipVertex, Varyings};
+use crate::pipeline::depth::DepthScale;
+use crate::pipeline::depth_format::DepthEncoding;
 use crate::pipeline::from_clip_space;
 use crate::pipeline::interpolate::{AttributeSelection, affine_weights, attribute_weights, interpolate};
 use crate::pipeline::raster::{self, AnyTriangle, Span};
+use crate::pipeline::screen_triangle::{ScreenTriangle, TriangleOwner, depth_at};
+use crate::pipeline::screen_vertex::ScreenVertex;
 use crate::pipeline::settings::{Arithmetic, Choice as _, DepthFormat, FillRule, Interpolation, Rasterizer};
-use crate::pipeline::vertex::{ClipVertex, Varyings};
-use crate::pipeline::viewport::{ScreenTriangle, ScreenVertex, TriangleOwner, Viewport};
+use crate::pipeline::viewport::Viewport;
 use crate::scene::{self, DepthCurve};
 
 /// Fill rule for pixel centres on edges, where a case does not specify one.

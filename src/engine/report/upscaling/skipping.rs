@@ -11,11 +11,12 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 
 use crate::measure::timing::{Summary, summarize};
-use crate::pipeline::depth::{DepthComparison, depth_at};
+use crate::pipeline::depth::DepthComparison;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::interpolate::interpolate;
 use crate::pipeline::raster::{Fixed, RasterTriangle};
+use crate::pipeline::screen_triangle::depth_at;
 use crate::pipeline::settings::{Arithmetic, Rasterizer, Settings};
 use crate::pipeline::viewport::Viewport;
 use crate::pipeline::{DrawCall, DrawnView, Extent, LastStage, prepare};

@@ -10,8 +10,6 @@ mod exact_avx2;
 mod fixed;
 #[cfg(target_arch = "x86_64")]
 mod fixed_avx2;
-#[cfg(target_arch = "x86_64")]
-mod gather_avx2;
 mod light;
 #[cfg(test)]
 mod tests;

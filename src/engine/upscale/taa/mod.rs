@@ -13,22 +13,17 @@
 //! weight. In motion, n is limited to [`MOVING_WEIGHT`], so that old samples decay exponentially. In a still view, every
 //! jitter position is drawn once, nothing is rectified, and then the picture no longer changes.
 
-mod options;
 mod rows;
 mod statistics;
 #[cfg(test)]
 mod tests;
 
-pub use options::HistoryFilter;
-pub use options::HistoryOptions;
-pub use options::Rectification;
-
 use self::rows::{TaaFrame, catmull_rom};
 use super::quads::Quad;
 use super::spares::Spares;
 use super::{
-    Accumulated, Anchor, FilterSpace, HistorySteps, HistoryTaps, Jitter, Offers, Reads, Sampling, Scale, Tap,
-    UpscaleInputs, Upscaled, Upscaler, Upscaling, bands,
+    Accumulated, Anchor, FilterSpace, HistoryFilter, HistorySteps, HistoryTaps, Jitter, Offers, Reads, Sampling, Scale,
+    Tap, UpscaleInputs, Upscaled, Upscaler, Upscaling, bands,
 };
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;

@@ -8,9 +8,12 @@ use super::super::lattice::ThreeSamples;
 use super::super::quads::{self, Combination, Quad, window};
 use super::super::sample_rows::{DecodedRows, PAD, padded_row};
 use super::super::ycocg::YCoCg;
-use super::super::{HistoryStep, Lattice, Motion, PastColor, Rejection, Scale, Tap, UpscaleInputs, Upscaling};
+use super::super::{
+    HistoryFilter, HistoryOptions, HistoryStep, Lattice, Motion, PastColor, Rejection, Scale, Tap, UpscaleInputs,
+    Upscaling,
+};
 use super::statistics::{NearestSamples, Statistics};
-use super::{HistoryFilter, HistoryOptions, MOVING_WEIGHT, jitter_of};
+use super::{MOVING_WEIGHT, jitter_of};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
+use super::super::Rectification;
 use super::super::quads::{self, Combination, Quad};
 use super::super::sample_rows::padded_row;
-use super::Rectification;
 use crate::math::lanes::*;
 
 /// Statistics of 3 × 3 samples for every sample of a row. Rows are padded.

@@ -5,7 +5,7 @@ use crate::pipeline::gbuffer::GBuffer;
 use crate::pipeline::motion::MotionVectors;
 use crate::pipeline::settings::Choice as _;
 use crate::upscale::history::tests::frames;
-use crate::upscale::{Accumulated, FrameInputs, History};
+use crate::upscale::{Accumulated, FrameInputs, History, HistoryOptions, Rectification};
 
 /// Returns TAA with every combination of options at every scale.
 fn every() -> Vec<Upscaling> {

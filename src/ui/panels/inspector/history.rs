@@ -4,7 +4,7 @@
 use eframe::egui::{self, Align, Button, Color32, Label, Layout, RichText, Sense, Ui, UiBuilder};
 
 use super::{codes, to_color};
-use crate::inspect::history::{Absent, Kind, SampleState};
+use crate::inspect::pixel::{Absent, Kind, SampleState};
 use crate::inspect::{FragmentOutcome, FragmentRecord, PixelReport, TriangleSelection};
 use crate::pipeline::settings::Choice as _;
 use crate::scene::TriangleId;

@@ -3,7 +3,7 @@
 use eframe::egui::{self, RichText, Ui};
 
 use super::{codes, to_color};
-use crate::inspect::history::Absent;
+use crate::inspect::pixel::Absent;
 use crate::inspect::pixel::{ShadingRecord, TextureMap};
 use crate::inspect::{DepthRecord, FragmentRecord};
 use crate::pipeline::settings::{Arithmetic, Choice as _};

@@ -1,6 +1,7 @@
 use super::super::layout::{SamplePlace, TILE_SAMPLES, TilePlace};
 use super::*;
-use crate::pipeline::depth::{DepthEncoding, DepthScale};
+use crate::pipeline::depth::DepthScale;
+use crate::pipeline::depth_format::DepthEncoding;
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::settings::{Choice as _, FillRule};
 use crate::scene::DepthMapping;

@@ -2,7 +2,7 @@
 
 use glam::{Mat4, Vec4};
 
-use super::super::super::clip::ClipPlane;
+use super::super::super::clip_space::ClipPlane;
 use super::super::super::vertex::{ROUNDING, UNDERFLOW};
 use crate::math::lanes::*;
 use crate::scene::clusters::Boxes;

@@ -2,12 +2,13 @@ use glam::{EulerRot, Quat, Vec2, Vec3, Vec4};
 
 use super::*;
 use crate::math::fixed::SUBPIXELS;
-use crate::pipeline::clip::{ClipPlane, guard_band_widening};
+use crate::pipeline::clip::guard_band_widening;
+use crate::pipeline::clip_space::{ClipPlane, ClipVertex};
 use crate::pipeline::cull::cull;
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::raster::doubled_area;
 use crate::pipeline::settings::Arithmetic;
-use crate::pipeline::vertex::{ClipVertex, containment};
+use crate::pipeline::vertex::containment;
 use crate::scene::{Camera, DepthMapping, MeshData};
 
 const VIEWPORT: Viewport = Viewport { width: 640, height: 360 };

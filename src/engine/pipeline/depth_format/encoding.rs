@@ -54,7 +54,7 @@ impl DepthEncoding {
 
     /// Returns the depths that eight stored values represent.
     #[inline(always)]
-    pub(super) fn depths_of<S: Simd>(self, simd: S, stored: F32<S>) -> F64<S> {
+    pub(in crate::pipeline) fn depths_of<S: Simd>(self, simd: S, stored: F32<S>) -> F64<S> {
         let stored = widen(simd, stored);
         match self.largest_code().map(f64::from) {
             None => stored,

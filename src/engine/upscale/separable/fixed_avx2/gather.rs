@@ -1,4 +1,4 @@
-//! Horizontal pass of [`super::fixed_avx2`] for lattices with long periods: four output pixels at a time, each with its
+//! Horizontal pass for lattices with long periods: four output pixels at a time, each with its
 //! own samples and weights.
 //!
 //! Products of mirrored positions change their sign after rounding, as in [`PhaseWeights`]. A position that coincides
@@ -11,8 +11,8 @@ use std::arch::x86_64::{
 
 use fearless_simd::Avx2;
 
-use super::fixed::PhaseWeights;
-use super::fixed_avx2::{BLOCK, Block, slot};
+use super::super::fixed::PhaseWeights;
+use super::{BLOCK, Block, slot};
 use crate::upscale::lanes::{load, store};
 
 /// Samples and weights of all blocks in a period of the lattice.

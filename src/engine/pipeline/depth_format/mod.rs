@@ -1,8 +1,11 @@
 //! Formats of the stored depths. Each is a mapping from distance to depth and a number format, with its names; the
 //! matrices of the camera, the depth test, the trace and the stability report follow from them.
 
-use super::DepthEncoding;
-use crate::pipeline::choice::{Label, registry};
+mod encoding;
+
+pub use encoding::DepthEncoding;
+
+use super::choice::{Label, registry};
 use crate::scene::DepthMapping;
 
 registry! {
