@@ -209,7 +209,7 @@ pub struct PixelReport {
     pub clear: SampleState,
     /// All fragments at the pixel's centre, in drawing order.
     pub fragments: Vec<FragmentRecord>,
-    /// Triangles without a fragment at this pixel, each with its reason; filled in only by [`super::explain`].
+    /// Triangles without a fragment at this pixel, each with its reason; filled in only by [`super::explain()`].
     pub absent: Vec<Absent>,
     /// Final depth in the depth buffer; `None` without a depth buffer.
     pub final_depth: Option<DepthRecord>,
