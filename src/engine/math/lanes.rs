@@ -78,7 +78,7 @@ pub(crate) fn padded<const N: usize, T: Copy>(values: &[T], missing: T) -> [T; N
 #[inline(always)]
 pub(crate) fn store_in<const N: usize, T: Copy>(slice: &mut [T], values: &[T; N]) {
     match slice.first_chunk_mut() {
-        // Of constant length, because calls of `memcpy` for so few bytes take longer than the bytes.
+        // Of constant length, so that the compiler calls no `memcpy`.
         Some(whole) => *whole = *values,
         None => slice.copy_from_slice(&values[..slice.len()]),
     }

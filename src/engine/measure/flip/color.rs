@@ -15,7 +15,7 @@ const XYZ_FROM_RGB: [Color; 3] = [
     [1_425_312.0 / 73_733_382.0, 8_788_810.0 / 73_733_382.0, 70_074_185.0 / 73_733_382.0],
 ];
 
-/// Inverse of [`XYZ_FROM_RGB`].
+/// Matrix from CIE XYZ to linear sRGB, with white at D65.
 const RGB_FROM_XYZ: [Color; 3] = [
     [3.241_003_275, -1.537_398_934, -0.498_615_861],
     [-0.969_224_334, 1.875_930_071, 0.041_554_224],

@@ -47,14 +47,19 @@ pub(super) struct Convert<'a> {
 /// Surfaces of four adjacent rows of samples.
 pub(super) struct SurfaceRows([SurfaceRow; 4]);
 
-/// Surfaces of a row of samples. Sample `i` is at index `i + 1`; the first and the last sample are repeated, so that
-/// sixteen can be read from every sample and from the two behind it.
+/// Surfaces of a row of samples at padded indices; see [`sample_at`]. Sixteen can be read from every sample and from the
+/// two behind it.
 struct SurfaceRow {
     /// Row and samples that the buffers hold.
-    holds: Option<(u32, Range<u32>)>,
+    holds: Option<(usize, Range<u32>)>,
     distance: Vec<f32>,
     across_px: Vec<f32>,
     down_px: Vec<f32>,
+}
+
+/// Returns the sample at a padded index along an axis. Sample `i` is at index `i + 1`; the first and the last are repeated.
+fn sample_at(padded: u32, samples: &[u32]) -> usize {
+    (padded as usize).saturating_sub(1).min(samples.len() - 1)
 }
 
 impl SurfaceRows {
@@ -95,20 +100,17 @@ impl<'a> Convert<'a> {
     }
 
     /// Returns the motion of one sample, bit-identical to [`Self::row`].
-    pub(super) fn sample(&self, (column, row): (u32, u32)) -> Converted {
-        let mut surfaces = SurfaceRows::new(self.columns.len() as u32);
-        let around = self.surfaces_around(row, column..column + 1, &mut surfaces);
+    pub(super) fn sample(&self, (column, row): (u32, u32), surfaces: &mut SurfaceRows) -> Converted {
+        let around = self.surfaces_around(row, column..column + 1, surfaces);
         let ConvertedLanes { vector_px, vector_of, depth_clip } = self.sixteen(baseline(), &around, column as usize);
         let place = vector_of.to_array()[0];
-        let pixel = |at: u32, by: u32, pixels: &[u32]| {
-            pixels[(at + by).saturating_sub(1).min(pixels.len() as u32 - 1) as usize]
-        };
+        let pixel = |padded: u32, pixels: &[u32]| pixels[sample_at(padded, pixels)];
         Converted {
             motion: SampleMotion {
                 vector_px: vector_px.map(|numbers| numbers.to_array()[0]),
                 depth_clip: depth_clip.to_array()[0],
             },
-            vector_of: (pixel(column, place % 3, &self.columns), pixel(row, place / 3, &self.rows)),
+            vector_of: (pixel(column + place % 3, &self.columns), pixel(row + place / 3, &self.rows)),
         }
     }
 
@@ -116,26 +118,27 @@ impl<'a> Convert<'a> {
     /// samples.
     #[inline(always)]
     fn surfaces_around<'b>(&self, row: u32, samples: Range<u32>, surfaces: &'b mut SurfaceRows) -> [&'b SurfaceRow; 4] {
-        let rows = [0, 1, 2, 3].map(|by| (row + by).saturating_sub(1).min(self.rows.len() as u32 - 1));
+        let rows = [0, 1, 2, 3].map(|by| sample_at(row + by, &self.rows));
         for row in rows {
-            self.fill(row, &samples, &mut surfaces.0[row as usize % 4]);
+            self.fill(row, &samples, &mut surfaces.0[row % 4]);
         }
-        rows.map(|row| &surfaces.0[row as usize % 4])
+        rows.map(|row| &surfaces.0[row % 4])
     }
 
     /// Makes sure that a row holds the surfaces at and around the given samples.
     #[inline(always)]
-    fn fill(&self, row: u32, samples: &Range<u32>, surfaces: &mut SurfaceRow) {
+    fn fill(&self, row: usize, samples: &Range<u32>, surfaces: &mut SurfaceRow) {
         if surfaces.holds.as_ref().is_some_and(|(held, all)| (*held, all) == (row, samples)) {
             return;
         }
-        let (y, last) = (self.rows[row as usize], self.columns.len() - 1);
+        let y = self.rows[row];
         let distances = self.distance.row(y);
-        for index in samples.start as usize..samples.end as usize + 3 {
-            let x = self.columns[index.saturating_sub(1).min(last)];
-            surfaces.distance[index] = distances[x as usize];
+        for padded in samples.start..samples.end + 3 {
+            let x = self.columns[sample_at(padded, &self.columns)];
             let vector = self.vectors.and_then(|vectors| vectors.visible_vector((x, y)));
-            [surfaces.across_px[index], surfaces.down_px[index]] = vector.unwrap_or([f32::NAN; 2]);
+            let padded = padded as usize;
+            surfaces.distance[padded] = distances[x as usize];
+            [surfaces.across_px[padded], surfaces.down_px[padded]] = vector.unwrap_or([f32::NAN; 2]);
         }
         surfaces.holds = Some((row, samples.clone()));
     }
@@ -194,7 +197,47 @@ mod tests {
         let frame = Some(FrameInputs { gbuffer: &gbuffer, motion: None, history: None, reactivity: None });
         let color: Image<Rgba8> = Image::filled(width / 2, height / 2, [0; 4]);
         let lattice = Lattice { scale: Scale::TWO, anchor: Anchor::Centre };
-        Convert::new(lattice, &UpscaleInputs { color: &color, frame }).unwrap().sample(at)
+        let mut surfaces = SurfaceRows::new(width / 2);
+        Convert::new(lattice, &UpscaleInputs { color: &color, frame }).unwrap().sample(at, &mut surfaces)
+    }
+
+    #[test]
+    fn samples_move_like_the_nearest_surface_among_the_3_by_3_samples() {
+        let (width, height) = (90, 22);
+        let mut random = fastrand::Rng::with_seed(3);
+        // Few distances, so that many are equal.
+        let distance = Image::from_fn(width, height, |_, _| f32::from(random.u8(1..6)));
+        let [across_px, down_px] = [0, 1].map(|_| Image::from_fn(width, height, |_, _| random.f32()));
+        let visible = Image::from_fn(width, height, |_, _| if random.bool() { MotionVectors::VISIBLE } else { 0 });
+        let vectors = MotionVectors { across_px, down_px, visible };
+        let gbuffer = GBuffer { object: Image::filled(width, height, [0; 4]), distance };
+        let frame = Some(FrameInputs { gbuffer: &gbuffer, motion: Some(&vectors), history: None, reactivity: None });
+        let (columns, rows) = (width / 2, height / 2);
+        let color: Image<Rgba8> = Image::filled(columns, rows, [0; 4]);
+        let lattice = Lattice { scale: Scale::TWO, anchor: Anchor::Centre };
+        let convert = Convert::new(lattice, &UpscaleInputs { color: &color, frame }).unwrap();
+        let mut surfaces = SurfaceRows::new(columns);
+        for lanes in Lanes::all() {
+            let mut motion = vec![SampleMotion::UNKNOWN; columns as usize];
+            for row in 0..rows {
+                on_lanes!(lanes, simd => convert.row(simd, row, &mut surfaces, &mut motion));
+                for (column, motion) in (0..columns).zip(&motion) {
+                    let around = |at: u32, last: u32| [at.saturating_sub(1), at, (at + 1).min(last)];
+                    let all =
+                        around(row, rows - 1).map(|y| around(column, columns - 1).map(|x| (2 * x + 1, 2 * y + 1)));
+                    let own = (2 * column + 1, 2 * row + 1);
+                    let candidates = std::iter::once(own).chain(all.into_iter().flatten());
+                    let of = |pixel: &(u32, u32)| gbuffer.distance.at(pixel.0, pixel.1);
+                    let nearest = candidates.min_by(|a, b| of(a).total_cmp(&of(b))).unwrap();
+                    let expected = vectors.visible_vector(nearest).unwrap_or([f32::NAN; 2]).map(f32::to_bits);
+                    let context = || format!("({column}, {row}) {}", lanes.name());
+                    assert_eq!(motion.vector_px.map(f32::to_bits), expected, "{}", context());
+                    let converted = convert.sample((column, row), &mut SurfaceRows::new(columns));
+                    assert_eq!(converted.vector_of, nearest, "{}", context());
+                    assert_eq!(converted.motion.depth_clip.to_bits(), motion.depth_clip.to_bits(), "{}", context());
+                }
+            }
+        }
     }
 
     #[test]

@@ -5,7 +5,7 @@ use super::super::jitter::Continuation;
 use super::super::quads::{self, Quad};
 use super::super::ycocg::YCoCg;
 use super::super::{HistoryStep, Motion, PastColor, Rejection, Tap, UpscaleInputs, Upscaling};
-use super::convert::{Convert, SurfaceRows};
+use super::convert::{Convert, Converted, SurfaceRows};
 use super::jitter_of;
 use super::kernel::{Around, Axis, Position, Shape, is_near};
 use super::past::{Past, PastLanes, SampleMotion};
@@ -98,7 +98,7 @@ impl RowBuffers {
         Self {
             stretched: [0; 3].map(|_| (None, stretched())),
             motion: (None, vec![SampleMotion::UNKNOWN; samples]),
-            surfaces: SurfaceRows::new(samples as u32),
+            surfaces: frame.surface_rows(),
             decoded: vec![[0.0; 4]; samples],
         }
     }
@@ -214,12 +214,13 @@ impl<'a> Sgsr2Frame<'a> {
     }
 
     /// Computes one pixel, bit-identical to [`Self::row`].
-    pub(super) fn pixel(&self, at: (u32, u32)) -> Sgsr2Pixel {
+    pub(super) fn pixel(&self, at: (u32, u32), surfaces: &mut SurfaceRows) -> Sgsr2Pixel {
+        let converted = self.converted(at, surfaces);
         let first = |color: [F32<_>; 3]| color.map(|lanes| lanes.to_array()[0]);
-        let (past, blend) = self.alone(baseline(), at);
+        let (past, blend) = self.alone(baseline(), at, converted.as_ref());
         let [y, co, cg] = first(blend.color);
         let memory = [y, co, cg, blend.weight.to_array()[0]];
-        let past = self.rejection(at).map(|()| PastColor {
+        let past = self.rejection(at, converted.as_ref()).map(|()| PastColor {
             position_px: past.place.map(|lanes| lanes[0]),
             read: std::array::from_fn(|channel| past.color[channel][0]),
             rectified: first(blend.rectified),
@@ -233,7 +234,8 @@ impl<'a> Sgsr2Frame<'a> {
     pub(super) fn taps(&self, at @ (x, y): (u32, u32)) -> Vec<Tap> {
         let simd = baseline();
         let position = self.position(simd, at);
-        let shape = self.shape(simd, &self.past_alone(simd, at).eight(simd, 0));
+        let converted = self.converted(at, &mut self.surface_rows());
+        let shape = self.shape(simd, &self.past_alone(simd, at, converted.as_ref()).eight(simd, 0));
         let (columns, rows) = (self.columns.index[x as usize], self.rows.index[y as usize]);
         let places = (0..3).flat_map(|row| (0..3).map(move |column| (row, column)));
         let weights: Vec<_> = places.map(|place| (place, position.weight(simd, shape, place).to_array()[0])).collect();
@@ -253,8 +255,8 @@ impl<'a> Sgsr2Frame<'a> {
 
     /// Returns the history of one pixel, and how the pixel is blended with it, both in the first lane.
     #[inline(always)]
-    fn alone<S: Simd>(&self, simd: S, at: (u32, u32)) -> (PastLanes, Blend<S>) {
-        let past = self.past_alone(simd, at);
+    fn alone<S: Simd>(&self, simd: S, at: (u32, u32), converted: Option<&Converted>) -> (PastLanes, Blend<S>) {
+        let past = self.past_alone(simd, at, converted);
         let (columns, rows) = (self.columns.index[at.0 as usize], self.rows.index[at.1 as usize]);
         let blend = self.blend(
             simd,
@@ -274,30 +276,29 @@ impl<'a> Sgsr2Frame<'a> {
         Position { columns: self.columns.splat(simd, x as usize), rows: self.rows.splat(simd, y as usize) }
     }
 
-    /// Returns the sample nearest to a pixel.
-    fn nearest_sample(&self, (x, y): (u32, u32)) -> (u32, u32) {
-        (self.columns.index[x as usize][1], self.rows.index[y as usize][1])
+    /// Returns buffers for [`Self::pixel`].
+    pub(super) fn surface_rows(&self) -> SurfaceRows {
+        SurfaceRows::new(self.drawn.color.width())
     }
 
-    /// Returns the motion of a sample. It is unknown in the first frame, and in a still view.
-    #[inline(always)]
-    fn motion_of_sample(&self, sample: (u32, u32)) -> SampleMotion {
-        self.convert.as_ref().map_or(SampleMotion::UNKNOWN, |convert| convert.sample(sample).motion)
+    /// Returns the result of the first pass for the sample nearest to a pixel; `None` in the first frame, and in a still
+    /// view.
+    fn converted(&self, (x, y): (u32, u32), surfaces: &mut SurfaceRows) -> Option<Converted> {
+        let nearest = (self.columns.index[x as usize][1], self.rows.index[y as usize][1]);
+        Some(self.convert.as_ref()?.sample(nearest, surfaces))
     }
 
     /// Returns why a pixel has no history, if it has none.
-    fn rejection(&self, at: (u32, u32)) -> Result<(), Rejection> {
+    fn rejection(&self, at: (u32, u32), converted: Option<&Converted>) -> Result<(), Rejection> {
         let (motion, _) = self.history.as_ref().ok_or(Rejection::FirstFrame)?;
-        let sample = self.nearest_sample(at);
-        let vector_of = self.convert.as_ref().map_or(at, |convert| convert.sample(sample).vector_of);
-        motion.reproject_by(at, vector_of).map(|_| ())
+        motion.reproject_by(at, converted.map_or(at, |converted| converted.vector_of)).map(|_| ())
     }
 
     /// Returns the history of one pixel in the first lane.
     #[inline(always)]
-    fn past_alone<S: Simd>(&self, simd: S, at: (u32, u32)) -> PastLanes {
+    fn past_alone<S: Simd>(&self, simd: S, at: (u32, u32), converted: Option<&Converted>) -> PastLanes {
         let mut motion = [SampleMotion::UNKNOWN; WIDE];
-        motion[0] = self.motion_of_sample(self.nearest_sample(at));
+        motion[0] = converted.map_or(SampleMotion::UNKNOWN, |converted| converted.motion);
         self.past(simd, (at.0 as usize, at.1), &motion)
     }
 

@@ -30,6 +30,7 @@ mod tests;
 
 use self::frame::{RowBuffers, Sgsr2Frame};
 use super::quads::Quad;
+use super::spares::Spares;
 use super::{
     Accumulated, Anchor, FilterSpace, HistorySteps, Jitter, Offers, Reads, Sampling, Scale, Tap, UpscaleInputs,
     Upscaled, Upscaler, Upscaling, bands,
@@ -104,7 +105,8 @@ impl Upscaler for Sgsr2 {
     }
 
     fn pixel(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
-        Sgsr2Frame::new(how, drawn, size).pixel(at).codes
+        let frame = Sgsr2Frame::new(how, drawn, size);
+        frame.pixel(at, &mut frame.surface_rows()).codes
     }
 
     /// Returns the samples of this frame only; history contributes no taps.
@@ -114,7 +116,11 @@ impl Upscaler for Sgsr2 {
 
     fn history_steps<'a>(&'a self, how: Upscaling, drawn: &'a UpscaleInputs<'a>) -> HistorySteps<'a> {
         let frame = drawn.frame.map(|seen| Sgsr2Frame::new(how, drawn, seen.gbuffer.object.size()));
-        Box::new(move |at| Some(frame.as_ref()?.pixel(at).step))
+        let spare = Spares::default();
+        Box::new(move |at| {
+            let frame = frame.as_ref()?;
+            Some(spare.with(|| frame.surface_rows(), |surfaces| frame.pixel(at, surfaces).step))
+        })
     }
 }
 

@@ -25,13 +25,14 @@ fn rows_are_bit_identical_to_single_pixels_and_steps() {
         for frames in frames(size, 7) {
             let drawn = UpscaleInputs { color: &color, frame: Some(frames.seen()) };
             let frame = Sgsr2Frame::new(how, &drawn, size);
+            let mut surfaces = frame.surface_rows();
             for lanes in Lanes::all() {
                 let mut full = Image::filled(size.0, size.1, [1, 2, 3, 4]);
                 let mut memory = Image::filled(size.0, size.1, [-7.0; 4]);
                 fill(lanes, how, &drawn, &mut full, &mut memory);
                 for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
                     let row = (full.at(x, y), memory.at(x, y).map(f32::to_bits));
-                    let pixel = frame.pixel((x, y));
+                    let pixel = frame.pixel((x, y), &mut surfaces);
                     let context = || format!("({x}, {y}) {} {}", how.label(), lanes.name());
                     assert_eq!(row, (pixel.codes, pixel.memory.map(f32::to_bits)), "{}", context());
                     assert_eq!(row.0.first_chunk(), Some(&pixel.step.codes()), "{}", context());
