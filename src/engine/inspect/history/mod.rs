@@ -20,8 +20,8 @@ use super::pixel::{Absent, PixelReport};
 use crate::chain::{Frame, Recipe};
 use crate::scene::{Scene, TriangleId};
 
-/// Returns the triangles without a fragment at the drawn pixel of a report, sorted by reason. The survey must belong to
-/// the same frame.
+/// Returns the triangles without a fragment at the drawn pixel of a report, the most relevant causes first. The survey
+/// must belong to the same frame.
 pub(super) fn absent(
     scene: &Scene,
     recipe: &Recipe,
@@ -35,4 +35,32 @@ pub(super) fn absent(
     absent.extend(near_miss::at(scene, recipe, frame, drawn_at, &there));
     absent.sort_by_key(|absent| absent.cause);
     absent
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::run;
+    use crate::inspect::explain;
+    use crate::pipeline::viewport::Viewport;
+    use crate::scene::{Camera, builtin};
+
+    #[test]
+    fn the_most_relevant_causes_come_first() {
+        let scene = builtin::by_id("cubes").unwrap().build();
+        // Near and far plane leave a thin slice of the cubes, so that both cut something away at many pixels.
+        let near = scene.home.eye.distance(scene.home.target);
+        let camera = Camera { near, far: 1.02 * near, ..scene.home };
+        let (recipe, viewport) = (Recipe::default(), Viewport { width: 40, height: 28 });
+        let frame = run(&scene, &camera, &recipe, viewport, &mut ());
+        let survey = Survey::of(&scene, &recipe, &frame);
+        let mut unsorted = 0;
+        for pixel in (0..viewport.height).flat_map(|y| (0..viewport.width).map(move |x| (x, y))) {
+            let report = explain(&scene, &recipe, &frame, &survey, pixel).unwrap();
+            assert!(report.absent.is_sorted_by_key(|absent| absent.cause), "{pixel:?}");
+            let dropped = survey.dropped_at(&scene, &recipe, &frame, pixel);
+            unsorted += usize::from(!dropped.is_sorted_by_key(|absent| absent.cause));
+        }
+        assert!(unsorted > 20, "without sorting, {unsorted} pixels fail");
+    }
 }
