@@ -6,14 +6,15 @@ use std::time::{Duration, Instant};
 use super::executor::{Executed, Executor, Pass, Purpose};
 use super::finish::{Finished, finish};
 use super::pool::BufferPool;
-use super::view::{Surfaces, gbuffer_recipe, outlines, raster_camera, raster_viewport, sampling_after, surfaces};
+use super::view::{
+    SurfaceView, Surfaces, gbuffer_recipe, outlines, raster_camera, raster_viewport, sampling_after, surfaces,
+};
 use super::{Frame, FrameTimes, KeepDepth, Recipe, samples};
 use crate::antialias::resolve::Mean;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::Lanes;
 use crate::pipeline::area::DrawnArea;
 use crate::pipeline::framebuffer::Framebuffer;
-use crate::pipeline::motion::FrameView;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 use crate::upscale::{History, Sampling, UpscaleInputs};
@@ -39,7 +40,7 @@ impl FrameRequest<'_> {
         let samples = FrameSamples::new(&self);
         let (drawn, resolve) = samples.draw(&mut executor, pool);
         let surfaces_begun = Instant::now();
-        let surfaces = self.surfaces(&mut executor, pool);
+        let surfaces = samples.surfaces(&mut executor, pool);
         let drawn_at = Instant::now();
         let Executed { geometry, plans, times: passes, tiled } = executor.finish(&samples.pass(Purpose::Frame));
         let Self { scene, camera, recipe, viewport, past, .. } = &self;
@@ -79,24 +80,6 @@ impl FrameRequest<'_> {
             history: past.clone(),
         }
     }
-
-    /// Draws what the upscaler reads besides colours, at full resolution.
-    fn surfaces<E: Executor>(&self, executor: &mut E, pool: &mut BufferPool) -> Option<Surfaces> {
-        let recipe = gbuffer_recipe(self.recipe)?;
-        let now = FrameView { scene: self.scene, camera: self.camera };
-        let surfaces = surfaces(self.past.as_deref(), now, self.lanes, pool, |pool| {
-            let pass = Pass {
-                purpose: Purpose::Surfaces,
-                scene: self.scene,
-                camera: *self.camera,
-                recipe: &recipe,
-                area: DrawnArea::full(self.viewport),
-                keep_depth: KeepDepth::Yes,
-            };
-            executor.draw(&pass, pool)
-        })?;
-        Some(surfaces.with_reactivity(self.scene, self.recipe))
-    }
 }
 
 /// Samples that a frame draws.
@@ -131,6 +114,25 @@ impl<'a> FrameSamples<'a> {
             area: self.area,
             keep_depth: if purpose == Purpose::Frame { keep_depth } else { KeepDepth::No },
         }
+    }
+
+    /// Draws what the upscaler reads besides colours: the surfaces of all rasterized pixels, without jitter.
+    fn surfaces<E: Executor>(&self, executor: &mut E, pool: &mut BufferPool) -> Option<Surfaces> {
+        let FrameRequest { scene, camera, viewport, lanes, .. } = *self.request;
+        let recipe = gbuffer_recipe(self.request.recipe)?;
+        let view = SurfaceView { scene, camera, viewport, sampling: self.sampling };
+        let surfaces = surfaces(self.request.past.as_deref(), view, lanes, pool, |pool| {
+            let pass = Pass {
+                purpose: Purpose::Surfaces,
+                scene,
+                camera: view.raster_camera(camera),
+                recipe: &recipe,
+                area: DrawnArea::full(self.area.raster),
+                keep_depth: KeepDepth::Yes,
+            };
+            executor.draw(&pass, pool)
+        })?;
+        Some(surfaces.with_reactivity(scene, self.request.recipe))
     }
 
     /// Draws the samples, and returns them with the time spent on averaging.

@@ -30,8 +30,8 @@ pub(super) fn sampling_after(past: Option<&History>, recipe: &Recipe) -> (Sampli
     upscaler.frame_sampling(recipe.upscaler, frames)
 }
 
-/// Returns the recipe for drawing the ids and depths of the G-buffer at full resolution; `None` unless the upscaler reads
-/// a G-buffer and the depth test is on.
+/// Returns the recipe for drawing the ids and depths of the G-buffer; `None` unless the upscaler reads a G-buffer and the
+/// depth test is on.
 pub(super) fn gbuffer_recipe(recipe: &Recipe) -> Option<Recipe> {
     let reads = recipe.upscaler.upscaler().reads().gbuffer;
     ids_recipe(recipe).filter(|_| reads)
@@ -43,9 +43,38 @@ pub(super) fn ids_recipe(recipe: &Recipe) -> Option<Recipe> {
     (recipe.pipeline.depth_test != DepthTest::Off).then_some(Recipe { pipeline, ..Recipe::default() })
 }
 
+/// View whose surfaces are drawn, at the centres of the rasterized pixels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SurfaceView<'a> {
+    pub(super) scene: &'a Scene,
+    /// Camera without jitter.
+    pub(super) camera: &'a Camera,
+    /// Size of the full picture.
+    pub(super) viewport: Viewport,
+    pub(super) sampling: Sampling,
+}
+
+impl SurfaceView<'_> {
+    /// Returns a camera with the size and the sub-view of the rasterized picture, without jitter.
+    pub(super) fn raster_camera(&self, camera: &Camera) -> Camera {
+        raster_camera(camera, self.sampling, self.viewport, CENTRE)
+    }
+
+    /// Returns the number of pixels of the full picture per rasterized pixel, along each axis.
+    fn scale(&self) -> f32 {
+        match self.sampling {
+            Sampling::Grid(_) => 1.0,
+            Sampling::Lattice(lattice) => lattice.scale.value() as f32,
+        }
+    }
+}
+
 /// Visible surfaces of a frame, and their motion since the preceding frame.
 #[derive(Clone, Debug)]
 pub(super) struct Surfaces {
+    pub(super) sampling: Sampling,
+    /// Size of the full picture.
+    pub(super) viewport: Viewport,
     pub(super) gbuffer: Arc<GBuffer>,
     /// `None` if there is no preceding frame, or if camera and scene are still.
     pub(super) motion: Option<Arc<MotionVectors>>,
@@ -62,6 +91,8 @@ impl Surfaces {
     /// Returns the inputs of an upscaler other than colours.
     pub(super) fn inputs<'a>(&'a self, past: Option<&'a History>) -> FrameInputs<'a> {
         FrameInputs {
+            size: (self.viewport.width, self.viewport.height),
+            sampling: self.sampling,
             gbuffer: &self.gbuffer,
             motion: self.motion.as_deref(),
             history: past,
@@ -71,26 +102,33 @@ impl Surfaces {
 }
 
 /// Returns the surfaces of a view. Reuses the G-buffer of the preceding frame if camera and scene are still. Otherwise
-/// converts the result of `draw`, a framebuffer with exact triangle ids and depths. Reuses buffers of the pool.
+/// converts the result of `draw`, a framebuffer with exact triangle ids and depths of all rasterized pixels. Reuses buffers
+/// of the pool.
 pub(super) fn surfaces(
     past: Option<&History>,
-    now: FrameView<'_>,
+    view: SurfaceView<'_>,
     lanes: Lanes,
     pool: &mut BufferPool,
     draw: impl FnOnce(&mut BufferPool) -> Framebuffer,
 ) -> Option<Surfaces> {
     /// Number of depths converted per parallel task.
     const TOGETHER: usize = 1 << 14;
-    if let Some(past) = past.filter(|past| past.shows(now)) {
-        return Some(Surfaces { gbuffer: Arc::clone(&past.surfaces), motion: None, reactivity: None });
+    let SurfaceView { scene, camera, viewport, sampling } = view;
+    let of = |gbuffer, motion| Surfaces { sampling, viewport, gbuffer, motion, reactivity: None };
+    if let Some(past) = past.filter(|past| past.shows(FrameView { scene, camera })) {
+        return Some(of(Arc::clone(&past.surfaces), None));
     }
     let Framebuffer { color: mut object, depth, depth_scale: scale, .. } = draw(pool);
     let mut distance = depth?;
     distance.pixels_mut().par_chunks_mut(TOGETHER).for_each(|depths| scale.replace_by_distances(lanes, depths));
-    let before = past.map(|past| FrameBefore { view: past.view(), gbuffer: &past.surfaces });
+    let (camera, camera_before) = (view.raster_camera(camera), past.map(|past| view.raster_camera(&past.camera)));
+    let before = past
+        .zip(camera_before.as_ref())
+        .map(|(past, camera)| FrameBefore { view: FrameView { scene: &past.scene, camera }, gbuffer: &past.surfaces });
     let spare = before.and_then(|_| pool.vectors());
-    let motion = FrameMotion::new(now, before, object.size()).resolve(lanes, &mut object, &distance, spare);
-    Some(Surfaces { gbuffer: Arc::new(GBuffer { object, distance }), motion: motion.map(Arc::new), reactivity: None })
+    let motion = FrameMotion::new(FrameView { scene, camera: &camera }, before, object.size()).scaled(view.scale());
+    let motion = motion.resolve(lanes, &mut object, &distance, spare);
+    Some(of(Arc::new(GBuffer { object, distance }), motion.map(Arc::new)))
 }
 
 /// Greatest reactivity of a surface; AMD's documentation of FSR 2 recommends about 0.9.

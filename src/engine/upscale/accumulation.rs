@@ -122,7 +122,7 @@ impl Upscaler for Accumulation {
     }
 
     fn history_steps<'a>(&'a self, how: Upscaling, drawn: &'a UpscaleInputs<'a>) -> HistorySteps<'a> {
-        let now = drawn.frame.map(|seen| FrameContext::new(how, drawn, seen.gbuffer.object.size()));
+        let now = drawn.frame.map(|seen| FrameContext::new(how, drawn, seen.size));
         Box::new(move |at| {
             let now = now.as_ref()?;
             Some(now.step(at, &now.present(at)).0)
@@ -202,7 +202,8 @@ impl<'a> FrameContext<'a> {
         let [r, g, b, _] = self.mean(taps);
         let of = |share, past| HistoryStep { space: BlendSpace::Rgb(self.light), present: [r, g, b], share, past };
         let history = self.history.as_ref().ok_or(Rejection::FirstFrame);
-        let before = history.and_then(|(motion, memory)| Ok((motion.reproject(at)?, memory)));
+        let reproject = || self.drawn.frame.ok_or(Rejection::FirstFrame)?.reproject(at);
+        let before = history.and_then(|(_, memory)| Ok((reproject()?, memory)));
         let (before, memory) = match before {
             Ok(before) => before,
             Err(rejection) => return (of(1.0, Err(rejection)), counts_for),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::FilterSpace;
+use super::{FilterSpace, Sampling};
 use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::gbuffer::GBuffer;
@@ -14,10 +14,12 @@ use crate::pipeline::settings::{Choice, choice};
 use crate::scene::{Camera, Scene};
 
 mod dilated;
+mod surface_grid;
 mod wide;
 mod window;
 
 pub(super) use dilated::DilatedVectors;
+pub(super) use surface_grid::{Around, SurfaceGrid};
 pub(super) use wide::{NOT_VISIBLE, VectorLanes, same_surface};
 pub(super) use window::{PastPlaces, centers, inner_pair, sum_of_quads};
 
@@ -85,6 +87,11 @@ impl History {
 /// Inputs of the current frame besides its colours.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FrameInputs<'a> {
+    /// Size of the full picture, in pixels.
+    pub(crate) size: (u32, u32),
+    /// Samples that the frame draws. The G-buffer has one pixel per sample if they are a lattice; otherwise, it has all
+    /// pixels of the full picture.
+    pub(crate) sampling: Sampling,
     /// Visible surfaces of the current frame.
     pub(crate) gbuffer: &'a GBuffer,
     /// Motion since the previous frame; `None` if camera and scene are still.
@@ -105,16 +112,21 @@ impl FrameInputs<'_> {
     /// Reprojects pixel `at` into the previous frame. Returns an error if that frame does not show the pixel's surface,
     /// or if there is no previous frame.
     pub(crate) fn reproject(&self, at: (u32, u32)) -> Result<Reprojected, Rejection> {
-        self.reprojection().ok_or(Rejection::FirstFrame)?.reproject(at)
+        self.reprojection().ok_or(Rejection::FirstFrame)?.reproject_by(at, self.surface_grid().nearest(at))
     }
 
-    /// Reprojects pixel `at` into the previous frame like [`Self::reproject`], but with the vector of the nearest surface
-    /// among the 3 × 3 pixels around it, so that the anti-aliased edge of an object moves with the object (Karis, 2014).
+    /// Returns the positions of the pixels of the G-buffer in the full picture.
+    #[inline(always)]
+    pub(in crate::upscale) fn surface_grid(&self) -> SurfaceGrid {
+        SurfaceGrid::new(self.sampling, self.gbuffer.object.size())
+    }
+
+    /// Reprojects pixel `at` into the previous frame like [`Self::reproject`], but with the vector of the nearest of the
+    /// surfaces around it; see [`DilatedVectors`].
     #[inline(always)]
     pub(in crate::upscale) fn reproject_dilated(&self, at: (u32, u32)) -> Result<Reprojected, Rejection> {
         let motion = self.reprojection().ok_or(Rejection::FirstFrame)?;
-        let by = if motion.is_still() { at } else { self.gbuffer.nearest_around(at) };
-        motion.reproject_by(at, by)
+        motion.reproject_by(at, self.surface_grid().nearest_surface(self.gbuffer, at))
     }
 }
 
@@ -223,7 +235,7 @@ choice! {
 impl<'a> FrameInputs<'a> {
     /// Returns the motion since the previous frame, or `None` if there is no previous frame.
     pub(crate) fn reprojection(&self) -> Option<Motion<'a>> {
-        Some(Motion { history: self.history?, vectors: self.motion })
+        Some(Motion { history: self.history?, vectors: self.motion, size: self.size })
     }
 }
 
@@ -232,8 +244,10 @@ impl<'a> FrameInputs<'a> {
 pub(crate) struct Motion<'a> {
     /// Previous frame, into which pixels are reprojected.
     pub(crate) history: &'a History,
-    /// Motion of every pixel; `None` if camera and scene are still.
+    /// Motion of every pixel of the G-buffer; `None` if camera and scene are still.
     pub(crate) vectors: Option<&'a MotionVectors>,
+    /// Size of the full picture, in pixels.
+    size: (u32, u32),
 }
 
 impl Motion<'_> {
@@ -242,13 +256,8 @@ impl Motion<'_> {
         self.vectors.is_none()
     }
 
-    /// Reprojects pixel `at` into the previous frame. Returns an error if that frame does not show the pixel's surface.
-    pub(crate) fn reproject(&self, at: (u32, u32)) -> Result<Reprojected, Rejection> {
-        self.reproject_by(at, at)
-    }
-
-    /// Reprojects pixel `at` by the motion vector of pixel `by`. Returns an error if the position is outside the previous
-    /// frame, or if that frame does not show the surface of `by`.
+    /// Reprojects pixel `at` by the motion vector of pixel `by` of the G-buffer. Returns an error if the position is outside
+    /// the previous frame, or if that frame does not show the surface of `by`.
     #[inline(always)]
     pub(crate) fn reproject_by(&self, at: (u32, u32), by: (u32, u32)) -> Result<Reprojected, Rejection> {
         let center = [at.0 as f32 + 0.5, at.1 as f32 + 0.5];
@@ -256,7 +265,7 @@ impl Motion<'_> {
             return Ok(Reprojected { place: center, is_still: true });
         };
         let place = [center[0] + vectors.across_px.at(by.0, by.1), center[1] + vectors.down_px.at(by.0, by.1)];
-        let (width, height) = vectors.visible.size();
+        let (width, height) = self.size;
         // NaN fails every comparison, so it is not inside.
         let is_inside = place[0] >= 0.0 && place[1] >= 0.0 && place[0] < width as f32 && place[1] < height as f32;
         if !is_inside {
@@ -311,9 +320,12 @@ impl Reprojected {
 pub(super) mod tests {
     use super::*;
     use crate::scene::builtin;
+    use crate::upscale::Upscaling;
 
     /// Inputs of one test frame, with its history.
     pub(in crate::upscale) struct Frames {
+        size: (u32, u32),
+        sampling: Sampling,
         surfaces: GBuffer,
         motion: Option<MotionVectors>,
         past: Option<History>,
@@ -322,6 +334,8 @@ pub(super) mod tests {
     impl Frames {
         pub(in crate::upscale) fn seen(&self) -> FrameInputs<'_> {
             FrameInputs {
+                size: self.size,
+                sampling: self.sampling,
                 gbuffer: &self.surfaces,
                 motion: self.motion.as_ref(),
                 history: self.past.as_ref(),
@@ -330,14 +344,16 @@ pub(super) mod tests {
         }
     }
 
-    /// Returns test frames of a few slanted objects at different distances and an empty background. The first has no
-    /// history, and the second is still. In the others, pixels move by up to the given distance, and some are
-    /// disoccluded.
-    pub(in crate::upscale) fn frames((width, height): (u32, u32), number: u32) -> Vec<Frames> {
+    /// Returns test frames of a few slanted objects at different distances and an empty background, with history after
+    /// `number` frames. The first has no history, and the second is still. In the others, samples move by up to the given
+    /// distance, and some are disoccluded.
+    pub(in crate::upscale) fn frames(how: Upscaling, (width, height): (u32, u32), number: u32) -> Vec<Frames> {
         let mut random = fastrand::Rng::with_seed(u64::from(number));
+        let sampling = how.upscaler().frame_sampling(how, number + 1).0;
+        let (columns, rows) = sampling.raster_size(width, height);
         let surfaces = GBuffer {
-            object: Image::from_fn(width, height, |x, y| [(x / 23) as u8, (y / 4) as u8, 0, 255]),
-            distance: Image::from_fn(width, height, |x, y| {
+            object: Image::from_fn(columns, rows, |x, y| [(x / 23) as u8, (y / 4) as u8, 0, 255]),
+            distance: Image::from_fn(columns, rows, |x, y| {
                 if x / 23 == 1 { f32::INFINITY } else { 4.0 + (x / 23) as f32 * 0.3 + y as f32 * 0.01 }
             }),
         };
@@ -356,16 +372,14 @@ pub(super) mod tests {
             still_frames: 1,
         };
         let mut moving = |distance_px: f32| {
-            let mut by = || Image::from_fn(width, height, |_, _| (2.0 * random.f32() - 1.0) * distance_px);
+            let mut by = || Image::from_fn(columns, rows, |_, _| (2.0 * random.f32() - 1.0) * distance_px);
             let (across_px, down_px) = (by(), by());
-            let is_inside = |at: u32, by: f32, length: u32| (0.0..length as f32).contains(&(at as f32 + 0.5 + by));
-            let visible = Image::from_fn(width, height, |x, y| {
-                let is_inside = is_inside(x, across_px.at(x, y), width) && is_inside(y, down_px.at(x, y), height);
-                if is_inside && random.u32(0..8) > 0 { MotionVectors::VISIBLE } else { 0 }
-            });
+            let visible =
+                Image::from_fn(columns, rows, |_, _| if random.u32(0..8) > 0 { MotionVectors::VISIBLE } else { 0 });
             MotionVectors { across_px, down_px, visible }
         };
-        let frame = |motion, past| Frames { surfaces: surfaces.clone(), motion, past };
+        let size = (width, height);
+        let frame = |motion, past| Frames { size, sampling, surfaces: surfaces.clone(), motion, past };
         let moved = [0.0, 0.4, 3.0, 40.0].map(|distance_px| frame(Some(moving(distance_px)), Some(past.clone())));
         [frame(None, None), frame(None, Some(past.clone()))].into_iter().chain(moved).collect()
     }

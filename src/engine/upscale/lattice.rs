@@ -125,6 +125,13 @@ impl Lattice {
         (index.floor() as i64, (index - index.floor()) as f32)
     }
 
+    /// Returns the two of `samples` samples between which output column or row `at` lies. Outside the image, they are its
+    /// first or last sample.
+    pub(super) fn between(self, at: u32, samples: u32) -> [u32; 2] {
+        let cell = self.place(at).cell;
+        [cell, cell + 1].map(|index| index.clamp(0, samples as i32 - 1) as u32)
+    }
+
     /// Returns the three samples around output column or row `at`, out of `samples` samples that lie at `place` within
     /// their areas.
     pub(super) fn three_around(self, place: f64, at: u32, samples: u32) -> ThreeSamples {

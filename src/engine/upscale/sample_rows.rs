@@ -1,8 +1,10 @@
 //! Decoded rows of samples, shared by the output rows that read them.
+//!
+//! Rows are planar, one buffer per number, and padded: sample `i` is at index `i + PAD`.
 
 use std::ops::Range;
 
-use super::quads::Quad;
+use super::quads::window;
 use super::ycocg::YCoCg;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
@@ -10,26 +12,29 @@ use crate::math::lanes::*;
 /// Number of copies of the first sample of a row before it, and of the last one behind it.
 pub(super) const PAD: usize = 2;
 
-/// Three adjacent sample rows, decoded and padded: sample `i` is at index `i + PAD`.
+/// Three adjacent sample rows, decoded and padded.
 pub(super) struct DecodedRows {
     rows: [DecodedRow; 3],
 }
 
+/// Decoded samples of a row: Y, Co, Cg, and alpha as an 8-bit value.
+pub(super) type Planes = [Vec<f32>; 4];
+
 /// One decoded row, and what it holds: the index of the row, and the padded indices.
 struct DecodedRow {
     holds: Option<(u32, Range<usize>)>,
-    quads: Vec<Quad>,
+    planes: Planes,
 }
 
-/// Returns a buffer for a padded row of samples, or of numbers about them. A vector can be loaded from every index.
-pub(super) fn padded_row(samples: u32) -> Vec<Quad> {
-    vec![[0.0; 4]; samples as usize + 2 * PAD + WIDE]
+/// Returns a buffer for a number of every sample of a padded row. A vector can be loaded from every index.
+pub(super) fn padded_row(samples: u32) -> Vec<f32> {
+    vec![0.0; samples as usize + 2 * PAD + WIDE]
 }
 
 impl DecodedRows {
     /// Returns the buffer for rows of `samples` samples, which holds none yet.
     pub(super) fn new(samples: u32) -> Self {
-        Self { rows: [0, 1, 2].map(|_| DecodedRow { holds: None, quads: padded_row(samples) }) }
+        Self { rows: [0, 1, 2].map(|_| DecodedRow { holds: None, planes: [0; 4].map(|_| padded_row(samples)) }) }
     }
 
     /// Makes sure that a range of padded indices of sample row `index` is decoded.
@@ -41,24 +46,172 @@ impl DecodedRows {
         samples: &Image<Rgba8>,
         (index, range): (u32, &Range<usize>),
     ) {
-        let DecodedRow { holds, quads } = &mut self.rows[index as usize % 3];
+        let DecodedRow { holds, planes } = &mut self.rows[index as usize % 3];
         if holds.as_ref().is_some_and(|(row, held)| (*row, held) == (index, range)) {
             return;
         }
         let codes = samples.row(index);
         let inside = PAD..PAD + codes.len();
         let own = range.start.max(inside.start)..range.end.min(inside.end);
-        colors.decode_row(simd, &codes[own.start - PAD..own.end - PAD], &mut quads[own]);
+        colors.decode_row(simd, &codes[own.start - PAD..own.end - PAD], planes, own.start);
         for padding in [range.start..inside.start, inside.end..range.end] {
             for place in padding {
-                quads[place] = colors.decoded(codes[(place.max(PAD) - PAD).min(codes.len() - 1)]);
+                let decoded = colors.decoded(codes[(place.max(PAD) - PAD).min(codes.len() - 1)]);
+                for (plane, number) in planes.iter_mut().zip(decoded) {
+                    plane[place] = number;
+                }
             }
         }
         *holds = Some((index, range.clone()));
     }
 
     /// Returns a padded row, of which the indices of the last [`Self::fill`] are decoded.
-    pub(super) fn row(&self, index: u32) -> &[Quad] {
-        &self.rows[index as usize % 3].quads
+    pub(super) fn row(&self, index: u32) -> &Planes {
+        &self.rows[index as usize % 3].planes
+    }
+}
+
+/// Combination of three numbers that stand in the same place of three runs.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Combination {
+    /// Sum with these weights.
+    Weighted([f32; 3]),
+    Sum,
+    SumOfSquares,
+    Least,
+    Greatest,
+}
+
+/// Combines the numbers of three rows, from index `from[i]` of row `i` on, and stores them in a range of `to`. Up to 15 more
+/// numbers are read and written behind the range.
+#[inline(always)]
+pub(super) fn combine<S: Simd>(
+    simd: S,
+    rows: [(&[f32], usize); 3],
+    (to, range): (&mut [f32], &Range<usize>),
+    by: Combination,
+) {
+    // One loop for each, with a closure that is compiled for the instruction set.
+    match by {
+        Combination::Weighted([u, v, w]) => combine_by(
+            simd,
+            rows,
+            (to, range),
+            #[inline(always)]
+            |a, b, c| a * u + b * v + c * w,
+        ),
+        Combination::Sum => combine_by(
+            simd,
+            rows,
+            (to, range),
+            #[inline(always)]
+            |a, b, c| a + b + c,
+        ),
+        Combination::SumOfSquares => combine_by(
+            simd,
+            rows,
+            (to, range),
+            #[inline(always)]
+            |a, b, c| a * a + b * b + c * c,
+        ),
+        Combination::Least => combine_by(
+            simd,
+            rows,
+            (to, range),
+            #[inline(always)]
+            |a, b, c| a.min(b).min(c),
+        ),
+        Combination::Greatest => combine_by(
+            simd,
+            rows,
+            (to, range),
+            #[inline(always)]
+            |a, b, c| a.max(b).max(c),
+        ),
+    }
+}
+
+#[inline(always)]
+fn combine_by<S: Simd>(
+    simd: S,
+    rows: [(&[f32], usize); 3],
+    (to, range): (&mut [f32], &Range<usize>),
+    of: impl Fn(f32x16<S>, f32x16<S>, f32x16<S>) -> f32x16<S>,
+) {
+    let length = range.len().next_multiple_of(WIDE);
+    let [first, second, third] = each!(i in [0, 1, 2] => {
+        let (row, from) = rows[i];
+        row[from..from + length].as_chunks::<WIDE>().0
+    });
+    let to = to[range.start..range.start + length].as_chunks_mut::<WIDE>().0;
+    for (to, ((first, second), third)) in to.iter_mut().zip(first.iter().zip(second).zip(third)) {
+        let [first, second, third] = each!(numbers in [first, second, third] => f32x16::load_array_ref(simd, numbers));
+        of(first, second, third).store_array(to);
+    }
+}
+
+/// Samples of a row, one for each of sixteen output pixels.
+#[derive(Clone, Copy)]
+pub(super) enum SampleLanes<S: Simd> {
+    /// Adjacent ones, of which the first has this padded index.
+    Adjacent(usize),
+    /// Ones among the sixteen samples from a padded index on, with the places of their bytes.
+    Among(usize, u8x64<S>),
+}
+
+impl<S: Simd> SampleLanes<S> {
+    /// Returns the samples at padded indices, in ascending order and within 16 of the first one.
+    #[inline(always)]
+    pub(super) fn ascending(simd: S, padded: &[u32; WIDE]) -> Self {
+        /// Multiplies a number below 64 into four bytes.
+        const BYTES: u32 = 0x0404_0404;
+        /// Places of the four bytes of a number.
+        const PLACES: u32 = 0x0302_0100;
+        let first = padded[0];
+        let order = (u32x16::load_array_ref(simd, padded) - first) * BYTES + PLACES;
+        Self::Among(first as usize, order.bitcast())
+    }
+
+    /// Reads a number of the samples.
+    #[inline(always)]
+    pub(super) fn read(&self, simd: S, row: &[f32]) -> f32x16<S> {
+        self.read_beside(simd, row, 1)
+    }
+
+    /// Reads a number of the samples before, at or behind these, for `by` of 0, 1 or 2.
+    #[inline(always)]
+    pub(super) fn read_beside(&self, simd: S, row: &[f32], by: usize) -> f32x16<S> {
+        let (Self::Adjacent(first) | Self::Among(first, _)) = self;
+        let sixteen = f32x16::load_array_ref(simd, window(row, first + by - 1));
+        match self {
+            Self::Adjacent(_) => sixteen,
+            Self::Among(_, order) => sixteen.swizzle_dyn(*order),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_are_read_in_ascending_order_with_repetitions() {
+        let mut random = fastrand::Rng::with_seed(6);
+        let row: Vec<f32> = (0..60).map(|_| random.f32()).collect();
+        for _ in 0..100 {
+            let mut padded = [random.u32(1..20); WIDE];
+            for lane in 1..WIDE {
+                padded[lane] = (padded[lane - 1] + random.u32(0..2)).min(padded[0] + 15);
+            }
+            for by in 0..3 {
+                let expected = padded.map(|index| row[index as usize + by - 1]);
+                for lanes in Lanes::all() {
+                    let read = on_lanes!(lanes, simd => {
+                        SampleLanes::ascending(simd, &padded).read_beside(simd, &row, by).to_array()
+                    });
+                    assert_eq!(read, expected, "{} {padded:?}", lanes.name());
+                }
+            }
+        }
     }
 }

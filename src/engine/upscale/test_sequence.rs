@@ -13,7 +13,7 @@ pub(super) struct TestSequence {
     how: Upscaling,
     size: (u32, u32),
     scene: Arc<Scene>,
-    pub(super) surfaces: Arc<GBuffer>,
+    surfaces: Arc<GBuffer>,
     /// Motion of the picture per frame in pixels, to the right; `None` in a still view. With 0, the view counts as
     /// changing, although nothing moves.
     pub(super) motion_px: Option<f32>,
@@ -24,19 +24,32 @@ pub(super) struct TestSequence {
 
 impl TestSequence {
     pub(super) fn new(how: Upscaling, size @ (width, height): (u32, u32), motion_px: Option<f32>) -> Self {
-        let object = Image::filled(width, height, [0; 4]);
-        let surfaces = Arc::new(GBuffer { object, distance: Image::filled(width, height, 1.0) });
+        let (columns, rows) = (how.lattice().samples(width), how.lattice().samples(height));
+        let object = Image::filled(columns, rows, [0; 4]);
+        let surfaces = Arc::new(GBuffer { object, distance: Image::filled(columns, rows, 1.0) });
         let scene = Arc::new(crate::scene::builtin::ALL[0].build());
         Self { how, size, scene, surfaces, motion_px, reactivity: 0.0, history: None }
     }
 
     /// Returns the vectors of the picture, with this visibility of all pixels.
     pub(super) fn vectors(&self, visible: u8) -> MotionVectors {
-        let (width, height) = self.size;
+        let (width, height) = self.surfaces.object.size();
         MotionVectors {
             across_px: Image::filled(width, height, -self.motion_px.unwrap_or(0.0)),
             down_px: Image::filled(width, height, 0.0),
             visible: Image::filled(width, height, visible),
+        }
+    }
+
+    /// Returns the inputs of the next frame besides its colours, without reactivity.
+    pub(super) fn inputs<'a>(&'a self, motion: Option<&'a MotionVectors>) -> FrameInputs<'a> {
+        FrameInputs {
+            size: self.size,
+            sampling: self.how.sampling(),
+            gbuffer: &self.surfaces,
+            motion,
+            history: self.history.as_ref(),
+            reactivity: None,
         }
     }
 
@@ -65,12 +78,8 @@ impl TestSequence {
         let is_moving = self.motion_px.is_some();
         let motion = (is_moving && self.history.is_some()).then_some(&vectors);
         let reactivity = [self.reactivity];
-        let frame = FrameInputs {
-            gbuffer: &self.surfaces,
-            motion,
-            history: self.history.as_ref(),
-            reactivity: (self.reactivity > 0.0).then_some(&reactivity[..]),
-        };
+        let reactivity = (self.reactivity > 0.0).then_some(&reactivity[..]);
+        let frame = FrameInputs { reactivity, ..self.inputs(motion) };
         let mut full = Image::filled(self.size.0, self.size.1, [0; 4]);
         let drawn = UpscaleInputs { color: &color, frame: Some(frame) };
         let accumulated = self.how.upscaler().upscale_with_history(self.how, &drawn, &mut full, None).history;

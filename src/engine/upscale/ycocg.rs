@@ -1,6 +1,7 @@
 //! YCoCg: the colour space in which temporal upscalers compare colours, because chroma and luminance are separate in it.
 
-use super::quads::{self, Quad};
+use super::quads::Quad;
+use super::sample_rows::Planes;
 use super::{BlendSpace, FilterSpace};
 use crate::image::Rgba8;
 use crate::image::color::Tables;
@@ -38,21 +39,25 @@ impl YCoCg {
         }
     }
 
-    /// Converts the codes of a row of samples, with the results of [`Self::decoded`].
+    /// Converts the codes of adjacent samples, with the results of [`Self::decoded`], and stores them from an index on.
     #[inline(always)]
-    pub(super) fn decode_row<S: Simd>(self, simd: S, codes: &[Rgba8], colors: &mut [Quad]) {
+    pub(super) fn decode_row<S: Simd>(self, simd: S, codes: &[Rgba8], planes: &mut Planes, from: usize) {
         let (runs, rest) = codes.as_chunks::<WIDE>();
-        let (blocks, last) = colors.as_chunks_mut::<WIDE>();
-        for (colors, codes) in blocks.iter_mut().zip(runs) {
+        for (codes, at) in runs.iter().zip((from..).step_by(WIDE)) {
             let words = u8x64::from_slice(simd, codes.as_flattened()).bitcast::<u32x16<S>>();
             let [r, g, b] = each!(channel in [0, 8, 16] => {
                 Tables::lookup(simd, self.values_of_codes(), (words >> channel) & 255)
             });
             let y = r * 0.25 + g * 0.5 + b * 0.25;
-            quads::store([y, r * 0.5 - b * 0.5, g * 0.5 - r * 0.25 - b * 0.25, float_of(words >> 24)], colors);
+            let colors = [y, r * 0.5 - b * 0.5, g * 0.5 - r * 0.25 - b * 0.25, float_of(words >> 24)];
+            for (plane, numbers) in planes.iter_mut().zip(colors) {
+                numbers.store_slice(&mut plane[at..at + WIDE]);
+            }
         }
-        for (color, codes) in last.iter_mut().zip(rest) {
-            *color = self.decoded(*codes);
+        for (codes, at) in rest.iter().zip(from + runs.len() * WIDE..) {
+            for (plane, number) in planes.iter_mut().zip(self.decoded(*codes)) {
+                plane[at] = number;
+            }
         }
     }
 

@@ -15,7 +15,7 @@ const KINDS: [PixelKind; 2] = [
 /// Shows a mask. Its colours distinguish disoccluded pixels from those that the preceding frame shows.
 pub(super) fn mask(overlay: Overlay, mask: HistoryMask, context: &OverlayContext<'_>) -> Sheet {
     let (width, height) = context.frame.image().size();
-    let Some(masks) = HistoryMasks::of(context.recipe, context.frame) else {
+    let Some(masks) = HistoryMasks::of(context.scene, context.recipe, context.frame) else {
         let reads_history = context.recipe.upscaler.upscaler().reads().history;
         let why = if reads_history { "the frame has no history" } else { "the upscaler reads no history" };
         return Sheet::absent(overlay, (width, height), why);
@@ -42,8 +42,9 @@ mod tests {
     use std::sync::{Arc, OnceLock};
 
     use super::*;
-    use crate::chain::{KeepDepth, Recipe, Renderer};
+    use crate::chain::{KeepDepth, MotionBuffers, Recipe, Renderer};
     use crate::inspect::view::Value;
+    use crate::pipeline::motion::FrameView;
     use crate::pipeline::viewport::Viewport;
     use crate::scene::builtin;
     use crate::upscale::Upscaling;
@@ -72,10 +73,11 @@ mod tests {
         };
         assert_eq!(sheet(0, Overlay::RejectedHistory).absence.as_deref(), Some("the frame has no history"));
         let rejected = sheet(1, Overlay::RejectedHistory);
-        let motion = frames[1].as_drawn(&frames[1].drawn.color).frame.unwrap();
+        let [now, before] = [&frames[1].camera, &scene.home].map(|camera| FrameView { scene: &scene, camera });
+        let motion = MotionBuffers::between(now, before, &recipe, frames[1].viewport).unwrap();
         let (mut both, mut marked, mut disoccluded) = (0.0, 0.0, 0.0);
         for (x, y) in (0..36).flat_map(|y| (0..64).map(move |x| (x, y))) {
-            let (value, is_stale) = (rejected.values.at(x, y), motion.reproject((x, y)).is_err());
+            let (value, is_stale) = (rejected.values.at(x, y), motion.is_disoccluded(x, y));
             both += f64::from(u8::from(value == 0.0 && is_stale));
             marked += f64::from(u8::from(!value.is_nan()));
             disoccluded += f64::from(u8::from(is_stale));

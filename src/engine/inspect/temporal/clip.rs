@@ -35,7 +35,7 @@ pub enum ClipView {
 
 impl ClipView {
     /// Returns the scene and the camera of a frame.
-    fn at(&self, number: i64) -> (Arc<Scene>, Camera) {
+    pub(super) fn at(&self, number: i64) -> (Arc<Scene>, Camera) {
         match self {
             Self::Still { scene, camera } => (Arc::clone(scene), *camera),
             Self::Moving(shot) => shot.view(number),
@@ -173,7 +173,8 @@ impl TemporalSearch {
     /// Follows the chain through the kept frames. Returns whether the search is complete.
     fn follow(&mut self) -> bool {
         if let Some(inspected) = self.kept.last().filter(|_| self.stored.is_none()) {
-            self.masks = HistoryMasks::of(&self.clip.recipe, inspected);
+            let (scene, _) = self.clip.view.at(self.clip.last.into());
+            self.masks = HistoryMasks::of(&scene, &self.clip.recipe, inspected);
         }
         for (number, frame) in self.range.clone().zip(std::mem::take(&mut self.kept)).rev() {
             if self.chain.is_complete() {

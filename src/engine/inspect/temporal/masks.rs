@@ -5,10 +5,11 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::steps::{FrameSteps, PixelStep};
-use crate::chain::{Frame, Recipe};
+use crate::chain::{Frame, MotionBuffers, Recipe};
 use crate::image::Image;
+use crate::pipeline::motion::FrameView;
 use crate::pipeline::settings::{Choice, choice};
-use crate::upscale::FrameInputs;
+use crate::scene::Scene;
 
 choice! {
     /// Set of pixels whose history an upscaler rejected, changed or protected.
@@ -55,18 +56,23 @@ impl MaskScore {
 
 impl MaskScore {
     /// Returns the agreement of the rejected pixels of a frame with the exact disocclusion, of at most `most` evenly spaced
-    /// pixels. Returns `None` if the upscaler reads no history, or if the frame has none.
-    pub fn of_rejection(recipe: &Recipe, frame: &Frame, most: u32) -> Option<Self> {
+    /// pixels. `is_disoccluded` tells whether the previous frame does not show the surface of a pixel. Returns `None` if the
+    /// upscaler reads no history, or if the frame has none.
+    pub fn of_rejection(
+        recipe: &Recipe,
+        frame: &Frame,
+        is_disoccluded: impl Fn((u32, u32)) -> bool + Sync,
+        most: u32,
+    ) -> Option<Self> {
         frame.history.as_ref()?;
         let ((width, height), drawn) = (frame.image().size(), frame.as_drawn(&frame.drawn.color));
-        let inputs = drawn.frame?;
         let steps = recipe.upscaler.upscaler().history_steps(recipe.upscaler, &drawn);
         let spacing = spacing_px((width, height), most);
         let rows: Vec<u32> = (0..height).step_by(spacing).collect();
         let of_row = |y: &u32| {
             let bits = (0..width).step_by(spacing).map(|x| {
                 let is_rejected = steps((x, *y)).is_some_and(|step| step.past.is_err());
-                stale_bits(&inputs, (x, *y)) | if is_rejected { bit(HistoryMask::Rejected) } else { 0 }
+                stale_bits(is_disoccluded((x, *y))) | if is_rejected { bit(HistoryMask::Rejected) } else { 0 }
             });
             Self::of_bits(HistoryMask::Rejected, bits)
         };
@@ -112,16 +118,17 @@ fn bit(mask: HistoryMask) -> u8 {
 }
 
 impl HistoryMasks {
-    /// Computes the masks of a frame. Returns `None` if its upscaler reads no history, or if the frame has none.
-    pub fn of(recipe: &Recipe, frame: &Frame) -> Option<Self> {
-        frame.history.as_ref()?;
+    /// Computes the masks of a frame of `scene`. Returns `None` if its upscaler reads no history, or if the frame has none.
+    pub fn of(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Option<Self> {
+        let past = frame.history.as_ref()?;
         let (size, drawn) = (frame.image().size(), frame.as_drawn(&frame.drawn.color));
-        let inputs = drawn.frame?;
+        let now = FrameView { scene, camera: &frame.camera };
+        let motion = MotionBuffers::between(now, past.view(), recipe, frame.viewport)?;
         let steps = FrameSteps::new(recipe.upscaler, &drawn, size, None);
         let mut bits = Image::filled(size.0, size.1, 0);
         bits.pixels_mut().par_chunks_mut(size.0 as usize).zip(0..size.1).for_each(|(row, y)| {
             for (x, bits) in (0..).zip(row) {
-                *bits = stale_bits(&inputs, (x, y)) | steps.at((x, y)).map_or(0, |found| mask_bits(&found));
+                *bits = stale_bits(motion.is_disoccluded(x, y)) | steps.at((x, y)).map_or(0, |found| mask_bits(&found));
             }
         });
         Some(Self { bits })
@@ -148,9 +155,9 @@ impl HistoryMasks {
     }
 }
 
-/// Returns [`STALE`] if the previous frame does not show the surface of a pixel.
-fn stale_bits(inputs: &FrameInputs<'_>, at: (u32, u32)) -> u8 {
-    if inputs.reproject(at).is_err() { STALE } else { 0 }
+/// Returns [`STALE`] for a disoccluded pixel.
+fn stale_bits(is_disoccluded: bool) -> u8 {
+    if is_disoccluded { STALE } else { 0 }
 }
 
 fn mask_bits(found: &PixelStep) -> u8 {

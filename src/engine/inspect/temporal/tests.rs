@@ -3,8 +3,9 @@ use std::sync::Arc;
 use super::filter::PastFilter;
 use super::steps::FrameSteps;
 use super::*;
-use crate::chain::{Frame, Recipe, Renderer};
+use crate::chain::{Frame, MotionBuffers, Recipe, Renderer};
 use crate::measure::shot::{CameraMotion, Shot};
+use crate::pipeline::motion::FrameView;
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{CameraPath, builtin};
@@ -130,12 +131,12 @@ fn a_still_view_weights_all_frames_alike() {
 fn following_in_parts_gives_the_same_chain() {
     let clip = clip("chess-motion", Upscaling::new("taa", 2).unwrap(), 9);
     let drawn = frames(&clip);
-    let mut whole = chain::Chain::new(clip.recipe.upscaler, (20, 14));
+    let mut whole = chain::Chain::new(clip.recipe.upscaler, (26, 14));
     for (number, frame) in (0..10).zip(&drawn).rev() {
         let stored = drawn.get(number as usize + 1).and_then(|next| next.history.as_deref());
         whole.follow(number, frame, stored);
     }
-    let mut search = TemporalSearch::new(clip, (20, 14)).unwrap();
+    let mut search = TemporalSearch::new(clip, (26, 14)).unwrap();
     search.limit_frames_together(3);
     while search.step() {}
     assert_eq!(whole.finish(None), search.finish().past_frames);
@@ -160,14 +161,18 @@ fn masks_and_scores_agree_with_counting_steps() {
     {
         let clip = clip("chess-motion", how, 5);
         let frame = frames(&clip).pop().unwrap();
-        let masks = HistoryMasks::of(&clip.recipe, &frame).unwrap();
+        let [(scene, camera), (scene_before, camera_before)] = [5, 4].map(|number| clip.view.at(number));
+        let now = FrameView { scene: &scene, camera: &camera };
+        let before = FrameView { scene: &scene_before, camera: &camera_before };
+        let motion = MotionBuffers::between(now, before, &clip.recipe, SIZE).unwrap();
+        let masks = HistoryMasks::of(&scene, &clip.recipe, &frame).unwrap();
         let inputs = frame.as_drawn(&frame.drawn.color);
         let mut counts = [[0; 2]; 2];
         for at in pixels() {
             let step = how.upscaler().history_steps(how, &inputs)(at);
             let is_rejected = step.is_some_and(|step| step.past.is_err());
             let is_clamped = step.is_some_and(|step| step.past.is_ok_and(|past| past.read != past.rectified));
-            let is_stale = inputs.frame.unwrap().reproject(at).is_err();
+            let is_stale = motion.is_disoccluded(at.0, at.1);
             assert_eq!(masks.is_disoccluded(at), is_stale, "{at:?}");
             assert_eq!(masks.contains(HistoryMask::Rejected, at), is_rejected, "{at:?}");
             assert_eq!(masks.contains(HistoryMask::Rectified, at), is_clamped, "{at:?}");
@@ -177,17 +182,24 @@ fn masks_and_scores_agree_with_counting_steps() {
         let score = masks.score(HistoryMask::Rejected);
         assert_eq!((score.marked, score.disoccluded, score.both), (right + wrong, right + missed, right));
         assert!(right > 0, "{}", how.label());
-        assert_eq!(MaskScore::of_rejection(&clip.recipe, &frame, u32::MAX), Some(score));
+        assert_eq!(
+            MaskScore::of_rejection(&clip.recipe, &frame, |at| motion.is_disoccluded(at.0, at.1), u32::MAX),
+            Some(score)
+        );
         // Every second row and column: 336 of 1344 pixels.
         let spaced = pixels().filter(|(x, y)| x % 2 == 0 && y % 2 == 0);
         let marked = spaced.filter(|at| masks.contains(HistoryMask::Rejected, *at)).count() as u32;
-        assert_eq!(MaskScore::of_rejection(&clip.recipe, &frame, 400).map(|score| score.marked), Some(marked));
+        assert_eq!(
+            MaskScore::of_rejection(&clip.recipe, &frame, |_| false, 400).map(|score| score.marked),
+            Some(marked)
+        );
         let has_locks = masks.score(HistoryMask::Locked).marked > 0;
         assert_eq!(has_locks, how.method() == "fsr2", "{}", how.label());
     }
     let still = clip("chess-motion", Upscaling::new("taa", 2).unwrap(), 0);
-    assert!(HistoryMasks::of(&still.recipe, &frames(&still)[0]).is_none());
-    assert!(MaskScore::of_rejection(&still.recipe, &frames(&still)[0], u32::MAX).is_none());
+    let (scene, _) = still.view.at(0);
+    assert!(HistoryMasks::of(&scene, &still.recipe, &frames(&still)[0]).is_none());
+    assert!(MaskScore::of_rejection(&still.recipe, &frames(&still)[0], |_| false, u32::MAX).is_none());
     assert_eq!(MaskScore { mask: HistoryMask::Locked, marked: 0, disoccluded: 4, both: 0 }.precision(), None);
     assert_eq!(MaskScore { mask: HistoryMask::ALL[0], marked: 2, disoccluded: 4, both: 1 }.recall(), Some(0.25));
 }

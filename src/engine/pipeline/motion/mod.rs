@@ -36,11 +36,11 @@ pub struct FrameView<'a> {
 /// Motion of every pixel of a frame since the preceding frame.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MotionVectors {
-    /// Column in the preceding frame minus column in this frame, in pixels; not finite if the point was in the plane of
-    /// the eye.
+    /// Column in the preceding frame minus column in this frame, in pixels of the full picture; not finite if the point
+    /// was in the plane of the eye.
     pub(crate) across_px: Image<f32>,
-    /// Row in the preceding frame minus row in this frame, in pixels; not finite if the point was in the plane of the
-    /// eye.
+    /// Row in the preceding frame minus row in this frame, in pixels of the full picture; not finite if the point was in
+    /// the plane of the eye.
     pub(crate) down_px: Image<f32>,
     /// [`MotionVectors::VISIBLE`] if the preceding frame shows the surface point, or 0 if it is disoccluded.
     pub(crate) visible: Image<u8>,
@@ -106,6 +106,8 @@ pub(crate) struct FrameMotion<'a> {
     /// Motion of the background; `None` if it is still.
     background: Option<PlaneMotion>,
     before: Option<&'a GBuffer>,
+    /// Pixels of the full picture per pixel.
+    scale: f32,
 }
 
 /// Motion of one instance between two frames.
@@ -166,7 +168,13 @@ impl<'a> FrameMotion<'a> {
             triangles: now.scene.triangle_count(),
             background: before.and_then(|before| background([now.camera, before.view.camera], size)),
             before: before.map(|before| before.gbuffer),
+            scale: 1.0,
         }
+    }
+
+    /// Returns the same motion with vectors in pixels of a picture that has `scale` times the resolution.
+    pub(crate) fn scaled(self, scale: f32) -> Self {
+        Self { scale, ..self }
     }
 
     /// Returns the motion of a triangle, given by the bytes of its id; the background for any other value.
@@ -204,7 +212,7 @@ impl<'a> FrameMotion<'a> {
             self.before.map(|before| before.shows_moved(simd, (first, y), &objects, &block))
         });
         PointMotion {
-            vector_px: [block.across_px[place], block.down_px[place]],
+            vector_px: [block.across_px[place], block.down_px[place]].map(|px| px * self.scale),
             distance: block.distance[place],
             is_visible: visible.is_some_and(|visible| visible[place] == MotionVectors::VISIBLE),
         }
@@ -272,8 +280,8 @@ impl<'a> FrameMotion<'a> {
                 start = end;
             }
             store_in(&mut row.ids[first..], &ids);
-            store_in(&mut row.across_px[first..], &block.across_px);
-            store_in(&mut row.down_px[first..], &block.down_px);
+            store_in(&mut row.across_px[first..], &block.across_px.map(|px| px * self.scale));
+            store_in(&mut row.down_px[first..], &block.down_px.map(|px| px * self.scale));
             let Some(before) = self.before else { continue };
             let visible = before.shows_moved(simd, (first as u32, y), &ids, &block);
             store_in(&mut row.visible[first..], &visible);

@@ -255,8 +255,12 @@ impl FrameReference {
 
     /// Returns the row of the contact sheet.
     fn row(&self) -> SheetRow {
-        let is_disoccluded = |x, y| self.motion.as_ref().is_some_and(|motion| motion.at(x, y)[0].is_nan());
-        SheetRow::of_reference(&self.picture, is_disoccluded)
+        SheetRow::of_reference(&self.picture, |x, y| self.is_disoccluded((x, y)))
+    }
+
+    /// Whether the preceding frame does not show the surface of a pixel.
+    fn is_disoccluded(&self, (x, y): (u32, u32)) -> bool {
+        self.motion.as_ref().is_some_and(|motion| motion.at(x, y)[0].is_nan())
     }
 
     fn disoccluded_share(&self) -> f64 {
@@ -308,7 +312,10 @@ impl Method {
     /// Draws the next measured frame and returns its picture.
     fn picture(&mut self, reference: &FrameReference, viewport: Viewport) -> Image<Rgba8> {
         let frame = self.draw(&reference.scene, &reference.camera, viewport);
-        self.rejection.extend(MaskScore::of_rejection(&self.recipe, &frame, REJECTION_PIXELS));
+        if reference.motion.is_some() {
+            let is_disoccluded = |at| reference.is_disoccluded(at);
+            self.rejection.extend(MaskScore::of_rejection(&self.recipe, &frame, is_disoccluded, REJECTION_PIXELS));
+        }
         let picture = frame.image().clone();
         self.renderer.recycle(frame);
         picture

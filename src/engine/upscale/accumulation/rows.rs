@@ -3,12 +3,14 @@
 //! A row is processed in blocks of 16 pixels. Each sample of this frame is decoded once. In a still view, history is
 //! read at the same pixel; otherwise it is gathered at the reprojected positions.
 
+use std::ops::Range;
+
 use super::{FrameContext, INTERPOLATED, JITTER_POSITIONS};
 use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 use crate::pipeline::motion::MotionVectors;
-use crate::upscale::history::NOT_VISIBLE;
+use crate::upscale::history::{NOT_VISIBLE, VectorLanes};
 use crate::upscale::quads::{Quad, columns, store};
 use crate::upscale::{FilterSpace, Scale, bands};
 
@@ -27,6 +29,8 @@ struct AxisPosition {
     /// One plus the index of the lattice position nearest to the column or row. It is 0 if that position lies before
     /// the first sample.
     nearest: usize,
+    /// Index of the pixel of the G-buffer that is nearest to the column or row.
+    surface: u32,
 }
 
 /// Computes the full image, and in `memory` the history for the next frame.
@@ -58,6 +62,7 @@ impl FrameContext<'_> {
             on,
             own: self.own(cell, on, samples),
             nearest: (nearest + 1).max(0) as usize,
+            surface: self.lattice.nearest(at, samples),
         }
     }
 }
@@ -286,7 +291,12 @@ impl RowContext<'_> {
         let mut from = from;
         for eight in block.as_chunks_mut::<LANES>().0 {
             let end = width.min(from + LANES);
-            let found = vectors.reproject(simd, &vectors.load(simd, (from.min(end)..end, y)));
+            let lanes = if self.now.lattice.scale == Scale::ONE {
+                vectors.load(simd, (from.min(end)..end, y))
+            } else {
+                self.nearest_vectors(simd, vectors, (from.min(end)..end, y))
+            };
+            let found = lanes.reproject(simd, self.now.size);
             let (upper, lower, step) = (found.upper.to_array(), found.lower.to_array(), found.step.to_array());
             let (right, down) = (found.right.to_array(), found.down.to_array());
             for lane in 0..end.saturating_sub(from) {
@@ -306,6 +316,35 @@ impl RowContext<'_> {
                 read.min(greatest).max(least).store_array(&mut eight[lane]);
             }
             from += LANES;
+        }
+    }
+}
+
+impl RowContext<'_> {
+    /// Returns the vectors of the samples nearest to up to eight adjacent pixels of a row. Missing pixels are disoccluded.
+    #[inline(always)]
+    fn nearest_vectors<S: Simd>(
+        &self,
+        simd: S,
+        vectors: &MotionVectors,
+        (columns, y): (Range<usize>, u32),
+    ) -> VectorLanes<S> {
+        let row = self.rows[y as usize].surface;
+        let (across_px, down_px, visible) =
+            (vectors.across_px.row(row), vectors.down_px.row(row), vectors.visible.row(row));
+        let (mut vector, mut is_visible) = ([[0.0; LANES]; 2], [0; LANES]);
+        for (lane, column) in self.columns[columns.clone()].iter().enumerate() {
+            let sample = column.surface as usize;
+            (vector[0][lane], vector[1][lane]) = (across_px[sample], down_px[sample]);
+            is_visible[lane] = u32::from(visible[sample]);
+        }
+        let [across_px, down_px] = each!(axis in [0, 1] => F32::load_array_ref(simd, &vector[axis]));
+        VectorLanes {
+            column: F32::from_slice(simd, &LANE_NUMBERS[..LANES]) + columns.start as f32,
+            row: F32::splat(simd, y as f32),
+            across_px,
+            down_px,
+            visible: u32x8::load_array(simd, is_visible),
         }
     }
 }
@@ -360,7 +399,7 @@ mod tests {
             for (size, number) in [((1, 1), 0), ((5, 3), 4), ((75, 9), 0), ((75, 9), 7), ((64, 6), 13), ((140, 5), 2)] {
                 let (columns, rows) = (how.lattice().samples(size.0), how.lattice().samples(size.1));
                 let color = Image::from_fn(columns, rows, |_, _| std::array::from_fn(|_| random.u8(..)));
-                for frames in frames(size, number) {
+                for frames in frames(how, size, number) {
                     let drawn = UpscaleInputs { color: &color, frame: Some(frames.seen()) };
                     let now = FrameContext::new(how, &drawn, size);
                     for lanes in Lanes::all() {

@@ -205,11 +205,11 @@ pub(super) fn pixels<S: Simd>([r, g, b, a]: [f32x16<S>; 4]) -> u32x16<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::upscale::UpscaleInputs;
     use crate::upscale::checkerboard::edges::AlongEdges;
     use crate::upscale::checkerboard::surfaces::SurfaceFill;
     use crate::upscale::checkerboard::temporal::{TemporalFill, grid_of};
     use crate::upscale::history::tests::frames;
+    use crate::upscale::{UpscaleInputs, Upscaling};
 
     fn check(grid: SampleGrid, drawn: &Image<Rgba8>, (width, height): (u32, u32), by: &impl Fill) {
         for lanes in Lanes::all() {
@@ -229,7 +229,7 @@ mod tests {
                 let (columns, rows) = grid.packed_size(size.0, size.1);
                 // Few distinct values, so that differences of zero occur.
                 let color = Image::from_fn(columns, rows, |_, _| std::array::from_fn(|_| random.u8(..) & 0xf1));
-                for frames in frames(size, number) {
+                for frames in frames(Upscaling::new("checkerboard-temporal", 1).unwrap(), size, number) {
                     let drawn = UpscaleInputs { color: &color, frame: Some(frames.seen()) };
                     check(grid, &color, size, &SurfaceFill { grid, drawn: &drawn, size });
                     if grid_of(&drawn) == grid {

@@ -93,7 +93,7 @@ fn history_step(drawn: &UpscaleInputs<'_>, at: (u32, u32)) -> Option<HistoryStep
         return None;
     }
     let frame = drawn.frame?;
-    let size = frame.gbuffer.object.size();
+    let size = frame.size;
     let numbers = |[r, g, b, _]: Rgba8| [r, g, b].map(f32::from);
     let present = numbers(surfaces::filled(grid_of(drawn), drawn, size, at));
     let past = frame.reproject(at).and_then(|before| {
@@ -170,7 +170,7 @@ fn reproject_pixels<S: Simd>(
     around: DrawnNeighbours<S>,
 ) -> (mask32x16<S>, u32x16<S>) {
     let [first, last] = run.vectors(simd, vectors);
-    let [a, b] = each!(part in [first, last] => vectors.reproject(simd, &part));
+    let [a, b] = each!(part in [first, last] => part.reproject(simd, vectors.visible.size()));
     let upper = a.upper.combine(b.upper);
     let known = upper.simd_ne(u32x16::splat(simd, NOT_VISIBLE));
     let upper = known.select(upper, u32x16::splat(simd, 0));
@@ -205,7 +205,7 @@ fn gathered<S: Simd>(simd: S, of: &[Rgba8], at: u32x16<S>) -> u32x16<S> {
 
 /// Returns the reprojected colour of a missing pixel, if the previous frame shows the same surface.
 fn reproject_pixel(drawn: &UpscaleInputs<'_>, motion: &Motion<'_>, size: (u32, u32), at: (u32, u32)) -> Option<Rgba8> {
-    let before = motion.reproject(at).ok()?;
+    let before = motion.reproject_by(at, at).ok()?;
     Some(reprojected_color(drawn, motion, size, (at, &before))?.1)
 }
 

@@ -6,11 +6,10 @@ use super::super::sample_rows::DecodedRows;
 use super::super::ycocg::YCoCg;
 use super::super::{Accumulated, Motion, UpscaleInputs, Upscaling};
 use super::jitter_of;
-use super::kernel::AxisSamples;
+use super::kernel::{AxisSamples, ColumnLanes};
 use super::locks::Contrast;
 use super::reactive::{self, ReactiveRow};
 use super::surroundings::Surroundings;
-use crate::math::lanes::*;
 
 /// Frame to upscale, with its history.
 pub(super) struct Fsr2Frame<'a> {
@@ -22,8 +21,8 @@ pub(super) struct Fsr2Frame<'a> {
     pub(super) scale: f32,
     /// Number of jitter positions.
     pub(super) positions: u32,
-    /// Samples of every column. The last column is repeated, so that sixteen can be read from every column.
     pub(super) columns: Vec<AxisSamples>,
+    pub(super) column_lanes: ColumnLanes,
     pub(super) rows: Vec<AxisSamples>,
     pub(super) history: Option<(Motion<'a>, &'a Accumulated)>,
     /// Reactivity of every instance, in [0, 1]; `None` if it is 0 or does not matter.
@@ -36,8 +35,10 @@ pub(super) struct Fsr2Frame<'a> {
 pub(super) struct RowScratch {
     pub(super) samples: DecodedRows,
     pub(super) surroundings: Surroundings,
-    pub(super) vectors: DilatedVectors,
-    pub(super) reactive: ReactiveRow,
+    /// `None` if there is no G-buffer.
+    pub(super) vectors: Option<DilatedVectors>,
+    /// `None` if reactivity does not matter.
+    pub(super) reactive: Option<ReactiveRow>,
 }
 
 impl<'a> Fsr2Frame<'a> {
@@ -46,12 +47,11 @@ impl<'a> Fsr2Frame<'a> {
         let jitter = jitter_of(scale);
         let (Continuation { place, history, is_settled }, samples) =
             (Continuation::new(drawn, jitter), drawn.color.size());
-        let axis = |place: f64, (length, samples): (u32, u32), spare: usize| {
-            let own = (0..length).map(|at| AxisSamples::new(how.lattice(), place, at, samples));
-            let mut all: Vec<_> = own.collect();
-            all.extend(all.last().copied().into_iter().cycle().take(spare));
-            all
+        let axis = |place: f64, length: u32, samples: u32| {
+            let all = (0..length).map(|at| AxisSamples::new(how.lattice(), place, at, samples));
+            all.collect::<Vec<_>>()
         };
+        let columns = axis(place[0], size.0, samples.0);
         let colors = YCoCg::new(how.light());
         Self {
             colors,
@@ -60,8 +60,9 @@ impl<'a> Fsr2Frame<'a> {
             size,
             scale: scale.value() as f32,
             positions: jitter.positions(),
-            columns: axis(place[0], (size.0, samples.0), WIDE),
-            rows: axis(place[1], (size.1, samples.1), 0),
+            column_lanes: ColumnLanes::new(&columns),
+            columns,
+            rows: axis(place[1], size.1, samples.1),
             history,
             reactivity: reactive::reactivity(drawn.frame),
             is_settled,
@@ -73,8 +74,8 @@ impl<'a> Fsr2Frame<'a> {
         RowScratch {
             samples: DecodedRows::new(samples),
             surroundings: Surroundings::new(samples),
-            vectors: DilatedVectors::new(self.size.0),
-            reactive: ReactiveRow::new(if self.reactivity.is_some() { self.size.0 } else { 0 }),
+            vectors: self.drawn.frame.as_ref().map(DilatedVectors::new),
+            reactive: self.drawn.frame.as_ref().filter(|_| self.reactivity.is_some()).map(ReactiveRow::new),
         }
     }
 

@@ -2,7 +2,8 @@
 
 use super::super::Lattice;
 use super::super::lattice::ThreeSamples;
-use super::super::sample_rows::PAD;
+use super::super::quads::window;
+use super::super::sample_rows::{PAD, SampleLanes};
 use crate::math::lanes::*;
 
 /// Smallest sum of weights that is used: dividing by less would amplify rounding errors.
@@ -16,11 +17,50 @@ const MOST_NARROWING: f32 = 1.99;
 pub(super) struct AxisSamples {
     pub(super) index: [u32; 3],
     /// Index of the middle one in a padded row.
-    pub(super) padded: usize,
+    pub(super) padded: u32,
     /// Squared distance of each sample from the centre of the output pixel, relative to the distance between samples.
     pub(super) distance_squared: [f32; 3],
     /// Whether the middle sample lies inside the output pixel along this axis.
     pub(super) is_inside: bool,
+}
+
+/// [`AxisSamples`] of all columns, for loading those of sixteen columns. The last column is repeated, so that they can be
+/// loaded from every column.
+pub(super) struct ColumnLanes {
+    padded: Vec<u32>,
+    distance_squared: [Vec<f32>; 3],
+    /// 1 where the middle sample lies inside the output pixel along this axis, otherwise 0.
+    inside: Vec<f32>,
+}
+
+impl ColumnLanes {
+    pub(super) fn new(columns: &[AxisSamples]) -> Self {
+        let spare = columns.last().into_iter().cycle().take(WIDE);
+        let all = || columns.iter().chain(spare.clone());
+        Self {
+            padded: all().map(|column| column.padded).collect(),
+            distance_squared: [0, 1, 2].map(|number| all().map(|column| column.distance_squared[number]).collect()),
+            inside: all().map(|column| f32::from(u8::from(column.is_inside))).collect(),
+        }
+    }
+
+    /// Returns the samples nearest to sixteen columns from column `from` on.
+    #[inline(always)]
+    pub(super) fn samples<S: Simd>(&self, simd: S, from: usize) -> SampleLanes<S> {
+        SampleLanes::ascending(simd, window(&self.padded, from))
+    }
+
+    /// Returns the squared distances of the samples before, at and behind the nearest one.
+    #[inline(always)]
+    pub(super) fn distance_squared<S: Simd>(&self, simd: S, from: usize) -> [f32x16<S>; 3] {
+        each!(number in [0, 1, 2] => f32x16::load_array_ref(simd, window(&self.distance_squared[number], from)))
+    }
+
+    /// Whether the nearest sample lies inside the output pixel along this axis.
+    #[inline(always)]
+    pub(super) fn is_inside<S: Simd>(&self, simd: S, from: usize) -> mask32x16<S> {
+        f32x16::load_array_ref(simd, window(&self.inside, from)).simd_gt(f32x16::splat(simd, 0.0))
+    }
 }
 
 impl AxisSamples {
@@ -30,7 +70,7 @@ impl AxisSamples {
         let ThreeSamples { index, nearest, from_nearest } = lattice.three_around(place, at, samples);
         Self {
             index,
-            padded: (nearest + PAD as i64) as usize,
+            padded: (nearest + PAD as i64) as u32,
             distance_squared: [-1.0, 0.0, 1.0].map(|number: f32| (number - from_nearest) * (number - from_nearest)),
             is_inside: f64::from(from_nearest.abs()) * lattice.scale.value() <= 0.5,
         }

@@ -5,7 +5,7 @@
 //! samples ─► 3 × 3 around the pixel ─┬─► Lanczos 2 ─► present colour, weight ────────────┐
 //!                                    ├─► box of colours ────────┐                        ├─► blend ─► RCAS ─► picture
 //!                                    └─► thin feature ─► locks ─┤                        │     └─► history, locks
-//! motion vector of the nearest of 3 × 3 pixels ─► history ──────┴─► rectified history ───┘
+//! motion vector of the nearest surface around ──► history ──────┴─► rectified history ───┘
 //! ```
 //!
 //! The steps follow AMD's documentation of the technique (“FidelityFX Super Resolution 2.2”, 2023; T. Arcila and C.
@@ -133,7 +133,7 @@ impl Upscaler for Fsr2 {
 
     /// Returns the blending before sharpening.
     fn history_steps<'a>(&'a self, how: Upscaling, drawn: &'a UpscaleInputs<'a>) -> HistorySteps<'a> {
-        let frame = drawn.frame.map(|seen| Fsr2Frame::new(how, drawn, seen.gbuffer.object.size()));
+        let frame = drawn.frame.map(|seen| Fsr2Frame::new(how, drawn, seen.size));
         let spare = Spares::default();
         Box::new(move |at| {
             let frame = frame.as_ref()?;

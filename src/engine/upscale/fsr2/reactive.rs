@@ -7,41 +7,49 @@
 use std::ops::Range;
 
 use super::super::FrameInputs;
+use super::super::history::{Around, SurfaceGrid};
 use super::super::quads::window;
 use crate::math::lanes::*;
 use crate::pipeline::gbuffer::GBuffer;
 
-/// For every pixel of a row, the greatest reactivity of the 3 × 3 pixels around it, as vectors are dilated too.
+/// For every output pixel of a row, the greatest reactivity of the surfaces around it, as vectors are dilated too.
 pub(super) struct ReactiveRow {
-    /// Greatest reactivity of three pixels of each column. Column `x` is at index `x + 1`.
-    columns: Vec<f32>,
+    /// Rows of the G-buffer, and output pixels, that the numbers belong to.
+    holds: Option<(Around, Range<usize>)>,
+    grid: SurfaceGrid,
+    /// Reactivity of every output pixel, with spare ones.
+    greatest: Vec<f32>,
 }
 
 impl ReactiveRow {
-    /// Returns a buffer for rows of `width` pixels.
-    pub(super) fn new(width: u32) -> Self {
-        Self { columns: vec![0.0; width as usize + 2 + WIDE] }
+    /// Returns a buffer for a frame.
+    pub(super) fn new(frame: &FrameInputs<'_>) -> Self {
+        Self { holds: None, grid: frame.surface_grid(), greatest: vec![0.0; frame.size.0 as usize + WIDE] }
     }
 
     /// Reads the reactivities around a range of pixels of row `y`. `reactivity` holds one number per instance.
-    pub(super) fn fill(&mut self, gbuffer: &GBuffer, reactivity: &[f32], (columns, y): (&Range<usize>, u32)) {
-        let (width, height) = gbuffer.object.size();
-        let rows = [y.saturating_sub(1), y, (y + 1).min(height - 1)].map(|row| gbuffer.object.row(row));
-        for column in columns.start.saturating_sub(1)..(columns.end + 1).min(width as usize) {
-            let of_row = |row: &&[[u8; 4]]| {
-                reactivity.get(u32::from_le_bytes(row[column]) as usize).copied().unwrap_or_default()
-            };
-            self.columns[column + 1] = rows.iter().map(of_row).fold(0.0, f32::max);
+    pub(super) fn fill(&mut self, gbuffer: &GBuffer, reactivity: &[f32], (pixels, y): (&Range<usize>, u32)) {
+        let rows = self.grid.rows(y);
+        if self.holds.as_ref().is_some_and(|(held, filled)| (held, filled) == (&rows, pixels)) {
+            return;
         }
+        for pixel in pixels.clone() {
+            let of_column = |column: u32| {
+                let of_row = |row: &u32| {
+                    let instance = u32::from_le_bytes(gbuffer.object.at(column, *row));
+                    reactivity.get(instance as usize).copied().unwrap_or_default()
+                };
+                rows.iter().map(of_row).fold(0.0, f32::max)
+            };
+            self.greatest[pixel] = self.grid.columns(pixel as u32).into_iter().map(of_column).fold(0.0, f32::max);
+        }
+        self.holds = Some((rows, pixels.clone()));
     }
 
     /// Returns 1 − reactivity of 16 pixels from column `from` on.
     #[inline(always)]
     pub(super) fn kept<S: Simd>(&self, simd: S, from: usize) -> f32x16<S> {
-        let [left, at, right] = each!(by in [0, 1, 2] => {
-            f32x16::load_array_ref(simd, window(&self.columns, from + by))
-        });
-        f32x16::splat(simd, 1.0) - left.max(at).max(right)
+        f32x16::splat(simd, 1.0) - f32x16::load_array_ref(simd, window(&self.greatest, from))
     }
 }
 
@@ -54,9 +62,10 @@ pub(super) fn reactivity<'a>(frame: Option<FrameInputs<'a>>) -> Option<&'a [f32]
 mod tests {
     use super::*;
     use crate::image::Image;
+    use crate::upscale::{Anchor, Lattice, Sampling, Scale};
 
     #[test]
-    fn the_greatest_reactivity_of_nine_pixels_counts() {
+    fn the_greatest_reactivity_of_the_surfaces_around_a_pixel_counts() {
         let mut random = fastrand::Rng::with_seed(3);
         let reactivity = [0.0, 0.25, 0.9];
         let (width, height) = (37, 5);
@@ -72,13 +81,24 @@ mod tests {
             let number = inside.then(|| u32::from_le_bytes(gbuffer.object.at(x as u32, y as u32)));
             number.and_then(|number| reactivity.get(number as usize)).copied().unwrap_or(0.0)
         };
-        for y in 0..height {
-            let mut row = ReactiveRow::new(width);
-            row.fill(&gbuffer, &reactivity, (&(0..width as usize), y));
-            for x in 0..width {
-                let around = (-1..=1).flat_map(|down| (-1..=1).map(move |right| (right, down)));
-                let greatest = around.map(|(right, down)| of(i64::from(x) + right, i64::from(y) + down));
-                let expected = 1.0 - greatest.fold(0.0, f32::max);
+        let sampling = Sampling::Lattice(Lattice { scale: Scale::TWO, anchor: Anchor::Centre });
+        let size = (2 * width, 2 * height);
+        let frame = FrameInputs {
+            size,
+            sampling,
+            gbuffer: &gbuffer,
+            motion: None,
+            history: None,
+            reactivity: Some(&reactivity),
+        };
+        let mut row = ReactiveRow::new(&frame);
+        for y in 0..size.1 {
+            row.fill(&gbuffer, &reactivity, (&(0..size.0 as usize), y));
+            for x in 0..size.0 {
+                // An odd pixel lies behind the middle of its sample, an even one before it.
+                let [first_x, first_y] = [x, y].map(|at| i64::from(at / 2) - i64::from(at % 2 == 0));
+                let around = (0..2).flat_map(|down| (0..2).map(move |right| (first_x + right, first_y + down)));
+                let expected = 1.0 - around.map(|(x, y)| of(x, y)).fold(0.0, f32::max);
                 let alone = |lanes: Lanes| on_lanes!(lanes, simd => row.kept(simd, x as usize).to_array()[0]);
                 assert_eq!(
                     Lanes::all().map(alone).collect::<Vec<_>>(),

@@ -3,10 +3,10 @@
 use std::ops::Range;
 
 use super::super::history::{PastPlaces, centers, inner_pair, sum_of_quads};
-use super::super::quads::{self, Quad, window};
+use super::super::quads::{self, Quad};
 use super::super::{Accumulated, HistoryStep, Motion, PastColor, Rejection};
 use super::frame::{Fsr2Frame, RowScratch};
-use super::kernel::{AxisSamples, Kernel, history_weights};
+use super::kernel::{Kernel, history_weights};
 use super::locks::Locks;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
@@ -150,17 +150,17 @@ impl Fsr2Frame<'_> {
     fn prepare<S: Simd>(&self, simd: S, (columns, y): (&Range<usize>, u32), scratch: &mut RowScratch) {
         let RowScratch { samples, surroundings, vectors, reactive } = scratch;
         let row = &self.rows[y as usize];
-        let [first, last] = [columns.start, columns.end - 1].map(|column| self.columns[column].padded);
+        let [first, last] = [columns.start, columns.end - 1].map(|column| self.columns[column].padded as usize);
         let read = first - 1..last + 2;
         for index in row.index {
             samples.fill(simd, self.colors, self.drawn.color, (index, &read));
         }
         surroundings.fill(simd, self.contrast, row.index.map(|index| samples.row(index)), (row.index, &read));
         let motion = self.history.as_ref().and_then(|(motion, _)| motion.vectors);
-        if let (Some(motion), Some(frame)) = (motion, self.drawn.frame) {
+        if let (Some(motion), Some(frame), Some(vectors)) = (motion, self.drawn.frame, vectors) {
             vectors.fill(simd, frame.gbuffer, motion, (columns, y));
         }
-        if let (Some(reactivity), Some(frame)) = (self.reactivity, self.drawn.frame) {
+        if let (Some(reactivity), Some(frame), Some(reactive)) = (self.reactivity, self.drawn.frame, reactive) {
             reactive.fill(frame.gbuffer, reactivity, (columns, y));
         }
     }
@@ -169,7 +169,6 @@ impl Fsr2Frame<'_> {
     #[inline(always)]
     fn block<S: Simd>(&self, simd: S, at: (usize, u32), scratch: &RowScratch) -> Blend<S> {
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-        let columns: &[AxisSamples; WIDE] = window(&self.columns, at.0);
         // Not `Option::map`: the compiler would not compile the function that it calls for the instruction set.
         let mut past = None;
         if let Some((motion, history)) = &self.history {
@@ -179,15 +178,13 @@ impl Fsr2Frame<'_> {
             Some(past) => past.is_known.select(self.narrowing(simd, past), one),
             None => one,
         };
-        let across = each!(number in [0, 1, 2] => f32x16::load_array(simd, each!(
-            lane in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => columns[lane].distance_squared[number]
-        )));
+        let across = self.column_lanes.distance_squared(simd, at.0);
         let kernel = Kernel::new(simd, across, self.rows[at.1 as usize].distance_squared, narrowing);
-        let around = self.around(simd, (at.1, columns), &kernel, scratch);
+        let around = self.around(simd, at, &kernel, scratch);
         let (present, weights) = (around.present, kernel.lanczos);
         let [y, co, cg, _] = present;
         let Some(past) = past else {
-            let locks = self.next_locks(simd, (at.1, columns), [zero, zero], scratch).stored();
+            let locks = self.next_locks(simd, at, [zero, zero], scratch).stored();
             return Blend {
                 present,
                 weights,
@@ -204,9 +201,12 @@ impl Fsr2Frame<'_> {
             let locks = past.locks;
             return Blend { present, weights, past: Some(past), rectified, share: zero, weight: past_weight, locks };
         }
-        let kept = if self.reactivity.is_some() { scratch.reactive.kept(simd, at.0) } else { one };
+        let kept = match &scratch.reactive {
+            Some(reactive) => reactive.kept(simd, at.0),
+            None => one,
+        };
         let stored = each!(number in [0, 1] => past.is_known.select(past.locks[number] * kept, zero));
-        let locks = self.next_locks(simd, (at.1, columns), stored, scratch);
+        let locks = self.next_locks(simd, at, stored, scratch);
         let mut weight = past_weight.max(zero);
         if let Some(speed_px) = past.speed_px {
             let exists = locks.lifetime.simd_gt(zero);
@@ -227,28 +227,15 @@ impl Fsr2Frame<'_> {
         }
     }
 
-    /// Returns the 3 × 3 samples around sixteen pixels of row `y`.
+    /// Returns the 3 × 3 samples around sixteen pixels from pixel `from` of row `y` on.
     #[inline(always)]
-    fn around<S: Simd>(
-        &self,
-        simd: S,
-        (y, columns): (u32, &[AxisSamples; WIDE]),
-        kernel: &Kernel<S>,
-        scratch: &RowScratch,
-    ) -> Around<S> {
-        let zero = f32x16::splat(simd, 0.0);
+    fn around<S: Simd>(&self, simd: S, (from, y): (usize, u32), kernel: &Kernel<S>, scratch: &RowScratch) -> Around<S> {
+        let (zero, nearest) = (f32x16::splat(simd, 0.0), self.column_lanes.samples(simd, from));
         let (mut present, mut mean, mut square) = ([zero; 4], [zero; 3], [zero; 3]);
         for (row, index) in self.rows[y as usize].index.into_iter().enumerate() {
             let samples = scratch.samples.row(index);
-            let mut quads = [[[0.0; 4]; WIDE]; 3];
-            for (lane, column) in columns.iter().enumerate() {
-                let three: &[Quad; 3] = window(samples, column.padded - 1);
-                for (quads, quad) in quads.iter_mut().zip(three) {
-                    quads[lane] = *quad;
-                }
-            }
-            for (number, quads) in quads.iter().enumerate() {
-                let sample = quads::columns(simd, quads);
+            for number in 0..3 {
+                let sample = each!(channel in [0, 1, 2, 3] => nearest.read_beside(simd, &samples[channel], number));
                 let (lanczos, share) = (kernel.lanczos[row][number], kernel.window[row][number]);
                 present = each!(i in [0, 1, 2, 3] => present[i] + sample[i] * lanczos);
                 let weighted = each!(i in [0, 1, 2] => sample[i] * share);
@@ -257,11 +244,7 @@ impl Fsr2Frame<'_> {
             }
         }
         let [least, greatest] = each!(bound in [0, 1] => {
-            let mut quads = [[0.0; 4]; WIDE];
-            for (quad, column) in quads.iter_mut().zip(columns) {
-                *quad = scratch.surroundings.range[bound][column.padded];
-            }
-            quads::columns(simd, &quads)
+            each!(channel in [0, 1, 2, 3] => nearest.read(simd, &scratch.surroundings.range[bound][channel]))
         });
         Around {
             present: each!(i in [0, 1, 2, 3] => present[i].max(least[i]).min(greatest[i])),
@@ -288,25 +271,24 @@ impl Fsr2Frame<'_> {
         (speed_px * (1.0 / FAST_PX)).min(1.0) * (1.0 - still) + still
     }
 
-    /// Returns the locks of sixteen pixels of row `y` after this frame, from the stored ones before it. A lock is created
-    /// where the middle sample lies inside the pixel and belongs to a thin feature.
+    /// Returns the locks of sixteen pixels from pixel `from` of row `y` on after this frame, from the stored ones before it.
+    /// A lock is created where the middle sample lies inside the pixel and belongs to a thin feature.
     #[inline(always)]
     fn next_locks<S: Simd>(
         &self,
         simd: S,
-        (y, columns): (u32, &[AxisSamples; WIDE]),
+        (from, y): (usize, u32),
         stored: [f32x16<S>; 2],
         scratch: &RowScratch,
     ) -> Locks<S> {
-        let (mut median, mut may_lock) = ([0.0; WIDE], [0.0; WIDE]);
-        for (lane, column) in columns.iter().enumerate() {
-            median[lane] = scratch.surroundings.median[column.padded];
-            if column.is_inside && self.rows[y as usize].is_inside {
-                may_lock[lane] = scratch.surroundings.thin[column.padded];
-            }
+        let nearest = self.column_lanes.samples(simd, from);
+        let median = nearest.read(simd, &scratch.surroundings.median);
+        let zero = f32x16::splat(simd, 0.0);
+        let mut is_new = zero.simd_gt(zero);
+        if self.rows[y as usize].is_inside {
+            let is_thin = nearest.read(simd, &scratch.surroundings.thin).simd_gt(zero);
+            is_new = is_thin & self.column_lanes.is_inside(simd, from);
         }
-        let [median, may_lock] = each!(numbers in [median, may_lock] => f32x16::load_array(simd, numbers));
-        let is_new = may_lock.simd_gt(f32x16::splat(simd, 0.0));
         Locks::from_stored(simd, stored).next(simd, self.positions, (is_new, median), self.contrast)
     }
 
@@ -332,7 +314,10 @@ impl Fsr2Frame<'_> {
             let (color, place) = (quads::columns(simd, &quads), centers(simd, at));
             return Past { is_known, color, locks: numbers_of_pairs(simd, &pairs), place, speed_px: None };
         }
-        let vectors @ [across, down] = scratch.vectors.load(simd, from);
+        let vectors @ [across, down] = match &scratch.vectors {
+            Some(vectors) => vectors.load(simd, from),
+            None => [f32x16::splat(simd, f32::NAN); 2],
+        };
         let places = PastPlaces::new(simd, at, vectors, self.size);
         read_colors(simd, color, &places, &mut quads);
         if let Some(locks) = locks {

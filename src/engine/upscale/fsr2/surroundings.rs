@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::super::quads::{self, Combination, Quad};
-use super::super::sample_rows::padded_row;
+use super::super::quads::window;
+use super::super::sample_rows::{Combination, Planes, combine, padded_row};
 use super::locks::{self, Contrast};
 use crate::math::lanes::*;
 
@@ -11,10 +11,10 @@ use crate::math::lanes::*;
 pub(super) struct Surroundings {
     /// Rows and padded indices that they belong to.
     of: Option<([u32; 3], Range<usize>)>,
-    /// Least and greatest of three vertically adjacent samples.
-    vertical: [Vec<Quad>; 2],
+    /// Least or greatest of three vertically adjacent samples.
+    vertical: Vec<f32>,
     /// Least and greatest of 3 × 3 samples.
-    pub(super) range: [Vec<Quad>; 2],
+    pub(super) range: [Planes; 2],
     /// Median of the luminances.
     pub(super) median: Vec<f32>,
     /// 1 where the middle sample belongs to a thin feature, otherwise 0.
@@ -23,13 +23,12 @@ pub(super) struct Surroundings {
 
 impl Surroundings {
     pub(super) fn new(samples: u32) -> Self {
-        let length = padded_row(samples).len();
         Self {
             of: None,
-            vertical: [0, 1].map(|_| padded_row(samples)),
-            range: [0, 1].map(|_| padded_row(samples)),
-            median: vec![0.0; length],
-            thin: vec![0.0; length],
+            vertical: padded_row(samples),
+            range: [0; 2].map(|_| [0; 4].map(|_| padded_row(samples))),
+            median: padded_row(samples),
+            thin: padded_row(samples),
         }
     }
 
@@ -39,24 +38,24 @@ impl Surroundings {
         &mut self,
         simd: S,
         contrast: Contrast,
-        rows: [&[Quad]; 3],
+        rows: [&Planes; 3],
         (index, range): ([u32; 3], &Range<usize>),
     ) {
         if self.of.as_ref().is_some_and(|(held, read)| (*held, read) == (index, range)) {
             return;
         }
-        let centers = range.start + 1..range.end - 1;
-        let (read, around) = (quads::whole_vectors(range), quads::whole_vectors(&centers));
-        let runs = rows.map(|row| &row[read.clone()]);
-        for (number, by) in [Combination::Least, Combination::Greatest].into_iter().enumerate() {
-            let vertical = &mut self.vertical[number];
-            quads::combine(simd, runs, &mut vertical[read.clone()], by);
-            quads::combine(simd, quads::around(vertical, &around), &mut self.range[number][around.clone()], by);
+        let (start, centers) = (range.start, range.start + 1..range.end - 1);
+        for (by, around) in [Combination::Least, Combination::Greatest].into_iter().zip(&mut self.range) {
+            for (channel, around) in around.iter_mut().enumerate() {
+                let rows = each!(row in [0, 1, 2] => (&*rows[row][channel], start));
+                combine(simd, rows, (&mut self.vertical, range), by);
+                let columns = each!(column in [0, 1, 2] => (&*self.vertical, start + column));
+                combine(simd, columns, (around, &centers), by);
+            }
         }
         for first in centers.step_by(WIDE) {
             let [above, at, below] = each!(row in [0, 1, 2] => each!(by in [0, 1, 2] => {
-                let [y, ..] = quads::columns(simd, quads::window(rows[row], first + by - 1));
-                y
+                f32x16::load_array_ref(simd, window(&rows[row][0], first + by - 1))
             }));
             let [[a, b, c], [d, e, f], [g, h, i]] = [above, at, below];
             let luminances = [a, b, c, d, e, f, g, h, i];

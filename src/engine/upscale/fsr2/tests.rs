@@ -31,7 +31,7 @@ fn rows_are_bit_identical_to_single_pixels() {
     for how in every() {
         let (columns, rows) = (how.lattice().samples(size.0), how.lattice().samples(size.1));
         let color = Image::from_fn(columns, rows, |_, _| std::array::from_fn(|_| random.u8(..)));
-        for (number, frames) in frames(size, 7).into_iter().enumerate() {
+        for (number, frames) in frames(how, size, 7).into_iter().enumerate() {
             let drawn = UpscaleInputs { color: &color, frame: Some(frames.seen()) };
             let frame = Fsr2Frame::new(how, &drawn, size);
             let sharpened = how.with_sharpening(60).upscale(&drawn, size.0, size.1);
@@ -91,13 +91,7 @@ fn samples_are_weighted_by_their_distances() {
         let mut sequence = TestSequence::new(how, size, None);
         for frame in 0..6 {
             let color = sequence.samples(|_| 99);
-            let inputs = FrameInputs {
-                gbuffer: &sequence.surfaces,
-                motion: None,
-                history: sequence.history.as_ref(),
-                reactivity: None,
-            };
-            let drawn = UpscaleInputs { color: &color, frame: Some(inputs) };
+            let drawn = UpscaleInputs { color: &color, frame: Some(sequence.inputs(None)) };
             let place = jitter_of(how.scale()).place(frame);
             for at in [(8, 8), (9, 8), (10, 9), (11, 7)] {
                 let weight = sequence
@@ -153,17 +147,10 @@ fn disoccluded_pixels_show_the_present_only() {
         }
         let color = sequence.samples(|[x, _]| if x < 11.0 { 30 } else { 90 });
         let vectors = sequence.vectors(0);
-        let past = sequence.history.as_ref();
-        let frame =
-            FrameInputs { gbuffer: &sequence.surfaces, motion: Some(&vectors), history: past, reactivity: None };
+        let frame = sequence.inputs(Some(&vectors));
         let hidden = how.upscale(&UpscaleInputs { color: &color, frame: Some(frame) }, size.0, size.1);
         let empty = sequence.history.clone().map(|past| History { accumulated: None, ..past });
-        let frame = FrameInputs {
-            gbuffer: &sequence.surfaces,
-            motion: Some(&vectors),
-            history: empty.as_ref(),
-            reactivity: None,
-        };
+        let frame = FrameInputs { history: empty.as_ref(), ..frame };
         let alone = how.upscale(&UpscaleInputs { color: &color, frame: Some(frame) }, size.0, size.1);
         assert_eq!(hidden, alone, "{}", how.label());
         assert!(hidden.pixels().iter().all(|[r, ..]| (30..=90).contains(r)), "{}", how.label());
@@ -208,12 +195,7 @@ fn blending_of(reactivity: f32, at: (u32, u32), code: impl Fn([f64; 2]) -> u8) -
     }
     sequence.reactivity = reactivity;
     let (color, vectors, table) = (sequence.samples(&code), sequence.vectors(MotionVectors::VISIBLE), [reactivity]);
-    let frame = FrameInputs {
-        gbuffer: &sequence.surfaces,
-        motion: Some(&vectors),
-        history: sequence.history.as_ref(),
-        reactivity: Some(&table),
-    };
+    let frame = FrameInputs { reactivity: Some(&table), ..sequence.inputs(Some(&vectors)) };
     let drawn = UpscaleInputs { color: &color, frame: Some(frame) };
     let share = FSR2.history_steps(how(Scale::TWO), &drawn)(at).unwrap().share;
     sequence.frame(&code);
@@ -243,9 +225,10 @@ fn reactive_rows_are_bit_identical_to_single_pixels() {
     let mut random = fastrand::Rng::with_seed(5);
     let (size, how) = ((53, 7), how(Scale::TWO));
     let color = Image::from_fn(27, 4, |_, _| std::array::from_fn(|_| random.u8(..)));
-    let object = Image::from_fn(size.0, size.1, |_, _| random.u32(0..4).to_le_bytes());
-    let gbuffer = GBuffer { object, distance: Image::from_fn(size.0, size.1, |x, _| 1.0 + x as f32) };
-    for frames in frames(size, 7) {
+    let object = Image::from_fn(27, 4, |_, _| random.u32(0..4).to_le_bytes());
+    let distance = Image::from_fn(27, 4, |x, _| 1.0 + x as f32);
+    let gbuffer = GBuffer { object, distance };
+    for frames in frames(how, size, 7) {
         let frame = FrameInputs { gbuffer: &gbuffer, reactivity: Some(&[0.0, 0.4, 0.9]), ..frames.seen() };
         let drawn = UpscaleInputs { color: &color, frame: Some(frame) };
         let frame = Fsr2Frame::new(how, &drawn, size);

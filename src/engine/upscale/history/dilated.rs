@@ -2,24 +2,34 @@
 
 use std::ops::Range;
 
+use super::FrameInputs;
+use super::surface_grid::{Around, SurfaceGrid};
 use crate::math::lanes::*;
 use crate::pipeline::gbuffer::GBuffer;
 use crate::pipeline::motion::MotionVectors;
 use crate::upscale::quads::window;
+use crate::upscale::sample_rows::SampleLanes;
 
-/// For every pixel of a row, the motion vector of the nearest surface among the 3 × 3 pixels around it, so that the
-/// anti-aliased edge of an object moves with the object (Karis, 2014). Gives the vectors of the pixels that
-/// [`GBuffer::nearest_around`] finds.
+/// For every output pixel of a row, the motion vector of the nearest of the surfaces around it, so that the anti-aliased
+/// edge of an object moves with the object (Karis, 2014). If the G-buffer has all pixels of the picture, these are the 3 × 3
+/// pixels around the pixel. Otherwise, they are the 2 × 2 pixels of the G-buffer between which the pixel lies: 3 × 3 would
+/// move more of the background with every object than is anti-aliased.
 pub(in crate::upscale) struct DilatedVectors {
-    /// Nearest of three pixels of each column, and its motion vector. Column `x` is at index `x + 1`; the first and the
-    /// last column are repeated.
+    grid: SurfaceGrid,
+    /// Indices, in the buffers below, of the columns of the G-buffer before and behind every output column. The last ones are
+    /// repeated. `None` if the G-buffer has the pixels of the full picture.
+    before_and_behind: Option<[Vec<u32>; 2]>,
+    /// Rows of the G-buffer, and pixels of these rows, that the buffers below hold.
+    holds: Option<(Around, Range<usize>)>,
+    /// Nearest of the pixels of each column of these rows, and its motion vector. Column `x` is at index `x + 1`; the first
+    /// and the last column are repeated.
     distance: Vec<f32>,
     across_px: Vec<f32>,
     down_px: Vec<f32>,
 }
 
-/// Surfaces of sixteen pixels of a row, and their motion vectors. That of a surface that the previous frame does not
-/// show is not a number.
+/// Surfaces of sixteen pixels of a row of a G-buffer, and their motion vectors. That of a surface that the previous frame
+/// does not show is not a number.
 #[derive(Clone, Copy)]
 struct Surfaces<S: Simd> {
     distance: f32x16<S>,
@@ -56,36 +66,46 @@ impl<S: Simd> Surfaces<S> {
 }
 
 impl DilatedVectors {
-    /// Returns buffers for rows of `width` pixels.
-    pub(in crate::upscale) fn new(width: u32) -> Self {
-        let [distance, across_px, down_px] = [0, 1, 2].map(|_| vec![0.0; width as usize + 2 + WIDE]);
-        Self { distance, across_px, down_px }
+    /// Returns buffers for a frame.
+    pub(in crate::upscale) fn new(frame: &FrameInputs<'_>) -> Self {
+        let grid = frame.surface_grid();
+        let repeated = |columns: Vec<u32>| {
+            let last = columns.last().copied();
+            columns.into_iter().chain(last.into_iter().cycle().take(WIDE)).map(|column| column + 1).collect()
+        };
+        let before_and_behind = grid.before_and_behind(frame.size.0).map(|columns| columns.map(repeated));
+        let [distance, across_px, down_px] =
+            [0, 1, 2].map(|_| vec![0.0; frame.gbuffer.object.width() as usize + 2 + WIDE]);
+        Self { grid, before_and_behind, holds: None, distance, across_px, down_px }
     }
 
-    /// Finds the nearest surfaces for a range of pixels of row `y`.
+    /// Finds the nearest surfaces for a range of output pixels of row `y`.
     #[inline(always)]
     pub(in crate::upscale) fn fill<S: Simd>(
         &mut self,
         simd: S,
         gbuffer: &GBuffer,
         vectors: &MotionVectors,
-        (columns, y): (&Range<usize>, u32),
+        (pixels, y): (&Range<usize>, u32),
     ) {
-        let (width, height) = gbuffer.distance.size();
-        let width = width as usize;
-        let read = columns.start.saturating_sub(1)..(columns.end + 1).min(width);
-        let rows = [y, y.saturating_sub(1), (y + 1).min(height - 1)];
-        for from in read.clone().step_by(WIDE) {
-            let [at, above, below] = each!(i in [0, 1, 2] => Surfaces::load(simd, gbuffer, vectors, (from, rows[i])));
-            let nearest = at.or_nearer(above).or_nearer(below);
-            for (stored, numbers) in [
-                (&mut self.distance, nearest.distance),
-                (&mut self.across_px, nearest.across_px),
-                (&mut self.down_px, nearest.down_px),
-            ] {
-                numbers.store_slice(&mut stored[from + 1..][..WIDE]);
-            }
+        let rows = self.grid.rows(y);
+        let [first, last] = [pixels.start, pixels.end - 1].map(|pixel| self.grid.columns(pixel as u32));
+        let first = first.into_iter().min().unwrap_or_default() as usize;
+        let last = last.into_iter().max().unwrap_or_default() as usize;
+        let read = first..last + 1;
+        if self.holds.as_ref().is_some_and(|held| *held == (rows.clone(), read.clone())) {
+            return;
         }
+        for from in read.clone().step_by(WIDE) {
+            let mut nearest = Surfaces::load(simd, gbuffer, vectors, (from, rows[0]));
+            for row in &rows[1..] {
+                nearest = nearest.or_nearer(Surfaces::load(simd, gbuffer, vectors, (from, *row)));
+            }
+            nearest.distance.store_slice(&mut self.distance[from + 1..][..WIDE]);
+            nearest.across_px.store_slice(&mut self.across_px[from + 1..][..WIDE]);
+            nearest.down_px.store_slice(&mut self.down_px[from + 1..][..WIDE]);
+        }
+        let width = gbuffer.distance.width() as usize;
         for numbers in [&mut self.distance, &mut self.across_px, &mut self.down_px] {
             if read.start == 0 {
                 numbers[0] = numbers[1];
@@ -94,22 +114,33 @@ impl DilatedVectors {
                 numbers[width + 1] = numbers[width];
             }
         }
+        self.holds = Some((rows, read));
     }
 
-    /// Returns the motion vectors of 16 pixels from column `from` on, in pixels to the right and downwards. Those of
+    /// Returns the motion vectors of 16 output pixels from column `from` on, in pixels to the right and downwards. Those of
     /// surfaces that the previous frame does not show are not numbers.
     #[inline(always)]
     pub(in crate::upscale) fn load<S: Simd>(&self, simd: S, from: usize) -> [f32x16<S>; 2] {
-        let [left, mut nearest, right] = each!(by in [0, 1, 2] => {
-            each!(numbers in [&self.distance, &self.across_px, &self.down_px] => {
-                f32x16::load_array_ref(simd, window(numbers, from + by))
-            })
-        });
-        for other in [left, right] {
-            let is_nearer = other[0].simd_lt(nearest[0]);
-            nearest = each!(i in [0, 1, 2] => is_nearer.select(other[i], nearest[i]));
-        }
-        let [_, across_px, down_px] = nearest;
-        [across_px, down_px]
+        let nearest = match &self.before_and_behind {
+            Some(columns) => {
+                let [before, behind] = each!(i in [0, 1] => {
+                    self.surfaces(simd, SampleLanes::ascending(simd, window(&columns[i], from)))
+                });
+                before.or_nearer(behind)
+            }
+            None => {
+                let [left, at, right] = each!(by in [0, 1, 2] => self.surfaces(simd, SampleLanes::Adjacent(from + by)));
+                at.or_nearer(left).or_nearer(right)
+            }
+        };
+        [nearest.across_px, nearest.down_px]
+    }
+
+    /// Returns the surfaces at 16 indices.
+    #[inline(always)]
+    fn surfaces<S: Simd>(&self, simd: S, at: SampleLanes<S>) -> Surfaces<S> {
+        let [distance, across_px, down_px] =
+            each!(numbers in [&self.distance, &self.across_px, &self.down_px] => at.read(simd, numbers));
+        Surfaces { distance, across_px, down_px }
     }
 }

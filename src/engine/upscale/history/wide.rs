@@ -47,6 +47,29 @@ pub(in crate::upscale) struct VectorLanes<S: Simd> {
     pub(crate) visible: u32x8<S>,
 }
 
+impl<S: Simd> VectorLanes<S> {
+    /// Returns the positions of the pixels in the previous frame, a picture of `width` × `height` px.
+    #[inline(always)]
+    pub(in crate::upscale) fn reproject(&self, simd: S, (width, height): (u32, u32)) -> ReprojectedLanes<S> {
+        let place = [self.column + 0.5 + self.across_px, self.row + 0.5 + self.down_px];
+        let ((left, next, right), (top, bottom, down)) =
+            (between(simd, place[0], width), between(simd, place[1], height));
+        let zero = F32::splat(simd, 0.0);
+        let [across, down_inside] = each!(axis in [0, 1] => {
+            let length = F32::splat(simd, [width, height][axis] as f32);
+            place[axis].simd_ge(zero) & place[axis].simd_lt(length)
+        });
+        let is_visible = !self.visible.simd_eq(u32x8::splat(simd, 0)) & across & down_inside;
+        ReprojectedLanes {
+            upper: is_visible.select(top * width + left, u32x8::splat(simd, NOT_VISIBLE)),
+            lower: bottom * width + left,
+            step: next - left,
+            right,
+            down,
+        }
+    }
+}
+
 impl MotionVectors {
     /// Loads the vectors of up to eight adjacent pixels of a row. Missing pixels are disoccluded.
     #[inline(always)]
@@ -63,22 +86,6 @@ impl MotionVectors {
             across_px: F32::load_array(simd, padded(across_px, 0.0)),
             down_px: F32::load_array(simd, padded(down_px, 0.0)),
             visible: u32x8::load_array(simd, visible),
-        }
-    }
-
-    /// Reprojects eight pixels.
-    #[inline(always)]
-    pub(in crate::upscale) fn reproject<S: Simd>(&self, simd: S, of: &VectorLanes<S>) -> ReprojectedLanes<S> {
-        let (width, height) = self.visible.size();
-        let ((left, next, right), (top, bottom, down)) =
-            (between(simd, of.column + 0.5 + of.across_px, width), between(simd, of.row + 0.5 + of.down_px, height));
-        let is_visible = !of.visible.simd_eq(u32x8::splat(simd, 0));
-        ReprojectedLanes {
-            upper: is_visible.select(top * width + left, u32x8::splat(simd, NOT_VISIBLE)),
-            lower: bottom * width + left,
-            step: next - left,
-            right,
-            down,
         }
     }
 }

@@ -79,7 +79,7 @@ impl ProcessUpscaler {
     /// Lets the process upscale a frame, and returns the time of the transfer. Starts the process if it is not running.
     /// Returns `None` if the process fails or has failed; `full` then has undefined contents.
     fn exchange(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Image<Rgba8>) -> Option<Duration> {
-        let depth = self.spec.depth.then(|| depths(self.sampling(how), drawn, full.size()));
+        let depth = self.spec.depth.then(|| depths(self.sampling(how), drawn));
         // Nothing below runs on the thread pool: another task of it could wait for the same lock.
         let mut connection = self.connection.lock().unwrap_or_else(PoisonError::into_inner);
         if self.failure().is_some() {
@@ -109,13 +109,15 @@ impl ProcessUpscaler {
     }
 }
 
-/// Returns the distance along the view axis of each drawn sample: that of the pixel which contains it. All distances
-/// are infinite if they are unknown.
-fn depths(sampling: Sampling, drawn: &UpscaleInputs<'_>, size: (u32, u32)) -> Vec<f32> {
+/// Returns the distance along the view axis of each drawn sample. All distances are infinite if they are unknown.
+fn depths(sampling: Sampling, drawn: &UpscaleInputs<'_>) -> Vec<f32> {
     let (columns, rows) = drawn.color.size();
     let samples = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
-    let distance = |sample| {
-        let (x, y) = sampling.pixel(sample, size);
+    let distance = |sample: (u32, u32)| {
+        let (x, y) = match sampling {
+            Sampling::Grid(grid) => grid.pixel(sample.0, sample.1),
+            Sampling::Lattice(_) => sample,
+        };
         drawn.frame.map_or(f32::INFINITY, |frame| frame.gbuffer.distance.at(x, y))
     };
     samples.map(distance).collect()

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::super::quads::window;
-use super::super::{FrameInputs, Lattice, UpscaleInputs};
+use super::super::{FrameInputs, UpscaleInputs};
 use super::past::SampleMotion;
 use crate::image::Image;
 use crate::math::lanes::*;
@@ -16,7 +16,7 @@ const SEPARATION: f32 = 1.37e-5;
 /// Motion of a sample, and its source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Converted {
-    /// Pixel whose motion vector applies: that of the nearest surface among the 3 × 3 samples around the sample.
+    /// Sample whose motion vector applies: that of the nearest surface among the 3 × 3 samples around the sample.
     pub(super) vector_of: (u32, u32),
     pub(super) motion: SampleMotion,
 }
@@ -36,10 +36,6 @@ pub(super) struct Convert<'a> {
     distance: &'a Image<f32>,
     /// `None` if nothing moves.
     vectors: Option<&'a MotionVectors>,
-    /// Column of the pixel that contains the centre of each column of samples.
-    columns: Vec<u32>,
-    /// Row of the pixel that contains the centre of each row of samples.
-    rows: Vec<u32>,
     /// Relative difference of two distances up to which they belong to one surface.
     separation: f32,
 }
@@ -51,15 +47,15 @@ pub(super) struct SurfaceRows([SurfaceRow; 4]);
 /// two behind it.
 struct SurfaceRow {
     /// Row and samples that the buffers hold.
-    holds: Option<(usize, Range<u32>)>,
+    holds: Option<(u32, Range<u32>)>,
     distance: Vec<f32>,
     across_px: Vec<f32>,
     down_px: Vec<f32>,
 }
 
 /// Returns the sample at a padded index along an axis. Sample `i` is at index `i + 1`; the first and the last are repeated.
-fn sample_at(padded: u32, samples: &[u32]) -> usize {
-    (padded as usize).saturating_sub(1).min(samples.len() - 1)
+fn sample_at(padded: u32, samples: u32) -> u32 {
+    padded.saturating_sub(1).min(samples - 1)
 }
 
 impl SurfaceRows {
@@ -73,23 +69,18 @@ impl SurfaceRows {
 
 impl<'a> Convert<'a> {
     /// Prepares the pass; returns `None` if there is no G-buffer.
-    pub(super) fn new(lattice: Lattice, drawn: &UpscaleInputs<'a>) -> Option<Self> {
+    pub(super) fn new(drawn: &UpscaleInputs<'a>) -> Option<Self> {
         let FrameInputs { gbuffer, motion: vectors, .. } = drawn.frame?;
         let distance = &gbuffer.distance;
-        let (width, height) = drawn.color.size();
-        let pixels = |samples: u32, length: u32| {
-            (0..samples).map(|index| (lattice.position_px(index) as u32).min(length - 1)).collect()
-        };
-        let (columns, rows) = (pixels(width, distance.width()), pixels(height, distance.height()));
-        let (width, height) = (width as f32, height as f32);
+        let (width, height) = (distance.width() as f32, distance.height() as f32);
         let separation = SEPARATION * (width * width + height * height).sqrt();
-        Some(Self { distance, vectors, columns, rows, separation })
+        Some(Self { distance, vectors, separation })
     }
 
     /// Returns the motion of all samples of a row.
     #[inline(always)]
     pub(super) fn row<S: Simd>(&self, simd: S, row: u32, surfaces: &mut SurfaceRows, motion: &mut [SampleMotion]) {
-        let around = self.surfaces_around(row, 0..self.columns.len() as u32, surfaces);
+        let around = self.surfaces_around(row, 0..self.distance.width(), surfaces);
         for (first, motion) in (0..).step_by(WIDE).zip(motion.chunks_mut(WIDE)) {
             let ConvertedLanes { vector_px: [across, down], depth_clip, .. } = self.sixteen(simd, &around, first);
             let [across, down, depth_clip] = each!(numbers in [across, down, depth_clip] => numbers.to_array());
@@ -104,13 +95,15 @@ impl<'a> Convert<'a> {
         let around = self.surfaces_around(row, column..column + 1, surfaces);
         let ConvertedLanes { vector_px, vector_of, depth_clip } = self.sixteen(baseline(), &around, column as usize);
         let place = vector_of.to_array()[0];
-        let pixel = |padded: u32, pixels: &[u32]| pixels[sample_at(padded, pixels)];
         Converted {
             motion: SampleMotion {
                 vector_px: vector_px.map(|numbers| numbers.to_array()[0]),
                 depth_clip: depth_clip.to_array()[0],
             },
-            vector_of: (pixel(column + place % 3, &self.columns), pixel(row + place / 3, &self.rows)),
+            vector_of: (
+                sample_at(column + place % 3, self.distance.width()),
+                sample_at(row + place / 3, self.distance.height()),
+            ),
         }
     }
 
@@ -118,24 +111,23 @@ impl<'a> Convert<'a> {
     /// samples.
     #[inline(always)]
     fn surfaces_around<'b>(&self, row: u32, samples: Range<u32>, surfaces: &'b mut SurfaceRows) -> [&'b SurfaceRow; 4] {
-        let rows = [0, 1, 2, 3].map(|by| sample_at(row + by, &self.rows));
+        let rows = [0, 1, 2, 3].map(|by| sample_at(row + by, self.distance.height()));
         for row in rows {
-            self.fill(row, &samples, &mut surfaces.0[row % 4]);
+            self.fill(row, &samples, &mut surfaces.0[row as usize % 4]);
         }
-        rows.map(|row| &surfaces.0[row % 4])
+        rows.map(|row| &surfaces.0[row as usize % 4])
     }
 
     /// Makes sure that a row holds the surfaces at and around the given samples.
     #[inline(always)]
-    fn fill(&self, row: usize, samples: &Range<u32>, surfaces: &mut SurfaceRow) {
+    fn fill(&self, row: u32, samples: &Range<u32>, surfaces: &mut SurfaceRow) {
         if surfaces.holds.as_ref().is_some_and(|(held, all)| (*held, all) == (row, samples)) {
             return;
         }
-        let y = self.rows[row];
-        let distances = self.distance.row(y);
+        let distances = self.distance.row(row);
         for padded in samples.start..samples.end + 3 {
-            let x = self.columns[sample_at(padded, &self.columns)];
-            let vector = self.vectors.and_then(|vectors| vectors.visible_vector((x, y)));
+            let x = sample_at(padded, self.distance.width());
+            let vector = self.vectors.and_then(|vectors| vectors.visible_vector((x, row)));
             let padded = padded as usize;
             surfaces.distance[padded] = distances[x as usize];
             [surfaces.across_px[padded], surfaces.down_px[padded]] = vector.unwrap_or([f32::NAN; 2]);
@@ -189,33 +181,35 @@ mod tests {
     use super::*;
     use crate::image::Rgba8;
     use crate::pipeline::gbuffer::GBuffer;
-    use crate::upscale::{Anchor, FrameInputs, Scale};
+    use crate::upscale::{Anchor, FrameInputs, Lattice, Sampling, Scale};
 
     fn converted(distance: Image<f32>, at: (u32, u32)) -> Converted {
         let (width, height) = distance.size();
         let gbuffer = GBuffer { object: Image::filled(width, height, [0; 4]), distance };
-        let frame = Some(FrameInputs { gbuffer: &gbuffer, motion: None, history: None, reactivity: None });
-        let color: Image<Rgba8> = Image::filled(width / 2, height / 2, [0; 4]);
-        let lattice = Lattice { scale: Scale::TWO, anchor: Anchor::Centre };
-        let mut surfaces = SurfaceRows::new(width / 2);
-        Convert::new(lattice, &UpscaleInputs { color: &color, frame }).unwrap().sample(at, &mut surfaces)
+        let color: Image<Rgba8> = Image::filled(width, height, [0; 4]);
+        let drawn = UpscaleInputs { color: &color, frame: Some(inputs(&gbuffer, None)) };
+        Convert::new(&drawn).unwrap().sample(at, &mut SurfaceRows::new(width))
+    }
+
+    fn inputs<'a>(gbuffer: &'a GBuffer, motion: Option<&'a MotionVectors>) -> FrameInputs<'a> {
+        let (width, height) = gbuffer.object.size();
+        let sampling = Sampling::Lattice(Lattice { scale: Scale::TWO, anchor: Anchor::Centre });
+        FrameInputs { size: (2 * width, 2 * height), sampling, gbuffer, motion, history: None, reactivity: None }
     }
 
     #[test]
     fn samples_move_like_the_nearest_surface_among_the_3_by_3_samples() {
-        let (width, height) = (90, 22);
+        let (columns, rows) = (45, 11);
         let mut random = fastrand::Rng::with_seed(3);
         // Few distances, so that many are equal.
-        let distance = Image::from_fn(width, height, |_, _| f32::from(random.u8(1..6)));
-        let [across_px, down_px] = [0, 1].map(|_| Image::from_fn(width, height, |_, _| random.f32()));
-        let visible = Image::from_fn(width, height, |_, _| if random.bool() { MotionVectors::VISIBLE } else { 0 });
+        let distance = Image::from_fn(columns, rows, |_, _| f32::from(random.u8(1..6)));
+        let [across_px, down_px] = [0, 1].map(|_| Image::from_fn(columns, rows, |_, _| random.f32()));
+        let visible = Image::from_fn(columns, rows, |_, _| if random.bool() { MotionVectors::VISIBLE } else { 0 });
         let vectors = MotionVectors { across_px, down_px, visible };
-        let gbuffer = GBuffer { object: Image::filled(width, height, [0; 4]), distance };
-        let frame = Some(FrameInputs { gbuffer: &gbuffer, motion: Some(&vectors), history: None, reactivity: None });
-        let (columns, rows) = (width / 2, height / 2);
+        let gbuffer = GBuffer { object: Image::filled(columns, rows, [0; 4]), distance };
         let color: Image<Rgba8> = Image::filled(columns, rows, [0; 4]);
-        let lattice = Lattice { scale: Scale::TWO, anchor: Anchor::Centre };
-        let convert = Convert::new(lattice, &UpscaleInputs { color: &color, frame }).unwrap();
+        let drawn = UpscaleInputs { color: &color, frame: Some(inputs(&gbuffer, Some(&vectors))) };
+        let convert = Convert::new(&drawn).unwrap();
         let mut surfaces = SurfaceRows::new(columns);
         for lanes in Lanes::all() {
             let mut motion = vec![SampleMotion::UNKNOWN; columns as usize];
@@ -223,10 +217,8 @@ mod tests {
                 on_lanes!(lanes, simd => convert.row(simd, row, &mut surfaces, &mut motion));
                 for (column, motion) in (0..columns).zip(&motion) {
                     let around = |at: u32, last: u32| [at.saturating_sub(1), at, (at + 1).min(last)];
-                    let all =
-                        around(row, rows - 1).map(|y| around(column, columns - 1).map(|x| (2 * x + 1, 2 * y + 1)));
-                    let own = (2 * column + 1, 2 * row + 1);
-                    let candidates = std::iter::once(own).chain(all.into_iter().flatten());
+                    let all = around(row, rows - 1).map(|y| around(column, columns - 1).map(|x| (x, y)));
+                    let candidates = std::iter::once((column, row)).chain(all.into_iter().flatten());
                     let of = |pixel: &(u32, u32)| gbuffer.distance.at(pixel.0, pixel.1);
                     let nearest = candidates.min_by(|a, b| of(a).total_cmp(&of(b))).unwrap();
                     let expected = vectors.visible_vector(nearest).unwrap_or([f32::NAN; 2]).map(f32::to_bits);
@@ -242,9 +234,9 @@ mod tests {
 
     #[test]
     fn depth_edges_clip_the_samples_behind_them_and_lend_them_their_motion() {
-        // A surface at distance 2 on the left of column 20, before one at distance 10.
-        let edge = |x: u32, _| if x < 20 { 2.0 } else { 10.0 };
-        let at = |column| converted(Image::from_fn(64, 48, edge), (column, 12));
+        // A surface at distance 2 on the left of column 10, before one at distance 10.
+        let edge = |x: u32, _| if x < 10 { 2.0 } else { 10.0 };
+        let at = |column| converted(Image::from_fn(32, 24, edge), (column, 12));
         // In front of the edge, all quarters are as near as the middle, or half of them are far behind it.
         assert_eq!(at(3).motion.depth_clip, 0.0);
         assert!((0.49..=0.5).contains(&at(9).motion.depth_clip), "{:?}", at(9));
@@ -252,16 +244,16 @@ mod tests {
         assert!((0.49..=0.5).contains(&at(10).motion.depth_clip), "{:?}", at(10));
         assert_eq!(at(15).motion.depth_clip, 0.0);
         // Sample 10 lies behind the edge. Of the equally near samples in column 9, the uppermost one is taken.
-        assert_eq!(at(10).vector_of, (19, 23));
-        assert_eq!(at(11).vector_of, (23, 25));
+        assert_eq!(at(10).vector_of, (9, 11));
+        assert_eq!(at(11).vector_of, (11, 12));
     }
 
     #[test]
     fn slanted_surfaces_and_the_background_have_no_edges() {
-        let slanted = Image::from_fn(64, 48, |x, y| 5.0 + 1e-4 * (x + y) as f32);
+        let slanted = Image::from_fn(32, 24, |x, y| 5.0 + 2e-4 * (x + y) as f32);
         assert_eq!(converted(slanted, (16, 12)).motion.depth_clip, 0.0);
-        assert_eq!(converted(Image::filled(64, 48, f32::INFINITY), (16, 12)).motion.depth_clip, 0.0);
-        let horizon = Image::from_fn(64, 48, |_, y| if y < 24 { f32::INFINITY } else { 3.0 });
+        assert_eq!(converted(Image::filled(32, 24, f32::INFINITY), (16, 12)).motion.depth_clip, 0.0);
+        let horizon = Image::from_fn(32, 24, |_, y| if y < 12 { f32::INFINITY } else { 3.0 });
         let clip = converted(horizon, (16, 11)).motion.depth_clip;
         assert!((0.49..=0.5).contains(&clip), "{clip}");
     }

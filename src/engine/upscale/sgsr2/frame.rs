@@ -3,6 +3,7 @@
 
 use super::super::jitter::Continuation;
 use super::super::quads::{self, Quad};
+use super::super::sample_rows::{DecodedRows, PAD, SampleLanes};
 use super::super::ycocg::YCoCg;
 use super::super::{HistoryStep, Motion, PastColor, Rejection, Tap, UpscaleInputs, Upscaling};
 use super::convert::{Convert, Converted, SurfaceRows};
@@ -65,7 +66,7 @@ pub(super) struct RowBuffers {
     /// Motion of a row of samples, with its index.
     motion: (Option<u32>, Vec<SampleMotion>),
     surfaces: SurfaceRows,
-    decoded: Vec<Quad>,
+    decoded: DecodedRows,
 }
 
 /// One pixel of the picture.
@@ -99,7 +100,7 @@ impl RowBuffers {
             stretched: [0; 3].map(|_| (None, stretched())),
             motion: (None, vec![SampleMotion::UNKNOWN; samples]),
             surfaces: frame.surface_rows(),
-            decoded: vec![[0.0; 4]; samples],
+            decoded: DecodedRows::new(frame.drawn.color.width()),
         }
     }
 
@@ -110,11 +111,15 @@ impl RowBuffers {
         if held.replace(index) == Some(index) {
             return;
         }
-        frame.colors.decode_row(simd, frame.drawn.color.row(index), &mut self.decoded);
-        for (place, planes) in stretched.iter_mut().enumerate() {
-            for (channel, plane) in planes.iter_mut().enumerate() {
-                for (value, columns) in plane.iter_mut().zip(&frame.columns.index) {
-                    *value = self.decoded[columns[place] as usize][channel];
+        let padded = &frame.columns.padded;
+        let [first, last] = [padded.first(), padded.last()].map(|at| at.map_or(PAD, |at| *at as usize));
+        self.decoded.fill(simd, frame.colors, frame.drawn.color, (index, &(first - 1..last + 2)));
+        let decoded = self.decoded.row(index);
+        for (from, padded) in (0..).step_by(WIDE).zip(padded.as_chunks().0) {
+            let samples = SampleLanes::ascending(simd, padded);
+            for (place, planes) in stretched.iter_mut().enumerate() {
+                for (plane, decoded) in planes.iter_mut().zip(decoded) {
+                    samples.read_beside(simd, decoded, place).store_slice(&mut plane[from..from + WIDE]);
                 }
             }
         }
@@ -148,7 +153,7 @@ impl<'a> Sgsr2Frame<'a> {
             deviations: (area * area * area).min(MOST_DEVIATIONS),
             columns: Axis::new(lattice, place[0], size.0, samples.0),
             rows: Axis::new(lattice, place[1], size.1, samples.1),
-            convert: Convert::new(lattice, drawn).filter(|_| moves),
+            convert: Convert::new(drawn).filter(|_| moves),
             is_settled,
             history: history.map(|(motion, accumulated)| (motion, &accumulated.color)),
         }

@@ -2,6 +2,7 @@
 
 use super::super::Lattice;
 use super::super::lattice::ThreeSamples;
+use super::super::sample_rows::PAD;
 use crate::math::lanes::*;
 
 /// Exponents of the Gaussian that weights the colours of the box by squared distance, in sample distances: of pixels that
@@ -24,6 +25,8 @@ const WEIGHT_SCALE: f32 = 1.0 / 3.0;
 pub(super) struct Axis {
     /// Indices of the samples.
     pub(super) index: Vec<[u32; 3]>,
+    /// Index of the nearest sample in a padded row.
+    pub(super) padded: Vec<u32>,
     /// Squared distances from the centre of the pixel, in sample distances.
     squared: [Vec<f32>; 3],
     /// Weights in the box of colours of a pixel that does not move, and of a fast one.
@@ -51,6 +54,7 @@ impl Axis {
         let gaussian = |exponent: f64| move |distance: f64| (exponent * distance * distance).exp() as f32;
         Self {
             index: all.iter().map(|three| three.index).collect(),
+            padded: all.iter().map(|three| (three.nearest + PAD as i64) as u32).collect(),
             squared: of_each(&|distance| (distance * distance) as f32),
             boxes: BOX_EXPONENTS.map(|exponent| of_each(&gaussian(exponent))),
         }

@@ -115,7 +115,7 @@ impl Upscaler for Sgsr2 {
     }
 
     fn history_steps<'a>(&'a self, how: Upscaling, drawn: &'a UpscaleInputs<'a>) -> HistorySteps<'a> {
-        let frame = drawn.frame.map(|seen| Sgsr2Frame::new(how, drawn, seen.gbuffer.object.size()));
+        let frame = drawn.frame.map(|seen| Sgsr2Frame::new(how, drawn, seen.size));
         let spare = Spares::default();
         Box::new(move |at| {
             let frame = frame.as_ref()?;

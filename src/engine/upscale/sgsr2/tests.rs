@@ -1,8 +1,8 @@
 use super::kernel::{Axis, Position, Shape};
 use super::*;
+use crate::upscale::Rejection;
 use crate::upscale::history::tests::frames;
 use crate::upscale::test_sequence::TestSequence;
-use crate::upscale::{FrameInputs, Rejection};
 
 fn how(scale: Scale) -> Upscaling {
     Upscaling::new("sgsr2", scale).unwrap()
@@ -22,7 +22,7 @@ fn rows_are_bit_identical_to_single_pixels_and_steps() {
     for how in every() {
         let (columns, rows) = (how.lattice().samples(size.0), how.lattice().samples(size.1));
         let color = Image::from_fn(columns, rows, |_, _| std::array::from_fn(|_| random.u8(..)));
-        for frames in frames(size, 7) {
+        for frames in frames(how, size, 7) {
             let drawn = UpscaleInputs { color: &color, frame: Some(frames.seen()) };
             let frame = Sgsr2Frame::new(how, &drawn, size);
             let mut surfaces = frame.surface_rows();
@@ -118,10 +118,7 @@ fn disoccluded_pixels_show_the_present_only() {
         }
         let color = sequence.samples(|[x, _]| if x < 11.0 { 30 } else { 90 });
         let vectors = sequence.vectors(0);
-        let past = sequence.history.as_ref();
-        let frame =
-            FrameInputs { gbuffer: &sequence.surfaces, motion: Some(&vectors), history: past, reactivity: None };
-        let drawn = UpscaleInputs { color: &color, frame: Some(frame) };
+        let drawn = UpscaleInputs { color: &color, frame: Some(sequence.inputs(Some(&vectors))) };
         let hidden = how.upscale(&drawn, 24, 10);
         // The present may leave the range of the samples by a little.
         assert!(hidden.pixels().iter().all(|[r, ..]| *r <= 120), "{}", how.label());

@@ -4,11 +4,12 @@
 //! ```text
 //! samples ─► 3 × 3 around the pixel ─┬─► present colour, confidence ──────────────┐
 //!                                    └─► range or variance ─┐                     ├─► blend ─► picture, history
-//! motion vector of the nearest of 3 × 3 pixels ─► history ──┴─► rectified history ┘
+//! motion vector of the nearest surface around ──► history ──┴─► rectified history ┘
 //! ```
 //!
-//! The vector of the nearest surface among the 3 × 3 pixels is used, so that the anti-aliased edge of an object moves
-//! with the object (Karis, 2014). All colours are in YCoCg, where chroma and luminance are separate. The history stores
+//! The vector of the nearest of the surfaces around the pixel is used, so that the anti-aliased edge of an object moves
+//! with the object (Karis, 2014): of 3 × 3 pixels, or of the 2 × 2 samples between which the pixel of an upscaled picture
+//! lies. All colours are in YCoCg, where chroma and luminance are separate. The history stores
 //! Y, Co, Cg and the accumulated weight of a pixel. A new sample has weight 1 / (n + 1), where n is the accumulated
 //! weight. In motion, n is limited to [`MOVING_WEIGHT`], so that old samples decay exponentially. In a still view, every
 //! jitter position is drawn once, nothing is rectified, and then the picture no longer changes.
@@ -113,7 +114,7 @@ impl Upscaler for Taa {
     }
 
     fn history_steps<'a>(&'a self, how: Upscaling, drawn: &'a UpscaleInputs<'a>) -> HistorySteps<'a> {
-        let frame = drawn.frame.map(|seen| TaaFrame::new(how, drawn, seen.gbuffer.object.size()));
+        let frame = drawn.frame.map(|seen| TaaFrame::new(how, drawn, seen.size));
         let spare = Spares::default();
         Box::new(move |at| {
             let frame = frame.as_ref()?;

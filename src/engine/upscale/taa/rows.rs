@@ -5,14 +5,14 @@ use std::ops::Range;
 use super::super::history::{DilatedVectors, PastPlaces, centers, sum_of_quads};
 use super::super::jitter::Continuation;
 use super::super::lattice::ThreeSamples;
-use super::super::quads::{self, Combination, Quad, window};
-use super::super::sample_rows::{DecodedRows, PAD, padded_row};
+use super::super::quads::{self, Quad, window};
+use super::super::sample_rows::{Combination, DecodedRows, PAD, Planes, SampleLanes, combine, padded_row};
 use super::super::ycocg::YCoCg;
 use super::super::{
     HistoryFilter, HistoryOptions, HistoryStep, Lattice, Motion, PastColor, Rejection, Scale, Tap, UpscaleInputs,
     Upscaling,
 };
-use super::statistics::{NearestSamples, Statistics};
+use super::statistics::Statistics;
 use super::{MOVING_WEIGHT, jitter_of};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
@@ -31,11 +31,19 @@ const CATMULL_ROM: [[f32; 4]; 4] =
 struct AxisSamples {
     index: [u32; 3],
     /// Index of the middle one in a padded row.
-    padded: usize,
+    padded: u32,
     /// Weight of each sample; 1 for a sample at the centre of the pixel.
     weight: [f32; 3],
     /// Sum of the weights.
     total: f32,
+}
+
+/// [`AxisSamples`] of all columns, for loading those of sixteen columns. The last column is repeated, so that they can be
+/// loaded from every column.
+struct ColumnLanes {
+    padded: Vec<u32>,
+    weight: [Vec<f32>; 3],
+    total: Vec<f32>,
 }
 
 /// Frame to upscale, with its history.
@@ -45,8 +53,8 @@ pub(super) struct TaaFrame<'a> {
     drawn: &'a UpscaleInputs<'a>,
     size: (u32, u32),
     scale: Scale,
-    /// Samples of every column. The last column is repeated, so that sixteen can be read from every column.
     columns: Vec<AxisSamples>,
+    column_lanes: ColumnLanes,
     rows: Vec<AxisSamples>,
     history: Option<(Motion<'a>, &'a Image<Quad>)>,
     /// Limit of the accumulated weight of the history.
@@ -59,9 +67,10 @@ pub(super) struct TaaFrame<'a> {
 pub(super) struct RowScratch {
     samples: DecodedRows,
     /// Means of three vertically adjacent samples, with the weights of the row; padded.
-    vertical: Vec<Quad>,
+    vertical: Planes,
     statistics: Statistics,
-    vectors: DilatedVectors,
+    /// `None` if there is no G-buffer.
+    vectors: Option<DilatedVectors>,
 }
 
 /// One pixel of the picture.
@@ -110,20 +119,20 @@ impl<'a> TaaFrame<'a> {
         let Continuation { place, history, is_settled } = Continuation::new(drawn, jitter);
         let is_still = history.as_ref().is_some_and(|(motion, _)| motion.is_still());
         let samples = drawn.color.size();
-        let axis = |place: f64, length: u32, samples: u32, spare: usize| {
-            let own = (0..length).map(|at| AxisSamples::new(how.lattice(), place, at, samples));
-            let mut all: Vec<_> = own.collect();
-            all.extend(all.last().copied().into_iter().cycle().take(spare));
-            all
+        let axis = |place: f64, length: u32, samples: u32| {
+            let all = (0..length).map(|at| AxisSamples::new(how.lattice(), place, at, samples));
+            all.collect::<Vec<_>>()
         };
+        let columns = axis(place[0], size.0, samples.0);
         Self {
             options: how.history(),
             colors: YCoCg::new(how.light()),
             drawn,
             size,
             scale,
-            columns: axis(place[0], size.0, samples.0, WIDE),
-            rows: axis(place[1], size.1, samples.1, 0),
+            column_lanes: ColumnLanes::new(&columns),
+            columns,
+            rows: axis(place[1], size.1, samples.1),
             history: history.map(|(motion, accumulated)| (motion, &accumulated.color)),
             most_weight: if is_still { (jitter.positions() - 1) as f32 } else { MOVING_WEIGHT },
             is_settled,
@@ -134,9 +143,9 @@ impl<'a> TaaFrame<'a> {
         let samples = self.drawn.color.width();
         RowScratch {
             samples: DecodedRows::new(samples),
-            vertical: padded_row(samples),
+            vertical: [0; 4].map(|_| padded_row(samples)),
             statistics: Statistics::new(samples),
-            vectors: DilatedVectors::new(self.size.0),
+            vectors: self.drawn.frame.as_ref().map(DilatedVectors::new),
         }
     }
 
@@ -187,19 +196,20 @@ impl<'a> TaaFrame<'a> {
     fn prepare<S: Simd>(&self, simd: S, (columns, y): (&Range<usize>, u32), scratch: &mut RowScratch) {
         let RowScratch { samples, vertical, statistics, vectors } = scratch;
         let row = self.rows[y as usize];
-        let [first, last] = [columns.start, columns.end - 1].map(|column| self.columns[column].padded);
+        let [first, last] = [columns.start, columns.end - 1].map(|column| self.columns[column].padded as usize);
         let read = first - 1..last + 2;
         for index in row.index {
             samples.fill(simd, self.colors, self.drawn.color, (index, &read));
         }
         let rows = row.index.map(|index| samples.row(index));
         if self.scale != Scale::ONE {
-            let read = quads::whole_vectors(&read);
-            let rows = rows.map(|row| &row[read.clone()]);
-            quads::combine(simd, rows, &mut vertical[read], Combination::Weighted(row.weight));
+            for (channel, vertical) in vertical.iter_mut().enumerate() {
+                let rows = each!(i in [0, 1, 2] => (&*rows[i][channel], read.start));
+                combine(simd, rows, (vertical, &read), Combination::Weighted(row.weight));
+            }
         }
         let motion = self.history.as_ref().and_then(|(motion, _)| motion.vectors);
-        if let (Some(motion), Some(frame)) = (motion, self.drawn.frame) {
+        if let (Some(motion), Some(frame), Some(vectors)) = (motion, self.drawn.frame, vectors) {
             statistics.fill(simd, self.options.rectification, rows, (row.index, &read));
             vectors.fill(simd, frame.gbuffer, motion, (columns, y));
         }
@@ -221,25 +231,32 @@ impl<'a> TaaFrame<'a> {
         Blend { present, past }
     }
 
+    /// Returns the samples nearest to sixteen pixels from column `from` on.
+    #[inline(always)]
+    fn nearest_samples<S: Simd>(&self, simd: S, from: usize) -> SampleLanes<S> {
+        let padded: &[u32; WIDE] = window(&self.column_lanes.padded, from);
+        match self.scale {
+            Scale::ONE => SampleLanes::Adjacent(padded[0] as usize),
+            _ => SampleLanes::ascending(simd, padded),
+        }
+    }
+
     /// Returns the colours of sixteen pixels from the samples of this frame alone.
     #[inline(always)]
     fn present<S: Simd>(&self, simd: S, (from, y): (usize, u32), scratch: &RowScratch) -> Present<S> {
+        let samples = self.nearest_samples(simd, from);
         if self.scale == Scale::ONE {
             let row = scratch.samples.row(self.rows[y as usize].index[1]);
-            let color = quads::columns(simd, window(row, self.columns[from].padded));
+            let color = each!(channel in [0, 1, 2, 3] => samples.read(simd, &row[channel]));
             return Present { color, confidence: f32x16::splat(simd, 1.0) };
         }
-        let (mut sums, mut totals) = ([[0.0; 4]; WIDE], [0.0; WIDE]);
-        let columns: &[AxisSamples; WIDE] = window(&self.columns, from);
-        for (column, (sum, total)) in columns.iter().zip(sums.iter_mut().zip(&mut totals)) {
-            let [left, at, right]: &[Quad; 3] = window(&scratch.vertical, column.padded - 1);
-            let [left, at, right] = each!(quad in [left, at, right] => f32x4::load_array_ref(simd, quad));
-            let [a, b, c] = column.weight;
-            (left * a + at * b + right * c).store_array(sum);
-            *total = column.total;
-        }
-        let confidence = f32x16::load_array(simd, totals) * self.rows[y as usize].total;
-        let color = quads::columns(simd, &sums);
+        let ColumnLanes { weight, total, .. } = &self.column_lanes;
+        let [a, b, c] = each!(i in [0, 1, 2] => f32x16::load_array_ref(simd, window(&weight[i], from)));
+        let color = each!(channel in [0, 1, 2, 3] => {
+            let [left, at, right] = each!(by in [0, 1, 2] => samples.read_beside(simd, &scratch.vertical[channel], by));
+            left * a + at * b + right * c
+        });
+        let confidence = f32x16::load_array_ref(simd, window(total, from)) * self.rows[y as usize].total;
         Present { color: each!(i in [0, 1, 2, 3] => color[i] / confidence), confidence: confidence.min(1.0) }
     }
 
@@ -271,7 +288,11 @@ impl<'a> TaaFrame<'a> {
         scratch: &RowScratch,
         history: &Image<Quad>,
     ) -> Past<S> {
-        let places = PastPlaces::new(simd, at, scratch.vectors.load(simd, at.0), self.size);
+        let vectors = match &scratch.vectors {
+            Some(vectors) => vectors.load(simd, at.0),
+            None => [f32x16::splat(simd, f32::NAN); 2],
+        };
+        let places = PastPlaces::new(simd, at, vectors, self.size);
         let mut block = [[0.0; 4]; WIDE];
         match self.options.filter {
             HistoryFilter::Bilinear => places.read_bilinear(simd, history, &mut block),
@@ -279,15 +300,8 @@ impl<'a> TaaFrame<'a> {
         }
         let read = quads::columns(simd, &block);
         let [y, co, cg, _] = read;
-        let columns: &[AxisSamples; WIDE] = window(&self.columns, at.0);
-        let nearest = if self.scale == Scale::ONE {
-            NearestSamples::Adjacent(columns[0].padded)
-        } else {
-            NearestSamples::Any(
-                each!(lane in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => columns[lane].padded),
-            )
-        };
-        let rectified = scratch.statistics.rectified(simd, [y, co, cg], self.options.rectification, &nearest);
+        let samples = self.nearest_samples(simd, at.0);
+        let rectified = scratch.statistics.rectified(simd, [y, co, cg], self.options.rectification, &samples);
         let zero = f32x16::splat(simd, 0.0);
         Past { is_known: places.is_known, place: places.place, read, rectified, weight: zero, share: zero }
     }
@@ -348,6 +362,18 @@ impl<'a> TaaFrame<'a> {
     }
 }
 
+impl ColumnLanes {
+    fn new(columns: &[AxisSamples]) -> Self {
+        let spare = columns.last().into_iter().cycle().take(WIDE);
+        let all = || columns.iter().chain(spare.clone());
+        Self {
+            padded: all().map(|column| column.padded).collect(),
+            weight: [0, 1, 2].map(|number| all().map(|column| column.weight[number]).collect()),
+            total: all().map(|column| column.total).collect(),
+        }
+    }
+}
+
 impl AxisSamples {
     /// Returns the samples around output column or row `at`, out of `samples` samples of a lattice. They lie at `place`
     /// within their areas.
@@ -360,7 +386,7 @@ impl AxisSamples {
             let distance = (number - f64::from(from_nearest)) * lattice.scale.value();
             (-SHARPNESS * distance * distance).exp() as f32
         });
-        Self { index, padded: (nearest + PAD as i64) as usize, weight, total: weight.iter().sum() }
+        Self { index, padded: (nearest + PAD as i64) as u32, weight, total: weight.iter().sum() }
     }
 }
 

@@ -3,27 +3,22 @@
 use std::ops::Range;
 
 use super::super::Rectification;
-use super::super::quads::{self, Combination, Quad};
-use super::super::sample_rows::padded_row;
+use super::super::sample_rows::{Combination, Planes, SampleLanes, combine, padded_row};
 use crate::math::lanes::*;
 
 /// Statistics of 3 × 3 samples for every sample of a row. Rows are padded.
 pub(super) struct Statistics {
     /// Rows and padded indices that they belong to.
     of: Option<([u32; 3], Range<usize>)>,
-    /// Least and greatest, or sums and sums of squares, of three vertically adjacent samples.
-    vertical: [Vec<Quad>; 2],
-    /// The same for 3 × 3 samples.
-    around: [Vec<Quad>; 2],
+    /// Least or greatest, sum or sum of squares, of three vertically adjacent samples.
+    vertical: Vec<f32>,
+    /// Least and greatest, or sums and sums of squares, of 3 × 3 samples, for Y, Co and Cg.
+    around: [[Vec<f32>; 3]; 2],
 }
 
 impl Statistics {
     pub(super) fn new(samples: u32) -> Self {
-        Self {
-            of: None,
-            vertical: [padded_row(samples), padded_row(samples)],
-            around: [padded_row(samples), padded_row(samples)],
-        }
+        Self { of: None, vertical: padded_row(samples), around: [0; 2].map(|_| [0; 3].map(|_| padded_row(samples))) }
     }
 
     /// Computes the statistics that a rectification needs, from three decoded rows, given with their indices, for a range
@@ -33,56 +28,31 @@ impl Statistics {
         &mut self,
         simd: S,
         by: Rectification,
-        rows: [&[Quad]; 3],
+        rows: [&Planes; 3],
         (index, range): ([u32; 3], &Range<usize>),
     ) {
         if by == Rectification::None || self.of.as_ref().is_some_and(|(held, read)| (*held, read) == (index, range)) {
             return;
         }
-        let (read, centers) = (quads::whole_vectors(range), quads::whole_vectors(&(range.start + 1..range.end - 1)));
-        let rows = rows.map(|row| &row[read.clone()]);
+        let (start, centers) = (range.start, range.start + 1..range.end - 1);
         let (of_rows, of_columns) = if by == Rectification::Variance {
             ([Combination::Sum, Combination::SumOfSquares], [Combination::Sum; 2])
         } else {
             ([Combination::Least, Combination::Greatest], [Combination::Least, Combination::Greatest])
         };
-        for number in [0, 1] {
-            let (vertical, around) = (&mut self.vertical[number], &mut self.around[number]);
-            quads::combine(simd, rows, &mut vertical[read.clone()], of_rows[number]);
-            quads::combine(simd, quads::around(vertical, &centers), &mut around[centers.clone()], of_columns[number]);
+        for (number, around) in self.around.iter_mut().enumerate() {
+            for (channel, around) in around.iter_mut().enumerate() {
+                let rows = each!(row in [0, 1, 2] => (&*rows[row][channel], start));
+                combine(simd, rows, (&mut self.vertical, range), of_rows[number]);
+                let columns = each!(by in [0, 1, 2] => (&*self.vertical, start + by));
+                combine(simd, columns, (around, &centers), of_columns[number]);
+            }
         }
         self.of = Some((index, range.clone()));
     }
 }
 
-/// Nearest samples of sixteen pixels.
-pub(super) enum NearestSamples {
-    /// Adjacent ones, of which the first has this padded index.
-    Adjacent(usize),
-    /// Any, given by padded indices.
-    Any([usize; WIDE]),
-}
-
 impl Statistics {
-    /// Returns the statistics around the nearest samples.
-    #[inline(always)]
-    fn of<S: Simd>(&self, simd: S, nearest: &NearestSamples) -> [[f32x16<S>; 3]; 2] {
-        each!(row in [0, 1] => {
-            let row = &self.around[row];
-            let [y, co, cg, _] = match nearest {
-                NearestSamples::Adjacent(first) => quads::columns(simd, quads::window(row, *first)),
-                NearestSamples::Any(indices) => {
-                    let mut all = [[0.0; 4]; WIDE];
-                    for (quad, index) in all.iter_mut().zip(indices) {
-                        *quad = row[*index];
-                    }
-                    quads::columns(simd, &all)
-                }
-            };
-            [y, co, cg]
-        })
-    }
-
     /// Returns the history of sixteen pixels changed to agree with the samples around their nearest ones.
     #[inline(always)]
     pub(super) fn rectified<S: Simd>(
@@ -90,12 +60,14 @@ impl Statistics {
         simd: S,
         past: [f32x16<S>; 3],
         by: Rectification,
-        nearest: &NearestSamples,
+        nearest: &SampleLanes<S>,
     ) -> [f32x16<S>; 3] {
         if by == Rectification::None {
             return past;
         }
-        let [first, second] = self.of(simd, nearest);
+        let [first, second] = each!(number in [0, 1] => {
+            each!(channel in [0, 1, 2] => nearest.read(simd, &self.around[number][channel]))
+        });
         match by {
             Rectification::None => past,
             Rectification::Clamp => each!(i in [0, 1, 2] => past[i].max(first[i]).min(second[i])),

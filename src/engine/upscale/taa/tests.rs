@@ -32,7 +32,7 @@ fn rows_are_bit_identical_to_single_pixels() {
     for (number, how) in every().into_iter().enumerate() {
         let (columns, rows) = (how.lattice().samples(size.0), how.lattice().samples(size.1));
         let color = Image::from_fn(columns, rows, |_, _| std::array::from_fn(|_| random.u8(..)));
-        for frames in frames(size, 7) {
+        for frames in frames(how, size, 7) {
             let drawn = UpscaleInputs { color: &color, frame: Some(frames.seen()) };
             let frame = TaaFrame::new(how, &drawn, size);
             for lanes in Lanes::all() {
@@ -89,8 +89,14 @@ fn rectification_removes_ghosts_and_nothing_else_does() {
             still_frames: 1,
         };
         let color = edge(how, size, 4, 18.0);
-        let frame =
-            FrameInputs { gbuffer: &surfaces, motion: Some(&vectors), history: Some(&history), reactivity: None };
+        let frame = FrameInputs {
+            size,
+            sampling: how.sampling(),
+            gbuffer: &surfaces,
+            motion: Some(&vectors),
+            history: Some(&history),
+            reactivity: None,
+        };
         let drawn = UpscaleInputs { color: &color, frame: Some(frame) };
         let [r, ..] = TAA.pixel(how, &drawn, size, (10, 3));
         let is_ghost = r > 41;

@@ -1,0 +1,79 @@
+//! Positions of the pixels of a G-buffer in the full picture.
+
+use arrayvec::ArrayVec;
+
+use crate::pipeline::gbuffer::GBuffer;
+use crate::upscale::{Lattice, Sampling, Scale};
+
+/// Positions of the pixels of a G-buffer in the full picture.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::upscale) struct SurfaceGrid {
+    /// Size of the G-buffer, in pixels.
+    size: (u32, u32),
+    /// Lattice of the pixels; `None` if they are those of the full picture.
+    lattice: Option<Lattice>,
+}
+
+/// Columns or rows of a G-buffer around an output column or row. If the G-buffer has the pixels of the full picture, there
+/// are three, of which that of the pixel is the first. Otherwise, there are the two between which it lies. Those outside are
+/// replaced by the first or the last one.
+pub(in crate::upscale) type Around = ArrayVec<u32, 3>;
+
+impl SurfaceGrid {
+    /// Returns the positions for a G-buffer of `size` px, with one pixel per sample of a lattice and otherwise the pixels of
+    /// the full picture.
+    pub(super) fn new(sampling: Sampling, size: (u32, u32)) -> Self {
+        let lattice = match sampling {
+            Sampling::Lattice(lattice) if lattice.scale != Scale::ONE => Some(lattice),
+            Sampling::Lattice(_) | Sampling::Grid(_) => None,
+        };
+        Self { size, lattice }
+    }
+
+    /// Returns the columns of the G-buffer around output column `x`.
+    #[inline(always)]
+    pub(in crate::upscale) fn columns(&self, x: u32) -> Around {
+        self.around(x, self.size.0)
+    }
+
+    /// Returns the rows of the G-buffer around output row `y`.
+    #[inline(always)]
+    pub(in crate::upscale) fn rows(&self, y: u32) -> Around {
+        self.around(y, self.size.1)
+    }
+
+    #[inline(always)]
+    fn around(&self, at: u32, length: u32) -> Around {
+        match self.lattice {
+            Some(lattice) => ArrayVec::from_iter(lattice.between(at, length)),
+            None => ArrayVec::from([at, at.saturating_sub(1), (at + 1).min(length - 1)]),
+        }
+    }
+
+    /// Returns the columns of the G-buffer before and behind each of `width` output columns. Returns `None` if the G-buffer
+    /// has the pixels of the full picture.
+    pub(super) fn before_and_behind(&self, width: u32) -> Option<[Vec<u32>; 2]> {
+        let lattice = self.lattice?;
+        Some([0, 1].map(|which| (0..width).map(|x| lattice.between(x, self.size.0)[which]).collect()))
+    }
+
+    /// Returns the pixel of the G-buffer that is nearest to pixel `at` of the full picture.
+    #[inline(always)]
+    pub(super) fn nearest(&self, (x, y): (u32, u32)) -> (u32, u32) {
+        let Some(lattice) = self.lattice else { return (x, y) };
+        (lattice.nearest(x, self.size.0), lattice.nearest(y, self.size.1))
+    }
+
+    /// Returns the pixel of the G-buffer with the nearest of the surfaces around pixel `at` of the full picture. The first
+    /// column wins ties, and in a column the first row.
+    #[inline(always)]
+    pub(super) fn nearest_surface(&self, gbuffer: &GBuffer, (x, y): (u32, u32)) -> (u32, u32) {
+        let rows = self.rows(y);
+        let candidates = self.columns(x).into_iter().flat_map(|column| rows.iter().map(move |row| (column, *row)));
+        let nearer = |a: (u32, u32), b: (u32, u32)| {
+            let is_nearer = gbuffer.distance.at(b.0, b.1) < gbuffer.distance.at(a.0, a.1);
+            if is_nearer { b } else { a }
+        };
+        candidates.reduce(nearer).unwrap_or((x, y))
+    }
+}
