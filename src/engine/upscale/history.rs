@@ -14,14 +14,16 @@ use crate::pipeline::settings::{Choice, choice};
 use crate::scene::{Camera, Scene};
 
 mod dilated;
+mod filter;
 mod surface_grid;
 mod wide;
 mod window;
 
 pub(super) use dilated::DilatedVectors;
+pub(super) use filter::FilterWeights;
 pub(super) use surface_grid::{Around, SurfaceGrid};
 pub(super) use wide::{NOT_VISIBLE, VectorLanes, same_surface};
-pub(super) use window::{PastPlaces, centers, inner_pair, sum_of_quads};
+pub(super) use window::{PastPlaces, centers};
 
 /// History that an upscaler stores for its next frame, at full resolution.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::super::history::{PastPlaces, centers, inner_pair, sum_of_quads};
+use super::super::history::{FilterWeights, PastPlaces, centers};
 use super::super::quads::{self, Quad};
 use super::super::{Accumulated, HistoryStep, Motion, PastColor, Rejection};
 use super::frame::{Fsr2Frame, RowScratch};
@@ -319,7 +319,9 @@ impl Fsr2Frame<'_> {
             None => [f32x16::splat(simd, f32::NAN); 2],
         };
         let places = PastPlaces::new(simd, at, vectors, self.size);
-        read_colors(simd, color, &places, &mut quads);
+        let weights = each!(axis in [0, 1] => history_weights(places.fraction[axis]));
+        let weights = FilterWeights { across: weights[0], down: weights[1] };
+        places.read_filtered::<true>(simd, color, &weights, &mut quads);
         if let Some(locks) = locks {
             read_locks(locks, &places, &mut pairs);
         }
@@ -368,22 +370,6 @@ fn limit_of_weight<S: Simd>(speed_px: f32x16<S>, narrowing: f32x16<S>) -> f32x16
     let moving = (speed_px * (1.0 / MOVING_PX)).min(1.0);
     let limit = (frame * MOVING_FRAMES - MOST_WEIGHT) * moving + MOST_WEIGHT;
     limit + (frame - limit) * (speed_px * (1.0 / FAST_PX)).min(1.0)
-}
-
-/// Reads the history between its pixels, filtered by 4 × 4 pixels and clamped to the range of the nearest 2 × 2.
-#[inline(always)]
-fn read_colors<S: Simd>(simd: S, color: &Image<Quad>, places: &PastPlaces<S>, read: &mut [Quad; WIDE]) {
-    let [across, down] = each!(axis in [0, 1] => history_weights(places.fraction[axis]));
-    let [across, down] = each!(weights in [across, down] => each!(i in [0, 1, 2, 3] => weights[i].to_array()));
-    for lane in 0..WIDE {
-        let Some(rows @ [first, second, third, fourth]) = places.window(simd, color, lane) else { continue };
-        let [a, b, c, d] = each!(row in [0, 1, 2, 3] => down[row][lane]);
-        let column = first * a + second * b + third * c + fourth * d;
-        let [a, b, c, d] = each!(column in [0, 1, 2, 3] => f32x4::splat(simd, across[column][lane]));
-        let sum = sum_of_quads(column * a.combine(b).combine(c.combine(d)));
-        let [least, greatest] = [inner_pair(rows[1].min(rows[2])), inner_pair(rows[1].max(rows[2]))];
-        sum.max(least[0].min(least[1])).min(greatest[0].max(greatest[1])).store_array(&mut read[lane]);
-    }
 }
 
 /// Reads the locks between their pixels bilinearly.

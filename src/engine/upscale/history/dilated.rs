@@ -16,9 +16,8 @@ use crate::upscale::sample_rows::SampleLanes;
 /// move more of the background with every object than is anti-aliased.
 pub(in crate::upscale) struct DilatedVectors {
     grid: SurfaceGrid,
-    /// Indices, in the buffers below, of the columns of the G-buffer before and behind every output column. The last ones are
-    /// repeated. `None` if the G-buffer has the pixels of the full picture.
-    before_and_behind: Option<[Vec<u32>; 2]>,
+    /// `None` if the G-buffer has the pixels of the full picture.
+    columns: Option<ColumnPairs>,
     /// Rows of the G-buffer, and pixels of these rows, that the buffers below hold.
     holds: Option<(Around, Range<usize>)>,
     /// Nearest of the pixels of each column of these rows, and its motion vector. Column `x` is at index `x + 1`; the first
@@ -26,6 +25,28 @@ pub(in crate::upscale) struct DilatedVectors {
     distance: Vec<f32>,
     across_px: Vec<f32>,
     down_px: Vec<f32>,
+}
+
+/// Columns of a G-buffer before and behind every output column, as indices of the buffers of [`DilatedVectors`]. The last
+/// output column is repeated, so that those of sixteen can be loaded from every one.
+struct ColumnPairs {
+    before: Vec<u32>,
+    behind: Vec<u32>,
+    /// 1 where the column behind is nearer than the one before, otherwise 0.
+    is_behind_nearer: Vec<f32>,
+}
+
+impl ColumnPairs {
+    fn new(grid: &SurfaceGrid, width: u32) -> Option<Self> {
+        let all = (0..width).map(|x| grid.before_and_behind(x)).collect::<Option<Vec<_>>>()?;
+        let spare = all.last().into_iter().cycle().take(WIDE);
+        let all = || all.iter().chain(spare.clone());
+        Some(Self {
+            before: all().map(|([before, _], _)| before + 1).collect(),
+            behind: all().map(|([_, behind], _)| behind + 1).collect(),
+            is_behind_nearer: all().map(|(_, is_behind_nearer)| f32::from(u8::from(*is_behind_nearer))).collect(),
+        })
+    }
 }
 
 /// Surfaces of sixteen pixels of a row of a G-buffer, and their motion vectors. That of a surface that the previous frame
@@ -56,11 +77,16 @@ impl<S: Simd> Surfaces<S> {
     /// Replaces surfaces by those that are nearer.
     #[inline(always)]
     fn or_nearer(self, other: Self) -> Self {
-        let is_nearer = other.distance.simd_lt(self.distance);
+        self.or(other, other.distance.simd_lt(self.distance))
+    }
+
+    /// Replaces the surfaces of a mask.
+    #[inline(always)]
+    fn or(self, other: Self, mask: mask32x16<S>) -> Self {
         Self {
-            distance: is_nearer.select(other.distance, self.distance),
-            across_px: is_nearer.select(other.across_px, self.across_px),
-            down_px: is_nearer.select(other.down_px, self.down_px),
+            distance: mask.select(other.distance, self.distance),
+            across_px: mask.select(other.across_px, self.across_px),
+            down_px: mask.select(other.down_px, self.down_px),
         }
     }
 }
@@ -69,14 +95,10 @@ impl DilatedVectors {
     /// Returns buffers for a frame.
     pub(in crate::upscale) fn new(frame: &FrameInputs<'_>) -> Self {
         let grid = frame.surface_grid();
-        let repeated = |columns: Vec<u32>| {
-            let last = columns.last().copied();
-            columns.into_iter().chain(last.into_iter().cycle().take(WIDE)).map(|column| column + 1).collect()
-        };
-        let before_and_behind = grid.before_and_behind(frame.size.0).map(|columns| columns.map(repeated));
+        let columns = ColumnPairs::new(&grid, frame.size.0);
         let [distance, across_px, down_px] =
             [0, 1, 2].map(|_| vec![0.0; frame.gbuffer.object.width() as usize + 2 + WIDE]);
-        Self { grid, before_and_behind, holds: None, distance, across_px, down_px }
+        Self { grid, columns, holds: None, distance, across_px, down_px }
     }
 
     /// Finds the nearest surfaces for a range of output pixels of row `y`.
@@ -121,12 +143,15 @@ impl DilatedVectors {
     /// surfaces that the previous frame does not show are not numbers.
     #[inline(always)]
     pub(in crate::upscale) fn load<S: Simd>(&self, simd: S, from: usize) -> [f32x16<S>; 2] {
-        let nearest = match &self.before_and_behind {
-            Some(columns) => {
-                let [before, behind] = each!(i in [0, 1] => {
-                    self.surfaces(simd, SampleLanes::ascending(simd, window(&columns[i], from)))
+        let nearest = match &self.columns {
+            Some(ColumnPairs { before, behind, is_behind_nearer }) => {
+                let [before, behind] = each!(columns in [before, behind] => {
+                    self.surfaces(simd, SampleLanes::ascending(simd, window(columns, from)))
                 });
-                before.or_nearer(behind)
+                let wins_ties = f32x16::load_array_ref(simd, window(is_behind_nearer, from));
+                let wins_ties = wins_ties.simd_gt(f32x16::splat(simd, 0.0));
+                let distance = [before.distance, behind.distance];
+                before.or(behind, distance[1].simd_lt(distance[0]) | (distance[1].simd_eq(distance[0]) & wins_ties))
             }
             None => {
                 let [left, at, right] = each!(by in [0, 1, 2] => self.surfaces(simd, SampleLanes::Adjacent(from + by)));

@@ -14,9 +14,8 @@ pub(in crate::upscale) struct SurfaceGrid {
     lattice: Option<Lattice>,
 }
 
-/// Columns or rows of a G-buffer around an output column or row. If the G-buffer has the pixels of the full picture, there
-/// are three, of which that of the pixel is the first. Otherwise, there are the two between which it lies. Those outside are
-/// replaced by the first or the last one.
+/// Columns or rows of a G-buffer around an output column or row, the nearest one first: three if the G-buffer has the pixels
+/// of the full picture, otherwise the two between which it lies. Those outside are replaced by the first or the last one.
 pub(in crate::upscale) type Around = ArrayVec<u32, 3>;
 
 impl SurfaceGrid {
@@ -45,16 +44,21 @@ impl SurfaceGrid {
     #[inline(always)]
     fn around(&self, at: u32, length: u32) -> Around {
         match self.lattice {
-            Some(lattice) => ArrayVec::from_iter(lattice.between(at, length)),
+            Some(lattice) => {
+                let (mut two, is_second_nearer) = lattice.between(at, length);
+                if is_second_nearer {
+                    two.reverse();
+                }
+                ArrayVec::from_iter(two)
+            }
             None => ArrayVec::from([at, at.saturating_sub(1), (at + 1).min(length - 1)]),
         }
     }
 
-    /// Returns the columns of the G-buffer before and behind each of `width` output columns. Returns `None` if the G-buffer
-    /// has the pixels of the full picture.
-    pub(super) fn before_and_behind(&self, width: u32) -> Option<[Vec<u32>; 2]> {
-        let lattice = self.lattice?;
-        Some([0, 1].map(|which| (0..width).map(|x| lattice.between(x, self.size.0)[which]).collect()))
+    /// Returns the columns of the G-buffer before and behind output column `x`, and whether the second one is nearer. Returns
+    /// `None` if the G-buffer has the pixels of the full picture.
+    pub(super) fn before_and_behind(&self, x: u32) -> Option<([u32; 2], bool)> {
+        Some(self.lattice?.between(x, self.size.0))
     }
 
     /// Returns the pixel of the G-buffer that is nearest to pixel `at` of the full picture.

@@ -16,6 +16,8 @@ pub(in crate::upscale) struct PastPlaces<S: Simd> {
     known: u64,
     /// Bit `i`: all 4 × 4 pixels around the position of lane `i` lie in the image.
     inside: u64,
+    /// Bit `i`: lane `i` comes from the pixel behind that of lane `i` − 1, or is the first of four.
+    behind: u64,
     /// For each known position, column and row of the pixel whose centre lies at or before it.
     columns: [i32; WIDE],
     rows: [i32; WIDE],
@@ -34,6 +36,16 @@ enum PixelBefore {
 
 /// Four rows of four adjacent pixels each; the position lies between the second and the third row and column.
 pub(in crate::upscale) type Window<S> = [f32x16<S>; 4];
+
+/// Returns a bit for every lane whose pixel is that behind the pixel of the lane before, and for the first of every four.
+#[inline(always)]
+fn behind<S: Simd>([columns, rows]: [i32x16<S>; 2]) -> u64 {
+    /// Bits of the first of every four lanes.
+    const FIRST: u64 = 0x1111;
+    let [columns_before, rows_before] = each!(places in [columns, rows] => places.slide::<15>(places));
+    let is_behind = columns.simd_eq(columns_before + 1) & rows.simd_eq(rows_before);
+    is_behind.to_bitmask() | FIRST
+}
 
 /// Returns the centres of sixteen pixels from pixel `from` of row `y` on.
 #[inline(always)]
@@ -71,6 +83,7 @@ impl<S: Simd> PastPlaces<S> {
             is_known,
             known: is_known.to_bitmask(),
             inside: is_inside.to_bitmask(),
+            behind: behind([columns, rows]),
             columns: columns.to_array(),
             rows: rows.to_array(),
         }
@@ -81,12 +94,27 @@ impl<S: Simd> PastPlaces<S> {
     fn before(&self, lane: usize, width: usize) -> PixelBefore {
         let (column, row) = (self.columns[lane], self.rows[lane]);
         if self.inside >> lane & 1 != 0 {
-            PixelBefore::Inside((row as usize - 1) * width + column as usize - 1)
+            PixelBefore::Inside(self.first_inside(lane, width))
         } else if self.known >> lane & 1 != 0 {
             PixelBefore::AtBorder([i64::from(column), i64::from(row)])
         } else {
             PixelBefore::Unknown
         }
+    }
+
+    /// Returns the index of the first of the 4 × 4 pixels around the position of a lane, which all lie in an image of `width`
+    /// px.
+    #[inline(always)]
+    pub(super) fn first_inside(&self, lane: usize, width: usize) -> usize {
+        (self.rows[lane] as usize - 1) * width + self.columns[lane] as usize - 1
+    }
+
+    /// Whether all 4 × 4 pixels around the positions of four lanes lie in the image, and adjacent lanes come from adjacent
+    /// pixels of a row. For each four lanes.
+    #[inline(always)]
+    pub(super) fn adjacent_fours(&self) -> [bool; WIDE / 4] {
+        let lanes = self.inside & self.behind;
+        each!(first in [0, 4, 8, 12] => lanes >> first & 0b1111 == 0b1111)
     }
 
     /// Returns the 4 × 4 pixels around the position of a lane, or `None` if the position is not known. Pixels outside the
@@ -143,19 +171,4 @@ impl<S: Simd> PastPlaces<S> {
             (above + (below - above) * down[lane]).store_array(&mut read[lane]);
         }
     }
-}
-
-/// Returns the sum of four quads.
-#[inline(always)]
-pub(in crate::upscale) fn sum_of_quads<S: Simd>(quads: f32x16<S>) -> f32x4<S> {
-    let (first, last) = quads.split();
-    let (even, odd) = (first + last).split();
-    even + odd
-}
-
-/// Returns the second and the third of four quads.
-#[inline(always)]
-pub(in crate::upscale) fn inner_pair<S: Simd>(quads: f32x16<S>) -> [f32x4<S>; 2] {
-    let (low, high) = quads.split();
-    [low.split().1, high.split().0]
 }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::super::history::{DilatedVectors, PastPlaces, centers, sum_of_quads};
+use super::super::history::{DilatedVectors, FilterWeights, PastPlaces, centers};
 use super::super::jitter::Continuation;
 use super::super::lattice::ThreeSamples;
 use super::super::quads::{self, Quad, window};
@@ -296,7 +296,10 @@ impl<'a> TaaFrame<'a> {
         let mut block = [[0.0; 4]; WIDE];
         match self.options.filter {
             HistoryFilter::Bilinear => places.read_bilinear(simd, history, &mut block),
-            HistoryFilter::CatmullRom => cubic(simd, history, &places, &mut block),
+            HistoryFilter::CatmullRom => {
+                let [across, down] = each!(axis in [0, 1] => catmull_rom(places.fraction[axis]));
+                places.read_filtered::<false>(simd, history, &FilterWeights { across, down }, &mut block);
+            }
         }
         let read = quads::columns(simd, &block);
         let [y, co, cg, _] = read;
@@ -397,24 +400,4 @@ pub(super) fn catmull_rom<S: Simd>(t: f32x16<S>) -> [f32x16<S>; 4] {
         let [cubic, square, linear, constant] = CATMULL_ROM[i];
         ((t * cubic + square) * t + linear) * t + constant
     })
-}
-
-/// Reads the history at positions with Catmull-Rom weights.
-#[inline(always)]
-fn cubic<S: Simd>(simd: S, history: &Image<Quad>, places: &PastPlaces<S>, read: &mut [Quad; WIDE]) {
-    // Lane 4 i + k of a vector belongs to number k of quad i.
-    let coefficient = each!(power in [0, 1, 2, 3] => f32x16::load_array(simd, each!(
-        lane in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => CATMULL_ROM[lane / 4][power]
-    )));
-    let [a, b, c, d] = catmull_rom(places.fraction[1]);
-    let vertical = each!(weights in [a, b, c, d] => weights.to_array());
-    let across = places.fraction[0].to_array();
-    for lane in 0..WIDE {
-        let Some([first, second, third, fourth]) = places.window(simd, history, lane) else { continue };
-        let [a, b, c, d] = each!(row in [0, 1, 2, 3] => vertical[row][lane]);
-        let column = first * a + second * b + third * c + fourth * d;
-        let t = across[lane];
-        let horizontal = ((coefficient[0] * t + coefficient[1]) * t + coefficient[2]) * t + coefficient[3];
-        sum_of_quads(column * horizontal).store_array(&mut read[lane]);
-    }
 }
