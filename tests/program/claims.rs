@@ -177,6 +177,11 @@ const CLAIMS: &[Claim] = &[
         proof: Proof::Test("src/engine/antialias/smaa/tests.rs", "single_pixels_stay_sharper_than_with_fxaa"),
     },
     Claim {
+        source: "src/engine/antialias/settings.rs",
+        words: "Right-angled corners are rounded only a quarter as much as steps",
+        proof: Proof::Test("src/engine/antialias/smaa/tests.rs", "corners_are_rounded_a_quarter_as_much_as_steps"),
+    },
+    Claim {
         source: "src/engine/upscale/choice.rs",
         words: "Slower: each sample is decoded and each pixel encoded.",
         proof: Proof::Command(

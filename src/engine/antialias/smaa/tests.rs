@@ -43,6 +43,15 @@ fn stairs_of_a_slanted_edge_become_the_covered_area() {
 }
 
 #[test]
+fn corners_are_rounded_a_quarter_as_much_as_steps() {
+    // The lines end at the corner, and at a step of one pixel. Their other ends are too far away.
+    let corner = Image::from_fn(60, 50, |x, y| if x >= 20 && y >= 15 { [255; 4] } else { [0, 0, 0, 255] });
+    let step = Image::from_fn(60, 50, |x, y| if y >= 15 + u32::from(x < 20) { [255; 4] } else { [0, 0, 0, 255] });
+    let [corner, step] = [corner, step].map(|picture| 255.0 - f64::from(apply(&picture, false, None).at(20, 15)[0]));
+    assert!(step > 100.0 && (corner - 0.25 * step).abs() <= 0.75, "{corner} {step}");
+}
+
+#[test]
 fn plain_pictures_soft_slopes_and_level_edges_stay() {
     let plain = Image::filled(70, 7, [3, 200, 90, 17]);
     let slope = Image::from_fn(40, 9, |x, _| [(x * 3) as u8, (x * 3) as u8, (x * 3) as u8, 255]);
