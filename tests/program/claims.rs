@@ -178,7 +178,12 @@ const CLAIMS: &[Claim] = &[
     },
     Claim {
         source: "src/engine/antialias/settings.rs",
-        words: "Right-angled corners are rounded only a quarter as much as steps",
+        words: "Edges near 45° are smoothed along their diagonal",
+        proof: Proof::Test("src/engine/antialias/smaa/tests.rs", "diagonals_halve_the_error_of_edges_near_45_degrees"),
+    },
+    Claim {
+        source: "src/engine/antialias/settings.rs",
+        words: "right-angled corners are rounded only a quarter as much as steps",
         proof: Proof::Test("src/engine/antialias/smaa/tests.rs", "corners_are_rounded_a_quarter_as_much_as_steps"),
     },
     Claim {

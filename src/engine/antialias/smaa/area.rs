@@ -5,6 +5,7 @@
 //! whose edge it is, and negative towards the pixels before it.
 
 use std::cmp::Ordering;
+use std::ops::Add;
 
 /// Length in pixels up to which the areas of a line with both ends on one side are enlarged.
 const SMOOTHED_PX: f32 = 32.0;
@@ -88,6 +89,14 @@ impl Segment {
     }
 }
 
+impl Add for CutAreas {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { before: self.before + other.before, after: self.after + other.after }
+    }
+}
+
 impl CutAreas {
     /// Reduces the areas of a pixel if the nearer end of its line is a corner. A pixel in the middle of a line is affected
     /// half as much by each end.
@@ -125,7 +134,7 @@ pub(super) fn areas(distances: [u32; 2], ends: [LineEnd; 2]) -> CutAreas {
     match (ends.map(LineEnd::height), ends) {
         ([Some(from), Some(to)], _) if from == to => {
             let [first, second] = [first(from), second(to)].map(|areas| areas.enlarged(length));
-            CutAreas { before: first.before + second.before, after: first.after + second.after }
+            first + second
         }
         ([Some(from), Some(to)], _) => whole([from, to]),
         // Where edges cross from both sides, the smoothed edge takes the side that makes it continue.

@@ -1,18 +1,20 @@
 //! SMAA 1x post filter: smooths the edges of a finished picture by their shape.
 //!
 //! After J. Jimenez, J. I. Echevarria, T. Sousa and D. Gutierrez, "SMAA: Enhanced Subpixel Morphological Antialiasing"
-//! (Eurographics 2012), with the preset “high” but without its diagonal patterns:
+//! (Eurographics 2012), with the preset “high”:
 //!
 //! 1. An edge lies between two pixels whose luma differs by at least 0.1 and at least half as much as that of any
 //!    neighbouring pair ([`edges`]).
 //! 2. Each line of edges is followed to its ends, where other edges cross it. The smoothed edge runs from the middle of
 //!    these crossing edges. The areas that it cuts off are computed exactly ([`area`]), not read from a texture. Near a
 //!    crossing edge longer than one pixel, which is a corner, they are reduced.
-//! 3. Each pixel is blended with its neighbours across the edge, weighted by these areas.
+//! 3. Stairs of single pixels are smoothed along their diagonal instead ([`diagonals`]).
+//! 4. Each pixel is blended with its neighbours across the edge, weighted by these areas.
 //!
 //! Edges are bits, so that lines are followed a word at a time.
 
 mod area;
+mod diagonals;
 mod edges;
 #[cfg(test)]
 mod tests;
@@ -21,6 +23,7 @@ use std::cell::RefCell;
 use std::ops::Range;
 
 use area::{Corner, CutAreas, LineEnd, areas};
+use diagonals::{DiagonalEdge, Diagonals};
 use edges::{BitRows, Edges, MARGIN};
 use rayon::prelude::*;
 
@@ -201,6 +204,14 @@ impl Band<'_> {
         let rows = self.first..self.first + pixels.len() / width;
         pixels.copy_from_slice(&self.picture.pixels()[rows.start * width..rows.end * width]);
         self.areas.clear(pixels.len());
+        self.cover_along_lines(rows.clone());
+        self.cover_along_diagonals(rows);
+        self.blend(linear, pixels);
+    }
+
+    /// Adds the areas of the horizontal and vertical lines of edges.
+    fn cover_along_lines(&mut self, rows: Range<usize>) {
+        let width = self.picture.width() as usize;
         let BandAreas { covered, touched } = &mut *self.areas;
         let index = |x: usize, y: usize| (y - rows.start) * width + x;
         // The line below the last row belongs to the row after it.
@@ -222,7 +233,33 @@ impl Band<'_> {
                 }
             });
         }
-        self.blend(linear, pixels);
+    }
+
+    /// Replaces the areas at the edges of diagonals. Also removes those at the left edges between the top edges. The
+    /// publication keeps these areas on falling diagonals; without them, mirrored pictures have mirrored results.
+    fn cover_along_diagonals(&mut self, rows: Range<usize>) {
+        let width = self.picture.width() as usize;
+        let BandAreas { covered, touched } = &mut *self.areas;
+        let index = |x: usize, y: usize| (y - rows.start) * width + x;
+        let diagonals = Diagonals::new(self.edges);
+        for y in rows.start..=rows.end {
+            diagonals.for_each(y, width, |DiagonalEdge { x, areas, has_left, has_right }| {
+                if y < rows.end {
+                    entry(covered, touched, index(x, y)).above = areas.after;
+                    if has_left && x > 0 {
+                        entry(covered, touched, index(x - 1, y)).right = 0.0;
+                        entry(covered, touched, index(x, y)).left = 0.0;
+                    }
+                    if has_right && x + 1 < width {
+                        entry(covered, touched, index(x, y)).right = 0.0;
+                        entry(covered, touched, index(x + 1, y)).left = 0.0;
+                    }
+                }
+                if y > rows.start {
+                    entry(covered, touched, index(x, y - 1)).below = areas.before;
+                }
+            });
+        }
     }
 
     /// Blends the touched pixels with their neighbours.
