@@ -177,6 +177,16 @@ const CLAIMS: &[Claim] = &[
         proof: Proof::Test("src/engine/antialias/smaa/tests.rs", "single_pixels_stay_sharper_than_with_fxaa"),
     },
     Claim {
+        source: "src/engine/antialias/settings.rs",
+        words: "Edges near 45° are smoothed along their diagonal",
+        proof: Proof::Test("src/engine/antialias/smaa/tests.rs", "diagonals_halve_the_error_of_edges_near_45_degrees"),
+    },
+    Claim {
+        source: "src/engine/antialias/settings.rs",
+        words: "right-angled corners are rounded only a quarter as much as steps",
+        proof: Proof::Test("src/engine/antialias/smaa/tests.rs", "corners_are_rounded_a_quarter_as_much_as_steps"),
+    },
+    Claim {
         source: "src/engine/upscale/choice.rs",
         words: "Slower: each sample is decoded and each pixel encoded.",
         proof: Proof::Command(

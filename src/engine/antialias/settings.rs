@@ -136,9 +136,9 @@ choice! {
         Smaa = "smaa", "Edges (SMAA)",
             "Finds edges by their contrast in luma relative to their surroundings, follows each to the edges that cross \
              its ends, and blends by the exact areas that a line between them cuts off: stairs of slanted edges become \
-             ramps, and single pixels stay sharper than with FXAA. Diagonal and corner patterns are left \
-             out; thin lines stay broken (after Jimenez, Echevarria, Sousa and Gutierrez, SMAA: Enhanced Subpixel \
-             Morphological Antialiasing, 2012).";
+             ramps, and single pixels stay sharper than with FXAA. Edges near 45° are smoothed along their diagonal, \
+             and right-angled corners are rounded only a quarter as much as steps; thin lines stay broken (after Jimenez, \
+             Echevarria, Sousa and Gutierrez, SMAA: Enhanced Subpixel Morphological Antialiasing, 2012).";
         Blur = "blur", "Blur", "Mean of 3 × 3 or more pixels: blurs everything, not only edges.";
         Gaussian = "gaussian", "Gaussian blur",
             "Gaussian-weighted mean: softer than the plain mean, without its box artefacts.";

@@ -4,8 +4,14 @@
 //! middle of the crossing edge, half a pixel off the line. Heights are positive towards the pixels after the line, those
 //! whose edge it is, and negative towards the pixels before it.
 
+use std::cmp::Ordering;
+use std::ops::Add;
+
 /// Length in pixels up to which the areas of a line with both ends on one side are enlarged.
 const SMOOTHED_PX: f32 = 32.0;
+
+/// Share of the areas that is kept near a corner.
+const CORNER_ROUNDING: f32 = 0.25;
 
 /// End of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,6 +45,13 @@ impl LineEnd {
             Self::After => Some(0.5),
         }
     }
+}
+
+/// Sides of a line on which its end is a corner: the crossing edge on that side is longer than one pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Corner {
+    pub(super) before: bool,
+    pub(super) after: bool,
 }
 
 /// Areas between a line of edges and the smoothed edge within a pair of pixels, as fractions of a pixel.
@@ -76,7 +89,30 @@ impl Segment {
     }
 }
 
+impl Add for CutAreas {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { before: self.before + other.before, after: self.after + other.after }
+    }
+}
+
 impl CutAreas {
+    /// Reduces the areas of a pixel if the nearer end of its line is a corner. A pixel in the middle of a line is affected
+    /// half as much by each end.
+    pub(super) fn sharpened(self, distances: [u32; 2], corners: [Corner; 2]) -> Self {
+        let [start, end] = match distances[0].cmp(&distances[1]) {
+            Ordering::Less => [1.0, 0.0],
+            Ordering::Equal => [0.5, 0.5],
+            Ordering::Greater => [0.0, 1.0],
+        };
+        let kept = |is_corner: fn(Corner) -> bool| {
+            let [first, last] = corners.map(|corner| f32::from(u8::from(is_corner(corner))));
+            1.0 - (1.0 - CORNER_ROUNDING) * (start * first + end * last)
+        };
+        Self { before: self.before * kept(|corner| corner.before), after: self.after * kept(|corner| corner.after) }
+    }
+
     /// Enlarges the areas on a line of `length` px: small arcs would hardly be visible otherwise.
     fn enlarged(self, length: f32) -> Self {
         let share = (length / SMOOTHED_PX).min(1.0);
@@ -98,7 +134,7 @@ pub(super) fn areas(distances: [u32; 2], ends: [LineEnd; 2]) -> CutAreas {
     match (ends.map(LineEnd::height), ends) {
         ([Some(from), Some(to)], _) if from == to => {
             let [first, second] = [first(from), second(to)].map(|areas| areas.enlarged(length));
-            CutAreas { before: first.before + second.before, after: first.after + second.after }
+            first + second
         }
         ([Some(from), Some(to)], _) => whole([from, to]),
         // Where edges cross from both sides, the smoothed edge takes the side that makes it continue.

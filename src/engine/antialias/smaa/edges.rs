@@ -41,6 +41,12 @@ impl BitRows {
         &self.bits[y.wrapping_add_unsigned(MARGIN) as usize * self.words..][..self.words]
     }
 
+    /// Returns whether bit `x` of row `y` is set.
+    pub(super) fn has(&self, x: isize, y: isize) -> bool {
+        let x = x as usize;
+        self.row(y)[x / 64] >> (x % 64) & 1 != 0
+    }
+
     /// Returns the same bits column by column, for a picture of `width` × `height` px.
     fn transposed(&self, width: usize, height: usize) -> Self {
         let mut columns = Self::new(height, width);

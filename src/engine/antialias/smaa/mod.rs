@@ -1,24 +1,29 @@
 //! SMAA 1x post filter: smooths the edges of a finished picture by their shape.
 //!
 //! After J. Jimenez, J. I. Echevarria, T. Sousa and D. Gutierrez, "SMAA: Enhanced Subpixel Morphological Antialiasing"
-//! (Eurographics 2012), without its diagonal and corner patterns:
+//! (Eurographics 2012), with the preset “high”:
 //!
 //! 1. An edge lies between two pixels whose luma differs by at least 0.1 and at least half as much as that of any
 //!    neighbouring pair ([`edges`]).
 //! 2. Each line of edges is followed to its ends, where other edges cross it. The smoothed edge runs from the middle of
-//!    these crossing edges. The areas that it cuts off are computed exactly ([`area`]), not read from a texture.
-//! 3. Each pixel is blended with its neighbours across the edge, weighted by these areas.
+//!    these crossing edges. The areas that it cuts off are computed exactly ([`area`]), not read from a texture. Near a
+//!    crossing edge longer than one pixel, which is a corner, they are reduced.
+//! 3. Stairs of single pixels are smoothed along their diagonal instead ([`diagonals`]).
+//! 4. Each pixel is blended with its neighbours across the edge, weighted by these areas.
 //!
 //! Edges are bits, so that lines are followed a word at a time.
 
 mod area;
+mod diagonals;
 mod edges;
 #[cfg(test)]
 mod tests;
 
 use std::cell::RefCell;
+use std::ops::Range;
 
-use area::{CutAreas, LineEnd, areas};
+use area::{Corner, CutAreas, LineEnd, areas};
+use diagonals::{DiagonalEdge, Diagonals};
 use edges::{BitRows, Edges, MARGIN};
 use rayon::prelude::*;
 
@@ -89,13 +94,28 @@ struct Lines<'a> {
     before: &'a [u64],
     /// Edges that cross a line from the pixels after it.
     after: &'a [u64],
+    /// Edges in line with those of `before`, one pixel farther from the line.
+    beyond_before: &'a [u64],
+    /// Edges in line with those of `after`, one pixel farther from the line.
+    beyond_after: &'a [u64],
+}
+
+/// Returns whether a bit of a row is set. A line that leaves the margin has no end there; it is too far away to matter.
+fn is_set(row: &[u64], at: usize) -> bool {
+    row.get(at / 64).is_some_and(|word| word >> (at % 64) & 1 != 0)
 }
 
 impl<'a> Lines<'a> {
     /// Returns the lines before row (or column) `at`.
     fn new(lines: &'a BitRows, crossing: &'a BitRows, at: usize) -> Self {
         let at = at as isize;
-        Self { line: lines.row(at), before: crossing.row(at - 1), after: crossing.row(at) }
+        Self {
+            line: lines.row(at),
+            before: crossing.row(at - 1),
+            after: crossing.row(at),
+            beyond_before: crossing.row(at - 2),
+            beyond_after: crossing.row(at + 1),
+        }
     }
 
     /// Returns the bits of a word at whose left side a line ends or starts.
@@ -127,13 +147,16 @@ impl<'a> Lines<'a> {
 
     /// Returns the kind of end that the line has at the left side of bit `at`.
     fn end(&self, at: usize) -> LineEnd {
-        // A line that leaves the margin has no end there; it is too far away to matter.
-        let is_set = |row: &[u64]| row.get(at / 64).is_some_and(|word| word >> (at % 64) & 1 != 0);
-        LineEnd::new(is_set(self.before), is_set(self.after))
+        LineEnd::new(is_set(self.before, at), is_set(self.after, at))
+    }
+
+    /// Returns the sides on which the end at the left side of bit `at` is a corner.
+    fn corner(&self, at: usize) -> Corner {
+        Corner { before: is_set(self.beyond_before, at), after: is_set(self.beyond_after, at) }
     }
 
     /// Calls `found` for every pixel of `range` with an edge, and its areas.
-    fn for_each(&self, range: std::ops::Range<usize>, mut found: impl FnMut(usize, CutAreas)) {
+    fn for_each(&self, range: Range<usize>, mut found: impl FnMut(usize, CutAreas)) {
         let mut at = range.start + MARGIN;
         let stop = range.end + MARGIN;
         while at < stop {
@@ -148,6 +171,7 @@ impl<'a> Lines<'a> {
             }
             let [start, last] = self.range(at);
             let ends = [self.end(start), self.end(last + 1)];
+            let corners = [self.corner(start), self.corner(last + 1)];
             // The ends are known for the pixels of this word only; see `range`.
             let rest = at..stop.min(last + 1).min((at / 64 + 1) * 64);
             at = rest.end;
@@ -157,7 +181,7 @@ impl<'a> Lines<'a> {
                 let seen = [0, 1].map(|side| if is_near[side] { ends[side] } else { LineEnd::Open });
                 let areas = areas(distances.map(|distance| distance.min(SEARCH_PX)), seen);
                 if areas != CutAreas::default() {
-                    found(pixel - MARGIN, areas);
+                    found(pixel - MARGIN, areas.sharpened(distances, corners));
                 }
             }
         }
@@ -180,6 +204,14 @@ impl Band<'_> {
         let rows = self.first..self.first + pixels.len() / width;
         pixels.copy_from_slice(&self.picture.pixels()[rows.start * width..rows.end * width]);
         self.areas.clear(pixels.len());
+        self.cover_along_lines(rows.clone());
+        self.cover_along_diagonals(rows);
+        self.blend(linear, pixels);
+    }
+
+    /// Adds the areas of the horizontal and vertical lines of edges.
+    fn cover_along_lines(&mut self, rows: Range<usize>) {
+        let width = self.picture.width() as usize;
         let BandAreas { covered, touched } = &mut *self.areas;
         let index = |x: usize, y: usize| (y - rows.start) * width + x;
         // The line below the last row belongs to the row after it.
@@ -201,7 +233,33 @@ impl Band<'_> {
                 }
             });
         }
-        self.blend(linear, pixels);
+    }
+
+    /// Replaces the areas at the edges of diagonals. Also removes those at the left edges between the top edges. The
+    /// publication keeps these areas on falling diagonals; without them, mirrored pictures have mirrored results.
+    fn cover_along_diagonals(&mut self, rows: Range<usize>) {
+        let width = self.picture.width() as usize;
+        let BandAreas { covered, touched } = &mut *self.areas;
+        let index = |x: usize, y: usize| (y - rows.start) * width + x;
+        let diagonals = Diagonals::new(self.edges);
+        for y in rows.start..=rows.end {
+            diagonals.for_each(y, width, |DiagonalEdge { x, areas, has_left, has_right }| {
+                if y < rows.end {
+                    entry(covered, touched, index(x, y)).above = areas.after;
+                    if has_left && x > 0 {
+                        entry(covered, touched, index(x - 1, y)).right = 0.0;
+                        entry(covered, touched, index(x, y)).left = 0.0;
+                    }
+                    if has_right && x + 1 < width {
+                        entry(covered, touched, index(x, y)).right = 0.0;
+                        entry(covered, touched, index(x + 1, y)).left = 0.0;
+                    }
+                }
+                if y > rows.start {
+                    entry(covered, touched, index(x, y - 1)).below = areas.before;
+                }
+            });
+        }
     }
 
     /// Blends the touched pixels with their neighbours.
