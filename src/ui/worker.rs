@@ -98,6 +98,8 @@ pub(crate) enum WorkerResponse {
         upscaling: Upscaling,
         /// Error at rest and in motion.
         error: Box<MethodError>,
+        /// Time of the last frame whose error was measured, in milliseconds.
+        milliseconds: f64,
         /// Completed fraction of the measurement, in [0, 1].
         progress: f32,
     },
