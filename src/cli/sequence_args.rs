@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::chain::{KeepDepth, Recipe};
 use crate::inspect::scrub::Moment;
-use crate::measure::shot::{CameraMotion, Shot, ShotFrame, ShotRenderer};
+use crate::measure::shot::{CameraMotion, Shot, ShotFrame, ShotInputs, ShotRenderer};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::CameraPath;
 use clap::Args;
@@ -120,27 +120,25 @@ impl Sequence {
 /// Renderer of the frames of a sequence, completely or up to a point of drawing.
 #[derive(Debug)]
 pub(crate) struct SequenceRenderer {
-    recipe: Recipe,
-    size: Viewport,
     renderer: ShotRenderer,
 }
 
 impl SequenceRenderer {
     /// Prepares to draw frames; draws nothing yet.
     pub(crate) fn new(shot: Shot, recipe: Recipe, size: Viewport) -> Self {
-        Self { recipe, size, renderer: ShotRenderer::new(shot, recipe, size) }
+        Self { renderer: ShotRenderer::new(ShotInputs { shot, recipe, viewport: size }) }
     }
 
     /// Draws a frame, completely or only up to `moment`. With an upscaler that reads history, a complete frame has the
     /// history of all frames from frame 0 on.
     pub(crate) fn draw(&mut self, number: u32, moment: Option<Moment>) -> DrawnFrame {
-        let Self { recipe, size, .. } = *self;
-        let wanted = ShotFrame { shot: self.renderer.shot().clone(), number: number.into() };
+        let ShotInputs { shot, recipe, viewport } = self.renderer.inputs().clone();
+        let wanted = ShotFrame { shot, number: number.into() };
         let (scene, camera) = wanted.shot.view(wanted.number);
         if moment.is_none() && recipe.upscaler.upscaler().reads().history {
             return DrawnFrame { scene, camera, recipe, frame: self.renderer.draw(number, KeepDepth::Yes) };
         }
-        let mut drawn = DrawnFrame::of(scene, camera, recipe, size, moment);
+        let mut drawn = DrawnFrame::of(scene, camera, recipe, viewport, moment);
         drawn.frame.before = Some(wanted.before());
         drawn
     }

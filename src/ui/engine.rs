@@ -7,10 +7,14 @@
 //! has not converged. The engine has no thread of its own, so screenshots and tests call it directly; [`super::worker`]
 //! runs it on a thread.
 
+mod request;
+
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::look::{self, Look, LookResult, SlowOverlays, ValueSource};
+pub(crate) use request::{Request, Shown};
+
+use super::look::{self, LookResult, SlowOverlays, ValueSource};
 use super::scene_time::replay::ReplayedFrame;
 use super::scrub::reel::{Reel, timeline_of};
 use super::seam_search::SeamSearch;
@@ -20,145 +24,15 @@ use crate::inspect::bad_fragments::BadFragments;
 use crate::inspect::buffers::{Buffer, Buffers, capture};
 use crate::inspect::intermediate::{self, Captured};
 use crate::inspect::remedy_search;
-use crate::inspect::scrub::{Moment, Timeline};
+use crate::inspect::scrub::Timeline;
 use crate::inspect::view::Range;
-use crate::inspect::{Intermediate, PixelReport, Stage, Survey, explain};
-use crate::measure::shot::ShotFrame;
+use crate::inspect::{PixelReport, Survey, explain};
+use crate::measure::checkpoints::{self, Checkpoints};
+use crate::measure::shot::{ShotFrame, ShotInputs, ShotRenderer};
 use crate::measure::stages::{StageTimer, StageTimes};
 use crate::pipeline::observe::Counters;
-use crate::pipeline::settings::{Choice as _, DepthTest};
-use crate::pipeline::viewport::Viewport;
+use crate::scene::Scene;
 use crate::scene::seams::Seams;
-use crate::scene::{Camera, Scene};
-
-/// Quantity of a frame that the canvas shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Shown {
-    /// A buffer of the finished frame.
-    Buffer(Buffer),
-    /// The picture after a pipeline stage.
-    Stage(Stage),
-    /// An intermediate value that the pipeline computes between triangle setup and final colour.
-    Intermediate(Intermediate),
-}
-
-impl Shown {
-    /// Returns the display name of the shown buffer, stage or intermediate value.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Buffer(buffer) => buffer.name(),
-            Self::Stage(stage) => stage.name(),
-            Self::Intermediate(intermediate) => intermediate.name(),
-        }
-    }
-
-    /// Returns the source of the shown values: the buffer that holds the result of a shown stage if there is one,
-    /// otherwise `self`.
-    pub(crate) fn source(self) -> Self {
-        match self {
-            Self::Stage(stage) => stage.buffer().map_or(self, Self::Buffer),
-            Self::Buffer(_) | Self::Intermediate(_) => self,
-        }
-    }
-
-    /// Returns a description of the shown buffer, stage or intermediate value, in one sentence.
-    pub(crate) fn help(self) -> &'static str {
-        match self {
-            Self::Buffer(buffer) => buffer.help(),
-            Self::Stage(stage) => stage.help(),
-            Self::Intermediate(intermediate) => intermediate.help(),
-        }
-    }
-}
-
-/// Everything that determines the view on the canvas.
-#[derive(Clone, Debug)]
-pub(crate) struct Request {
-    /// Scene to draw. Two requests have the same scene if the pointers are equal.
-    pub(crate) scene: Arc<Scene>,
-    /// Camera that views the scene.
-    pub(crate) camera: Camera,
-    /// Recipe to draw with.
-    pub(crate) recipe: Recipe,
-    /// Frame of the motion of scene and camera; `None` if nothing moves.
-    pub(crate) sequence: Option<ShotFrame>,
-    /// Whether the history of a frame of a sequence should be that of all frames from frame 0 on. Otherwise, it is that of
-    /// the frames drawn before, and converges if the view stays the same.
-    pub(crate) is_replayed: bool,
-    /// Size of the picture, in pixels.
-    pub(crate) viewport: Viewport,
-    /// Quantity to show on the canvas.
-    pub(crate) shown: Shown,
-    /// Number of rasterized triangles to draw; `None` to draw all.
-    pub(crate) triangle_limit: Option<usize>,
-    /// If `triangle_limit` is set, number of fragments to draw of the last drawn triangle; `None` to draw all of them.
-    pub(crate) fragment_limit: Option<usize>,
-    /// Column and row of the picked pixel; `None` if no pixel is picked.
-    pub(crate) pick: Option<(u32, u32)>,
-    /// Value range, colour map and overlays of the picture.
-    pub(crate) look: Look,
-}
-
-impl Request {
-    /// Whether both requests have the same response.
-    pub(crate) fn same_view(&self, other: &Self) -> bool {
-        self.same_frame(other) && self.shown == other.shown && self.pick == other.pick && self.look == other.look
-    }
-
-    /// Whether the canvas shows the same picture for both requests, regardless of the picked pixel.
-    pub(crate) fn same_picture(&self, other: &Self) -> bool {
-        self.same_frame(other) && self.shown == other.shown && self.look == other.look
-    }
-
-    /// Whether both requests render the same frame with the same triangle and fragment limits.
-    pub(crate) fn same_frame(&self, other: &Self) -> bool {
-        self.same_complete_frame(other) && self.moment() == other.moment()
-    }
-
-    /// Returns the point at which drawing of the frame stops; `None` for the finished frame.
-    pub(crate) fn moment(&self) -> Option<Moment> {
-        self.triangle_limit.map(|triangles| Moment { triangles, fragments: self.fragment_limit })
-    }
-
-    /// Whether the response depends on the open seams of the scene, where adjacent surfaces share no vertices.
-    fn reads_seams(&self) -> bool {
-        let has_layer = self.look.layers.iter().any(|layer| layer.overlay.reads_seams());
-        self.shown == Shown::Buffer(Buffer::Hits) || self.pick.is_some() || has_layer
-    }
-
-    /// Whether both requests render the same frame if their triangle and fragment limits are ignored.
-    pub(crate) fn same_complete_frame(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.scene, &other.scene)
-            && self.camera == other.camera
-            && self.recipe == other.recipe
-            && self.viewport == other.viewport
-            && self.has_same_sequence(other)
-    }
-
-    fn has_same_sequence(&self, other: &Self) -> bool {
-        match (&self.sequence, &other.sequence) {
-            (Some(frame), Some(other)) => frame.is_same(other),
-            (frame, other) => frame.is_none() && other.is_none(),
-        }
-    }
-
-    /// Returns the number of the frame if its history is that of all frames from frame 0 on. Returns `None` for partially
-    /// drawn frames, for times between frames, and if the frame has no history.
-    pub(crate) fn replayed_frame(&self) -> Option<u32> {
-        let frame = self.sequence.as_ref().filter(|_| self.is_replayed && self.moment().is_none())?;
-        let has_history =
-            self.recipe.upscaler.upscaler().reads().history && self.recipe.pipeline.depth_test != DepthTest::Off;
-        u32::try_from(frame.number).ok().filter(|_| has_history && frame.shows(&self.scene, &self.camera))
-    }
-
-    /// Whether this is the frame after that of `other` in the same sequence, with the same settings.
-    fn follows(&self, other: &Self) -> bool {
-        let frames = self.sequence.as_ref().zip(other.sequence.as_ref());
-        frames.is_some_and(|(frame, before)| frame.follows(before))
-            && self.recipe == other.recipe
-            && self.viewport == other.viewport
-    }
-}
 
 /// Response to a [`Request`].
 #[derive(Clone, Debug)]
@@ -213,8 +87,12 @@ impl RenderedView {
 /// limit bounds the delay of a newer request.
 const SEAMS_WAIT: Duration = Duration::from_millis(50);
 
+/// Maximum memory for checkpoints of the history of scenes in motion, in bytes: for the picture, for all compared pictures,
+/// and for both pictures of a what-if. A picture of 1920 × 1080 px needs about 64 MiB for each checkpoint.
+pub(crate) const CHECKPOINT_BYTES: usize = 512 << 20;
+
 /// Engine that handles requests and reuses results of the last one.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Engine {
     last: Option<RenderedView>,
     /// Earlier frame that the window may still hold. Its buffers are reused as soon as the window has dropped it.
@@ -222,6 +100,8 @@ pub(crate) struct Engine {
     renderer: Renderer,
     /// Request for the frame whose history `renderer` holds, if it is that of all frames from frame 0 on.
     continued: Option<Request>,
+    /// Saved histories of the sequence shown last.
+    pub(crate) checkpoints: Checkpoints,
     /// Frame that [`Engine::adopt`] received for the next request.
     replayed: Option<Frame>,
     seams: SeamSearch,
@@ -238,7 +118,28 @@ struct Rendered {
     needs_replay: bool,
 }
 
+impl Default for Engine {
+    fn default() -> Self {
+        Self::with_checkpoints_within(CHECKPOINT_BYTES)
+    }
+}
+
 impl Engine {
+    /// Creates an engine whose checkpoints use at most `limit` bytes.
+    pub(crate) fn with_checkpoints_within(limit: usize) -> Self {
+        Self {
+            last: None,
+            earlier: None,
+            renderer: Renderer::default(),
+            continued: None,
+            checkpoints: Checkpoints::within(limit),
+            replayed: None,
+            seams: SeamSearch::default(),
+            survey: SurveyCache::default(),
+            reel: None,
+        }
+    }
+
     /// Replaces the frame of a request by one with the history of its sequence. The next request must be for this frame.
     pub(crate) fn adopt(&mut self, replayed: ReplayedFrame) {
         let ReplayedFrame { request, frame, renderer } = replayed;
@@ -326,15 +227,40 @@ impl Engine {
             let reel = Reel::load(&mut self.reel, request, whole);
             return Rendered { frame: reel.frame(moment), rasterized: reel.triangles(), needs_replay: false };
         }
-        let number = request.replayed_frame();
-        if number == Some(0) {
-            self.renderer.forget_history();
-        }
-        let continues = number == Some(0) || self.continued.as_ref().is_some_and(|before| request.follows(before));
-        self.continued = (number.is_some() && continues).then(|| request.clone());
+        let replayed = request.replayed_frame().zip(request.shot_inputs());
+        let continues = replayed.as_ref().is_some_and(|(number, inputs)| self.continue_history(*number, inputs));
+        self.continued = continues.then(|| request.clone());
         let mut frame = self.renderer.render(scene, camera, recipe, *viewport, KeepDepth::Yes);
         frame.before = request.sequence.as_ref().map(ShotFrame::before);
-        Rendered { rasterized: frame.rasterized(), frame, needs_replay: number.is_some() && !continues }
+        if let Some((number, inputs)) = replayed.as_ref().filter(|_| continues) {
+            self.checkpoints.save_spaced(inputs, number + 1, self.renderer.history());
+        }
+        Rendered { rasterized: frame.rasterized(), frame, needs_replay: replayed.is_some() && !continues }
+    }
+
+    /// Completes the history of frame `number` in the renderer if few frames are missing. Returns whether it is complete.
+    fn continue_history(&mut self, number: u32, inputs: &ShotInputs) -> bool {
+        let drawn = self.history_frames(inputs);
+        if drawn == number && number > 0 {
+            return true;
+        }
+        if self.checkpoints.missing(inputs, number, drawn) > checkpoints::SPACING {
+            return false;
+        }
+        let history = self.renderer.history().filter(|_| drawn > 0);
+        let mut frames = ShotRenderer::reusing(inputs.clone(), std::mem::take(&mut self.renderer));
+        history.into_iter().for_each(|history| frames.restore_history(drawn, history));
+        while self.checkpoints.warm_up(&mut frames, number) {}
+        self.renderer = frames.into_renderer();
+        true
+    }
+
+    /// Returns the number of frames in the history of the renderer, if it is that of all frames of `inputs` from frame 0 on,
+    /// and 0 otherwise.
+    fn history_frames(&self, inputs: &ShotInputs) -> u32 {
+        let continued = self.continued.as_ref();
+        let same = continued.filter(|continued| continued.shot_inputs().is_some_and(|own| own.is_same(inputs)));
+        same.and_then(Request::replayed_frame).map_or(0, |number| number + 1)
     }
 
     /// Reuses the buffers of a replaced frame. If the window still holds it, which it does until it receives the next

@@ -77,6 +77,8 @@ pub(crate) struct Timings {
     pub(crate) metric: Metric,
     measured: BTreeMap<Upscaling, Vec<f64>>,
     errors: BTreeMap<Upscaling, MethodError>,
+    /// Time in milliseconds of the first frame whose error was measured, for each upscaler.
+    first_ms: BTreeMap<Upscaling, f64>,
     noise: Option<Noise>,
     measurement_request: Option<MeasureRequest>,
     /// Largest share of the processors that other programs used during the measurement; `None` if unknown.
@@ -100,6 +102,7 @@ impl Default for Timings {
             metric: Metric::Flip,
             measured: BTreeMap::new(),
             errors: BTreeMap::new(),
+            first_ms: BTreeMap::new(),
             noise: None,
             measurement_request: None,
             others_share: None,
@@ -171,6 +174,7 @@ impl Timings {
     pub(crate) fn begin_measurement(&mut self, request: MeasureRequest) {
         self.measured.clear();
         self.errors.clear();
+        self.first_ms.clear();
         (self.noise, self.others_share) = (None, None);
         self.measurement_request = Some(request);
     }
@@ -182,10 +186,12 @@ impl Timings {
         }
     }
 
-    /// Records the error of an upscaler over the frames measured so far.
-    pub(crate) fn record_error(&mut self, upscaling: Upscaling, error: MethodError) {
+    /// Records the error of an upscaler over the frames measured so far, and the time of the last one in milliseconds. The
+    /// time of the first frame is provisional until the first round is complete.
+    pub(crate) fn record_error(&mut self, upscaling: Upscaling, error: MethodError, milliseconds: f64) {
         if self.measurement_request.is_some() {
             self.errors.insert(upscaling, error);
+            self.first_ms.entry(upscaling).or_insert(milliseconds);
         }
     }
 
@@ -226,9 +232,10 @@ impl Timings {
         self.list.budget_ms.unwrap_or_else(default_ms)
     }
 
-    /// Returns the method with the lowest error within the time budget.
+    /// Returns the method with the lowest error within the time budget, among those that are ranked.
     pub(crate) fn budget_winner(&self) -> BudgetWinner {
-        BudgetWinner::of(&self.tradeoff(), self.budget_ms())
+        let points = if self.noise.is_some() { self.tradeoff() } else { Vec::new() };
+        BudgetWinner::of(&points, self.budget_ms())
     }
 
     /// Returns the median frame time of native rendering in milliseconds: the measured one if there is a measurement,
@@ -390,12 +397,15 @@ mod tests {
             [(Upscaling::NATIVE, 4.0, error(0, 0)), (temporal, 3.0, error(0, 200)), (nearest, 3.01, error(40, 40))]
         {
             timings.record_measured(upscaling, ms);
-            timings.record_error(upscaling, error);
+            timings.record_error(upscaling, error, 2.0 * ms);
         }
-        assert!(timings.tradeoff().is_empty(), "no noise floor yet");
+        let provisional = timings.tradeoff();
+        assert!(provisional.iter().all(|point| point.standing.is_none() && point.ms.n == 1), "no noise floor yet");
+        assert_eq!(provisional.len(), 3);
+        assert_eq!(timings.budget_winner(), BudgetWinner::NoErrors);
         timings.record_noise(Noise { pairs: 25, p90: 0.02 });
         let standing = |timings: &Timings, upscaling| {
-            timings.tradeoff().into_iter().find(|point| point.upscaling == upscaling).map(|point| point.standing)
+            timings.tradeoff().into_iter().find(|point| point.upscaling == upscaling)?.standing
         };
         assert_eq!(standing(&timings, temporal), Some(Standing::WithinNoise(nearest)));
         assert_eq!(standing(&timings, nearest), Some(Standing::Front));

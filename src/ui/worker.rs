@@ -98,6 +98,8 @@ pub(crate) enum WorkerResponse {
         upscaling: Upscaling,
         /// Error at rest and in motion.
         error: Box<MethodError>,
+        /// Time of the last frame whose error was measured, in milliseconds.
+        milliseconds: f64,
         /// Completed fraction of the measurement, in [0, 1].
         progress: f32,
     },
@@ -349,8 +351,8 @@ impl RenderWorker {
 
     /// Draws one frame before the shown one, and shows the latter again after the last one. A panic ends the replay.
     fn replay(&mut self) {
-        let replayer = &mut self.replayer;
-        match catch_unwind(AssertUnwindSafe(|| replayer.step())) {
+        let (replayer, checkpoints) = (&mut self.replayer, &mut self.engine.checkpoints);
+        match catch_unwind(AssertUnwindSafe(|| replayer.step(checkpoints))) {
             Ok(Some(ReplayStep::Complete(replayed))) => {
                 let request = replayed.request.clone();
                 self.engine.adopt(*replayed);

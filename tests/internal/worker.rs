@@ -217,6 +217,32 @@ fn a_measurement_times_every_method_once_per_round() {
 }
 
 #[test]
+fn every_method_has_a_provisional_point_before_the_first_round() {
+    let mut worker = Worker::spawn(|| ());
+    let mut of = request("chess-motion", (32, 24));
+    of.recipe.upscaler = Upscaling::new("taa", 2).unwrap();
+    worker.send(measure(of, Turn::default()));
+    let answers = answers_until(&mut worker, |answer| matches!(answer, WorkerResponse::Sample { .. }));
+    let points = answers.iter().filter_map(|answer| match answer {
+        WorkerResponse::MethodError { upscaling, error, milliseconds, .. } => {
+            assert!(*milliseconds > 0.0);
+            Some((*upscaling, error.motion.frames))
+        }
+        _ => None,
+    });
+    let points: Vec<_> = points.collect();
+    let methods = Upscaling::every().count();
+    assert!(points[..methods].iter().all(|(_, frames)| *frames == 1), "one frame of each");
+    let mut first: Vec<_> = points[..methods].iter().map(|(upscaling, _)| *upscaling).collect();
+    let reads_history: Vec<_> = first.iter().map(|upscaling| upscaling.upscaler().reads().history).collect();
+    assert!(reads_history.is_sorted(), "methods that draw many frames before are last");
+    let temporal = reads_history.iter().position(|reads| *reads).unwrap();
+    assert_eq!(first[temporal], Upscaling::new("taa", 2).unwrap(), "the selected method is the first of them");
+    first.sort_unstable();
+    assert!(first.windows(2).all(|pair| pair[0] < pair[1]), "each method once");
+}
+
+#[test]
 fn a_cancelled_measurement_stops_and_the_worker_continues() {
     let mut worker = Worker::spawn(|| ());
     worker.send(measure(request("chess", (160, 120)), Turn::default()));

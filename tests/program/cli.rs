@@ -428,6 +428,7 @@ fn reports_and_tiles_have_the_pictures_that_the_same_settings_draw() {
             let request = CompareRequest {
                 scene: Arc::clone(&subject.scene),
                 camera: subject.camera,
+                sequence: None,
                 viewport,
                 recipes: vec![row.recipe],
                 files: ComparedFiles::default(),

@@ -35,6 +35,7 @@ pub use recipe::ValueForm;
 pub use recipe::Values;
 pub use recipe::Word;
 pub use renderer::Renderer;
+pub use renderer::SavedHistory;
 pub use renderer::execution;
 pub(crate) use run::prepare_again;
 pub(crate) use run::redraw;

@@ -42,16 +42,25 @@ pub struct Renderer {
     lanes: Lanes,
     pool: BufferPool,
     /// Preceding frame; `None` unless the upscaler of that frame reads history.
-    past: Option<PreviousFrame>,
+    past: Option<SavedHistory>,
 }
 
 /// History of the preceding frame, with the inputs of that frame. The next frame reads the history only if it has the
-/// same inputs.
-#[derive(Debug)]
-struct PreviousFrame {
+/// same inputs. Clones share the buffers.
+#[derive(Clone, Debug)]
+pub struct SavedHistory {
     recipe: Recipe,
     viewport: Viewport,
     history: Arc<History>,
+}
+
+impl SavedHistory {
+    /// Returns the memory use in bytes, except for the meshes that the pose of the preceding frame shares with `scene`.
+    pub fn bytes(&self, scene: &Scene) -> usize {
+        let (own, others) = (self.history.scene.library.meshes(), scene.library.meshes());
+        let moved = own.iter().enumerate().filter(|(i, mesh)| !others.get(*i).is_some_and(|it| Arc::ptr_eq(it, mesh)));
+        self.history.buffer_bytes() + moved.map(|(_, mesh)| mesh.bytes()).sum::<usize>()
+    }
 }
 
 impl Default for Renderer {
@@ -75,7 +84,7 @@ impl Renderer {
         viewport: Viewport,
         keep_depth: KeepDepth,
     ) -> Frame {
-        let same = |past: &PreviousFrame| {
+        let same = |past: &SavedHistory| {
             scene.is_pose_of(&past.history.scene) && past.recipe == *recipe && past.viewport == viewport
         };
         let past = self.past.take().filter(same).map(|past| past.history);
@@ -90,7 +99,7 @@ impl Renderer {
             }
         };
         let finished = Instant::now();
-        self.past = frame.take_history(scene, recipe, &mut self.pool).map(|history| PreviousFrame {
+        self.past = frame.take_history(scene, recipe, &mut self.pool).map(|history| SavedHistory {
             recipe: *recipe,
             viewport,
             history: Arc::new(history),
@@ -104,6 +113,16 @@ impl Renderer {
     /// Discards the history, so that the next frame is drawn like a first one.
     pub fn forget_history(&mut self) {
         self.past = None;
+    }
+
+    /// Returns the history that the next frame reads; `None` if there is none.
+    pub fn history(&self) -> Option<SavedHistory> {
+        self.past.clone()
+    }
+
+    /// Replaces the history, so that the next frame is drawn like one after the frame at which `history` was saved.
+    pub fn restore_history(&mut self, history: SavedHistory) {
+        self.past = Some(history);
     }
 
     /// Draws a view repeatedly until the upscaler's history has converged, and returns the last frame. Draws only one

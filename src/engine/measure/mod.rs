@@ -4,6 +4,8 @@ pub mod against;
 
 pub mod bench;
 
+pub mod checkpoints;
+
 pub mod difference;
 
 pub mod equality;

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::chain::{Frame, KeepDepth, PrecedingView, Recipe, Renderer};
+use crate::chain::{Frame, KeepDepth, PrecedingView, Recipe, Renderer, SavedHistory};
+use crate::pipeline::settings::DepthTest;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, CameraPath, Scene};
 
@@ -120,9 +121,10 @@ impl ShotFrame {
         self.number == other.number && self.shot.is_same(&other.shot)
     }
 
-    /// Whether this is the frame after `other` in the same shot.
-    pub fn follows(&self, other: &Self) -> bool {
-        other.number.checked_add(1) == Some(self.number) && self.shot.is_same(&other.shot)
+    /// Returns the number of the frame if it has a history with a recipe; `None` also before frame 0.
+    pub fn number_with_history(&self, recipe: &Recipe) -> Option<u32> {
+        let has_history = recipe.upscaler.upscaler().reads().history && recipe.pipeline.depth_test != DepthTest::Off;
+        u32::try_from(self.number).ok().filter(|_| has_history)
     }
 
     /// Whether the frame shows a pose of the scene of the shot, as seen by a camera. A time between two frames belongs to
@@ -139,27 +141,49 @@ impl ShotFrame {
     }
 }
 
+/// Inputs that determine the frames of a [`ShotRenderer`], together with their numbers.
+#[derive(Clone, Debug)]
+pub struct ShotInputs {
+    /// Scene and camera in motion.
+    pub shot: Shot,
+    /// Recipe of all frames.
+    pub recipe: Recipe,
+    /// Size of all frames, in pixels.
+    pub viewport: Viewport,
+}
+
+impl ShotInputs {
+    /// Whether both have the same frames.
+    pub fn is_same(&self, other: &Self) -> bool {
+        (self.recipe, self.viewport) == (other.recipe, other.viewport) && self.shot.is_same(&other.shot)
+    }
+}
+
 /// Renderer of the frames of a shot with one recipe. A frame has the history of all frames from frame 0 on, so that it
 /// depends only on its number. Frame 0 has no history.
 #[derive(Debug)]
 pub struct ShotRenderer {
-    shot: Shot,
-    recipe: Recipe,
-    viewport: Viewport,
+    inputs: ShotInputs,
     renderer: Renderer,
     /// Number of the frame that continues the history of the renderer.
     next: u32,
 }
 
 impl ShotRenderer {
-    /// Prepares to draw frames of the viewport's size; draws nothing yet.
-    pub fn new(shot: Shot, recipe: Recipe, viewport: Viewport) -> Self {
-        Self { shot, recipe, viewport, renderer: Renderer::default(), next: 0 }
+    /// Prepares to draw frames; draws nothing yet.
+    pub fn new(inputs: ShotInputs) -> Self {
+        Self::reusing(inputs, Renderer::default())
     }
 
-    /// Returns the shot.
-    pub fn shot(&self) -> &Shot {
-        &self.shot
+    /// Prepares to draw frames with the buffers of a renderer, whose history is discarded.
+    pub fn reusing(inputs: ShotInputs, mut renderer: Renderer) -> Self {
+        renderer.forget_history();
+        Self { inputs, renderer, next: 0 }
+    }
+
+    /// Returns the inputs that determine the frames.
+    pub fn inputs(&self) -> &ShotInputs {
+        &self.inputs
     }
 
     /// Returns the number of frames that the history holds.
@@ -167,10 +191,21 @@ impl ShotRenderer {
         self.next
     }
 
+    /// Returns the history of the frames drawn so far; `None` if there is none.
+    pub fn history(&self) -> Option<SavedHistory> {
+        self.renderer.history()
+    }
+
+    /// Continues from a history of `frames` frames, which a renderer with the same inputs has returned.
+    pub fn restore_history(&mut self, frames: u32, history: SavedHistory) {
+        self.renderer.restore_history(history);
+        self.next = frames;
+    }
+
     /// Draws one frame that is missing from the history of frame `number`. Returns `false` if none is missing, as for
     /// every frame of an upscaler that reads no history.
     pub fn warm_up(&mut self, number: u32) -> bool {
-        if !self.recipe.upscaler.upscaler().reads().history {
+        if !self.inputs.recipe.upscaler.upscaler().reads().history {
             return false;
         }
         if self.next > number {
@@ -189,8 +224,13 @@ impl ShotRenderer {
     pub fn draw(&mut self, number: u32, keep_depth: KeepDepth) -> Frame {
         while self.warm_up(number) {}
         let mut frame = self.render(number, keep_depth);
-        frame.before = Some(ShotFrame { shot: self.shot.clone(), number: number.into() }.before());
+        frame.before = Some(ShotFrame { shot: self.inputs.shot.clone(), number: number.into() }.before());
         frame
+    }
+
+    /// Takes back the buffers of a frame that is no longer needed, for reuse.
+    pub fn recycle(&mut self, frame: Frame) {
+        self.renderer.recycle(frame);
     }
 
     /// Returns the renderer, which holds the history of the frame drawn last.
@@ -199,9 +239,10 @@ impl ShotRenderer {
     }
 
     fn render(&mut self, number: u32, keep_depth: KeepDepth) -> Frame {
-        let (scene, camera) = self.shot.view(number.into());
+        let ShotInputs { shot, recipe, viewport } = &self.inputs;
+        let (scene, camera) = shot.view(number.into());
         self.next = number + 1;
-        self.renderer.render(&scene, &camera, &self.recipe, self.viewport, keep_depth)
+        self.renderer.render(&scene, &camera, recipe, *viewport, keep_depth)
     }
 }
 
@@ -245,7 +286,7 @@ mod tests {
                     renderer.render(&scene, &camera, &recipe, SIZE, KeepDepth::No).image().clone()
                 })
                 .collect();
-            let mut jumping = ShotRenderer::new(shot.clone(), recipe, SIZE);
+            let mut jumping = ShotRenderer::new(ShotInputs { shot: shot.clone(), recipe, viewport: SIZE });
             for number in [3, 1, 2, 0, 0] {
                 let frame = jumping.draw(number, KeepDepth::No);
                 assert!(*frame.image() == consecutive[number as usize], "{} frame {number}", upscaler.label());
@@ -264,10 +305,7 @@ mod tests {
         assert!(frame.shows(&pose, &camera) && !frame.shows(&pose, &shot.view(1).1));
         assert!(!frame.shows(&shot.scene.at(0.07), &camera));
         let next = ShotFrame { number: 3, ..frame.clone() };
-        assert!(
-            next.follows(&frame) && !frame.follows(&next) && !frame.is_same(&next) && frame.is_same(&frame.clone())
-        );
-        let slower = ShotFrame { shot: Shot { frames_per_second: 24.0, ..shot }, number: 3 };
-        assert!(!slower.follows(&frame));
+        let slower = ShotFrame { shot: Shot { frames_per_second: 24.0, ..shot }, number: 2 };
+        assert!(frame.is_same(&frame.clone()) && !frame.is_same(&next) && !frame.is_same(&slower));
     }
 }

@@ -80,6 +80,14 @@ impl History {
         FrameView { scene: &self.scene, camera: &self.camera }
     }
 
+    /// Returns the memory use of the buffers in bytes.
+    pub(crate) fn buffer_bytes(&self) -> usize {
+        self.picture.as_ref().map_or(0, Image::bytes)
+            + self.accumulated.as_ref().map_or(0, Accumulated::bytes)
+            + self.surfaces.object.bytes()
+            + self.surfaces.distance.bytes()
+    }
+
     /// Whether a view has the camera and the scene of the previous frame.
     pub(crate) fn shows(&self, view: FrameView<'_>) -> bool {
         self.camera == *view.camera && std::ptr::eq(&*self.scene, view.scene)

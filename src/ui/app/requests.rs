@@ -87,10 +87,10 @@ impl Workbench {
                     self.session.features.tasks.measuring.map(|_| Measuring { progress });
                 self.session.features.timings.record_measured(upscaling, milliseconds);
             }
-            WorkerResponse::MethodError { upscaling, error, progress, .. } => {
+            WorkerResponse::MethodError { upscaling, error, milliseconds, progress, .. } => {
                 self.session.features.tasks.measuring =
                     self.session.features.tasks.measuring.map(|_| Measuring { progress });
-                self.session.features.timings.record_error(upscaling, *error);
+                self.session.features.timings.record_error(upscaling, *error, milliseconds);
             }
             WorkerResponse::Noise { noise, .. } => self.session.features.timings.record_noise(noise),
             WorkerResponse::Measured(_) => self.session.features.tasks.measuring = None,

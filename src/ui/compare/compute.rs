@@ -3,70 +3,19 @@
 
 use std::sync::Arc;
 
-use super::files::{ComparedFiles, OpenedPicture, is_same};
+use super::files::{OpenedPicture, is_same};
+use super::moving::{MovingPicture, MovingStep, MovingTiles};
+pub use super::request::CompareRequest;
 use crate::chain::{Recipe, Renderer};
 use crate::image::{Image, Rgba8};
 use crate::inspect::what_if::Changes;
 use crate::measure::against::{ErrorMetrics, figures, figures_within};
+use crate::measure::checkpoints;
 use crate::measure::difference::{self, Difference};
 use crate::measure::picture_error::PictureErrors;
-use crate::measure::reference::{ProgressiveRender, Reference};
-use crate::measure::region::PixelRegion;
-use crate::pipeline::viewport::Viewport;
-use crate::scene::{Camera, Scene};
+use crate::measure::reference::ProgressiveRender;
+use crate::ui::scene_time::replay::ReplayProgress;
 use crate::upscale::Upscaling;
-
-/// Request to compare several pictures of one view.
-#[derive(Clone, Debug)]
-pub struct CompareRequest {
-    /// Scene to draw. Two requests have the same scene if the pointers are equal.
-    pub scene: Arc<Scene>,
-    /// Camera shared by all pictures.
-    pub camera: Camera,
-    /// Size of every picture, in pixels.
-    pub viewport: Viewport,
-    /// Recipe of each picture.
-    pub recipes: Vec<Recipe>,
-    /// Pictures from files, in place of drawn ones.
-    pub files: ComparedFiles,
-    /// Reference that errors are measured against.
-    pub reference: Reference,
-    /// Region whose error metrics are measured in addition to those of the whole picture.
-    pub region: Option<PixelRegion>,
-    /// Kind and gain of the difference image of the first two pictures; `None` if not shown.
-    pub difference: Option<(Difference, u32)>,
-}
-
-impl CompareRequest {
-    /// Replaces the last request by a new one. Returns whether their results differ.
-    pub(crate) fn replace(last: &mut Option<Self>, new: Option<&Self>) -> bool {
-        let is_same = match (&*last, new) {
-            (Some(last), Some(new)) => last.same_as(new),
-            (last, new) => last.is_none() && new.is_none(),
-        };
-        if !is_same {
-            *last = new.cloned();
-        }
-        !is_same
-    }
-
-    fn same_as(&self, other: &Self) -> bool {
-        self.same_view(other)
-            && self.recipes == other.recipes
-            && self.files.has_same_tiles(&other.files)
-            && self.has_same_reference(other)
-            && self.region == other.region
-            && self.difference == other.difference
-    }
-
-    fn has_same_reference(&self, other: &Self) -> bool {
-        self.reference == other.reference && self.files.has_same_reference(&other.files)
-    }
-
-    fn same_view(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.scene, &other.scene) && self.camera == other.camera && self.viewport == other.viewport
-    }
-}
 
 /// Picture of a tile and the error metrics measured so far.
 #[derive(Clone, Debug)]
@@ -79,6 +28,8 @@ pub struct TileResult {
     pub picture: Arc<Image<Rgba8>>,
     /// Fraction of the picture's pixels that were rasterized and shaded, from 0 to 1.
     pub(crate) drawn_share: f64,
+    /// Progress of drawing the frames before this one, whose history the picture lacks; `None` if no frame is missing.
+    pub(crate) replay: Option<ReplayProgress>,
     /// Error metrics against the reference; `None` until measured.
     pub measured: Option<TileMetrics>,
     /// Error metrics within the region; `None` if there is no region or it contains no pixels.
@@ -138,6 +89,7 @@ pub struct Comparer {
     references: Vec<(Recipe, Arc<Image<Rgba8>>)>,
     rendering_reference: Option<(Recipe, ProgressiveRender)>,
     renderer: Renderer,
+    moving: MovingTiles,
 }
 
 impl Comparer {
@@ -152,35 +104,33 @@ impl Comparer {
             self.rendering_reference = None;
         }
         let old = self.results.take().filter(|_| same_view);
-        let tiles = request.recipes.iter().enumerate().map(|(index, recipe)| {
+        self.moving.prepare(&request);
+        let mut tiles: Vec<TileResult> = Vec::with_capacity(request.recipes.len());
+        for (index, recipe) in request.recipes.iter().enumerate() {
             let file = request.files.of_tile(index);
             let is_kept = |tile: &&TileResult| tile.recipe == *recipe && is_same(tile.file.as_ref(), file);
-            let kept = old.iter().flat_map(|old| &old.tiles).find(is_kept);
+            let kept = old.iter().flat_map(|old| &old.tiles).chain(&tiles).find(is_kept);
             let mut tile = kept.cloned().unwrap_or_else(|| match file {
                 Some(file) => of_file(*recipe, file),
                 None => self.drawn(&request, *recipe),
             });
             tile.measured = tile.measured.filter(|_| same_reference);
             tile.region_figures = None;
-            tile
-        });
-        let tiles: Vec<_> = tiles.collect();
-        let difference = request.difference.and_then(|kind| {
-            let [a, b, ..] = &tiles[..] else { return None };
-            let kept = old.as_ref().filter(|old| {
-                let pictures = old.tiles.iter().take(2).map(|tile| &tile.picture);
-                pictures.zip([a, b]).all(|(old, new)| Arc::ptr_eq(old, &new.picture))
-            });
-            differing(kind, kept.and_then(|old| old.difference.as_ref()), a, b)
-        });
+            tiles.push(tile);
+        }
+        let difference = difference_of(&request, &tiles, old.as_ref());
         self.results.insert(Compared { request, tiles, difference, complete: false })
     }
 
-    /// Computes the next part of the results: one more sample per pixel of a reference, the error metrics of one tile,
-    /// or the error metrics of the region in all tiles. Returns `None` if no result has changed.
+    /// Computes the next part of the results: one frame that is missing from the history of a tile, one more sample per
+    /// pixel of a reference, the error metrics of one tile, or the error metrics of the region in all tiles. Returns `None`
+    /// if no result has changed.
     pub(crate) fn step(&mut self) -> Option<&Compared> {
         self.begun = true;
         let known = self.results.as_ref().filter(|known| !known.complete)?;
+        if let Some(tile) = known.tiles.iter().find(|tile| tile.replay.is_some()) {
+            return self.replay(tile.recipe);
+        }
         let Some(place) = known.tiles.iter().position(|tile| tile.measured.is_none()) else {
             return self.complete();
         };
@@ -195,6 +145,28 @@ impl Comparer {
         let stored = files.and_then(|(file, reference)| file.errors_against(reference));
         known.tiles[place].measured = Some(TileMetrics { figures, flip: flip.map(Arc::new), stored });
         self.results.as_ref()
+    }
+
+    /// Draws one frame that is missing from the history of a recipe's tiles, or else their picture. Returns `None` if
+    /// progress need not be shown yet.
+    fn replay(&mut self, recipe: Recipe) -> Option<&Compared> {
+        let known = self.results.as_mut()?;
+        let step = self.moving.step(&known.request, &recipe)?;
+        let of_recipe = known.tiles.iter_mut().filter(|tile| tile.recipe == recipe && tile.file.is_none());
+        let is_shown = match step {
+            MovingStep::Drawn(progress) => {
+                of_recipe.for_each(|tile| tile.replay = Some(progress));
+                progress.done.is_multiple_of(checkpoints::SPACING)
+            }
+            MovingStep::Complete(drawn) => {
+                of_recipe.for_each(|tile| {
+                    (tile.picture, tile.replay, tile.measured) = (drawn.picture.clone(), None, None);
+                });
+                known.difference = difference_of(&known.request, &known.tiles, None);
+                true
+            }
+        };
+        self.results.as_ref().filter(|_| is_shown)
     }
 
     /// Computes the error metrics of the region in every tile, which is cheap, and marks the results complete.
@@ -227,6 +199,17 @@ impl Comparer {
     }
 
     fn drawn(&mut self, request: &CompareRequest, recipe: Recipe) -> TileResult {
+        if let Some(MovingPicture { picture, drawn_share, replay }) = self.moving.draw(request, &recipe) {
+            return TileResult {
+                recipe,
+                file: None,
+                picture,
+                drawn_share,
+                replay,
+                measured: None,
+                region_figures: None,
+            };
+        }
         let CompareRequest { scene, camera, viewport, .. } = request;
         let frame = self.renderer.render_converged(scene, camera, &recipe, *viewport);
         let tile = TileResult {
@@ -234,6 +217,7 @@ impl Comparer {
             file: None,
             picture: Arc::new(frame.image().clone()),
             drawn_share: frame.drawn_share(),
+            replay: None,
             measured: None,
             region_figures: None,
         };
@@ -276,6 +260,7 @@ fn of_file(recipe: Recipe, file: &Arc<OpenedPicture>) -> TileResult {
         file: Some(file.clone()),
         picture: file.shown.clone(),
         drawn_share: 1.0,
+        replay: None,
         measured: None,
         region_figures: None,
     }
@@ -284,6 +269,16 @@ fn of_file(recipe: Recipe, file: &Arc<OpenedPicture>) -> TileResult {
 /// Returns `recipe` without the settings that do not affect its reference: upscaler and wireframe.
 fn reference_recipe(recipe: Recipe) -> Recipe {
     Recipe { upscaler: Upscaling::NATIVE, wireframe: false, ..recipe }
+}
+
+/// Computes the requested difference of the first two tiles, reusing that of `old` if it has the same pictures.
+fn difference_of(request: &CompareRequest, tiles: &[TileResult], old: Option<&Compared>) -> Option<DifferenceImage> {
+    let (kind, [a, b, ..]) = (request.difference?, tiles) else { return None };
+    let kept = old.filter(|old| {
+        let pictures = old.tiles.iter().take(2).map(|tile| &tile.picture);
+        pictures.zip([a, b]).all(|(old, new)| Arc::ptr_eq(old, &new.picture))
+    });
+    differing(kind, kept.and_then(|old| old.difference.as_ref()), a, b)
 }
 
 /// Computes the difference of two tiles, reusing known values if only the gain has changed. Returns `None` if the
@@ -311,7 +306,11 @@ fn differing(
 mod tests {
     use super::*;
     use crate::chain::run;
+    use crate::measure::reference::Reference;
+    use crate::measure::region::PixelRegion;
+    use crate::pipeline::viewport::Viewport;
     use crate::scene::SceneSource;
+    use crate::ui::compare::files::ComparedFiles;
 
     fn request(methods: &[(&str, u32)]) -> CompareRequest {
         let scene = SceneSource::named("triangle".into()).load().unwrap().scene;
@@ -322,6 +321,7 @@ mod tests {
         CompareRequest {
             camera: scene.home,
             scene: Arc::new(scene),
+            sequence: None,
             viewport: Viewport { width: 48, height: 32 },
             recipes: methods.iter().map(recipe).collect(),
             files: ComparedFiles::default(),

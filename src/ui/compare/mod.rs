@@ -15,6 +15,10 @@ pub mod files;
 
 pub(crate) mod files_panel;
 
+mod moving;
+
+mod request;
+
 mod stored;
 
 mod tile_set;
@@ -317,6 +321,7 @@ impl Session {
         self.features.comparison.is_on().then(|| CompareRequest {
             scene: self.scene.clone(),
             camera: self.state.camera,
+            sequence: self.shot_frame(),
             viewport: self.viewport(),
             recipes: tiles.map(|tile| self.state.tiles.recipe(tile, self.state.recipe)).collect(),
             files: self.features.comparison.files(&self.state.tiles),

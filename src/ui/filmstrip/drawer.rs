@@ -64,6 +64,7 @@ mod tests {
         drawer.set(Some(CompareRequest {
             camera: scene.home,
             scene: Arc::new(scene),
+            sequence: None,
             viewport: Viewport { width: 32, height: 24 },
             recipes: recipes.clone(),
             files: ComparedFiles::default(),

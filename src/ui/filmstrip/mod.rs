@@ -104,6 +104,7 @@ impl Session {
         self.features.filmstrip.is_shown.then(|| CompareRequest {
             scene: self.scene.clone(),
             camera: self.state.camera,
+            sequence: None,
             viewport: self.viewport(),
             recipes: compare::methods(self.features.filmstrip.scale)
                 .map(|upscaler| Recipe { upscaler, ..self.state.recipe })

@@ -97,12 +97,10 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
             viewport.width,
             viewport.height,
             motion(session, measured.turn),
-            session
-                .features
-                .timings
-                .noise()
-                .map(|noise| format!(" · noise floor {}", noise.words()))
-                .unwrap_or_default()
+            session.features.timings.noise().map_or(
+                " · times of single frames, not ranked yet".to_owned(),
+                |noise| format!(" · noise floor {}", noise.words())
+            )
         ),
         (Some(_), false) => {
             "Measured with a different scene, view, size or setting; measure again to update".to_owned()
@@ -161,12 +159,14 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         // Takes all of the available height, so that the canvas keeps its size, and so does a picture that has the size
         // of the canvas.
         ui.set_min_height(ui.available_height());
-        empty_state(
-            ui,
-            Icon::ChartScatter,
-            "No measurement yet",
-            "“Measure error and time” measures every upscaler on the current scene, view and size.",
-        );
+        let (title, text) = match session.features.tasks.measuring {
+            None => (
+                "No measurement yet",
+                "“Measure error and time” measures every upscaler on the current scene, view and size.",
+            ),
+            Some(_) => ("Measuring…", "The reference is drawn first, then one frame of every upscaler."),
+        };
+        empty_state(ui, Icon::ChartScatter, title, text);
         return;
     }
     ui.horizontal_top(|ui| {
@@ -261,9 +261,14 @@ fn is_in_motion(session: &Session) -> bool {
     session.features.timings.measurement_request().is_some_and(|measured| !measured.turn.is_still())
 }
 
-/// Returns the colour of a point: that of its method on the Pareto front, and grey elsewhere.
+/// Whether a point is on the Pareto front.
+fn is_on_front(point: &TradeOff) -> bool {
+    point.standing == Some(Standing::Front)
+}
+
+/// Returns the colour of a point: that of its method on the Pareto front and before the first round, and grey elsewhere.
 fn color(ui: &Ui, point: &TradeOff) -> Color32 {
-    if point.standing == Standing::Front { method_color(ui, point.upscaling) } else { tokens(ui).border }
+    if is_on_front(point) || point.standing.is_none() { method_color(ui, point.upscaling) } else { tokens(ui).border }
 }
 
 /// Returns the plot with its axes, but without points.
@@ -316,8 +321,7 @@ fn budget(ui: &Ui, transform: &PlotTransform, header: Rect, session: &Session, c
 fn label_points(ui: &Ui, points: &[PlacedPoint<'_>], session: &Session, frame: Rect, budget_x: f32) {
     let hovered = session.features.timings.list.hovered();
     let is_hovered = |placed: &&PlacedPoint<'_>| hovered == Some(placed.point.upscaling);
-    let is_on_front = |placed: &&PlacedPoint<'_>| placed.point.standing == Standing::Front;
-    let of_front = points.iter().filter(|placed| is_on_front(placed) && !is_hovered(placed));
+    let of_front = points.iter().filter(|placed| is_on_front(placed.point) && !is_hovered(placed));
     let color = tokens(ui).text;
     let layout = |placed: &PlacedPoint<'_>| {
         let font = FontId::proportional(font_size::SMALL);
@@ -355,8 +359,7 @@ fn clicked_point(ui: &Ui, points: &[PlacedPoint<'_>]) -> Option<Upscaling> {
 
 /// Returns the Pareto front as separate line segments, because the plot would fill the corners of a single polyline.
 fn front(points: &[TradeOff], lane: f64) -> Vec<Line<'static>> {
-    let mut best: Vec<_> =
-        points.iter().filter(|point| point.standing == Standing::Front).map(|p| place(p, lane)).collect();
+    let mut best: Vec<_> = points.iter().filter(|point| is_on_front(point)).map(|point| place(point, lane)).collect();
     best.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let mut corners: Vec<[f64; 2]> = Vec::new();
     for point in best {
@@ -374,5 +377,7 @@ fn draw(plot: &mut PlotUi<'_>, point: &TradeOff, lane: f64, color: Color32) {
     let bar = vec![[point.ms.p10.log10(), at[1]], [point.ms.p90.log10(), at[1]]];
     let name = point.upscaling.label();
     plot.line(Line::new(name.clone(), PlotPoints::from(bar)).color(color.gamma_multiply(0.6)).allow_hover(false));
-    plot.points(Points::new(name, PlotPoints::from(vec![at])).color(color).radius(5.0));
+    // A ring marks a provisional time.
+    let is_filled = point.standing.is_some();
+    plot.points(Points::new(name, PlotPoints::from(vec![at])).color(color).radius(5.0).filled(is_filled));
 }

@@ -1,13 +1,15 @@
 //! Drawing the frames before the shown one again, so that its history is that of the scene's motion and not that of the
 //! frames that happened to be shown.
 //!
-//! Playback and single steps forwards continue the history of the frame on screen. After a jump, a step backwards or a
-//! change of the settings, the worker first shows the frame with the history at hand, and then draws all frames from
-//! frame 0 on. It draws one frame per step, so that newer requests do not wait.
+//! Playback and single steps forwards continue the history of the frame on screen. Steps backwards continue from the
+//! nearest checkpoint. After a long jump or a change of the settings, the worker first shows the frame with the history at
+//! hand, and then draws the frames from the nearest checkpoint or frame 0 on. It draws one frame per step, so that newer
+//! requests do not wait.
 
 use std::time::{Duration, Instant};
 
 use crate::chain::{Frame, KeepDepth, Renderer};
+use crate::measure::checkpoints::Checkpoints;
 use crate::measure::shot::ShotRenderer;
 use crate::ui::engine::Request;
 
@@ -62,16 +64,15 @@ struct Replay {
 
 impl Replay {
     fn new(request: Request, number: u32) -> Option<Self> {
-        let renderer = ShotRenderer::new(request.sequence.as_ref()?.shot.clone(), request.recipe, request.viewport);
+        let renderer = ShotRenderer::new(request.shot_inputs()?);
         Some(Self { request, number, renderer, since: Instant::now(), is_cancelled: false })
     }
 
     /// Replaces the request by one for the same or a later frame of the same sequence. Returns `false` for any other
     /// request.
     fn continue_to(&mut self, request: &Request, number: u32) -> bool {
-        let is_same_shot = request.sequence.as_ref().is_some_and(|frame| frame.shot.is_same(self.renderer.shot()));
-        let is_same_recipe = (request.recipe, request.viewport) == (self.request.recipe, self.request.viewport);
-        let continues = is_same_shot && is_same_recipe && number >= self.renderer.history_frames();
+        let is_same = request.shot_inputs().is_some_and(|inputs| inputs.is_same(self.renderer.inputs()));
+        let continues = is_same && number >= self.renderer.history_frames();
         if continues {
             self.is_cancelled &= number == self.number;
             (self.request, self.number) = (request.clone(), number);
@@ -113,15 +114,20 @@ impl Replayer {
         self.replay.as_ref().is_some_and(|replay| !replay.is_cancelled)
     }
 
+    /// Returns the progress if frames are missing.
+    pub(crate) fn progress(&self) -> Option<ReplayProgress> {
+        self.replay.as_ref().filter(|replay| !replay.is_cancelled).map(|replay| replay.progress())
+    }
+
     /// Whether drawing has begun and frames are missing.
     pub(crate) fn has_begun(&self) -> bool {
         self.has_work() && self.replay.as_ref().is_some_and(|replay| replay.renderer.history_frames() > 0)
     }
 
-    /// Draws one frame. Returns `None` if none is missing.
-    pub(crate) fn step(&mut self) -> Option<ReplayStep> {
+    /// Draws one frame, from the nearest checkpoint on, and saves checkpoints. Returns `None` if none is missing.
+    pub(crate) fn step(&mut self, checkpoints: &mut Checkpoints) -> Option<ReplayStep> {
         let replay = self.replay.as_mut().filter(|replay| !replay.is_cancelled)?;
-        if replay.renderer.warm_up(replay.number) {
+        if checkpoints.warm_up(&mut replay.renderer, replay.number) {
             let is_slow = replay.since.elapsed() > SLOW;
             return Some(if is_slow { ReplayStep::Slow(replay.progress()) } else { ReplayStep::Drawn });
         }
@@ -137,6 +143,7 @@ mod tests {
 
     use super::*;
     use crate::chain::Recipe;
+    use crate::image::{Image, Rgba8};
     use crate::inspect::Buffer;
     use crate::measure::shot::{CameraMotion, Shot, ShotFrame};
     use crate::pipeline::viewport::Viewport;
@@ -172,9 +179,11 @@ mod tests {
     fn a_later_frame_continues_and_an_earlier_one_starts_again() {
         let requests = requests(5);
         let mut replayer = Replayer::default();
-        let drawn = |replayer: &mut Replayer, steps: usize| {
+        // Without memory, no checkpoint shortens a replay.
+        let none = &mut Checkpoints::within(0);
+        let mut drawn = |replayer: &mut Replayer, steps: usize| {
             (0..steps)
-                .map(|_| replayer.step())
+                .map(|_| replayer.step(none))
                 .all(|step| matches!(step, Some(ReplayStep::Drawn | ReplayStep::Slow(_))))
         };
         replayer.set(&requests[3]);
@@ -182,48 +191,77 @@ mod tests {
         assert!(drawn(&mut replayer, 2) && replayer.has_begun());
         replayer.set(&requests[4]);
         assert!(drawn(&mut replayer, 2), "frames 2 and 3 are missing");
-        let Some(ReplayStep::Complete(replayed)) = replayer.step() else { panic!("frame 4 is complete") };
+        let Some(ReplayStep::Complete(replayed)) = replayer.step(&mut Checkpoints::within(0)) else {
+            panic!("frame 4 is complete")
+        };
         assert_eq!(replayed.request.sequence.map(|frame| frame.number), Some(4));
-        assert!(!replayer.has_work() && replayer.step().is_none());
+        assert!(!replayer.has_work() && replayer.step(&mut Checkpoints::within(0)).is_none());
         replayer.set(&requests[3]);
-        assert!(drawn(&mut replayer, 3) && matches!(replayer.step(), Some(ReplayStep::Complete(_))));
+        assert!(drawn(&mut replayer, 3));
+        assert!(matches!(replayer.step(&mut Checkpoints::within(0)), Some(ReplayStep::Complete(_))));
     }
 
     #[test]
     fn a_cancelled_replay_rests_until_another_frame_is_requested() {
         let requests = requests(4);
         let mut replayer = Replayer::default();
+        let checkpoints = &mut Checkpoints::within(usize::MAX);
         replayer.set(&requests[2]);
-        assert!(matches!(replayer.step(), Some(ReplayStep::Drawn | ReplayStep::Slow(_))));
+        assert!(matches!(replayer.step(checkpoints), Some(ReplayStep::Drawn | ReplayStep::Slow(_))));
         replayer.cancel();
         replayer.set(&Request { pick: Some((1, 2)), ..requests[2].clone() });
-        assert!(!replayer.has_work() && replayer.step().is_none());
+        assert!(!replayer.has_work() && replayer.step(checkpoints).is_none());
         replayer.set(&requests[3]);
-        assert!(replayer.has_work() && replayer.step().is_some());
+        assert!(replayer.has_work() && replayer.step(checkpoints).is_some());
     }
 
-    #[test]
-    fn the_engine_continues_consecutive_frames_and_adopts_replayed_ones() {
-        let requests = requests(4);
-        let mut shown = Engine::default();
-        let consecutive: Vec<_> = requests.iter().map(|request| shown.answer(request.clone())).collect();
-        assert!(consecutive.iter().all(|view| !view.needs_replay));
-        let mut engine = Engine::default();
-        let jumped = engine.answer(requests[2].clone());
-        assert!(jumped.needs_replay && jumped.frame.image() != consecutive[2].frame.image());
+    /// Answers a request, and replays until its frame has the history of its sequence. Returns the picture, and whether a
+    /// replay was necessary.
+    fn shown(engine: &mut Engine, request: &Request) -> (Image<Rgba8>, bool) {
+        let view = engine.answer(request.clone());
+        if !view.needs_replay {
+            return (view.frame.image().clone(), false);
+        }
         let mut replayer = Replayer::default();
-        replayer.set(&requests[2]);
-        let replayed = std::iter::from_fn(|| replayer.step()).find_map(|step| match step {
+        replayer.set(request);
+        let replayed = std::iter::from_fn(|| replayer.step(&mut engine.checkpoints)).find_map(|step| match step {
             ReplayStep::Complete(replayed) => Some(replayed),
             ReplayStep::Drawn | ReplayStep::Slow(_) => None,
         });
         engine.adopt(*replayed.unwrap());
-        for number in [2, 3] {
-            let view = engine.answer(requests[number].clone());
-            assert!(!view.needs_replay && view.frame.image() == consecutive[number].frame.image(), "frame {number}");
+        (engine.answer(request.clone()).frame.image().clone(), true)
+    }
+
+    #[test]
+    fn the_engine_shows_the_history_of_all_frames_in_both_directions_without_replays() {
+        let requests = requests(40);
+        let mut engine = Engine::default();
+        let consecutive: Vec<_> = requests.iter().map(|request| shown(&mut engine, request)).collect();
+        assert!(consecutive.iter().all(|(_, is_replayed)| !is_replayed));
+        for number in (0..40).rev().chain([1, 2, 3, 2, 1, 39]) {
+            let (picture, is_replayed) = shown(&mut engine, &requests[number]);
+            assert!(!is_replayed && picture == consecutive[number].0, "frame {number}");
         }
-        let picked = engine.answer(Request { pick: Some((3, 4)), ..requests[3].clone() });
+        let picked = engine.answer(Request { pick: Some((3, 4)), ..requests[39].clone() });
         assert!(!picked.needs_replay && !picked.fresh);
-        assert!(engine.answer(requests[1].clone()).needs_replay, "a step backwards");
+        let other = |request: &Request| Request {
+            recipe: Recipe { upscaler: Upscaling::new("fsr2", 2).unwrap(), ..request.recipe },
+            ..request.clone()
+        };
+        assert!(engine.answer(other(&requests[38])).needs_replay, "other settings have no checkpoints");
+    }
+
+    #[test]
+    fn the_engine_adopts_replayed_frames_and_continues_them() {
+        let requests = requests(20);
+        let mut consecutive = Engine::default();
+        let expected: Vec<_> = requests.iter().map(|request| shown(&mut consecutive, request).0).collect();
+        let mut engine = Engine::default();
+        let jumped = engine.answer(requests[17].clone());
+        assert!(jumped.needs_replay && *jumped.frame.image() != expected[17]);
+        for (number, is_replayed) in [(17, true), (18, false), (17, false), (16, false), (3, false), (19, false)] {
+            let expected = (expected[number].clone(), is_replayed);
+            assert!(shown(&mut engine, &requests[number]) == expected, "frame {number}");
+        }
     }
 }

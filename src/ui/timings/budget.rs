@@ -109,7 +109,7 @@ mod tests {
             upscaling: Upscaling::new(id, 2).unwrap(),
             ms: summarize(&[ms]).unwrap(),
             error: MethodError { still, motion: MotionError::of(&[still]).unwrap() },
-            standing: Standing::Front,
+            standing: Some(Standing::Front),
             metric: Metric::Flip,
             native_within_noise: false,
         }

@@ -19,8 +19,9 @@ pub(crate) struct TradeOff {
     pub(crate) error: MethodError,
     /// Metric by which upscalers are ranked.
     pub(crate) metric: Metric,
-    /// Position relative to the Pareto front of frame time and mean error.
-    pub(crate) standing: Standing<Upscaling>,
+    /// Position relative to the Pareto front of frame time and mean error; `None` before the first round is complete, when
+    /// the time is provisional.
+    pub(crate) standing: Option<Standing<Upscaling>>,
     /// Whether the frame time differs from that of native rendering by no more than the noise.
     pub(crate) native_within_noise: bool,
 }
@@ -38,27 +39,27 @@ impl TradeOff {
 }
 
 impl Timings {
-    /// Returns every upscaler of the measurement whose time and error are known. Empty before the first round is
-    /// complete.
+    /// Returns every upscaler of the measurement whose time and error are known. Before the first round is complete, the
+    /// time is that of a single frame, and the upscalers are not ranked.
     pub(crate) fn tradeoff(&self) -> Vec<TradeOff> {
-        let Some(noise) = self.noise else { return Vec::new() };
-        let known = self
-            .errors
-            .iter()
-            .filter_map(|(upscaling, error)| Some((*upscaling, summarize(self.measured.get(upscaling)?)?, *error)));
+        let times = |upscaling: &Upscaling| match self.noise {
+            Some(_) => summarize(self.measured.get(upscaling)?),
+            None => summarize(&[*self.first_ms.get(upscaling)?]),
+        };
+        let known = self.errors.iter().filter_map(|(upscaling, error)| Some((*upscaling, times(upscaling)?, *error)));
         let known: Vec<_> = known.collect();
         let metric = self.metric_in_use();
         let points: Vec<_> = known.iter().map(|(_, ms, error)| (ms.median, mean_error(error, metric))).collect();
-        let point =
-            |((upscaling, ms, error), standing): (&(Upscaling, Summary, MethodError), Standing<usize>)| TradeOff {
-                upscaling: *upscaling,
-                ms: *ms,
-                error: *error,
-                metric,
-                standing: standing.map(|other| known[other].0),
-                native_within_noise: self.is_within_noise_of_native(*upscaling),
-            };
-        known.iter().zip(standings(&points, &noise)).map(point).collect()
+        let standings = self.noise.map(|noise| standings(&points, &noise));
+        let point = |(place, (upscaling, ms, error)): (usize, &(Upscaling, Summary, MethodError))| TradeOff {
+            upscaling: *upscaling,
+            ms: *ms,
+            error: *error,
+            metric,
+            standing: standings.as_ref().map(|standings| standings[place].map(|other| known[other].0)),
+            native_within_noise: self.is_within_noise_of_native(*upscaling),
+        };
+        known.iter().enumerate().map(point).collect()
     }
 
     /// Returns the metric that ranks the upscalers: the chosen one, or FLIP if the measurement lacks it.

@@ -12,6 +12,7 @@ use crate::measure::pair::PairTimes;
 use crate::ui::command::Command;
 use crate::ui::format;
 use crate::ui::manual::manual_button;
+use crate::ui::scene_time::replay::ReplayProgress;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, font_size, space, tokens};
 use crate::ui::window_task::DialogCommand;
@@ -143,6 +144,12 @@ fn figures(ui: &mut Ui, session: &Session, chosen: &mut Vec<WhatIfChange>) {
         }
     }
     ui.separator();
+    if let Some(ReplayProgress { done, of }) = found.replay {
+        let help = "A and B have the history of the frames that were shown, until the frames before this one are drawn";
+        let words = format!("History of the frames shown, drawing frame {done} of {of} …");
+        ui.label(RichText::new(words).color(tokens(ui).text_weak)).on_hover_text(help);
+        ui.separator();
+    }
     error(ui, found);
     ui.separator();
     match &found.times {

@@ -5,10 +5,12 @@ use std::sync::Arc;
 
 use crate::image::{Image, Rgba8};
 use crate::inspect::what_if::Changes;
+use crate::measure::checkpoints;
 use crate::measure::error::{ImageError, compare};
 use crate::measure::motion::{FrameSequence, Turn};
 use crate::measure::pair::{PairTimer, PairTimes};
-use crate::ui::engine::{Engine, RenderedView, Request, Shown};
+use crate::ui::engine::{CHECKPOINT_BYTES, Engine, RenderedView, Request, Shown};
+use crate::ui::scene_time::replay::{ReplayProgress, ReplayStep, Replayer};
 
 /// Number of measured rounds, each of which times A and B.
 pub(crate) const ROUNDS: usize = 15;
@@ -40,6 +42,8 @@ pub(crate) struct WhatIfResults {
     pub(crate) marked: RenderedView,
     /// Pixels at which the shown quantity differs between A and B.
     pub(crate) changes: Arc<Changes>,
+    /// Progress of drawing the frames before that of A or B, whose history the picture lacks; `None` if no frame is missing.
+    pub(crate) replay: Option<ReplayProgress>,
     /// Error between the final pictures of A and B, once computed.
     pub(crate) error: Option<ImageError>,
     /// Frame times with and without the change, once measured.
@@ -47,21 +51,36 @@ pub(crate) struct WhatIfResults {
 }
 
 /// Renderer of the most recent what-if request.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Drawer {
     engines: [Engine; 2],
+    /// Replays of the frames before those of A and B.
+    replayers: [Replayer; 2],
     results: Option<WhatIfResults>,
     timer: Option<PairTimer>,
     begun: bool,
+}
+
+impl Default for Drawer {
+    fn default() -> Self {
+        Self {
+            engines: [(); 2].map(|()| Engine::with_checkpoints_within(CHECKPOINT_BYTES / 2)),
+            replayers: Default::default(),
+            results: None,
+            timer: None,
+            begun: false,
+        }
+    }
 }
 
 impl Drawer {
     /// Draws A and B, reusing earlier results, and finds their differences. Returns `None` if they cannot be compared.
     pub(crate) fn start(&mut self, request: WhatIfRequest) -> Option<&WhatIfResults> {
         self.begun = false;
-        let [a, b] = &mut self.engines;
-        let (mut before, after) =
-            (render_converged(a, request.before.clone()), render_converged(b, request.after.clone()));
+        let ([a, b], [replay_a, replay_b]) = (&mut self.engines, &mut self.replayers);
+        let mut before = render_converged(a, replay_a, request.before.clone());
+        let after = render_converged(b, replay_b, request.after.clone());
+        let replay = self.replay_progress();
         let old = self.results.take();
         let kept = old.filter(|old| {
             Arc::ptr_eq(&old.before.frame, &before.frame)
@@ -74,7 +93,7 @@ impl Drawer {
                 RenderedView { picture: old.before.picture, ..before },
                 RenderedView { picture: old.marked.picture, ..after },
             );
-            return Some(self.results.insert(WhatIfResults { request, before, marked, ..old }));
+            return Some(self.results.insert(WhatIfResults { request, before, marked, replay, ..old }));
         }
         let changes = changes(&before, &after)?;
         if let Some(picture) = with_range_of(&before, &after) {
@@ -87,14 +106,19 @@ impl Drawer {
             before,
             marked,
             changes: Arc::new(changes),
+            replay,
             error: None,
             times: None,
         }))
     }
 
-    /// Runs one more step of measuring the error or the frame times. Returns `None` if there is no new result yet.
+    /// Draws one frame that is missing from the history of A or B, or runs one more step of measuring the error or the frame
+    /// times. Returns `None` if there is no new result yet.
     pub(crate) fn step(&mut self) -> Option<&WhatIfResults> {
         self.begun = true;
+        if let Some(place) = self.replayers.iter().position(Replayer::has_work) {
+            return self.replay(place);
+        }
         let known = self.results.as_mut()?;
         if known.error.is_none() {
             known.error = compare(known.before.frame.image(), known.marked.frame.image());
@@ -107,9 +131,32 @@ impl Drawer {
         self.results.as_ref()
     }
 
+    /// Draws one frame that is missing from the history of A (`place` is 0) or B (1), or else their pictures. Returns `None`
+    /// if progress need not be shown yet.
+    fn replay(&mut self, place: usize) -> Option<&WhatIfResults> {
+        let engine = &mut self.engines[place];
+        match self.replayers[place].step(&mut engine.checkpoints)? {
+            ReplayStep::Complete(replayed) => {
+                engine.adopt(*replayed);
+                let request = self.results.as_ref()?.request.clone();
+                self.start(request)?;
+                self.begun = true;
+            }
+            ReplayStep::Slow(progress) if progress.done.is_multiple_of(checkpoints::SPACING) => {
+                self.results.as_mut()?.replay = Some(progress);
+            }
+            ReplayStep::Slow(_) | ReplayStep::Drawn => return None,
+        }
+        self.results.as_ref()
+    }
+
+    fn replay_progress(&self) -> Option<ReplayProgress> {
+        self.replayers.iter().find_map(Replayer::progress)
+    }
+
     /// Whether any result is missing.
     pub(crate) fn has_work(&self) -> bool {
-        self.results.is_some() && self.timer.is_some()
+        self.results.is_some() && (self.timer.is_some() || self.replay_progress().is_some())
     }
 
     /// Whether computing the missing results has begun.
@@ -123,11 +170,17 @@ impl Drawer {
     }
 }
 
-/// Draws frames until the view has converged, and returns it.
-fn render_converged(engine: &mut Engine, request: Request) -> RenderedView {
-    let mut view = engine.answer(Request { is_replayed: false, ..request });
+/// Draws frames until the view has converged, and returns it. In a scene in motion, draws one frame, and passes it to
+/// `replayer` if frames are missing from its history.
+fn render_converged(engine: &mut Engine, replayer: &mut Replayer, request: Request) -> RenderedView {
+    let mut view = engine.answer(request);
     while view.is_unconverged() {
         view = engine.answer(view.request);
+    }
+    if view.needs_replay {
+        replayer.set(&view.request);
+    } else {
+        replayer.clear();
     }
     view
 }

@@ -2,10 +2,14 @@ use std::sync::Arc;
 
 use super::drawer::Drawer;
 use super::*;
+use crate::chain::KeepDepth;
 use crate::inspect::Buffer;
+use crate::measure::error::compare;
+use crate::measure::shot::ShotRenderer;
 use crate::scene::SceneSource;
 use crate::ui::command::Command;
 use crate::ui::engine::{Engine, Shown};
+use crate::ui::scene_time::SceneTimeChange;
 use crate::ui::session::PictureSize;
 
 fn session(scene: &str) -> Session {
@@ -170,5 +174,31 @@ fn changed_pixels_are_marked_only_in_their_view_and_not_while_a_is_held() {
     for show in [Show::Changed, Show::Before, Show::After] {
         session.apply(Command::WhatIf(WhatIfChange::Show(show)));
         assert!(session.features.what_if.marked_changes(&view, false).is_none(), "{show:?}");
+    }
+}
+
+#[test]
+fn in_a_scene_in_motion_both_pictures_have_the_history_of_all_frames() {
+    let mut session = session("chess-motion");
+    set(&mut session, "upscaler.method=taa");
+    set(&mut session, "upscaler.method=fsr2");
+    let mut drawer = Drawer::default();
+    for number in [20, 21, 12] {
+        session.apply(Command::SceneTime(SceneTimeChange::Go(number)));
+        let request = session.what_if_request().unwrap();
+        let mut found = drawer.start(request.clone()).cloned().unwrap();
+        assert_eq!(found.replay.is_some(), number == 20, "frame 21 continues, frame 12 is near a checkpoint");
+        while found.error.is_none() {
+            found = drawer.step().cloned().unwrap_or(found);
+        }
+        assert!(found.replay.is_none());
+        let picture = |request: &Request| {
+            let frame = ShotRenderer::new(request.shot_inputs().unwrap()).draw(number as u32, KeepDepth::No);
+            frame.image().clone()
+        };
+        let (before, after) = (picture(&request.before), picture(&request.after));
+        assert!(*found.before.frame.image() == before && *found.marked.frame.image() == after, "frame {number}");
+        assert_eq!(found.error, compare(&before, &after));
+        assert_eq!(found.changes.count, Changes::of_pictures(&before, &after).unwrap().count);
     }
 }

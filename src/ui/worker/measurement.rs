@@ -1,8 +1,12 @@
 //! Measurement of all upscalers in small steps: frame times in rounds, errors of a still view, and errors in motion
 //! over the frames that are timed.
+//!
+//! First, the error of one frame of every upscaler is measured, at rest and in motion, together with the time of this
+//! frame, so that all upscalers have a provisional result soon. Upscalers without history are first, because the others
+//! draw many frames before. Then rounds and further errors take turns.
 
 use super::WorkerResponse;
-use crate::chain::Recipe;
+use crate::chain::{Frame, Recipe};
 use crate::measure::against::ErrorMetrics;
 use crate::measure::metric::Metric;
 use crate::measure::motion::{ErrorMeasurement, FrameSequence, MotionError, Turn};
@@ -54,8 +58,9 @@ pub(super) struct Measurement {
 
 impl Measurement {
     pub(super) fn new(request: Box<MeasureRequest>) -> Self {
-        let methods: Vec<_> = Upscaling::every().collect();
         let recipe = request.of.recipe;
+        let mut methods: Vec<_> = Upscaling::every().collect();
+        methods.sort_by_key(|method| (method.upscaler().reads().history, *method != recipe.upscaler));
         let timed: Vec<_> = methods.iter().map(|upscaler| Recipe { upscaler: *upscaler, ..recipe }).collect();
         let judge = || {
             let drawn = timed.iter().map(|recipe| Recipe { wireframe: false, ..*recipe });
@@ -95,8 +100,8 @@ impl Measurement {
         (timed.0 + judged.0) as f32 / (timed.1 + judged.1).max(1) as f32
     }
 
-    /// Draws at most one frame, to measure either its time or its error. Chooses the measurement that has progressed
-    /// less, so that both advance evenly.
+    /// Draws at most one frame, to measure either its time or its error. After the first error of every upscaler, chooses
+    /// the measurement that has progressed less, so that both advance evenly.
     pub(super) fn step(&mut self) -> Option<WorkerResponse> {
         if self.reported < self.timer.rounds() {
             self.reported = self.timer.rounds();
@@ -104,7 +109,9 @@ impl Measurement {
             return Some(WorkerResponse::Noise { of: self.number(), noise });
         }
         let (timed, judged) = (self.timer.progress(), self.measured_frames());
-        if judged.0 * timed.1 < timed.0 * judged.1 || timed.0 >= timed.1 {
+        let has_first_errors = self.at_rest.is_complete(Turn::STILL)
+            && self.in_motion.as_ref().is_none_or(|judge| judge.measured_frames() >= self.methods.len());
+        if !has_first_errors || judged.0 * timed.1 < timed.0 * judged.1 || timed.0 >= timed.1 {
             return self.measure_error();
         }
         let Request { scene, camera, viewport, .. } = &self.request.of;
@@ -118,14 +125,20 @@ impl Measurement {
         })
     }
 
-    /// Draws at most one frame, either of an upscaler or of its reference, to measure the error.
+    /// Draws at most one frame, either of an upscaler or of its reference, to measure the error. Errors at rest and of the
+    /// first frame in motion alternate.
     fn measure_error(&mut self) -> Option<WorkerResponse> {
         let Request { scene, camera, viewport, .. } = &self.request.of;
         let shot = FrameSequence { scene, camera, viewport: *viewport, turn: self.request.turn };
         let still = FrameSequence { turn: Turn::STILL, ..shot };
+        let mut milliseconds = 0.0;
+        let look = |_, frame: &Frame, _| milliseconds = frame.times.total.as_secs_f64() * 1e3;
+        let at_rest = self.at_rest.measured_frames();
         let method = match &mut self.in_motion {
-            Some(judge) if self.at_rest.is_complete(Turn::STILL) => judge.step(&shot, |_, _, _| ())?,
-            _ => self.at_rest.step(&still, |_, _, _| ())?,
+            Some(judge) if judge.measured_frames() < at_rest || self.at_rest.is_complete(Turn::STILL) => {
+                judge.step(&shot, look)?
+            }
+            _ => self.at_rest.step(&still, look)?,
         };
         let at_rest = self.at_rest.error(method)?;
         let motion = self.in_motion.as_ref().map_or(Some(at_rest), |judge| judge.error(method))?;
@@ -133,6 +146,7 @@ impl Measurement {
             of: self.number(),
             upscaling: self.methods[method],
             error: Box::new(MethodError { still: at_rest.mean, motion }),
+            milliseconds,
             progress: self.progress(),
         })
     }

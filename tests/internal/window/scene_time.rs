@@ -5,7 +5,7 @@ use std::sync::Arc;
 use eframe::egui::{Key, Modifiers};
 use rasterscope::chain::KeepDepth;
 use rasterscope::inspect::{Buffer, view};
-use rasterscope::measure::shot::{CameraMotion, Shot, ShotRenderer};
+use rasterscope::measure::shot::{CameraMotion, Shot, ShotInputs, ShotRenderer};
 use rasterscope::scene::{SceneSource, builtin};
 use rasterscope::ui::camera_path::CameraPathChange;
 use rasterscope::ui::command::Command;
@@ -91,7 +91,8 @@ fn a_frame_has_the_same_bits_however_it_is_reached() {
     let session = bench.session();
     let (scene, camera) = (Arc::clone(&session.scene), session.state.camera);
     let shot = Shot::from_start(scene, camera, CameraMotion::Still, 30.0);
-    let frames = |shot: Shot| ShotRenderer::new(shot, session.state.recipe, session.viewport());
+    let inputs = |shot: Shot| ShotInputs { shot, recipe: session.state.recipe, viewport: session.viewport() };
+    let frames = |shot: Shot| ShotRenderer::new(inputs(shot));
     let (mut expected, mut turned) = (frames(shot.clone()), {
         let mut camera = camera;
         camera.orbit(0.2, 0.0);
@@ -146,7 +147,8 @@ fn a_recorded_path_has_the_frames_of_its_file() {
     let path = session.features.camera_path.path();
     assert!(path.as_ref().is_some_and(|path| path.duration_s() == 2.0));
     let shot = Shot::from_start(Arc::clone(&session.scene), session.scene.home, CameraMotion::along(path), 30.0);
-    let drawn = ShotRenderer::new(shot, session.state.recipe, session.viewport()).draw(3, KeepDepth::No);
+    let inputs = ShotInputs { shot, recipe: session.state.recipe, viewport: session.viewport() };
+    let drawn = ShotRenderer::new(inputs).draw(3, KeepDepth::No);
     assert!(bench.image() == *drawn.image());
     assert_eq!(
         bench.view().frame.before.as_ref().map(|before| before.camera),

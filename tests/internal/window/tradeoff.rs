@@ -26,9 +26,9 @@ fn every_upscaler_becomes_a_point_with_its_error_against_native() {
     let native = points.iter().find(|point| point.upscaling.is_native()).expect("native is measured");
     assert_eq!(native.error.still.codes.mse, 0.0);
     // At rest, other methods have no error either; the fastest of these is on the Pareto front.
-    assert!(points.iter().any(|point| point.error.still.codes.mse == 0.0 && point.standing == Standing::Front));
+    assert!(points.iter().any(|point| point.error.still.codes.mse == 0.0 && point.standing == Some(Standing::Front)));
     for point in &points {
-        if let Standing::Beaten(by) = point.standing {
+        if let Some(Standing::Beaten(by)) = point.standing {
             let better = points.iter().find(|other| other.upscaling == by).expect("it is one of them");
             assert!(better.ms.median <= point.ms.median && better.error.still.flip <= point.error.still.flip);
         }

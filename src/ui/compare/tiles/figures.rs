@@ -7,6 +7,7 @@ use crate::measure::against::ErrorMetrics;
 use crate::ui::compare::compute::Compared;
 use crate::ui::compare::letter;
 use crate::ui::format;
+use crate::ui::scene_time::replay::ReplayProgress;
 use crate::ui::session::Session;
 use crate::ui::theme::{font_size, space, tokens};
 
@@ -61,9 +62,12 @@ pub(super) fn figures_of(ui: &Ui, index: usize, footer: Rect, compared: &Compare
         None => format!("{} of the pixels drawn", format::percent(tile.drawn_share)),
     };
     let lines = figure_lines(footer.width()) as f32 * LINE;
-    let words = match &tile.measured {
-        None => "measuring…".to_owned(),
-        Some(measured) => match &measured.figures {
+    let words = match (&tile.measured, tile.replay) {
+        (None, Some(ReplayProgress { done, of })) => {
+            format!("history of the frames shown · drawing frame {done} of {of} …")
+        }
+        (None, None) => "measuring…".to_owned(),
+        (Some(measured), _) => match &measured.figures {
             None => "not measured: this picture and the reference have different sizes".to_owned(),
             Some(figures) => draw_figures(ui, footer, figures, tokens(ui).text),
         },
@@ -80,6 +84,9 @@ pub(super) fn figures_of(ui: &Ui, index: usize, footer: Rect, compared: &Compare
     response.on_hover_ui(|ui| {
         ui.label(egui::RichText::new(tile.title()).strong());
         ui.label(&drawn);
+        if tile.replay.is_some() {
+            ui.label("The upscaler's history is that of the frames shown, until the frames before this one are drawn");
+        }
         for (figures, of) in
             [(tile.measured.as_ref().and_then(|m| m.figures), "Whole picture"), (tile.region_figures, "Region")]
         {

@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, Grid, Rect, RichText, Sense, Ui, vec2};
 
-use super::{choose, color, value_text};
+use super::{choose, color, is_on_front, value_text};
 use crate::measure::metric::Metric;
 use crate::measure::noise::WITHIN;
 use crate::pipeline::settings::Choice as _;
@@ -38,14 +38,15 @@ fn headings(metric: Metric) -> Vec<(String, String)> {
 /// Size of the dot and of the star in the column of names, in points.
 const MARK: f32 = 12.0;
 
-/// Describes in one sentence whether an upscaler lies on the Pareto front, and if not, which upscaler dominates it.
+/// Describes in one sentence whether an upscaler is ranked, whether it lies on the Pareto front, and if not, which upscaler dominates it.
 fn standing(point: &TradeOff) -> String {
     match point.standing {
-        Standing::Front => "On the Pareto front: no other upscaler is both faster and more accurate".to_owned(),
-        Standing::WithinNoise(other) => {
+        None => "Not ranked before the first round: the time is that of a single frame".to_owned(),
+        Some(Standing::Front) => "On the Pareto front: no other upscaler is both faster and more accurate".to_owned(),
+        Some(Standing::WithinNoise(other)) => {
             format!("{} has less error, and its extra time is {WITHIN}", other.label())
         }
-        Standing::Beaten(by) => format!("Dominated by {}", by.label()),
+        Some(Standing::Beaten(by)) => format!("Dominated by {}", by.label()),
     }
 }
 
@@ -104,7 +105,7 @@ fn compare_buttons(ui: &mut Ui, upscaling: Upscaling, session: &Session, command
 
 /// Returns the text colour of a row.
 fn strength(ui: &Ui, point: &TradeOff) -> egui::Color32 {
-    if point.standing == Standing::Front { tokens(ui).text } else { tokens(ui).text_weak }
+    if is_on_front(point) { tokens(ui).text } else { tokens(ui).text_weak }
 }
 
 /// Draws the name after a dot in the colour of the point, or after a star if it is the best within the budget.
