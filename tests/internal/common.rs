@@ -3,7 +3,7 @@
 use std::f32::consts::{PI, TAU};
 
 use glam::{Mat4, Vec3};
-use rasterscope::chain::{Recipe, SettingKey, ValueForm};
+use rasterscope::chain::{Recipe, SettingKey, SettingStage, ValueForm};
 use rasterscope::pipeline::clip_space::ClipVertex;
 use rasterscope::pipeline::from_clip_space;
 use rasterscope::pipeline::observe::Observer;
@@ -190,6 +190,18 @@ pub(crate) fn assignments_of(key: SettingKey) -> Vec<String> {
     };
     let words = values.words.into_iter().map(|word| word.id).chain(numbers);
     words.map(|value| format!("{}={value}", key.id())).collect()
+}
+
+/// Returns a recipe for each value of every setting that affects the drawn samples, with the other settings at their
+/// defaults. A new setting or value is included by itself.
+pub(crate) fn single_switches() -> Vec<Recipe> {
+    let keys = SettingKey::ALL.iter().copied().filter(|key| key.stage() != SettingStage::Upscale);
+    let switched = keys.flat_map(|key| {
+        let recipes: Vec<Recipe> = assignments_of(key).iter().map(|assignment| recipe(&[assignment])).collect();
+        assert!(recipes.iter().any(|recipe| *recipe != Recipe::default()), "{}", key.id());
+        recipes
+    });
+    distinct(switched)
 }
 
 /// Returns the default recipe changed by `assignments` such as `culling=none`.

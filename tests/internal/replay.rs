@@ -4,14 +4,14 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 
-use crate::internal::common::{DEPTH_BIASES, distinct, recipe, render, scenes};
+use crate::internal::common::{DEPTH_BIASES, recipe, render, scenes, single_switches};
 use rasterscope::antialias::settings::{AntialiasMethod, PostFilterKind as PostChoice};
 use rasterscope::chain::{Frame, Recipe};
 use rasterscope::inspect::buffers::Buffers;
 use rasterscope::inspect::{FragmentRecord, PixelReport, capture, inspect};
 use rasterscope::pipeline::settings::{
-    AddressMode, Arithmetic, BlendingOrder, Choice, ColorSpace, Culling, DepthBias, DepthFormat, DepthTest, FillRule,
-    Interpolation, Rasterizer, Settings, Shading, TexelFilter,
+    Arithmetic, BlendingOrder, Choice, ColorSpace, Culling, DepthBias, DepthFormat, DepthTest, FillRule, Interpolation,
+    Rasterizer, Settings,
 };
 use rasterscope::scene::{Scene, Transparency, TriangleId, builtin};
 use rasterscope::upscale::{Anchor, Upscaling};
@@ -21,33 +21,6 @@ const SIZE: (u32, u32) = (31, 23);
 
 /// Size of the pictures for long lists of recipes, smaller than [`SIZE`].
 const SIZE_OF_MANY: (u32, u32) = (15, 11);
-
-/// Returns a recipe for each value of a setting, with the other settings at their defaults.
-fn each<C: Choice>(set: fn(&mut Recipe, C)) -> impl Iterator<Item = Recipe> {
-    C::ALL.iter().map(move |choice| {
-        let mut recipe = Recipe::default();
-        set(&mut recipe, *choice);
-        recipe
-    })
-}
-
-/// Returns recipes with a single setting changed from the default.
-fn single_switches() -> Vec<Recipe> {
-    let recipes = each::<Culling>(|r, c| r.pipeline.culling = c)
-        .chain(each::<Rasterizer>(|r, c| r.pipeline.rasterizer = c))
-        .chain(each::<FillRule>(|r, c| r.pipeline.fill_rule = c))
-        .chain(each::<DepthTest>(|r, c| r.pipeline.depth_test = c))
-        .chain(each::<DepthFormat>(|r, c| r.pipeline.depth_format = c))
-        .chain(each::<Interpolation>(|r, c| r.pipeline.interpolation = c))
-        .chain(each::<Shading>(|r, c| r.pipeline.shading = c))
-        .chain(each::<TexelFilter>(|r, c| r.pipeline.filter = c))
-        .chain(each::<AddressMode>(|r, c| r.pipeline.address = c))
-        .chain(each::<ColorSpace>(|r, c| r.pipeline.color_space = c))
-        .chain(each::<BlendingOrder>(|r, c| r.pipeline.blending.order = c))
-        .chain([recipe(&["background=#d04010"]), recipe(&["background=#204060", "blending.order=exact"])])
-        .chain([false, true].map(|wireframe| Recipe { wireframe, ..Recipe::default() }));
-    distinct(recipes)
-}
 
 /// Returns a recipe for every rasterizer × arithmetic. The culling mode varies: each occurs with every rasterizer and
 /// with every arithmetic. `tests/internal/trace.rs` combines all three.
@@ -205,7 +178,9 @@ fn check_against_buffers(report: &PixelReport, frame: &Frame, buffers: &Buffers)
 
 #[test]
 fn every_pixel_replays_to_the_frame_under_every_switch() {
-    replay_all(&scenes(), &single_switches(), SIZE);
+    let on_background = recipe(&["background=#204060", "blending.order=exact"]);
+    let recipes = single_switches().into_iter().chain([on_background]).collect::<Vec<_>>();
+    replay_all(&scenes(), &recipes, SIZE);
 }
 
 #[test]

@@ -15,8 +15,8 @@ use rasterscope::image::Image;
 use rasterscope::math::lanes::Lanes;
 use rasterscope::pipeline::plan::{CullStats, DrawPlan, PipelinePart};
 use rasterscope::pipeline::settings::{
-    AddressMode, Arithmetic, Choice, ColorSpace, Culling, DepthFormat, DepthTest, DisabledOptimisation, Execution,
-    FillRule, Interpolation, Rasterizer, Shading, TexelFilter,
+    AddressMode, Choice, ColorSpace, Culling, DepthFormat, DepthTest, DisabledOptimisation, Execution, FillRule,
+    Shading, TexelFilter,
 };
 use rasterscope::pipeline::tiled;
 use rasterscope::pipeline::viewport::Viewport;
@@ -59,16 +59,9 @@ fn upscalers() -> Vec<Upscaling> {
     chosen
 }
 
-/// Returns recipes with a single setting changed from the default, and with all kinds of upscalers.
-fn single_switches() -> Vec<Recipe> {
-    let default = &[Recipe::default()];
-    let mut recipes = with::<Culling>(default, |r, c| r.pipeline.culling = c);
-    recipes.extend(with::<FillRule>(default, |r, c| r.pipeline.fill_rule = c));
-    recipes.extend(with::<Interpolation>(default, |r, c| r.pipeline.interpolation = c));
-    recipes.extend(with::<Shading>(default, |r, c| r.pipeline.shading = c));
-    recipes.extend(with::<Rasterizer>(default, |r, c| r.pipeline.rasterizer = c));
-    recipes.extend(with::<Arithmetic>(default, |r, c| r.pipeline.arithmetic = c));
-    recipes.extend(with::<DisabledOptimisation>(default, |r, c| r.pipeline.force = c));
+/// Returns [`common::single_switches`], and recipes with all kinds of upscalers and of samples.
+fn switches() -> Vec<Recipe> {
+    let mut recipes = common::single_switches();
     recipes.extend(upscalers().into_iter().map(|upscaler| Recipe { upscaler, ..Recipe::default() }));
     let settings = ["antialias.method=none", "antialias.method=multisample", "antialias.method=jittered"];
     recipes.extend(settings.map(|setting| common::recipe(&[setting, "background=#d04010"])));
@@ -203,7 +196,7 @@ fn every_scene_runs_in_tiled_execution_with_any_transparency() {
 
 #[test]
 fn every_switch_gives_the_same_picture() {
-    check_all(&single_switches());
+    check_all(&switches());
 }
 
 #[test]
