@@ -68,7 +68,7 @@ pub struct Frame {
     pub antialias: Antialiasing,
     /// Camera of the view, before it is shifted to the sample positions.
     pub(crate) camera: Camera,
-    /// Visible surfaces at full resolution; `None` unless the upscaler reads them and the depth test is on.
+    /// Visible surfaces of the rasterized pixels; `None` unless the upscaler reads them and the depth test is on.
     pub(super) surfaces: Option<Surfaces>,
     /// View of the preceding frame, from which [`Frame::motion`] computes vectors; `None` without a preceding frame. The
     /// renderer leaves it `None`: callers that draw a sequence set it.

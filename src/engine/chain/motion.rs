@@ -120,28 +120,39 @@ mod tests {
     use crate::chain::{KeepDepth, PrecedingView, Renderer};
     use crate::pipeline::settings::{Choice as _, Execution};
     use crate::scene::builtin;
-    use crate::upscale::Upscaling;
+    use crate::upscale::{Scale, Upscaling};
 
     const SIZE: Viewport = Viewport { width: 80, height: 45 };
 
     #[test]
     fn buffers_equal_the_vectors_that_upscalers_read() {
+        // At ×1.5 and ×2, samples are cut off at the right and at the bottom.
+        const ODD: Viewport = Viewport { width: 81, height: 45 };
         let scene = Arc::new(builtin::by_id("chess-motion").unwrap().build());
         let (first, second) = (scene.at(0.5), scene.at(0.6));
         let mut camera = scene.home;
         camera.orbit(0.02, 0.01);
-        for execution in Execution::ALL {
-            let upscaler = Upscaling::new("taa", 1).unwrap();
+        for (execution, scale) in
+            Execution::ALL.iter().flat_map(|execution| [1.0, 1.5, 2.0].map(|scale| (execution, scale)))
+        {
+            let upscaler = Upscaling::new("taa", Scale::from(scale)).unwrap();
             let recipe = Recipe { upscaler, execution: *execution, ..Recipe::default() };
             let mut renderer = Renderer::default();
-            let _ = renderer.render(&first, &scene.home, &recipe, SIZE, KeepDepth::No);
-            let frame = renderer.render(&second, &camera, &recipe, SIZE, KeepDepth::No);
-            let views = [(&second, &camera), (&first, &scene.home)];
-            let [now, before] = views.map(|(scene, camera)| FrameView { scene, camera });
-            let buffers = MotionBuffers::between(now, before, &recipe, SIZE).unwrap();
+            let _ = renderer.render(&first, &scene.home, &recipe, ODD, KeepDepth::No);
+            let frame = renderer.render(&second, &camera, &recipe, ODD, KeepDepth::No);
+            let cameras = [&camera, &scene.home].map(|camera| raster_camera(camera, frame.sampling, ODD, CENTRE));
+            let now = FrameView { scene: &second, camera: &cameras[0] };
+            let before = FrameView { scene: &first, camera: &cameras[1] };
+            let MotionBuffers { mut vectors, surfaces } =
+                MotionBuffers::between(now, before, &recipe, frame.raster).unwrap();
+            let drawn = [frame.raster.width, frame.raster.height].map(f64::from);
+            assert_eq!(drawn, [81.0, 45.0].map(|length: f64| (length / scale).ceil()), "×{scale}");
+            for axis in [&mut vectors.across_px, &mut vectors.down_px] {
+                axis.pixels_mut().iter_mut().for_each(|px| *px *= scale as f32);
+            }
             let shown = frame.surfaces.as_ref().unwrap();
-            assert_eq!(*shown.gbuffer, buffers.surfaces, "{execution:?}");
-            assert_eq!(**shown.motion.as_ref().unwrap(), buffers.vectors, "{execution:?}");
+            assert_eq!(*shown.gbuffer, surfaces, "{execution:?} ×{scale}");
+            assert_eq!(**shown.motion.as_ref().unwrap(), vectors, "{execution:?} ×{scale}");
         }
     }
 

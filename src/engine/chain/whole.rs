@@ -16,10 +16,9 @@ use crate::scene::Scene;
 pub enum FramePart {
     /// Rasterizing and shading every pixel of the picture.
     EveryPixel,
-    /// Drawing a full-resolution G-buffer (object and distance per pixel), unless the preceding frame had the same
-    /// view.
+    /// Drawing a G-buffer (object and distance of every rasterized pixel), unless the preceding frame had the same view.
     Surfaces,
-    /// Finding the motion of every pixel since the preceding frame.
+    /// Finding the motion of every rasterized pixel since the preceding frame.
     Motion,
     /// Giving less weight to the history of surfaces that are blended or have holes.
     ReactiveMask,

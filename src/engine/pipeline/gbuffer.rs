@@ -1,4 +1,4 @@
-//! G-buffer: the visible object of every pixel and its distance, for upscalers that read more than colours.
+//! G-buffer: the visible object of every rasterized pixel and its distance, for upscalers that read more than colours.
 
 use crate::image::{Image, Rgba8};
 

@@ -238,7 +238,7 @@ choice! {
     pub Rejection {
         FirstFrame = "first-frame", "First frame", "there is no previous frame";
         Outside = "outside", "Outside", "the surface was outside the picture of the previous frame";
-        Disoccluded = "disoccluded", "Disoccluded", "the previous frame does not show the surface";
+        Disoccluded = "disoccluded", "Disoccluded", "the previous frame does not show the surface whose motion the pixel follows";
     }
 }
 

@@ -125,8 +125,8 @@ impl Lattice {
         (index.floor() as i64, (index - index.floor()) as f32)
     }
 
-    /// Returns the two of `samples` samples between which output column or row `at` lies, and whether the second one is nearer.
-    /// Outside the image, they are its first or last sample.
+    /// Returns the two of `samples` samples between which output column or row `at` lies, and whether the second one is
+    /// closer. Outside the image, they are its first or last sample.
     pub(super) fn between(self, at: u32, samples: u32) -> ([u32; 2], bool) {
         let LatticePosition { cell, phase } = self.place(at);
         let two = [cell, cell + 1].map(|index| index.clamp(0, samples as i32 - 1) as u32);

@@ -206,7 +206,8 @@ pub(crate) const CENTRE: [f64; 2] = [0.5; 2];
 /// Inputs that an upscaler reads besides the drawn colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reads {
-    /// Whether the upscaler reads the [`GBuffer`](crate::pipeline::gbuffer::GBuffer): the visible surface of every pixel.
+    /// Whether the upscaler reads the [`GBuffer`](crate::pipeline::gbuffer::GBuffer): the visible surface of every
+    /// rasterized pixel.
     pub(crate) gbuffer: bool,
     /// Whether the upscaler reads the previous frame; requires `gbuffer`.
     pub history: bool,

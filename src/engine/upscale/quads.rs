@@ -27,6 +27,13 @@ pub(super) fn store<S: Simd>([w, x, y, z]: [f32x16<S>; 4], quads: &mut [Quad; WI
     }
 }
 
+/// Returns a number of every column, and that of the last column [`WIDE`] more times, so that a vector can be loaded from
+/// every column.
+pub(super) fn with_spare<T, N: Clone>(columns: &[T], number: impl Fn(&T) -> N) -> Vec<N> {
+    let spare = columns.last().into_iter().cycle().take(WIDE);
+    columns.iter().chain(spare).map(number).collect()
+}
+
 /// Returns the `N` values from index `at` on.
 ///
 /// # Panics

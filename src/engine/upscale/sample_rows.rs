@@ -9,7 +9,7 @@ use super::ycocg::YCoCg;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 
-/// Number of copies of the first sample of a row before it, and of the last one behind it.
+/// Number of copies of the first sample of a row before it, and of the last one after it.
 pub(super) const PAD: usize = 2;
 
 /// Three adjacent sample rows, decoded and padded.
@@ -71,7 +71,7 @@ impl DecodedRows {
     }
 }
 
-/// Combination of three numbers that stand in the same place of three runs.
+/// Combination of three numbers with the same index in three runs.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Combination {
     /// Sum with these weights.
@@ -82,49 +82,46 @@ pub(super) enum Combination {
     Greatest,
 }
 
-/// Combines the numbers of three rows, from index `from[i]` of row `i` on, and stores them in a range of `to`. Up to 15 more
-/// numbers are read and written behind the range.
+/// Combines the numbers of three runs, and stores as many as `range` has from its start on in `to`. Up to 15 more numbers
+/// are read and written after them.
 #[inline(always)]
-pub(super) fn combine<S: Simd>(
-    simd: S,
-    rows: [(&[f32], usize); 3],
-    (to, range): (&mut [f32], &Range<usize>),
-    by: Combination,
-) {
+pub(super) fn combine<S: Simd>(simd: S, runs: [&[f32]; 3], to: &mut [f32], range: &Range<usize>, by: Combination) {
+    let length = range.len().next_multiple_of(WIDE);
+    let to = &mut to[range.start..range.start + length];
     // One loop for each, with a closure that is compiled for the instruction set.
     match by {
         Combination::Weighted([u, v, w]) => combine_by(
             simd,
-            rows,
-            (to, range),
+            runs,
+            to,
             #[inline(always)]
             |a, b, c| a * u + b * v + c * w,
         ),
         Combination::Sum => combine_by(
             simd,
-            rows,
-            (to, range),
+            runs,
+            to,
             #[inline(always)]
             |a, b, c| a + b + c,
         ),
         Combination::SumOfSquares => combine_by(
             simd,
-            rows,
-            (to, range),
+            runs,
+            to,
             #[inline(always)]
             |a, b, c| a * a + b * b + c * c,
         ),
         Combination::Least => combine_by(
             simd,
-            rows,
-            (to, range),
+            runs,
+            to,
             #[inline(always)]
             |a, b, c| a.min(b).min(c),
         ),
         Combination::Greatest => combine_by(
             simd,
-            rows,
-            (to, range),
+            runs,
+            to,
             #[inline(always)]
             |a, b, c| a.max(b).max(c),
         ),
@@ -134,16 +131,12 @@ pub(super) fn combine<S: Simd>(
 #[inline(always)]
 fn combine_by<S: Simd>(
     simd: S,
-    rows: [(&[f32], usize); 3],
-    (to, range): (&mut [f32], &Range<usize>),
+    runs: [&[f32]; 3],
+    to: &mut [f32],
     of: impl Fn(f32x16<S>, f32x16<S>, f32x16<S>) -> f32x16<S>,
 ) {
-    let length = range.len().next_multiple_of(WIDE);
-    let [first, second, third] = each!(i in [0, 1, 2] => {
-        let (row, from) = rows[i];
-        row[from..from + length].as_chunks::<WIDE>().0
-    });
-    let to = to[range.start..range.start + length].as_chunks_mut::<WIDE>().0;
+    let [first, second, third] = each!(i in [0, 1, 2] => runs[i][..to.len()].as_chunks::<WIDE>().0);
+    let to = to.as_chunks_mut::<WIDE>().0;
     for (to, ((first, second), third)) in to.iter_mut().zip(first.iter().zip(second).zip(third)) {
         let [first, second, third] = each!(numbers in [first, second, third] => f32x16::load_array_ref(simd, numbers));
         of(first, second, third).store_array(to);
@@ -178,7 +171,7 @@ impl<S: Simd> SampleLanes<S> {
         self.read_beside(simd, row, 1)
     }
 
-    /// Reads a number of the samples before, at or behind these, for `by` of 0, 1 or 2.
+    /// Reads a number of the samples before these, of these, or of those after them, for `by` of 0, 1 or 2.
     #[inline(always)]
     pub(super) fn read_beside(&self, simd: S, row: &[f32], by: usize) -> f32x16<S> {
         let (Self::Adjacent(first) | Self::Among(first, _)) = self;

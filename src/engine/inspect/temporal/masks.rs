@@ -56,7 +56,7 @@ impl MaskScore {
 
 impl MaskScore {
     /// Returns the agreement of the rejected pixels of a frame with the exact disocclusion, of at most `most` evenly spaced
-    /// pixels. `is_disoccluded` tells whether the previous frame does not show the surface of a pixel. Returns `None` if the
+    /// pixels. `is_disoccluded` returns whether the previous frame does not show the surface of a pixel. Returns `None` if the
     /// upscaler reads no history, or if the frame has none.
     pub fn of_rejection(
         recipe: &Recipe,

@@ -2,7 +2,7 @@
 
 use super::super::Lattice;
 use super::super::lattice::ThreeSamples;
-use super::super::quads::window;
+use super::super::quads::{window, with_spare};
 use super::super::sample_rows::{PAD, SampleLanes};
 use crate::math::lanes::*;
 
@@ -24,8 +24,7 @@ pub(super) struct AxisSamples {
     pub(super) is_inside: bool,
 }
 
-/// [`AxisSamples`] of all columns, for loading those of sixteen columns. The last column is repeated, so that they can be
-/// loaded from every column.
+/// [`AxisSamples`] of all columns. Those of sixteen can be loaded from every column.
 pub(super) struct ColumnLanes {
     padded: Vec<u32>,
     distance_squared: [Vec<f32>; 3],
@@ -35,12 +34,10 @@ pub(super) struct ColumnLanes {
 
 impl ColumnLanes {
     pub(super) fn new(columns: &[AxisSamples]) -> Self {
-        let spare = columns.last().into_iter().cycle().take(WIDE);
-        let all = || columns.iter().chain(spare.clone());
         Self {
-            padded: all().map(|column| column.padded).collect(),
-            distance_squared: [0, 1, 2].map(|number| all().map(|column| column.distance_squared[number]).collect()),
-            inside: all().map(|column| f32::from(u8::from(column.is_inside))).collect(),
+            padded: with_spare(columns, |column| column.padded),
+            distance_squared: [0, 1, 2].map(|number| with_spare(columns, |column| column.distance_squared[number])),
+            inside: with_spare(columns, |column| f32::from(u8::from(column.is_inside))),
         }
     }
 
@@ -50,7 +47,7 @@ impl ColumnLanes {
         SampleLanes::ascending(simd, window(&self.padded, from))
     }
 
-    /// Returns the squared distances of the samples before, at and behind the nearest one.
+    /// Returns the squared distances of the sample before the nearest one, of that one, and of the next.
     #[inline(always)]
     pub(super) fn distance_squared<S: Simd>(&self, simd: S, from: usize) -> [f32x16<S>; 3] {
         each!(number in [0, 1, 2] => f32x16::load_array_ref(simd, window(&self.distance_squared[number], from)))

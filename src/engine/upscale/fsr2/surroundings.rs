@@ -47,10 +47,10 @@ impl Surroundings {
         let (start, centers) = (range.start, range.start + 1..range.end - 1);
         for (by, around) in [Combination::Least, Combination::Greatest].into_iter().zip(&mut self.range) {
             for (channel, around) in around.iter_mut().enumerate() {
-                let rows = each!(row in [0, 1, 2] => (&*rows[row][channel], start));
-                combine(simd, rows, (&mut self.vertical, range), by);
-                let columns = each!(column in [0, 1, 2] => (&*self.vertical, start + column));
-                combine(simd, columns, (around, &centers), by);
+                let rows = each!(row in [0, 1, 2] => &rows[row][channel][start..]);
+                combine(simd, rows, &mut self.vertical, range, by);
+                let columns = each!(column in [0, 1, 2] => &self.vertical[start + column..]);
+                combine(simd, columns, around, &centers, by);
             }
         }
         for first in centers.step_by(WIDE) {

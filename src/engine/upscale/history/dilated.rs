@@ -7,13 +7,14 @@ use super::surface_grid::{Around, SurfaceGrid};
 use crate::math::lanes::*;
 use crate::pipeline::gbuffer::GBuffer;
 use crate::pipeline::motion::MotionVectors;
-use crate::upscale::quads::window;
+use crate::upscale::quads::{window, with_spare};
 use crate::upscale::sample_rows::SampleLanes;
 
-/// For every output pixel of a row, the motion vector of the nearest of the surfaces around it, so that the anti-aliased
-/// edge of an object moves with the object (Karis, 2014). If the G-buffer has all pixels of the picture, these are the 3 × 3
-/// pixels around the pixel. Otherwise, they are the 2 × 2 pixels of the G-buffer between which the pixel lies: 3 × 3 would
-/// move more of the background with every object than is anti-aliased.
+/// Motion vector of the nearest surface around every output pixel of a row. An anti-aliased edge thus moves with its object
+/// (Karis, 2014).
+///
+/// In a G-buffer with the pixels of the full picture, the surfaces are those of 3 × 3 pixels. Otherwise, they are those of
+/// the 2 × 2 pixels around the output pixel: 3 × 3 would move more of the background than is anti-aliased.
 pub(in crate::upscale) struct DilatedVectors {
     grid: SurfaceGrid,
     /// `None` if the G-buffer has the pixels of the full picture.
@@ -27,24 +28,22 @@ pub(in crate::upscale) struct DilatedVectors {
     down_px: Vec<f32>,
 }
 
-/// Columns of a G-buffer before and behind every output column, as indices of the buffers of [`DilatedVectors`]. The last
-/// output column is repeated, so that those of sixteen can be loaded from every one.
+/// Columns of a G-buffer to the left and to the right of every output column, as indices of the buffers of
+/// [`DilatedVectors`]. Sixteen can be loaded from every output column.
 struct ColumnPairs {
-    before: Vec<u32>,
-    behind: Vec<u32>,
-    /// 1 where the column behind is nearer than the one before, otherwise 0.
-    is_behind_nearer: Vec<f32>,
+    left: Vec<u32>,
+    right: Vec<u32>,
+    /// 1 if the right column is closer to the output column than the left one, otherwise 0.
+    is_right_closer: Vec<f32>,
 }
 
 impl ColumnPairs {
     fn new(grid: &SurfaceGrid, width: u32) -> Option<Self> {
-        let all = (0..width).map(|x| grid.before_and_behind(x)).collect::<Option<Vec<_>>>()?;
-        let spare = all.last().into_iter().cycle().take(WIDE);
-        let all = || all.iter().chain(spare.clone());
+        let all = (0..width).map(|x| grid.left_and_right(x)).collect::<Option<Vec<_>>>()?;
         Some(Self {
-            before: all().map(|([before, _], _)| before + 1).collect(),
-            behind: all().map(|([_, behind], _)| behind + 1).collect(),
-            is_behind_nearer: all().map(|(_, is_behind_nearer)| f32::from(u8::from(*is_behind_nearer))).collect(),
+            left: with_spare(&all, |([left, _], _)| left + 1),
+            right: with_spare(&all, |([_, right], _)| right + 1),
+            is_right_closer: with_spare(&all, |(_, is_right_closer)| f32::from(u8::from(*is_right_closer))),
         })
     }
 }
@@ -144,14 +143,14 @@ impl DilatedVectors {
     #[inline(always)]
     pub(in crate::upscale) fn load<S: Simd>(&self, simd: S, from: usize) -> [f32x16<S>; 2] {
         let nearest = match &self.columns {
-            Some(ColumnPairs { before, behind, is_behind_nearer }) => {
-                let [before, behind] = each!(columns in [before, behind] => {
+            Some(ColumnPairs { left, right, is_right_closer }) => {
+                let [left, right] = each!(columns in [left, right] => {
                     self.surfaces(simd, SampleLanes::ascending(simd, window(columns, from)))
                 });
-                let wins_ties = f32x16::load_array_ref(simd, window(is_behind_nearer, from));
+                let wins_ties = f32x16::load_array_ref(simd, window(is_right_closer, from));
                 let wins_ties = wins_ties.simd_gt(f32x16::splat(simd, 0.0));
-                let distance = [before.distance, behind.distance];
-                before.or(behind, distance[1].simd_lt(distance[0]) | (distance[1].simd_eq(distance[0]) & wins_ties))
+                let distance = [left.distance, right.distance];
+                left.or(right, distance[1].simd_lt(distance[0]) | (distance[1].simd_eq(distance[0]) & wins_ties))
             }
             None => {
                 let [left, at, right] = each!(by in [0, 1, 2] => self.surfaces(simd, SampleLanes::Adjacent(from + by)));

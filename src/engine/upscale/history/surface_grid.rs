@@ -14,8 +14,8 @@ pub(in crate::upscale) struct SurfaceGrid {
     lattice: Option<Lattice>,
 }
 
-/// Columns or rows of a G-buffer around an output column or row, the nearest one first: three if the G-buffer has the pixels
-/// of the full picture, otherwise the two between which it lies. Those outside are replaced by the first or the last one.
+/// Columns or rows of a G-buffer around an output column or row, the closest one first. There are three if the G-buffer has
+/// the pixels of the full picture, and two otherwise. Those outside are clamped.
 pub(in crate::upscale) type Around = ArrayVec<u32, 3>;
 
 impl SurfaceGrid {
@@ -45,8 +45,8 @@ impl SurfaceGrid {
     fn around(&self, at: u32, length: u32) -> Around {
         match self.lattice {
             Some(lattice) => {
-                let (mut two, is_second_nearer) = lattice.between(at, length);
-                if is_second_nearer {
+                let (mut two, is_second_closer) = lattice.between(at, length);
+                if is_second_closer {
                     two.reverse();
                 }
                 ArrayVec::from_iter(two)
@@ -55,9 +55,9 @@ impl SurfaceGrid {
         }
     }
 
-    /// Returns the columns of the G-buffer before and behind output column `x`, and whether the second one is nearer. Returns
-    /// `None` if the G-buffer has the pixels of the full picture.
-    pub(super) fn before_and_behind(&self, x: u32) -> Option<([u32; 2], bool)> {
+    /// Returns the columns of the G-buffer to the left and to the right of output column `x`, and whether the right one is
+    /// closer. Returns `None` if the G-buffer has the pixels of the full picture.
+    pub(super) fn left_and_right(&self, x: u32) -> Option<([u32; 2], bool)> {
         Some(self.lattice?.between(x, self.size.0))
     }
 

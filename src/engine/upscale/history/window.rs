@@ -16,8 +16,8 @@ pub(in crate::upscale) struct PastPlaces<S: Simd> {
     known: u64,
     /// Bit `i`: all 4 × 4 pixels around the position of lane `i` lie in the image.
     inside: u64,
-    /// Bit `i`: lane `i` comes from the pixel behind that of lane `i` − 1, or is the first of four.
-    behind: u64,
+    /// Bit `i`: lane `i` reads the pixel to the right of that of lane `i` − 1, or is the first of four.
+    continues_row: u64,
     /// For each known position, column and row of the pixel whose centre lies at or before it.
     columns: [i32; WIDE],
     rows: [i32; WIDE],
@@ -37,14 +37,14 @@ enum PixelBefore {
 /// Four rows of four adjacent pixels each; the position lies between the second and the third row and column.
 pub(in crate::upscale) type Window<S> = [f32x16<S>; 4];
 
-/// Returns a bit for every lane whose pixel is that behind the pixel of the lane before, and for the first of every four.
+/// Returns a bit for every lane whose pixel is to the right of that of the lane before, and for the first of every four.
 #[inline(always)]
-fn behind<S: Simd>([columns, rows]: [i32x16<S>; 2]) -> u64 {
+fn continues_row<S: Simd>([columns, rows]: [i32x16<S>; 2]) -> u64 {
     /// Bits of the first of every four lanes.
     const FIRST: u64 = 0x1111;
     let [columns_before, rows_before] = each!(places in [columns, rows] => places.slide::<15>(places));
-    let is_behind = columns.simd_eq(columns_before + 1) & rows.simd_eq(rows_before);
-    is_behind.to_bitmask() | FIRST
+    let is_right = columns.simd_eq(columns_before + 1) & rows.simd_eq(rows_before);
+    is_right.to_bitmask() | FIRST
 }
 
 /// Returns the centres of sixteen pixels from pixel `from` of row `y` on.
@@ -83,7 +83,7 @@ impl<S: Simd> PastPlaces<S> {
             is_known,
             known: is_known.to_bitmask(),
             inside: is_inside.to_bitmask(),
-            behind: behind([columns, rows]),
+            continues_row: continues_row([columns, rows]),
             columns: columns.to_array(),
             rows: rows.to_array(),
         }
@@ -113,7 +113,7 @@ impl<S: Simd> PastPlaces<S> {
     /// pixels of a row. For each four lanes.
     #[inline(always)]
     pub(super) fn adjacent_fours(&self) -> [bool; WIDE / 4] {
-        let lanes = self.inside & self.behind;
+        let lanes = self.inside & self.continues_row;
         each!(first in [0, 4, 8, 12] => lanes >> first & 0b1111 == 0b1111)
     }
 

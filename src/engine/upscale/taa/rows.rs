@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::super::history::{DilatedVectors, FilterWeights, PastPlaces, centers};
 use super::super::jitter::Continuation;
 use super::super::lattice::ThreeSamples;
-use super::super::quads::{self, Quad, window};
+use super::super::quads::{self, Quad, window, with_spare};
 use super::super::sample_rows::{Combination, DecodedRows, PAD, Planes, SampleLanes, combine, padded_row};
 use super::super::ycocg::YCoCg;
 use super::super::{
@@ -38,8 +38,7 @@ struct AxisSamples {
     total: f32,
 }
 
-/// [`AxisSamples`] of all columns, for loading those of sixteen columns. The last column is repeated, so that they can be
-/// loaded from every column.
+/// [`AxisSamples`] of all columns. Those of sixteen can be loaded from every column.
 struct ColumnLanes {
     padded: Vec<u32>,
     weight: [Vec<f32>; 3],
@@ -204,8 +203,8 @@ impl<'a> TaaFrame<'a> {
         let rows = row.index.map(|index| samples.row(index));
         if self.scale != Scale::ONE {
             for (channel, vertical) in vertical.iter_mut().enumerate() {
-                let rows = each!(i in [0, 1, 2] => (&*rows[i][channel], read.start));
-                combine(simd, rows, (vertical, &read), Combination::Weighted(row.weight));
+                let rows = each!(i in [0, 1, 2] => &rows[i][channel][read.start..]);
+                combine(simd, rows, vertical, &read, Combination::Weighted(row.weight));
             }
         }
         let motion = self.history.as_ref().and_then(|(motion, _)| motion.vectors);
@@ -367,12 +366,10 @@ impl<'a> TaaFrame<'a> {
 
 impl ColumnLanes {
     fn new(columns: &[AxisSamples]) -> Self {
-        let spare = columns.last().into_iter().cycle().take(WIDE);
-        let all = || columns.iter().chain(spare.clone());
         Self {
-            padded: all().map(|column| column.padded).collect(),
-            weight: [0, 1, 2].map(|number| all().map(|column| column.weight[number]).collect()),
-            total: all().map(|column| column.total).collect(),
+            padded: with_spare(columns, |column| column.padded),
+            weight: [0, 1, 2].map(|number| with_spare(columns, |column| column.weight[number])),
+            total: with_spare(columns, |column| column.total),
         }
     }
 }

@@ -42,10 +42,10 @@ impl Statistics {
         };
         for (number, around) in self.around.iter_mut().enumerate() {
             for (channel, around) in around.iter_mut().enumerate() {
-                let rows = each!(row in [0, 1, 2] => (&*rows[row][channel], start));
-                combine(simd, rows, (&mut self.vertical, range), of_rows[number]);
-                let columns = each!(by in [0, 1, 2] => (&*self.vertical, start + by));
-                combine(simd, columns, (around, &centers), of_columns[number]);
+                let rows = each!(row in [0, 1, 2] => &rows[row][channel][start..]);
+                combine(simd, rows, &mut self.vertical, range, of_rows[number]);
+                let columns = each!(by in [0, 1, 2] => &self.vertical[start + by..]);
+                combine(simd, columns, around, &centers, of_columns[number]);
             }
         }
         self.of = Some((index, range.clone()));
