@@ -40,6 +40,7 @@ mod nearest;
 #[cfg(target_arch = "x86_64")]
 mod nearest_avx2;
 mod nis;
+mod planes;
 pub mod process;
 mod quads;
 mod registry;

@@ -1,7 +1,7 @@
 //! YCoCg: the colour space in which temporal upscalers compare colours, because chroma and luminance are separate in it.
 
+use super::planes::Planes;
 use super::quads::Quad;
-use super::sample_rows::Planes;
 use super::{BlendSpace, FilterSpace};
 use crate::image::Rgba8;
 use crate::image::color::Tables;

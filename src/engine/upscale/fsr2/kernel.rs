@@ -2,8 +2,8 @@
 
 use super::super::Lattice;
 use super::super::lattice::ThreeSamples;
+use super::super::planes::{PAD, SampleLanes};
 use super::super::quads::{window, with_spare};
-use super::super::sample_rows::{PAD, SampleLanes};
 use crate::math::lanes::*;
 
 /// Smallest sum of weights that is used: dividing by less would amplify rounding errors.

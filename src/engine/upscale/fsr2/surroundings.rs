@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
+use super::super::planes::{Combination, Planes, combine, padded_row};
 use super::super::quads::window;
-use super::super::sample_rows::{Combination, Planes, combine, padded_row};
 use super::locks::{self, Contrast};
 use crate::math::lanes::*;
 

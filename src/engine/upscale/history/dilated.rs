@@ -7,8 +7,8 @@ use super::surface_grid::{Around, SurfaceGrid};
 use crate::math::lanes::*;
 use crate::pipeline::gbuffer::GBuffer;
 use crate::pipeline::motion::MotionVectors;
+use crate::upscale::planes::SampleLanes;
 use crate::upscale::quads::{window, with_spare};
-use crate::upscale::sample_rows::SampleLanes;
 
 /// Motion vector of the nearest surface around every output pixel of a row. An anti-aliased edge thus moves with its object
 /// (Karis, 2014).

@@ -2,8 +2,9 @@
 //! time; the samples around them are weighted eight at a time, because that needs many registers.
 
 use super::super::jitter::Continuation;
+use super::super::planes::{PAD, SampleLanes};
 use super::super::quads::{self, Quad};
-use super::super::sample_rows::{DecodedRows, PAD, SampleLanes};
+use super::super::sample_rows::DecodedRows;
 use super::super::ycocg::YCoCg;
 use super::super::{HistoryStep, Motion, PastColor, Rejection, Tap, UpscaleInputs, Upscaling};
 use super::convert::{Convert, Converted, SurfaceRows};

@@ -2,7 +2,7 @@
 
 use super::super::Lattice;
 use super::super::lattice::ThreeSamples;
-use super::super::sample_rows::PAD;
+use super::super::planes::PAD;
 use crate::math::lanes::*;
 
 /// Exponents of the Gaussian that weights the colours of the box by squared distance, in sample distances: of pixels that

@@ -5,8 +5,9 @@ use std::ops::Range;
 use super::super::history::{DilatedVectors, FilterWeights, PastPlaces, centers};
 use super::super::jitter::Continuation;
 use super::super::lattice::ThreeSamples;
+use super::super::planes::{Combination, PAD, Planes, SampleLanes, combine, padded_row};
 use super::super::quads::{self, Quad, window, with_spare};
-use super::super::sample_rows::{Combination, DecodedRows, PAD, Planes, SampleLanes, combine, padded_row};
+use super::super::sample_rows::DecodedRows;
 use super::super::ycocg::YCoCg;
 use super::super::{
     HistoryFilter, HistoryOptions, HistoryStep, Lattice, Motion, PastColor, Rejection, Scale, Tap, UpscaleInputs,

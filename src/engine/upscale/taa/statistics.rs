@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::super::Rectification;
-use super::super::sample_rows::{Combination, Planes, SampleLanes, combine, padded_row};
+use super::super::planes::{Combination, Planes, SampleLanes, combine, padded_row};
 use crate::math::lanes::*;
 
 /// Statistics of 3 × 3 samples for every sample of a row. Rows are padded.
