@@ -19,7 +19,7 @@ use serde::Serialize;
 
 use super::timing::summarize;
 use crate::antialias::settings::AntialiasMethod;
-use crate::chain::{Frame, FrameTimes, KeepDepth, Recipe, Renderer, redraw};
+use crate::chain::{Frame, FrameTimes, KeepDepth, Recipe, Renderer, ViewChange, redraw};
 use crate::pipeline::LastStage;
 use crate::pipeline::settings::{DepthTest, Execution};
 use crate::scene::{Camera, Scene};
@@ -164,7 +164,8 @@ const LEVELS: [LastStage; 4] = [LastStage::Coverage, LastStage::Depth, LastStage
 ///
 /// In classic execution, each round draws a whole frame and one partial frame per entry of `LEVELS`. The time of a
 /// partial frame is its minimum over the rounds, because disturbances can only add time. In tiled execution, every step
-/// draws a whole frame. The result describes the whole frame with the median time.
+/// draws a whole frame. The result describes the whole frame with the median time. A frame in motion is not drawn again: its
+/// stages have the times that it recorded.
 #[derive(Debug)]
 pub struct StageTimer {
     least: [Duration; LEVELS.len()],
@@ -204,9 +205,7 @@ impl StageTimer {
             let start = Instant::now();
             black_box(redraw(scene, recipe, frame, LEVELS[level], &mut ()));
             self.least[level] = self.least[level].min(start.elapsed());
-        } else if self.wanted_runs == PIECES && frame.execution == Execution::Classic {
-            // With a single round, a new renderer would draw its only frame with cold buffers, so the times that
-            // `frame` recorded are used.
+        } else if self.reads_recorded(frame) {
             self.frames.push(StageTimes::recorded(recipe, frame));
         } else {
             let again = self.renderer.render(scene, camera, recipe, frame.viewport, KeepDepth::Yes);
@@ -219,6 +218,13 @@ impl StageTimer {
             let median = self.frames[self.frames.len() / 2];
             if frame.execution == Execution::Classic { self.split_pixels(median, recipe) } else { median }
         })
+    }
+
+    /// Whether the times of whole frames are those that `frame` recorded. Drawn again, a frame in motion would be still, and
+    /// would find no surfaces and no motion. With a single round, a new renderer would draw its only frame with cold buffers.
+    fn reads_recorded(&self, frame: &Frame) -> bool {
+        let is_moving = frame.view_change() == ViewChange::Changed;
+        is_moving || (self.wanted_runs == PIECES && frame.execution == Execution::Classic)
     }
 
     /// Splits the total time of a classic frame's per-pixel stages, in proportion to the differences between the
@@ -356,6 +362,23 @@ mod tests {
                 assert_eq!(names.contains(&"resolve"), recipe.antialias.has_passes(), "{settings:?}");
                 assert_eq!(names.contains(&"post filter"), !recipe.post.is_off() || recipe.wireframe, "{settings:?}");
             }
+        }
+    }
+
+    #[test]
+    fn a_frame_in_motion_keeps_the_times_of_its_surfaces() {
+        let scene = Arc::new(builtin::by_id("cubes").unwrap().build());
+        let size = Viewport { width: 160, height: 120 };
+        let mut moved = scene.home;
+        moved.orbit(0.1, 0.0);
+        for execution in Execution::ALL {
+            let mut recipe = Recipe { execution: *execution, ..Recipe::default() };
+            recipe.set("upscaler.method=taa").unwrap();
+            let mut renderer = Renderer::default();
+            let _ = renderer.render(&scene, &scene.home, &recipe, size, KeepDepth::Yes);
+            let frame = renderer.render(&scene, &moved, &recipe, size, KeepDepth::Yes);
+            let times = stage_times(&scene, &moved, &recipe, &frame);
+            assert_eq!(times.surfaces, Some(frame.times.surfaces), "{execution:?}");
         }
     }
 
