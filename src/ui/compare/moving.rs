@@ -242,6 +242,31 @@ mod tests {
     }
 
     #[test]
+    fn a_cancelled_replay_rests_and_is_not_measured_until_another_request() {
+        let (shot, mut comparer) = (shot(), Comparer::default());
+        comparer.start(request(&shot, 30, &["taa", "bilinear"]));
+        comparer.step();
+        comparer.cancel_replay();
+        let rest = |comparer: &mut Comparer, request: CompareRequest| {
+            let mut last = comparer.start(request).clone();
+            for _ in 0..20 {
+                last = comparer.step().cloned().unwrap_or(last);
+            }
+            assert!(!comparer.has_work());
+            last
+        };
+        let rested = rest(&mut comparer, request(&shot, 30, &["taa", "bilinear"]));
+        let [taa, bilinear] = &rested.tiles[..] else { panic!("two tiles") };
+        assert!(taa.replay.is_some() && taa.measured.is_none());
+        assert!(bilinear.measured.as_ref().is_some_and(|measured| measured.figures.is_some()));
+        for (number, methods) in [(30, ["taa", "nearest"]), (29, ["taa", "bilinear"])] {
+            let compared = complete(&mut comparer, request(&shot, number, &methods));
+            assert_complete(&compared, &shot, number as u32);
+            assert!(compared.tiles.iter().all(|tile| tile.measured.is_some()));
+        }
+    }
+
+    #[test]
     fn a_picture_without_its_history_says_so_until_another_frame_is_requested() {
         let (shot, mut comparer) = (shot(), Comparer::default());
         let jumped = comparer.start(request(&shot, 30, &["taa", "bilinear"])).clone();
