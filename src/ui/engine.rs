@@ -27,7 +27,7 @@ use crate::inspect::remedy_search;
 use crate::inspect::scrub::Timeline;
 use crate::inspect::view::Range;
 use crate::inspect::{PixelReport, Survey, explain};
-use crate::measure::checkpoints::{self, Checkpoints};
+use crate::measure::checkpoints::Checkpoints;
 use crate::measure::shot::{ShotFrame, ShotInputs, ShotRenderer};
 use crate::measure::stages::{StageTimer, StageTimes};
 use crate::pipeline::observe::Counters;
@@ -88,8 +88,13 @@ impl RenderedView {
 const SEAMS_WAIT: Duration = Duration::from_millis(50);
 
 /// Maximum memory for checkpoints of the history of scenes in motion, in bytes: for the picture, for all compared pictures,
-/// and for both pictures of a what-if. A picture of 1920 × 1080 px needs about 64 MiB for each checkpoint.
+/// and for both pictures of a what-if. A picture of 1920 × 1080 px needs about 50 MiB for each checkpoint.
 pub(crate) const CHECKPOINT_BYTES: usize = 512 << 20;
+
+/// Time for which a request waits until the frames missing from the history of its frame are drawn. If they are not drawn
+/// by then, the worker draws them in single steps, between which it handles newer requests. Tests, which do not judge
+/// times, wait longer.
+pub(crate) const CATCH_UP_TIME: Duration = Duration::from_millis(if cfg!(test) { 60_000 } else { 100 });
 
 /// Engine that handles requests and reuses results of the last one.
 #[derive(Debug)]
@@ -149,6 +154,7 @@ impl Engine {
     /// Handles a request, reusing the valid parts of the last response.
     pub(crate) fn answer(&mut self, request: Request) -> RenderedView {
         let mut last = self.last.take();
+        self.checkpoints.keep_only(request.shot_inputs().as_ref());
         self.reel.take_if(|reel| !reel.is_of(&request));
         let whole = last.as_ref().filter(|view| view.is_whole_for(&request)).map(|view| view.frame.clone());
         let replayed = self.replayed.take();
@@ -238,21 +244,21 @@ impl Engine {
         Rendered { rasterized: frame.rasterized(), frame, needs_replay: replayed.is_some() && !continues }
     }
 
-    /// Completes the history of frame `number` in the renderer if few frames are missing. Returns whether it is complete.
+    /// Completes the history of frame `number` in the renderer if that takes little time. Returns whether it is complete.
     fn continue_history(&mut self, number: u32, inputs: &ShotInputs) -> bool {
         let drawn = self.history_frames(inputs);
         if drawn == number && number > 0 {
             return true;
         }
-        if self.checkpoints.missing(inputs, number, drawn) > checkpoints::SPACING {
+        if !self.checkpoints.is_near(inputs, number, drawn) {
             return false;
         }
         let history = self.renderer.history().filter(|_| drawn > 0);
         let mut frames = ShotRenderer::reusing(inputs.clone(), std::mem::take(&mut self.renderer));
         history.into_iter().for_each(|history| frames.restore_history(drawn, history));
-        while self.checkpoints.warm_up(&mut frames, number) {}
+        let is_complete = self.checkpoints.catch_up(&mut frames, number, CATCH_UP_TIME);
         self.renderer = frames.into_renderer();
-        true
+        is_complete
     }
 
     /// Returns the number of frames in the history of the renderer, if it is that of all frames of `inputs` from frame 0 on,

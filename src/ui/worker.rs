@@ -51,7 +51,7 @@ pub(crate) enum WorkerRequest {
     Measure(Box<MeasureRequest>),
     /// Cancels the measurement.
     CancelMeasure,
-    /// Stops drawing the frames before the shown one.
+    /// Stops drawing the frames before the shown one, also for compared pictures.
     CancelReplay,
 }
 
@@ -270,7 +270,11 @@ impl RenderWorker {
             WorkerRequest::Temporal(request) => self.temporal.set(request.map(|request| *request)),
             WorkerRequest::Measure(request) => self.measurement = Some(Measurement::new(request)),
             WorkerRequest::CancelMeasure => self.measurement = None,
-            WorkerRequest::CancelReplay => self.replayer.cancel(),
+            WorkerRequest::CancelReplay => {
+                self.replayer.cancel();
+                self.comparer.cancel_replay();
+                self.drawer.cancel_replay();
+            }
         }
     }
 

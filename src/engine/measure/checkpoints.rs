@@ -1,9 +1,10 @@
 //! Checkpoints: saved histories of a shot, from which a frame is drawn again without all frames from frame 0 on.
 
 use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
 
 use super::shot::{ShotInputs, ShotRenderer};
-use crate::chain::SavedHistory;
+use crate::chain::{Frame, KeepDepth, SavedHistory};
 
 /// Number of frames between two checkpoints. The frames directly before a frame that is drawn again are all saved.
 pub const SPACING: u32 = 8;
@@ -46,13 +47,44 @@ impl Checkpoints {
         self.thin_out(last);
     }
 
-    /// Returns the number of frames to draw before frame `number`: from frame 0, from the nearest checkpoint, or from the
-    /// `drawn` frames that a renderer has drawn already.
+    /// Returns the number of frames to draw before frame `number`. Starts from the nearest checkpoint, the `drawn` frames of
+    /// a renderer, or frame 0.
     pub fn missing(&self, inputs: &ShotInputs, number: u32, drawn: u32) -> u32 {
-        let is_same = self.inputs.as_ref().is_some_and(|own| own.is_same(inputs));
-        let nearest = self.saved.range(..=number).next_back().filter(|_| is_same).map(|(frames, _)| *frames);
+        let nearest =
+            self.saved.range(..=number).next_back().filter(|_| self.are_of(inputs)).map(|(frames, _)| *frames);
         let drawn = Some(drawn).filter(|drawn| *drawn <= number);
         number - nearest.max(drawn).unwrap_or(0)
+    }
+
+    /// Whether [`Self::catch_up`] is likely to complete the history of frame `number` soon: some of the frames of these inputs
+    /// are known, and few are missing. After a change of the inputs, it draws no frames, because the next change may follow
+    /// at once, as while the camera moves.
+    pub fn is_near(&self, inputs: &ShotInputs, number: u32, drawn: u32) -> bool {
+        let is_known = number == 0 || drawn > 0 || self.are_of(inputs) && !self.saved.is_empty();
+        is_known && self.missing(inputs, number, drawn) <= SPACING
+    }
+
+    /// Completes the history of frame `number` if it [is near](Self::is_near), and stops after the first frame that ends
+    /// later than `time` from now. Returns whether the history is complete.
+    pub fn catch_up(&mut self, renderer: &mut ShotRenderer, number: u32, time: Duration) -> bool {
+        if !self.is_near(renderer.inputs(), number, renderer.history_frames()) {
+            return false;
+        }
+        let since = Instant::now();
+        while self.warm_up(renderer, number) {
+            if since.elapsed() >= time && renderer.history_frames() < number {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Draws frame `number` after the frames that are missing from its history, and saves the new history.
+    pub fn draw(&mut self, renderer: &mut ShotRenderer, number: u32, keep_depth: KeepDepth) -> Frame {
+        while self.warm_up(renderer, number) {}
+        let frame = renderer.draw(number, keep_depth);
+        self.save_spaced(renderer.inputs(), number + 1, renderer.history());
+        frame
     }
 
     /// Draws one frame that is missing from the history of frame `number`, like [`ShotRenderer::warm_up`], but from the
@@ -84,10 +116,20 @@ impl Checkpoints {
         }
     }
 
-    fn discard_others(&mut self, inputs: &ShotInputs) {
-        if !self.inputs.as_ref().is_some_and(|own| own.is_same(inputs)) {
-            *self = Self { inputs: Some(inputs.clone()), ..Self::within(self.limit) };
+    /// Discards all checkpoints, and the scene that they show, unless they are those of `inputs`.
+    pub fn keep_only(&mut self, inputs: Option<&ShotInputs>) {
+        if !inputs.is_some_and(|inputs| self.are_of(inputs)) {
+            *self = Self::within(self.limit);
         }
+    }
+
+    fn are_of(&self, inputs: &ShotInputs) -> bool {
+        self.inputs.as_ref().is_some_and(|own| own.is_same(inputs))
+    }
+
+    fn discard_others(&mut self, inputs: &ShotInputs) {
+        self.keep_only(Some(inputs));
+        self.inputs.get_or_insert_with(|| inputs.clone());
     }
 
     fn insert(&mut self, frames: u32, history: SavedHistory) {
@@ -125,7 +167,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::chain::{KeepDepth, Recipe};
+    use crate::chain::Recipe;
     use crate::image::{Image, Rgba8};
     use crate::measure::shot::{CameraMotion, Shot};
     use crate::pipeline::viewport::Viewport;
@@ -148,9 +190,7 @@ mod tests {
         while checkpoints.warm_up(renderer, number) {
             missing += 1;
         }
-        let picture = renderer.draw(number, KeepDepth::No).image().clone();
-        checkpoints.save_spaced(&renderer.inputs().clone(), number + 1, renderer.history());
-        (picture, missing)
+        (checkpoints.draw(renderer, number, KeepDepth::No).image().clone(), missing)
     }
 
     /// Frames drawn one after the other, without checkpoints.
@@ -245,6 +285,45 @@ mod tests {
             assert!(missing == 20 && picture == expected);
             assert_eq!(checkpoints.missing(&inputs, 20, 0), 20, "those of the first inputs are gone");
         }
+    }
+
+    #[test]
+    fn only_known_inputs_catch_up_and_only_within_the_time() {
+        let inputs = inputs("chess-motion", "taa");
+        let mut checkpoints = Checkpoints::within(usize::MAX);
+        let mut renderer = ShotRenderer::new(inputs.clone());
+        assert!(!checkpoints.catch_up(&mut renderer, 5, Duration::MAX));
+        assert_eq!((renderer.history_frames(), checkpoints.missing(&inputs, 5, 0)), (0, 5), "nothing was drawn");
+        assert!(checkpoints.catch_up(&mut renderer, 0, Duration::ZERO), "frame 0 has no history");
+        checkpoints.draw(&mut renderer, 0, KeepDepth::No);
+        assert!(!checkpoints.catch_up(&mut renderer, 5, Duration::ZERO));
+        assert_eq!(renderer.history_frames(), 2);
+        assert!(checkpoints.catch_up(&mut renderer, 3, Duration::ZERO), "the last missing frame completes the history");
+        assert!(checkpoints.catch_up(&mut renderer, 5, Duration::MAX));
+        assert!(!checkpoints.catch_up(&mut renderer, 14, Duration::MAX), "too many frames are missing");
+        assert_eq!(renderer.history_frames(), 5);
+        let mut other = ShotRenderer::new(inputs.clone());
+        assert!(checkpoints.catch_up(&mut other, 4, Duration::ZERO), "the checkpoints belong to these inputs");
+        let picture = checkpoints.draw(&mut other, 4, KeepDepth::No).image().clone();
+        assert!(picture == consecutive(&inputs)[4]);
+        checkpoints.keep_only(Some(&inputs));
+        assert_eq!(checkpoints.missing(&inputs, 4, 0), 0);
+        checkpoints.keep_only(None);
+        assert_eq!((checkpoints.missing(&inputs, 4, 0), checkpoints.bytes), (4, 0));
+    }
+
+    #[test]
+    fn without_a_limit_of_memory_the_number_of_checkpoints_is_limited() {
+        let inputs = inputs("chess-motion", "taa");
+        let mut checkpoints = Checkpoints::within(usize::MAX);
+        let mut renderer = ShotRenderer::new(inputs.clone());
+        renderer.draw(0, KeepDepth::No);
+        let last = 2 * MOST as u32 * SPACING;
+        for frames in (SPACING..=last).step_by(SPACING as usize) {
+            checkpoints.save_spaced(&inputs, frames, renderer.history());
+        }
+        assert_eq!(checkpoints.saved.len(), MOST);
+        assert!(checkpoints.saved.contains_key(&last));
     }
 
     #[test]

@@ -76,7 +76,8 @@ pub struct Compared {
     pub tiles: Vec<TileResult>,
     /// Difference of the first two tiles, if requested.
     pub difference: Option<DifferenceImage>,
-    /// Whether all requested results are present.
+    /// Whether all requested results are present. After [`Comparer::cancel_replay`], those of tiles that lack frames in
+    /// their history are not.
     pub complete: bool,
 }
 
@@ -85,6 +86,8 @@ pub struct Compared {
 pub struct Comparer {
     results: Option<Compared>,
     begun: bool,
+    /// Whether the frames that are missing from the history of tiles are not drawn.
+    is_replay_cancelled: bool,
     /// Finished references, keyed by [`reference_recipe`].
     references: Vec<(Recipe, Arc<Image<Rgba8>>)>,
     rendering_reference: Option<(Recipe, ProgressiveRender)>,
@@ -104,6 +107,7 @@ impl Comparer {
             self.rendering_reference = None;
         }
         let old = self.results.take().filter(|_| same_view);
+        self.is_replay_cancelled &= old.as_ref().is_some_and(|old| old.request.recipes == request.recipes);
         self.moving.prepare(&request);
         let mut tiles: Vec<TileResult> = Vec::with_capacity(request.recipes.len());
         for (index, recipe) in request.recipes.iter().enumerate() {
@@ -122,16 +126,16 @@ impl Comparer {
         self.results.insert(Compared { request, tiles, difference, complete: false })
     }
 
-    /// Computes the next part of the results: one frame that is missing from the history of a tile, one more sample per
-    /// pixel of a reference, the error metrics of one tile, or the error metrics of the region in all tiles. Returns `None`
-    /// if no result has changed.
+    /// Computes the next part of the results: a missing frame of a tile's history, a sample of a reference, or error
+    /// metrics. Returns `None` if no result has changed.
     pub(crate) fn step(&mut self) -> Option<&Compared> {
         self.begun = true;
         let known = self.results.as_ref().filter(|known| !known.complete)?;
-        if let Some(tile) = known.tiles.iter().find(|tile| tile.replay.is_some()) {
+        if let Some(tile) = known.tiles.iter().find(|tile| tile.replay.is_some() && !self.is_replay_cancelled) {
             return self.replay(tile.recipe);
         }
-        let Some(place) = known.tiles.iter().position(|tile| tile.measured.is_none()) else {
+        let is_next = |tile: &TileResult| tile.measured.is_none() && tile.replay.is_none();
+        let Some(place) = known.tiles.iter().position(is_next) else {
             return self.complete();
         };
         let (recipe, picture) = (known.tiles[place].recipe, known.tiles[place].picture.clone());
@@ -191,6 +195,12 @@ impl Comparer {
     /// Whether computing the missing results has begun.
     pub(crate) fn has_begun(&self) -> bool {
         self.begun && self.has_work()
+    }
+
+    /// Stops drawing the frames that are missing from the history of tiles, until another view or other recipes are
+    /// requested. These tiles are not measured, because their pictures depend on the frames that were shown.
+    pub(crate) fn cancel_replay(&mut self) {
+        self.is_replay_cancelled = true;
     }
 
     /// Cancels all work and drops all results.

@@ -21,6 +21,9 @@ pub(crate) fn comparison_page(session: &Session) -> Result<PicturePage, &'static
     }
     let complete = session.features.comparison.compared.as_ref().filter(|compared| compared.complete);
     let compared = complete.ok_or("The errors of the pictures are still being measured: save again in a moment")?;
+    if compared.tiles.iter().any(|tile| tile.replay.is_some()) {
+        return Err("A picture lacks earlier frames in its history: show another frame, and save after they are drawn");
+    }
     let request = &compared.request;
     let size = format!("{} × {} px", request.viewport.width, request.viewport.height);
     let mut summary = format!(

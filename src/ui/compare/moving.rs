@@ -8,7 +8,7 @@ use crate::chain::{Frame, KeepDepth, Recipe, Renderer};
 use crate::image::{Image, Rgba8};
 use crate::measure::checkpoints::Checkpoints;
 use crate::measure::shot::{ShotInputs, ShotRenderer};
-use crate::ui::engine::CHECKPOINT_BYTES;
+use crate::ui::engine::{CATCH_UP_TIME, CHECKPOINT_BYTES};
 use crate::ui::scene_time::replay::ReplayProgress;
 
 /// Renderers of the tiles of a scene in motion, one for each recipe with history.
@@ -61,7 +61,8 @@ impl MovingTiles {
     pub(super) fn draw(&mut self, request: &CompareRequest, recipe: &Recipe) -> Option<MovingPicture> {
         let (inputs, number) = request.moving(recipe)?;
         let tile = self.of(&inputs)?;
-        Some(if tile.missing(number) == 0 { tile.complete(number) } else { tile.preview(request, recipe, number) })
+        let is_complete = tile.checkpoints.catch_up(&mut tile.renderer, number, CATCH_UP_TIME);
+        Some(if is_complete { tile.complete(number) } else { tile.preview(request, recipe, number) })
     }
 
     /// Draws one frame that is missing before the frame of a request, or else this frame.
@@ -95,20 +96,15 @@ impl MovingTile {
         Self { renderer: ShotRenderer::new(inputs), checkpoints: Checkpoints::within(CHECKPOINT_BYTES), shown }
     }
 
-    fn missing(&self, number: u32) -> u32 {
-        self.checkpoints.missing(self.renderer.inputs(), number, self.renderer.history_frames())
-    }
-
     fn progress(&self, number: u32) -> ReplayProgress {
-        ReplayProgress { done: number - self.missing(number), of: number + 1 }
+        let missing = self.checkpoints.missing(self.renderer.inputs(), number, self.renderer.history_frames());
+        ReplayProgress { done: number - missing, of: number + 1 }
     }
 
-    /// Draws a frame before which no frame is missing, except for those after a checkpoint.
+    /// Draws a frame with the history of all frames.
     fn complete(&mut self, number: u32) -> MovingPicture {
         self.shown = None;
-        while self.checkpoints.warm_up(&mut self.renderer, number) {}
-        let frame = self.renderer.draw(number, KeepDepth::No);
-        self.checkpoints.save_spaced(self.renderer.inputs(), number + 1, self.renderer.history());
+        let frame = self.checkpoints.draw(&mut self.renderer, number, KeepDepth::No);
         let picture = MovingPicture::of(&frame, None);
         self.renderer.recycle(frame);
         picture
@@ -219,6 +215,57 @@ mod tests {
                 let measured = tile.measured.as_ref().unwrap().figures.unwrap();
                 assert_eq!(measured, expected, "{} frame {number}", tile.title());
             }
+        }
+    }
+
+    #[test]
+    fn tiles_are_complete_at_once_after_a_dropped_frame_and_a_step_back() {
+        let (shot, mut comparer) = (shot(), Comparer::default());
+        for number in [0, 2, 5, 4, 3] {
+            let compared = comparer.start(request(&shot, number, &METHODS)).clone();
+            assert_complete(&compared, &shot, number as u32);
+        }
+    }
+
+    #[test]
+    fn another_camera_or_size_draws_the_frames_of_the_tiles_again() {
+        let (shot, mut comparer) = (shot(), Comparer::default());
+        complete(&mut comparer, request(&shot, 3, &METHODS));
+        let mut turned = shot;
+        turned.camera.orbit(0.3, 0.0);
+        let compared = complete(&mut comparer, request(&turned, 3, &METHODS));
+        assert_complete(&compared, &turned, 3);
+        let viewport = Viewport { width: SIZE.width - 2, ..SIZE };
+        let compared = complete(&mut comparer, CompareRequest { viewport, ..request(&turned, 3, &["taa"]) });
+        let inputs = ShotInputs { shot: turned, recipe: compared.tiles[0].recipe, viewport };
+        assert!(compared.tiles[0].picture.as_ref() == ShotRenderer::new(inputs).draw(3, KeepDepth::No).image());
+    }
+
+    #[test]
+    fn a_cancelled_replay_rests_and_is_not_measured_until_another_request() {
+        let (shot, mut comparer) = (shot(), Comparer::default());
+        let first = request(&shot, 30, &["taa", "bilinear"]);
+        comparer.start(first.clone());
+        comparer.step();
+        comparer.cancel_replay();
+        let rest = |comparer: &mut Comparer, request: CompareRequest| {
+            let mut last = comparer.start(request).clone();
+            for _ in 0..20 {
+                last = comparer.step().cloned().unwrap_or(last);
+            }
+            assert!(!comparer.has_work());
+            last
+        };
+        let rested = rest(&mut comparer, first.clone());
+        let [taa, bilinear] = &rested.tiles[..] else { panic!("two tiles") };
+        assert!(taa.replay.is_some() && taa.measured.is_none());
+        assert!(bilinear.measured.as_ref().is_some_and(|measured| measured.figures.is_some()));
+        let other_recipes = CompareRequest { recipes: request(&shot, 30, &["taa", "nearest"]).recipes, ..first };
+        for (number, other) in [(30, other_recipes), (29, request(&shot, 29, &["taa", "bilinear"]))] {
+            comparer.cancel_replay();
+            let compared = complete(&mut comparer, other);
+            assert_complete(&compared, &shot, number);
+            assert!(compared.tiles.iter().all(|tile| tile.measured.is_some()));
         }
     }
 

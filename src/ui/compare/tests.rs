@@ -1,4 +1,10 @@
 use super::*;
+use crate::chain::KeepDepth;
+use crate::measure::shot::{CameraMotion, Shot, ShotInputs, ShotRenderer};
+use crate::scene::SceneSource;
+use crate::ui::command::Command;
+use crate::ui::compare::compute::Comparer;
+use crate::ui::scene_time::SceneTimeChange;
 
 /// Comparison settings together with the session state that they change.
 #[derive(Default)]
@@ -101,4 +107,27 @@ fn swapping_exchanges_the_recipes_and_keeps_the_active_index() {
     bench.apply(CompareChange::Swap);
     assert_eq!(bench.recipes(), [b, a]);
     assert_eq!(bench.recipe, b);
+}
+
+#[test]
+fn pictures_of_a_scene_in_motion_have_the_history_of_all_frames() {
+    let source = SceneSource::named("chess-motion".into());
+    let scene = Arc::new(source.load().unwrap().scene);
+    let (home, taa) = (scene.home, Upscaling::new("taa", 2).unwrap());
+    let recipe = Recipe { upscaler: taa, ..Recipe::default() };
+    let mut session = Session::new(Arc::clone(&scene), source, recipe, home);
+    session.state.size = PictureSize::Fixed(64, 36);
+    session.apply(Command::Compare(CompareChange::Mode(Mode::Wipe)));
+    session.apply(Command::SceneTime(SceneTimeChange::Go(5)));
+    let request = session.compare_request().unwrap();
+    let mut comparer = Comparer::default();
+    let mut compared = comparer.start(request.clone()).clone();
+    while comparer.has_work() {
+        compared = comparer.step().cloned().unwrap_or(compared);
+    }
+    let shot = Shot::from_start(scene, home, CameraMotion::Still, 30.0);
+    let inputs = ShotInputs { shot, recipe, viewport: request.viewport };
+    let frame = ShotRenderer::new(inputs).draw(5, KeepDepth::No);
+    assert_eq!(compared.tiles[0].recipe, recipe);
+    assert!(compared.tiles[0].picture.as_ref() == frame.image());
 }

@@ -304,7 +304,7 @@ struct RestRow {
 fn rest_rows(times: &StageTimes) -> Vec<RestRow> {
     let rows = [
         ("Resolve", times.resolve, "Averages the samples of each pixel"),
-        ("Surfaces", times.surfaces, "Finds the visible surface of each pixel for the upscaler"),
+        ("Surfaces", times.surfaces, "Finds the visible surface of each rasterized pixel for the upscaler"),
         ("Transfer", times.transfer, "Sends the samples to the process of the upscaler and receives its picture"),
         ("Post filter", times.post, "Applies the post filter and draws the wireframe"),
         ("Other", Some(times.other), "Work between the stages: buffers, thread pool and copies"),

@@ -225,8 +225,12 @@ fn plot(
     let colors: Vec<Color32> = points.iter().map(|point| color(ui, point)).collect();
     let front_color = tokens(ui).text_weak;
     let metric = session.features.timings.metric_in_use();
-    let response =
-        empty_plot(metric, lane, is_in_motion(session), below).grid_color(tokens(ui).border).show(ui, |plot| {
+    let is_provisional = session.features.timings.noise().is_none();
+    let time_axis = if is_provisional { "Frame time (ms)" } else { "Median frame time (ms)" };
+    let response = empty_plot(metric, lane, is_in_motion(session), below)
+        .x_axis_label(time_axis)
+        .grid_color(tokens(ui).border)
+        .show(ui, |plot| {
             for step in front(points, lane) {
                 plot.line(step.color(front_color).width(1.0));
             }
@@ -280,7 +284,6 @@ fn empty_plot(metric: Metric, lane: f64, in_motion: bool, size: egui::Vec2) -> P
     Plot::new("error against time of upscalers")
         .width(size.x)
         .height(size.y)
-        .x_axis_label("Median frame time (ms)")
         .y_axis_label(axis)
         .allow_scroll(false)
         .x_grid_spacer(|input| log_marks(&input))

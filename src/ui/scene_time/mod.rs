@@ -11,11 +11,11 @@ pub(crate) mod strip;
 use std::sync::Arc;
 
 use self::replay::ReplayProgress;
-use super::engine::Request;
 use super::features::Feature;
 use super::session::Session;
 use super::window_task::WindowTask;
 use crate::measure::shot::{CameraMotion, Shot, ShotFrame};
+use crate::scene::{Camera, Scene};
 
 /// Selectable frame rates, in frames per second.
 pub(crate) const FRAME_RATES: [u32; 5] = [10, 24, 25, 30, 60];
@@ -155,13 +155,13 @@ impl Session {
 
     /// Whether the pictures on screen show the scene at the current time.
     fn shows_wanted_time(&self) -> bool {
+        let is_shown =
+            |scene: &Arc<Scene>, camera: &Camera| Arc::ptr_eq(scene, &self.scene) && *camera == self.state.camera;
         let is_compared = !self.features.comparison.is_on()
             || self.features.comparison.compared.as_ref().is_some_and(|compared| {
                 let tiles = compared.tiles.len() == compared.request.recipes.len();
-                tiles && Arc::ptr_eq(&compared.request.scene, &self.scene)
+                tiles && is_shown(&compared.request.scene, &compared.request.camera)
             });
-        let is_shown =
-            |request: &Request| Arc::ptr_eq(&request.scene, &self.scene) && request.camera == self.state.camera;
-        is_compared && self.view.as_ref().is_some_and(|view| is_shown(&view.request))
+        is_compared && self.view.as_ref().is_some_and(|view| is_shown(&view.request.scene, &view.request.camera))
     }
 }

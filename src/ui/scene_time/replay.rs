@@ -2,9 +2,9 @@
 //! frames that happened to be shown.
 //!
 //! Playback and single steps forwards continue the history of the frame on screen. Steps backwards continue from the
-//! nearest checkpoint. After a long jump or a change of the settings, the worker first shows the frame with the history at
-//! hand, and then draws the frames from the nearest checkpoint or frame 0 on. It draws one frame per step, so that newer
-//! requests do not wait.
+//! nearest checkpoint. After a long jump or a change of settings, the worker first shows the frame with the available
+//! history. It then draws the missing frames, from the nearest checkpoint or frame 0 on. It draws one frame per step, so
+//! that newer requests do not wait.
 
 use std::time::{Duration, Instant};
 
@@ -104,6 +104,13 @@ impl Replayer {
         }
     }
 
+    /// Continues drawing after [`Replayer::cancel`].
+    pub(crate) fn resume(&mut self) {
+        if let Some(replay) = &mut self.replay {
+            replay.is_cancelled = false;
+        }
+    }
+
     /// Drops the request and the frames drawn so far.
     pub(crate) fn clear(&mut self) {
         self.replay = None;
@@ -132,7 +139,7 @@ impl Replayer {
             return Some(if is_slow { ReplayStep::Slow(replay.progress()) } else { ReplayStep::Drawn });
         }
         let Replay { request, number, mut renderer, .. } = *self.replay.take()?;
-        let frame = renderer.draw(number, KeepDepth::Yes);
+        let frame = checkpoints.draw(&mut renderer, number, KeepDepth::Yes);
         Some(ReplayStep::Complete(Box::new(ReplayedFrame { request, frame, renderer: renderer.into_renderer() })))
     }
 }
@@ -249,6 +256,54 @@ mod tests {
             ..request.clone()
         };
         assert!(engine.answer(other(&requests[38])).needs_replay, "other settings have no checkpoints");
+    }
+
+    #[test]
+    fn other_inputs_show_a_preview_without_drawing_the_frames_before() {
+        let requests = requests(6);
+        let mut engine = Engine::default();
+        requests.iter().for_each(|request| assert!(!engine.answer(request.clone()).needs_replay));
+        let Request { mut camera, recipe, viewport, .. } = requests[5].clone();
+        camera.orbit(0.2, 0.0);
+        let turned = |number: usize| {
+            let mut request = Request { camera, ..requests[number].clone() };
+            request.sequence.as_mut().unwrap().shot.camera = camera;
+            request
+        };
+        let other_recipe = Recipe { wireframe: true, ..recipe };
+        let smaller = Viewport { width: viewport.width - 1, ..viewport };
+        for other in [
+            turned(5),
+            Request { recipe: other_recipe, ..requests[5].clone() },
+            Request { viewport: smaller, ..requests[5].clone() },
+        ] {
+            let view = engine.answer(other.clone());
+            assert!(view.fresh && view.needs_replay);
+            assert_eq!(engine.checkpoints.missing(&other.shot_inputs().unwrap(), 5, 0), 5, "no other frame was drawn");
+        }
+        assert!(shown(&mut engine, &turned(5)).1);
+        let (picture, is_replayed) = shown(&mut engine, &turned(4));
+        let frame = ShotRenderer::new(turned(4).shot_inputs().unwrap()).draw(4, KeepDepth::No);
+        assert!(!is_replayed && picture == *frame.image(), "one step back is complete at once");
+    }
+
+    #[test]
+    fn the_engine_keeps_no_checkpoints_of_views_without_this_history() {
+        let requests = requests(9);
+        let bilinear = Recipe { upscaler: Upscaling::new("bilinear", 2).unwrap(), ..requests[8].recipe };
+        let still = Arc::new(builtin::by_id("triangle").unwrap().build());
+        for other in [
+            Request { recipe: bilinear, ..requests[8].clone() },
+            Request { camera: still.home, scene: still, sequence: None, ..requests[8].clone() },
+        ] {
+            let mut engine = Engine::default();
+            requests.iter().for_each(|request| drop(engine.answer(request.clone())));
+            let inputs = requests[8].shot_inputs().unwrap();
+            engine.answer(Request { triangle_limit: Some(3), ..requests[8].clone() });
+            assert_eq!(engine.checkpoints.missing(&inputs, 8, 0), 0, "a part of the frame keeps them");
+            engine.answer(other);
+            assert_eq!(engine.checkpoints.missing(&inputs, 8, 0), 8);
+        }
     }
 
     #[test]

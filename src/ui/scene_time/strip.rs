@@ -86,8 +86,8 @@ fn replay(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         return;
     }
     ui.separator();
-    let help = "The upscaler's history is that of the frames that were shown. Once playback rests, the frames from frame 0 \
-                on are drawn again, and the picture depends on the frame number only";
+    let help = "The upscaler's history is that of the frames that were shown. Once playback rests, the missing frames are \
+                drawn, and the picture depends on the frame number only";
     ui.label(RichText::new("History of the frames shown").color(tokens(ui).text_weak)).on_hover_text(help);
     let Some(ReplayProgress { done, of }) = session.features.scene_time.replay else { return };
     ui.label(RichText::new(format!("Drawing frame {done} of {of} …")).color(tokens(ui).text_weak));

@@ -123,8 +123,7 @@ fn close(ui: &mut Ui, chosen: &mut Vec<WhatIfChange>) {
 /// Draws the number of changed pixels, the error and the time difference as soon as they are known.
 fn figures(ui: &mut Ui, session: &Session, chosen: &mut Vec<WhatIfChange>) {
     let Some(found) = session.view.as_ref().and_then(|view| session.features.what_if.current(view)) else {
-        ui.spinner();
-        ui.label(RichText::new("Drawing A and B…").color(tokens(ui).text_weak));
+        waiting(ui, session);
         return;
     };
     let count = found.changes.count;
@@ -145,19 +144,33 @@ fn figures(ui: &mut Ui, session: &Session, chosen: &mut Vec<WhatIfChange>) {
     }
     ui.separator();
     if let Some(ReplayProgress { done, of }) = found.replay {
-        let help = "A and B have the history of the frames that were shown, until the frames before this one are drawn";
-        let words = format!("History of the frames shown, drawing frame {done} of {of} …");
-        ui.label(RichText::new(words).color(tokens(ui).text_weak)).on_hover_text(help);
+        incomplete(ui, &format!("History incomplete, drawing frame {done} of {of} …"));
         ui.separator();
     }
     error(ui, found);
     ui.separator();
     match &found.times {
-        Some(times) => time(ui, times),
+        Some(times) => time(ui, times, found.request.after.sequence.is_some()),
         None => {
             ui.label(RichText::new("time: …").monospace().color(tokens(ui).text_weak));
         }
     }
+}
+
+/// Says why there are no results.
+fn waiting(ui: &mut Ui, session: &Session) {
+    if session.view.as_ref().is_some_and(|view| view.needs_replay) {
+        incomplete(ui, "History incomplete, not compared");
+        return;
+    }
+    ui.spinner();
+    ui.label(RichText::new("Drawing A and B…").color(tokens(ui).text_weak));
+}
+
+/// Says that the history of A or B is incomplete.
+fn incomplete(ui: &mut Ui, words: &str) {
+    let help = "A or B lacks earlier frames in its history until they are drawn";
+    ui.label(RichText::new(words).color(tokens(ui).text_weak)).on_hover_text(help);
 }
 
 /// Formats a fraction as a percentage, with more decimals if it is small, so that a single pixel does not round to
@@ -188,13 +201,17 @@ fn error(ui: &mut Ui, found: &WhatIfResults) {
     ui.label(RichText::new(text).monospace()).on_hover_text(help);
 }
 
-fn time(ui: &mut Ui, times: &PairTimes) {
+/// Draws the difference in frame time. `moves` is whether scene or camera move, in which case the label says that the times
+/// are those of a still view.
+fn time(ui: &mut Ui, times: &PairTimes, moves: bool) {
     let change = times.change_ms.median;
     let sign = if change > 0.0 { "+" } else { "" };
-    let text = format!("Δ time {sign}{}", format::ms(change));
+    let name = if moves { "Δ time of the still view" } else { "Δ time" };
+    let text = format!("{name} {sign}{}", format::ms(change));
     let color = if times.within_noise { tokens(ui).text_weak } else { tokens(ui).text_strong };
     let help = format!(
-        "Medians of {} interleaved frames: A {}, B {}. Noise floor with equal settings: {}, so the change is {}.",
+        "Medians of {} interleaved frames of the still view: A {}, B {}. Noise floor with equal settings: {}, so the \
+         change is {}.",
         times.a_ms.n,
         format::ms(times.a_ms.median),
         format::ms(times.b_ms.median),

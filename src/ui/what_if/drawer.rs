@@ -29,6 +29,10 @@ impl WhatIfRequest {
     pub(crate) fn same_as(&self, other: &Self) -> bool {
         self.before.same_view(&other.before) && self.after.same_view(&other.after)
     }
+
+    fn same_frames(&self, other: &Self) -> bool {
+        self.before.same_frame(&other.before) && self.after.same_frame(&other.after)
+    }
 }
 
 /// Results of a what-if request so far.
@@ -77,6 +81,9 @@ impl Drawer {
     /// Draws A and B, reusing earlier results, and finds their differences. Returns `None` if they cannot be compared.
     pub(crate) fn start(&mut self, request: WhatIfRequest) -> Option<&WhatIfResults> {
         self.begun = false;
+        if !self.results.as_ref().is_some_and(|known| known.request.same_frames(&request)) {
+            self.replayers.iter_mut().for_each(Replayer::resume);
+        }
         let ([a, b], [replay_a, replay_b]) = (&mut self.engines, &mut self.replayers);
         let mut before = render_converged(a, replay_a, request.before.clone());
         let after = render_converged(b, replay_b, request.after.clone());
@@ -116,6 +123,9 @@ impl Drawer {
     /// times. Returns `None` if there is no new result yet.
     pub(crate) fn step(&mut self) -> Option<&WhatIfResults> {
         self.begun = true;
+        if !self.has_work() {
+            return None;
+        }
         if let Some(place) = self.replayers.iter().position(Replayer::has_work) {
             return self.replay(place);
         }
@@ -162,6 +172,15 @@ impl Drawer {
     /// Whether computing the missing results has begun.
     pub(crate) fn has_begun(&self) -> bool {
         self.begun && self.has_work()
+    }
+
+    /// Stops drawing the frames that are missing from the history of A or B, until other frames are requested. If there are
+    /// any, error and time are not measured either, because A and B depend on the frames that were shown.
+    pub(crate) fn cancel_replay(&mut self) {
+        if self.replay_progress().is_some() {
+            self.replayers.iter_mut().for_each(Replayer::cancel);
+            self.timer = None;
+        }
     }
 
     /// Cancels all work and drops all results.

@@ -119,10 +119,12 @@ impl WhatIf {
         !same
     }
 
-    /// Returns the results if they describe the view on screen and the bar is open.
+    /// Returns the results if they describe the view on screen and the bar is open. While frames are missing from the
+    /// history of the view or of picture B, the two may differ.
     fn current(&self, view: &RenderedView) -> Option<&WhatIfResults> {
+        let is_complete = |found: &&WhatIfResults| !view.needs_replay && !found.marked.needs_replay;
         let same = |found: &&WhatIfResults| found.request.after.same_picture(&view.request);
-        self.found.as_ref().filter(|_| self.open).filter(same)
+        self.found.as_ref().filter(|_| self.open).filter(is_complete).filter(same)
     }
 
     /// Returns the view that the canvas shows: A, B, or B with unchanged pixels dimmed. If `held` is `true` (Shift

@@ -202,3 +202,52 @@ fn in_a_scene_in_motion_both_pictures_have_the_history_of_all_frames() {
         assert_eq!(found.changes.count, Changes::of_pictures(&before, &after).unwrap().count);
     }
 }
+
+#[test]
+fn results_are_current_only_if_the_view_and_b_have_their_whole_history() {
+    let mut session = session("chess-motion");
+    set(&mut session, "upscaler.method=taa");
+    set(&mut session, "upscaler.method=fsr2");
+    session.apply(Command::SceneTime(SceneTimeChange::Go(20)));
+    let request = session.what_if_request().unwrap();
+    let mut drawer = Drawer::default();
+    let preview = drawer.start(request.clone()).cloned().unwrap();
+    assert!(preview.marked.needs_replay);
+    let mut found = preview.clone();
+    while drawer.has_work() {
+        found = drawer.step().cloned().unwrap_or(found);
+    }
+    let incomplete = Engine::default().answer(session.request());
+    let complete = RenderedView { needs_replay: false, ..incomplete.clone() };
+    for (view, found, is_current) in
+        [(&incomplete, &found, false), (&complete, &preview, false), (&complete, &found, true)]
+    {
+        session.features.what_if.found = Some(found.clone());
+        assert_eq!(session.features.what_if.marked_changes(view, false).is_some(), is_current);
+    }
+}
+
+#[test]
+fn a_cancelled_replay_measures_nothing_until_other_frames_are_requested() {
+    let mut session = session("chess-motion");
+    set(&mut session, "upscaler.method=taa");
+    set(&mut session, "upscaler.method=fsr2");
+    let mut drawer = Drawer::default();
+    session.apply(Command::SceneTime(SceneTimeChange::Go(20)));
+    drawer.start(session.what_if_request().unwrap());
+    drawer.step();
+    drawer.cancel_replay();
+    assert!(!drawer.has_work() && drawer.step().is_none());
+    session.pick = Some((3, 4));
+    let picked = drawer.start(session.what_if_request().unwrap()).unwrap();
+    assert!(picked.error.is_none() && picked.marked.needs_replay);
+    assert!(!drawer.has_work() && drawer.step().is_none());
+    session.apply(Command::WhatIf(WhatIfChange::Pin(true)));
+    set(&mut session, "upscaler.method=accumulation");
+    let mut found = drawer.start(session.what_if_request().unwrap()).cloned().unwrap();
+    while drawer.has_work() {
+        found = drawer.step().cloned().unwrap_or(found);
+    }
+    assert!(found.error.is_some() && found.times.is_some());
+    assert!(!found.before.needs_replay && !found.marked.needs_replay);
+}

@@ -1,9 +1,9 @@
 //! Measurement of all upscalers in small steps: frame times in rounds, errors of a still view, and errors in motion
 //! over the frames that are timed.
 //!
-//! First, the error of one frame of every upscaler is measured, at rest and in motion, together with the time of this
-//! frame, so that all upscalers have a provisional result soon. Upscalers without history are first, because the others
-//! draw many frames before. Then rounds and further errors take turns.
+//! First, one frame of every upscaler is drawn at rest and one in motion, and their errors and times are measured. All
+//! upscalers thus have a provisional result soon. Upscalers without history come first, because the others need warm-up
+//! frames. Then rounds and further errors take turns.
 
 use super::WorkerResponse;
 use crate::chain::{Frame, Recipe};

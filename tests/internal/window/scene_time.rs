@@ -9,6 +9,7 @@ use rasterscope::measure::shot::{CameraMotion, Shot, ShotInputs, ShotRenderer};
 use rasterscope::scene::{SceneSource, builtin};
 use rasterscope::ui::camera_path::CameraPathChange;
 use rasterscope::ui::command::Command;
+use rasterscope::ui::compare::{CompareChange, Mode};
 use rasterscope::ui::engine::Shown;
 use rasterscope::ui::scene_time::SceneTimeChange;
 use rasterscope::ui::session::PictureSize;
@@ -154,6 +155,30 @@ fn a_recorded_path_has_the_frames_of_its_file() {
         bench.view().frame.before.as_ref().map(|before| before.camera),
         drawn.before.map(|before| before.camera)
     );
+}
+
+#[test]
+fn playback_along_a_path_waits_for_the_view_and_the_comparison() {
+    let mut bench = Bench::small("triangle");
+    for _ in 0..2 {
+        bench.session_mut().apply(Command::CameraPath(CameraPathChange::Add));
+        bench.session_mut().state.camera.orbit(0.4, 0.1);
+    }
+    bench.session_mut().apply(Command::Compare(CompareChange::Mode(Mode::Wipe)));
+    apply(&mut bench, SceneTimeChange::Go(3));
+    let (view, compared) = (bench.session().view.clone(), bench.session().features.comparison.compared.clone());
+    apply(&mut bench, SceneTimeChange::Go(4));
+    let session = bench.session_mut();
+    session.features.scene_time.is_playing = true;
+    let new = (session.view.clone(), session.features.comparison.compared.clone());
+    for (view, compared) in [(new.0.clone(), compared), (view, new.1.clone())] {
+        (session.view, session.features.comparison.compared) = (view, compared);
+        session.apply(Command::SceneTime(SceneTimeChange::Tick(10.0)));
+        assert_eq!(session.scene_frame(), 4, "a picture of frame 3 is on screen");
+    }
+    (session.view, session.features.comparison.compared) = new;
+    session.apply(Command::SceneTime(SceneTimeChange::Tick(10.0)));
+    assert_eq!(session.scene_frame(), 5);
 }
 
 #[test]

@@ -63,9 +63,8 @@ pub(super) fn figures_of(ui: &Ui, index: usize, footer: Rect, compared: &Compare
     };
     let lines = figure_lines(footer.width()) as f32 * LINE;
     let words = match (&tile.measured, tile.replay) {
-        (None, Some(ReplayProgress { done, of })) => {
-            format!("history of the frames shown · drawing frame {done} of {of} …")
-        }
+        (None, Some(_)) if compared.complete => "history incomplete · not measured".to_owned(),
+        (None, Some(ReplayProgress { done, of })) => format!("history incomplete · drawing frame {done} of {of} …"),
         (None, None) => "measuring…".to_owned(),
         (Some(measured), _) => match &measured.figures {
             None => "not measured: this picture and the reference have different sizes".to_owned(),
@@ -85,7 +84,7 @@ pub(super) fn figures_of(ui: &Ui, index: usize, footer: Rect, compared: &Compare
         ui.label(egui::RichText::new(tile.title()).strong());
         ui.label(&drawn);
         if tile.replay.is_some() {
-            ui.label("The upscaler's history is that of the frames shown, until the frames before this one are drawn");
+            ui.label("The upscaler's history lacks earlier frames until they are drawn");
         }
         for (figures, of) in
             [(tile.measured.as_ref().and_then(|m| m.figures), "Whole picture"), (tile.region_figures, "Region")]
