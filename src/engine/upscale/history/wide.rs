@@ -1,4 +1,4 @@
-//! SIMD version of [`super::Motion::reproject`] for eight pixels, with bit-identical results.
+//! SIMD version of [`super::Motion::reproject_by`] for eight pixels, with bit-identical results.
 
 use std::ops::Range;
 
