@@ -322,12 +322,13 @@ fn rest_row(ui: &mut Ui, row: &RestRow, column: &TimeColumn) {
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, row.name));
     let is_whole = column.frame == Some(row.time);
     let color = if is_whole { tokens(ui).text } else { tokens(ui).text_weak };
-    let start = rect.left_center() + vec2(NAME_INSET, 0.0);
-    ui.painter().text(start, Align2::LEFT_CENTER, row.name, FontId::proportional(theme::font_size::SMALL), color);
-    column.draw_time(ui, rect, row.time, color);
+    // Below the text: a long bar would hide it.
     if !is_whole {
         column.draw_bar(ui, rect, row.time, tokens(ui).control);
     }
+    let start = rect.left_center() + vec2(NAME_INSET, 0.0);
+    ui.painter().text(start, Align2::LEFT_CENTER, row.name, FontId::proportional(theme::font_size::SMALL), color);
+    column.draw_time(ui, rect, row.time, color);
     response.on_hover_ui(|ui| {
         ui.strong(row.name);
         ui.label(row.help);
