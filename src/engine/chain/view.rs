@@ -47,7 +47,7 @@ pub(super) fn ids_recipe(recipe: &Recipe) -> Option<Recipe> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SurfaceView<'a> {
     pub(super) scene: &'a Scene,
-    /// Camera without jitter.
+    /// Camera of the frame, before the jitter shifts it.
     pub(super) camera: &'a Camera,
     /// Size of the full picture.
     pub(super) viewport: Viewport,

@@ -27,8 +27,8 @@ pub(super) enum Combination {
     Greatest,
 }
 
-/// Combines the numbers of three runs, and stores as many as `range` has from its start on in `to`. Up to 15 more numbers
-/// are read and written after them.
+/// Combines the numbers of three runs, and stores the results in a range of `to`. Reads and writes up to 15 more numbers
+/// after it.
 #[inline(always)]
 pub(super) fn combine<S: Simd>(simd: S, runs: [&[f32]; 3], to: &mut [f32], range: &Range<usize>, by: Combination) {
     let length = range.len().next_multiple_of(WIDE);
@@ -91,9 +91,9 @@ fn combine_by<S: Simd>(
 /// Samples of a row, one for each of sixteen output pixels.
 #[derive(Clone, Copy)]
 pub(super) enum SampleLanes<S: Simd> {
-    /// Adjacent ones, of which the first has this padded index.
+    /// Adjacent samples; the first has this padded index.
     Adjacent(usize),
-    /// Ones among the sixteen samples from a padded index on, with the places of their bytes.
+    /// Samples among the sixteen from a padded index on, selected by byte indices.
     Among(usize, u8x64<S>),
 }
 
@@ -101,9 +101,9 @@ impl<S: Simd> SampleLanes<S> {
     /// Returns the samples at padded indices, in ascending order and within 16 of the first one.
     #[inline(always)]
     pub(super) fn ascending(simd: S, padded: &[u32; WIDE]) -> Self {
-        /// Multiplies a number below 64 into four bytes.
+        /// Copies four times the number of a lane into each of four bytes.
         const BYTES: u32 = 0x0404_0404;
-        /// Places of the four bytes of a number.
+        /// Offsets of the four bytes of a number.
         const PLACES: u32 = 0x0302_0100;
         let first = padded[0];
         let order = (u32x16::load_array_ref(simd, padded) - first) * BYTES + PLACES;

@@ -35,7 +35,7 @@ pub(super) struct MovingPicture {
     pub(super) replay: Option<ReplayProgress>,
 }
 
-/// Result of [`MovingTiles::step`].
+/// Progress of a tile after one step.
 pub(super) enum MovingStep {
     /// One more frame was drawn.
     Drawn(ReplayProgress),

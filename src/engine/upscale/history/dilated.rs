@@ -48,8 +48,8 @@ impl ColumnPairs {
     }
 }
 
-/// Surfaces of sixteen pixels of a row of a G-buffer, and their motion vectors. That of a surface that the previous frame
-/// does not show is not a number.
+/// Surfaces of sixteen pixels of a row of a G-buffer, and their motion vectors. The vector of a surface that the previous
+/// frame does not show is NaN.
 #[derive(Clone, Copy)]
 struct Surfaces<S: Simd> {
     distance: f32x16<S>,

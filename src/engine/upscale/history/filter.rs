@@ -1,7 +1,7 @@
 //! Reading of the history with filters of 4 × 4 pixels.
 //!
-//! Mostly, adjacent pixels come from adjacent pixels. Four of them are then filtered together: each vector holds the same
-//! tap of all four, so that nothing has to be summed across a vector.
+//! Adjacent pixels mostly read adjacent history pixels. Four of them are then filtered together: a vector holds the same tap
+//! of all four, so no horizontal sum is needed.
 
 use super::window::PastPlaces;
 use crate::image::Image;
@@ -30,7 +30,7 @@ impl<S: Simd> FilterWeights<S> {
     }
 }
 
-/// Places of the bytes of four numbers among those of sixteen, with each number four times in a row, for every four numbers.
+/// Byte indices that repeat each of four numbers four times, for every group of four among sixteen numbers.
 const ORDERS: [[u8; 64]; WIDE / TOGETHER] = {
     let mut orders = [[0; 64]; WIDE / TOGETHER];
     let mut place = 0;

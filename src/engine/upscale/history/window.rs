@@ -109,8 +109,8 @@ impl<S: Simd> PastPlaces<S> {
         (self.rows[lane] as usize - 1) * width + self.columns[lane] as usize - 1
     }
 
-    /// Whether all 4 × 4 pixels around the positions of four lanes lie in the image, and adjacent lanes come from adjacent
-    /// pixels of a row. For each four lanes.
+    /// Returns, for each group of four lanes, whether they read adjacent pixels of a row, and all 4 × 4 pixels around each
+    /// position lie in the image.
     #[inline(always)]
     pub(super) fn adjacent_fours(&self) -> [bool; WIDE / 4] {
         let lanes = self.inside & self.continues_row;
