@@ -219,6 +219,8 @@ pub(super) mod tests {
                     let apart = |sample: u32| (lattice.position_px(sample) - f64::from(at) - 0.5).abs();
                     assert!((0..samples).all(|other| apart(other) >= apart(nearest)), "{lattice:?} {at} of {length}");
                     assert!(apart(nearest) < lattice.scale.value(), "{lattice:?} {at} of {length}");
+                    let (two, is_second_closer) = lattice.between(at, samples);
+                    assert_eq!(two[usize::from(is_second_closer)], nearest, "{lattice:?} {at} of {length}");
                 }
             }
         }
