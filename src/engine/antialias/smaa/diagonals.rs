@@ -111,9 +111,9 @@ impl<'a> Diagonals<'a> {
     pub(super) fn for_each(&self, y: usize, width: usize, mut found: impl FnMut(DiagonalEdge)) {
         let columns = MARGIN..MARGIN + width;
         let y = y as isize;
-        let rows = Rows::around(self, y);
+        let (top, rows) = (self.top.row(y), Rows::around(self, y));
         for word in columns.start / 64..columns.end.div_ceil(64) {
-            if self.top.row(y)[word] == 0 {
+            if top[word] == 0 {
                 continue;
             }
             let (rising, falling) = (rows.members::<false>(word), rows.members::<true>(word));

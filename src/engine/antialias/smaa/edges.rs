@@ -1,5 +1,7 @@
 //! Edge detection, and rows and columns of edges as bits.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use crate::antialias::luma::{BLOCK, fill_luma};
@@ -32,13 +34,24 @@ pub(super) struct BitRows {
 impl BitRows {
     /// Returns rows of zeros for `width` × `height` px.
     fn new(width: usize, height: usize) -> Self {
-        let words = (width + 2 * MARGIN).div_ceil(64);
+        let words = words_of(width);
         Self { words, bits: vec![0; words * (height + 2 * MARGIN)] }
     }
 
     /// Returns row `y`, which may lie in the margin, as words. Bit [`MARGIN`] belongs to the first pixel.
     pub(super) fn row(&self, y: isize) -> &[u64] {
         &self.bits[y.wrapping_add_unsigned(MARGIN) as usize * self.words..][..self.words]
+    }
+
+    /// Returns the columns, numbered by their bits, with a bit in any of the given rows.
+    pub(super) fn columns_in(&self, rows: Range<usize>) -> impl Iterator<Item = usize> {
+        let mut columns = vec![0; self.words];
+        for row in rows {
+            for (columns, bits) in columns.iter_mut().zip(self.row(row as isize)) {
+                *columns |= bits;
+            }
+        }
+        (0..self.words * 64).filter(move |bit| columns[bit / 64] >> (bit % 64) & 1 != 0)
     }
 
     /// Returns whether bit `x` of row `y` is set.
@@ -68,6 +81,11 @@ impl BitRows {
         });
         columns
     }
+}
+
+/// Returns the number of words of a row of `width` px with its margins.
+pub(super) fn words_of(width: usize) -> usize {
+    (width + 2 * MARGIN).div_ceil(64)
 }
 
 /// Transposes a matrix of 64 × 64 bits, by swapping halves of ever smaller blocks.

@@ -21,12 +21,14 @@ fn below_line(slope: f64, start: f64, by_area: bool) -> Image<Rgba8> {
 
 /// Returns a picture filtered in sRGB codes without the diagonal patterns.
 fn without_diagonals(picture: &Image<Rgba8>) -> Image<Rgba8> {
-    let (edges, mut areas) = (Edges::find(Lanes::best(), picture), BandAreas::default());
+    let (lanes, mut cuts) = (Lanes::best(), BandCuts::default());
+    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    cuts.top.clear(width, height + 1);
+    cuts.left.clear(width, height);
+    let mut band = Band { picture, edges: &Edges::find(lanes, picture), first: 0, cuts: &mut cuts };
+    band.cut_along_lines(0..height);
     let mut result = picture.clone();
-    let mut band = Band { picture, edges: &edges, first: 0, areas: &mut areas };
-    band.areas.clear(result.pixels().len());
-    band.cover_along_lines(0..picture.height() as usize);
-    band.blend(false, result.pixels_mut());
+    band.blend(Blender::new(lanes, picture, false), result.pixels_mut());
     result
 }
 
