@@ -283,7 +283,8 @@ mod tests {
             let is_light = if y < 30 { (x + y) % 23 < 11 } else { (x + 97 - y) % 19 < 9 };
             [if is_light != (random.u8(..) < 20) { 255 } else { 0 }; 4]
         });
-        let edges = Edges::find(Lanes::best(), &picture);
+        let mut edges = Edges::default();
+        edges.find(Lanes::best(), &picture);
         let (top, left) = (
             |x: isize, y: isize| edges.top.has(x + MARGIN as isize, y),
             |x: isize, y: isize| edges.left.has(x + MARGIN as isize, y),

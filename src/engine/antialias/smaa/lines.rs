@@ -182,7 +182,8 @@ mod tests {
             let is_light = (y / 3 + x / (1 + y / 2)) % 2 == 0;
             [if is_light != (random.u8(..) < 4) { 255 } else { 0 }; 4]
         });
-        let edges = Edges::find(Lanes::best(), &picture);
+        let mut edges = Edges::default();
+        edges.find(Lanes::best(), &picture);
         let lines = Lines { table: AreaTable::get(), along: &edges.top, crossing: &edges.left };
         let mut cut = 0;
         for (y, range) in (0..90).flat_map(|y| [0..200, 70..130].map(|range| (y, range))) {

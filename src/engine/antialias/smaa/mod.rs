@@ -22,7 +22,7 @@ mod lines;
 #[cfg(test)]
 mod tests;
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::ops::Range;
 
 use area::AreaTable;
@@ -56,7 +56,10 @@ struct BandCuts {
 }
 
 thread_local! {
-    /// Buffer for the areas of a band. Reusing it for the next picture avoids page faults.
+    /// Buffer for the edges of a picture. Reusing it for the next one avoids page faults.
+    static EDGES: Cell<Edges> = Cell::default();
+
+    /// Buffer for the areas of a band, reused likewise.
     static CUTS: RefCell<BandCuts> = RefCell::default();
 }
 
@@ -72,7 +75,9 @@ fn apply_on(lanes: Lanes, picture: &Image<Rgba8>, linear: bool, memory: Option<I
     if width == 0 || height == 0 {
         return result;
     }
-    let edges = Edges::find(lanes, picture);
+    // Taken instead of borrowed: while this thread waits for others, it may filter another picture.
+    let mut edges = EDGES.take();
+    edges.find(lanes, picture);
     let bands = result.pixels_mut().par_chunks_mut(width as usize * BAND);
     bands.enumerate().for_each(|(index, pixels)| {
         CUTS.with_borrow_mut(|cuts| {
@@ -80,6 +85,7 @@ fn apply_on(lanes: Lanes, picture: &Image<Rgba8>, linear: bool, memory: Option<I
             Band { picture, edges: &edges, first: index * BAND, cuts }.filter(blender, pixels);
         });
     });
+    EDGES.set(edges);
     result
 }
 
