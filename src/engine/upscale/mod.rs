@@ -50,6 +50,7 @@ mod scale;
 mod separable;
 mod sgsr2;
 mod spares;
+mod statistics;
 mod taa;
 mod ycocg;
 

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::super::Rectification;
-use super::super::planes::{Combination, Planes, SampleLanes, combine, padded_row};
+use super::Rectification;
+use super::planes::{Combination, Planes, SampleLanes, combine, padded_row};
 use crate::math::lanes::*;
 
 /// Statistics of 3 × 3 samples for every sample of a row. Rows are padded.
@@ -12,7 +12,7 @@ pub(super) struct Statistics {
     of: Option<([u32; 3], Range<usize>)>,
     /// Least or greatest, sum or sum of squares, of three vertically adjacent samples.
     vertical: Vec<f32>,
-    /// Least and greatest, or sums and sums of squares, of 3 × 3 samples, for Y, Co and Cg.
+    /// Least and greatest of 3 × 3 samples, or middles of boxes and reciprocals of half their sizes, for Y, Co and Cg.
     around: [[Vec<f32>; 3]; 2],
 }
 
@@ -48,6 +48,14 @@ impl Statistics {
                 combine(simd, columns, around, &centers, of_columns[number]);
             }
         }
+        if matches!(by, Rectification::Clip | Rectification::Variance) {
+            let length = centers.len().next_multiple_of(WIDE);
+            let [firsts, seconds] = &mut self.around;
+            for (first, second) in firsts.iter_mut().zip(seconds) {
+                let [first, second] = [first, second].map(|numbers| &mut numbers[centers.start..][..length]);
+                find_boxes(simd, by, first, second);
+            }
+        }
         self.of = Some((index, range.clone()));
     }
 }
@@ -65,34 +73,53 @@ impl Statistics {
         if by == Rectification::None {
             return past;
         }
-        let [first, second] = each!(number in [0, 1] => {
-            each!(channel in [0, 1, 2] => nearest.read(simd, &self.around[number][channel]))
-        });
+        let [first, second] = self.range(simd, nearest);
         match by {
             Rectification::None => past,
             Rectification::Clamp => each!(i in [0, 1, 2] => past[i].max(first[i]).min(second[i])),
-            Rectification::Clip => {
-                let middle = each!(i in [0, 1, 2] => (first[i] + second[i]) * 0.5);
-                clipped(simd, past, middle, each!(i in [0, 1, 2] => (second[i] - first[i]) * 0.5))
-            }
-            Rectification::Variance => {
-                let mean = each!(i in [0, 1, 2] => first[i] * (1.0 / 9.0));
-                let deviation = each!(i in [0, 1, 2] => {
-                    (second[i] * (1.0 / 9.0) - mean[i] * mean[i]).max(f32x16::splat(simd, 0.0)).sqrt()
-                });
-                clipped(simd, past, mean, deviation)
-            }
+            Rectification::Clip | Rectification::Variance => clipped(simd, past, first, second),
         }
+    }
+
+    /// Returns both statistics around the samples nearest to sixteen pixels; the least and the greatest if the
+    /// rectification is [`Rectification::Clamp`].
+    #[inline(always)]
+    pub(super) fn range<S: Simd>(&self, simd: S, nearest: &SampleLanes<S>) -> [[f32x16<S>; 3]; 2] {
+        each!(number in [0, 1] => each!(channel in [0, 1, 2] => nearest.read(simd, &self.around[number][channel])))
     }
 }
 
-/// Moves colours straight towards the middle of a box until they are inside. `half` is half of the size of the box.
+/// Replaces the least and the greatest samples, or their sums and sums of squares, by the middles of boxes and the
+/// reciprocals of half their sizes.
 #[inline(always)]
-fn clipped<S: Simd>(simd: S, color: [f32x16<S>; 3], middle: [f32x16<S>; 3], half: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
-    // Avoids a division by zero in boxes without extent; far below a step of 8-bit codes.
+fn find_boxes<S: Simd>(simd: S, by: Rectification, firsts: &mut [f32], seconds: &mut [f32]) {
+    /// Avoids a division by zero in boxes without extent; far below a step of 8-bit codes.
     const LEAST_HALF: f32 = 1e-6;
+    let chunks = firsts.as_chunks_mut::<WIDE>().0.iter_mut().zip(seconds.as_chunks_mut::<WIDE>().0);
+    for (firsts, seconds) in chunks {
+        let [first, second] = each!(numbers in [&*firsts, &*seconds] => f32x16::load_array_ref(simd, numbers));
+        let (middle, half) = if by == Rectification::Variance {
+            let mean = first * (1.0 / 9.0);
+            (mean, (second * (1.0 / 9.0) - mean * mean).max(f32x16::splat(simd, 0.0)).sqrt())
+        } else {
+            ((first + second) * 0.5, (second - first) * 0.5)
+        };
+        middle.store_array(firsts);
+        (f32x16::splat(simd, 1.0) / half.max(f32x16::splat(simd, LEAST_HALF))).store_array(seconds);
+    }
+}
+
+/// Moves colours straight towards the middle of a box until they are inside. `inverse_half` is the reciprocal of half of the
+/// size of the box.
+#[inline(always)]
+fn clipped<S: Simd>(
+    simd: S,
+    color: [f32x16<S>; 3],
+    middle: [f32x16<S>; 3],
+    inverse_half: [f32x16<S>; 3],
+) -> [f32x16<S>; 3] {
     let offset = each!(i in [0, 1, 2] => color[i] - middle[i]);
-    let [y, co, cg] = each!(i in [0, 1, 2] => offset[i].abs() / half[i].max(f32x16::splat(simd, LEAST_HALF)));
+    let [y, co, cg] = each!(i in [0, 1, 2] => offset[i].abs() * inverse_half[i]);
     let one = f32x16::splat(simd, 1.0);
     let farthest = y.max(co).max(cg);
     let is_outside = farthest.simd_gt(one);

@@ -14,7 +14,6 @@
 //! jitter position is drawn once, nothing is rectified, and then the picture no longer changes.
 
 mod rows;
-mod statistics;
 #[cfg(test)]
 mod tests;
 
