@@ -8,7 +8,7 @@ use super::super::{Accumulated, HistoryStep, Motion, PastColor, Rejection};
 use super::frame::{Fsr2Frame, RowScratch};
 use super::kernel::{Kernel, history_weights};
 use super::locks::Locks;
-use crate::image::{Image, Rgba8};
+use crate::image::Rgba8;
 use crate::math::lanes::*;
 
 /// Average weight of the present colour at a narrowing of 1. At a narrowing of n, it is smaller by the factor n².
@@ -303,8 +303,9 @@ impl Fsr2Frame<'_> {
     ) -> Past<S> {
         let Accumulated { color, locks } = history;
         let zero = f32x16::splat(simd, 0.0);
-        let (mut quads, mut pairs) = ([[0.0; 4]; WIDE], [[0.0; 2]; WIDE]);
+        let mut quads = [[0.0; 4]; WIDE];
         if motion.is_still() {
+            let mut pairs = [[0.0; 2]; WIDE];
             let read = from..self.size.0.min((from + WIDE) as u32) as usize;
             quads[..read.len()].copy_from_slice(&color.row(y)[read.clone()]);
             if let Some(locks) = locks {
@@ -322,13 +323,14 @@ impl Fsr2Frame<'_> {
         let weights = each!(axis in [0, 1] => history_weights(places.fraction[axis]));
         let weights = FilterWeights { across: weights[0], down: weights[1] };
         places.read_filtered::<true>(simd, color, &weights, &mut quads);
+        let mut lock_numbers = [zero; 2];
         if let Some(locks) = locks {
-            read_locks(locks, &places, &mut pairs);
+            lock_numbers = places.pairs_bilinear(simd, locks);
         }
         Past {
             is_known: places.is_known,
             color: quads::columns(simd, &quads),
-            locks: numbers_of_pairs(simd, &pairs),
+            locks: lock_numbers,
             place: places.place,
             speed_px: Some((across * across + down * down).sqrt()),
         }
@@ -370,20 +372,6 @@ fn limit_of_weight<S: Simd>(speed_px: f32x16<S>, narrowing: f32x16<S>) -> f32x16
     let moving = (speed_px * (1.0 / MOVING_PX)).min(1.0);
     let limit = (frame * MOVING_FRAMES - MOST_WEIGHT) * moving + MOST_WEIGHT;
     limit + (frame - limit) * (speed_px * (1.0 / FAST_PX)).min(1.0)
-}
-
-/// Reads the locks between their pixels bilinearly.
-#[inline(always)]
-fn read_locks<S: Simd>(locks: &Image<[f32; 2]>, places: &PastPlaces<S>, read: &mut [[f32; 2]; WIDE]) {
-    let [across, down] = each!(axis in [0, 1] => places.fraction[axis].to_array());
-    for lane in 0..WIDE {
-        let Some([[a, b], [c, d]]) = places.four(locks, lane) else { continue };
-        for (number, read) in read[lane].iter_mut().enumerate() {
-            let above = a[number] + (b[number] - a[number]) * across[lane];
-            let below = c[number] + (d[number] - c[number]) * across[lane];
-            *read = above + (below - above) * down[lane];
-        }
-    }
 }
 
 impl<S: Simd> Around<S> {
