@@ -115,20 +115,19 @@ impl<S: Simd> PastPlaces<S> {
         let width = history.width() as usize;
         let first = self.first_inside(lane, width);
         let pixels = &history.pixels()[first..][..3 * width + 3 + TOGETHER];
-        let tap = |row: usize, column: usize| {
-            f32x16::from_slice(simd, pixels[row * width + column..][..TOGETHER].as_flattened())
-        };
-        let [a, b, c, d] = each!(column in [0, 1, 2, 3] => {
-            let sum = tap(0, column) * down[0] + tap(1, column) * down[1] + tap(2, column) * down[2]
-                + tap(3, column) * down[3];
-            sum * across[column]
+        let taps = each!(row in [0, 1, 2, 3] => {
+            each!(column in [0, 1, 2, 3] => four_from(simd, pixels, row * width + column))
+        });
+        let [a, b, c, d] = each!(i in [0, 1, 2, 3] => {
+            let sum = taps[0][i] * down[0] + taps[1][i] * down[1] + taps[2][i] * down[2] + taps[3][i] * down[3];
+            sum * across[i]
         });
         let sum = (a + c) + (b + d);
         if !IS_CLAMPED {
             return sum;
         }
-        let [least, other_least] = each!(column in [1, 2] => tap(1, column).min(tap(2, column)));
-        let [greatest, other_greatest] = each!(column in [1, 2] => tap(1, column).max(tap(2, column)));
+        let [least, other_least] = each!(column in [1, 2] => taps[1][column].min(taps[2][column]));
+        let [greatest, other_greatest] = each!(column in [1, 2] => taps[1][column].max(taps[2][column]));
         sum.max(least.min(other_least)).min(greatest.max(other_greatest))
     }
 }
@@ -164,12 +163,9 @@ impl<S: Simd> PastPlaces<S> {
         let width = history.width() as usize;
         let first = self.first_inside(lane, width) + width + 1;
         let pixels = &history.pixels()[first..][..width + 1 + TOGETHER];
-        let tap = |row: usize, column: usize| {
-            f32x16::from_slice(simd, pixels[row * width + column..][..TOGETHER].as_flattened())
-        };
         let [across, down] = each!(axis in [0, 1] => repeated::<4, S>(simd, self.fraction[axis], lane));
         let [above, below] = each!(row in [0, 1] => {
-            let (left, right) = (tap(row, 0), tap(row, 1));
+            let (left, right) = (four_from(simd, pixels, row * width), four_from(simd, pixels, row * width + 1));
             left + (right - left) * across
         });
         above + (below - above) * down
@@ -208,19 +204,28 @@ impl<S: Simd> PastPlaces<S> {
         let fours = each!(lane in [lane, lane + TOGETHER] => {
             &history.pixels()[self.first_inside(lane, width) + width + 1..][..width + 1 + TOGETHER]
         });
-        let tap = |row: usize, column: usize| {
-            let [low, high] = each!(pixels in [fours[0], fours[1]] => {
-                f32x8::from_slice(simd, pixels[row * width + column..][..TOGETHER].as_flattened())
-            });
-            low.combine(high)
-        };
         let [across, down] = each!(axis in [0, 1] => repeated::<2, S>(simd, self.fraction[axis], lane));
         let [above, below] = each!(row in [0, 1] => {
-            let (left, right) = (tap(row, 0), tap(row, 1));
+            let (left, right) = (eight_from(simd, fours, row * width), eight_from(simd, fours, row * width + 1));
             left + (right - left) * across
         });
         above + (below - above) * down
     }
+}
+
+/// Returns the four pixels from index `at` on.
+#[inline(always)]
+fn four_from<S: Simd>(simd: S, pixels: &[Quad], at: usize) -> f32x16<S> {
+    f32x16::from_slice(simd, pixels[at..][..TOGETHER].as_flattened())
+}
+
+/// Returns the four pairs from index `at` on of each of two slices.
+#[inline(always)]
+fn eight_from<S: Simd>(simd: S, slices: [&[[f32; 2]]; 2], at: usize) -> f32x16<S> {
+    let [low, high] = each!(pairs in [slices[0], slices[1]] => {
+        f32x8::from_slice(simd, pairs[at..][..TOGETHER].as_flattened())
+    });
+    low.combine(high)
 }
 
 /// Returns the second and the third of four quads.

@@ -94,8 +94,7 @@ struct Present<S: Simd> {
 /// Blending of sixteen pixels with their history.
 struct Blend<S: Simd> {
     present: Present<S>,
-    /// `None` in the first frame.
-    past: Option<Past<S>>,
+    past: Past<S>,
 }
 
 /// History of sixteen pixels. Where it is not known, the numbers are not meaningful.
@@ -180,7 +179,7 @@ impl<'a> TaaFrame<'a> {
     fn step<S: Simd>(&self, Blend { present, past }: Blend<S>, at: (u32, u32)) -> HistoryStep {
         let first = |numbers: f32x16<S>| numbers.to_array()[0];
         let reprojected = self.drawn.frame.map_or(Err(Rejection::FirstFrame), |frame| frame.reproject_dilated(at));
-        let past = past.ok_or(Rejection::FirstFrame).and_then(|past| reprojected.map(|_| past));
+        let past = self.history.as_ref().ok_or(Rejection::FirstFrame).and_then(|_| reprojected.map(|_| past));
         let share = past.as_ref().map_or(1.0, |past| first(past.share));
         let [y, co, cg, _] = present.color;
         let past = past.map(|Past { place, read: [y, co, cg, _], rectified, .. }| PastColor {
@@ -219,16 +218,12 @@ impl<'a> TaaFrame<'a> {
     #[inline(always)]
     fn block<S: Simd>(&self, simd: S, at: (usize, u32), scratch: &RowScratch) -> Blend<S> {
         let present = self.present(simd, at, scratch);
-        // Not `Option::map`: the compiler would not compile the function that it calls for the instruction set.
-        let mut past = None;
-        if let Some((motion, history)) = &self.history {
-            let read = match motion.vectors {
-                None => self.past_of_still(simd, at, history),
-                Some(_) => self.past_of_moving(simd, at, scratch, history),
-            };
-            past = Some(self.weighted(simd, &present, read));
-        }
-        Blend { present, past }
+        let past = match &self.history {
+            None => Past::none(simd),
+            Some((Motion { vectors: None, .. }, history)) => self.past_of_still(simd, at, history),
+            Some((_, history)) => self.past_of_moving(simd, at, scratch, history),
+        };
+        Blend { past: self.weighted(simd, &present, past), present }
     }
 
     /// Returns the samples nearest to sixteen pixels from column `from` on.
@@ -330,14 +325,11 @@ impl<'a> TaaFrame<'a> {
     #[inline(always)]
     fn finished<S: Simd>(&self, simd: S, blend: &Blend<S>) -> ([Rgba8; WIDE], [Quad; WIDE]) {
         let Present { color: [y, co, cg, alpha], confidence } = blend.present;
-        let (mut color, mut weight) = ([y, co, cg], confidence);
-        if let Some(past) = &blend.past {
-            color = each!(i in [0, 1, 2] => {
-                past.is_known.select(past.rectified[i] + (color[i] - past.rectified[i]) * past.share, color[i])
-            });
-            weight = past.is_known.select(past.weight + confidence, confidence);
-        }
-        let [y, co, cg] = color;
+        let (past, present) = (&blend.past, [y, co, cg]);
+        let color @ [y, co, cg] = each!(i in [0, 1, 2] => {
+            past.is_known.select(past.rectified[i] + (present[i] - past.rectified[i]) * past.share, present[i])
+        });
+        let weight = past.is_known.select(past.weight + confidence, confidence);
         let mut quads = [[0.0; 4]; WIDE];
         quads::store([y, co, cg, weight], &mut quads);
         (self.colors.encode(simd, color, alpha), quads)
@@ -357,6 +349,16 @@ impl<'a> TaaFrame<'a> {
             }
         }
         taps
+    }
+}
+
+impl<S: Simd> Past<S> {
+    /// Returns the state of pixels without history.
+    #[inline(always)]
+    fn none(simd: S) -> Self {
+        let zero = f32x16::splat(simd, 0.0);
+        let is_known = zero.simd_gt(zero);
+        Self { is_known, place: [zero; 2], read: [zero; 4], rectified: [zero; 3], weight: zero, share: zero }
     }
 }
 
