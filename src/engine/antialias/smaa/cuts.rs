@@ -39,18 +39,16 @@ impl Cuts {
         }
     }
 
-    /// Sets the areas at the edge of column `x`.
+    /// Sets the areas at the edge of column `x`, which has none.
     #[inline(always)]
     pub(super) fn set(&mut self, x: usize, row: usize, areas: CutAreas) {
         let bit = row * self.words * 64 + x + MARGIN;
-        for (bits, area) in [(&mut self.before, areas.before), (&mut self.after, areas.after)] {
-            let word = &mut bits[bit / 64];
-            *word = *word & !(1 << (bit % 64)) | u64::from(area != 0.0) << (bit % 64);
-        }
+        self.before[bit / 64] |= u64::from(areas.before != 0.0) << (bit % 64);
+        self.after[bit / 64] |= u64::from(areas.after != 0.0) << (bit % 64);
         self.areas[bit] = areas;
     }
 
-    /// Removes the areas at the edge of column `x`.
+    /// Removes the areas at the edge of column `x`, if it has any.
     #[inline(always)]
     pub(super) fn remove(&mut self, x: usize, row: usize) {
         let bit = row * self.words * 64 + x + MARGIN;

@@ -54,7 +54,10 @@ impl BitRows {
                 *columns |= bits;
             }
         }
-        (0..self.words * 64).filter(move |bit| columns[bit / 64] >> (bit % 64) & 1 != 0)
+        columns.into_iter().enumerate().flat_map(|(word, bits)| {
+            let lower = std::iter::successors(Some(bits), |bits| Some(bits & bits.wrapping_sub(1)));
+            lower.take_while(|bits| *bits != 0).map(move |bits| word * 64 + bits.trailing_zeros() as usize)
+        })
     }
 
     /// Returns whether bit `x` of row `y` is set.

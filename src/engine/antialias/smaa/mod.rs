@@ -137,6 +137,7 @@ impl Band<'_> {
         for y in rows.start..=rows.end {
             let row = y - rows.start;
             diagonals.for_each(y, width, |DiagonalEdge { x, areas, has_left, has_right }| {
+                top.remove(x, row);
                 top.set(x, row, areas);
                 if has_left && y < rows.end {
                     left.remove(x, row);
