@@ -6,14 +6,15 @@ use eframe::egui::Ui;
 
 use super::Workbench;
 use crate::inspect::find::{self, SearchResult, SearchTarget};
-use crate::ui::compare::compute::CompareRequest;
 use crate::ui::engine::Request;
-use crate::ui::long_tasks::Measuring;
 use crate::ui::session::Severity;
+use crate::ui::session::compare::compute::CompareRequest;
+use crate::ui::session::long_tasks::Measuring;
+use crate::ui::session::temporal::TemporalRequest;
+use crate::ui::session::timings::request::MeasureRequest;
+use crate::ui::session::workspace::Panel;
 use crate::ui::task::BackgroundTask;
-use crate::ui::temporal::TemporalRequest;
-use crate::ui::worker::{MeasureRequest, WorkerRequest, WorkerResponse};
-use crate::ui::workspace::Panel;
+use crate::ui::worker::{WorkerRequest, WorkerResponse};
 use crate::upscale::process;
 
 /// Requests that the worker has received last.

@@ -17,22 +17,18 @@ use crate::inspect::{Buffer, Stage};
 use crate::manual::Chapter;
 use crate::measure::stages::StageTimes;
 use crate::pipeline::settings::Choice as _;
-use crate::ui::command::Command;
 use crate::ui::engine::{Shown, StageFigures};
 use crate::ui::format;
 use crate::ui::manual::manual_button;
+use crate::ui::panels::{PanelSpec, framed};
 use crate::ui::session::Session;
-use crate::ui::stages::StageChange;
+use crate::ui::session::command::Command;
+use crate::ui::session::stages::StageChange;
 use crate::ui::theme::{self, CONTROL_HEIGHT, Icon, space, tokens};
 use crate::ui::widgets::{icon_button, section_header};
-use crate::ui::workspace::{PanelSpec, framed};
 
 /// Description of the panel.
 pub(crate) const PANEL: PanelSpec = PanelSpec {
-    id: "stages",
-    name: "Stages",
-    help: "Stages of the pipeline with their times and counts, and the settings of the selected stage",
-    synonyms: &[],
     chapter: Chapter::Stages,
     grows: false,
     titled: true,

@@ -7,12 +7,12 @@ use rasterscope::chain::KeepDepth;
 use rasterscope::inspect::{Buffer, view};
 use rasterscope::measure::shot::{CameraMotion, Shot, ShotInputs, ShotRenderer};
 use rasterscope::scene::{SceneSource, builtin};
-use rasterscope::ui::camera_path::CameraPathChange;
-use rasterscope::ui::command::Command;
-use rasterscope::ui::compare::{CompareChange, Mode};
 use rasterscope::ui::engine::Shown;
-use rasterscope::ui::scene_time::SceneTimeChange;
 use rasterscope::ui::session::PictureSize;
+use rasterscope::ui::session::camera_path::CameraPathChange;
+use rasterscope::ui::session::command::Command;
+use rasterscope::ui::session::compare::{CompareChange, Mode};
+use rasterscope::ui::session::scene_time::SceneTimeChange;
 use rasterscope::upscale::Upscaling;
 
 use super::bench::Bench;
