@@ -288,7 +288,7 @@ fn figures(ui: &Ui, session: &Session) -> Vec<Figure> {
     )];
     // With a triangle limit, the picture is drawn twice, and the time would describe neither of the two frames.
     let warm_ms = session.features.timings.warm_median_ms(view.request.recipe.upscaler).or_else(|| {
-        let frame = session.features.stages.figures.as_ref()?.times.frame;
+        let frame = session.features.stages.times()?.frame;
         Some(frame.as_secs_f64() * 1e3)
     });
     if let Some(ms) = warm_ms.filter(|_| view.request.triangle_limit.is_none()) {
