@@ -9,7 +9,6 @@ use std::ops::Add;
 use std::sync::LazyLock;
 
 use super::SEARCH_PX;
-use super::lines::LinePart;
 
 /// Length in pixels up to which the areas of a line with both ends on one side are enlarged.
 const SMOOTHED_PX: f32 = 32.0;
@@ -18,7 +17,7 @@ const SMOOTHED_PX: f32 = 32.0;
 const CORNER_ROUNDING: f32 = 0.25;
 
 /// Number of distances from an end of a line at which the end matters.
-const DISTANCES: usize = SEARCH_PX as usize + 1;
+pub(super) const DISTANCES: usize = SEARCH_PX as usize + 1;
 
 /// End of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,6 +43,11 @@ impl LineEnd {
             (false, true) => Self::After,
             (true, true) => Self::Both,
         }
+    }
+
+    /// Whether the smoothed edge leaves the line at this end.
+    pub(super) fn is_one_sided(self) -> bool {
+        self.height().is_some()
     }
 
     /// Returns the height of the smoothed edge at this end, if it is on one side.
@@ -162,7 +166,7 @@ pub(super) struct AreaTable {
 }
 
 /// Areas for a pair of ends, by the distance from the first and the distance from the second.
-type AreasOfPair = [[CutAreas; DISTANCES]; DISTANCES];
+pub(super) type AreasOfPair = [[CutAreas; DISTANCES]; DISTANCES];
 
 static TABLE: LazyLock<AreaTable> = LazyLock::new(|| {
     let of_pair = |ends: [LineEnd; 2]| -> AreasOfPair {
@@ -177,26 +181,10 @@ impl AreaTable {
         &TABLE
     }
 
-    /// Calls `found` for the edges of a part of a line, except where it is known that nothing is cut off.
+    /// Returns the areas for a pair of ends.
     #[inline(always)]
-    pub(super) fn for_each(&self, part: LinePart, mut found: impl FnMut(usize, CutAreas)) {
-        let LinePart { line, ends: kinds, corners, part } = part;
-        if kinds.iter().all(|kind| matches!(kind, LineEnd::Open | LineEnd::Both)) {
-            return;
-        }
-        let is_sharpened = corners.iter().any(|corner| corner.before | corner.after);
-        let of_pair = |ends: [LineEnd; 2]| &self.areas[ends[0] as usize][ends[1] as usize];
-        let near = of_pair(kinds);
-        for at in part {
-            let distances = [at - line.start, line.end - 1 - at];
-            let areas = match distances.map(|distance| distance < DISTANCES) {
-                [true, true] => near[distances[0]][distances[1]],
-                [true, false] => of_pair([kinds[0], LineEnd::Open])[distances[0]][DISTANCES - 1],
-                [false, true] => of_pair([LineEnd::Open, kinds[1]])[DISTANCES - 1][distances[1]],
-                [false, false] => continue,
-            };
-            found(at, if is_sharpened { areas.sharpened(distances, corners) } else { areas });
-        }
+    pub(super) fn of_pair(&self, ends: [LineEnd; 2]) -> &AreasOfPair {
+        &self.areas[ends[0] as usize][ends[1] as usize]
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::area::{AreaTable, Corner, CutAreas, LineEnd};
+use super::area::{AreaTable, Corner, CutAreas, DISTANCES, LineEnd};
 use super::edges::{BitRows, MARGIN};
 
 /// Lines of edges between two rows, or two columns, of pixels.
@@ -16,16 +16,39 @@ pub(super) struct Lines<'a> {
 }
 
 /// Part of a line of edges within one word of bits.
-pub(super) struct LinePart {
+struct LinePart {
     /// Bits of the whole line. An end that is not in the same or an adjacent word as the part is replaced by one that is
     /// more than [`SEARCH_PX`](super::SEARCH_PX) away from the part.
-    pub(super) line: Range<usize>,
+    line: Range<usize>,
     /// Ends of the line.
-    pub(super) ends: [LineEnd; 2],
+    ends: [LineEnd; 2],
     /// Sides on which these ends are corners.
-    pub(super) corners: [Corner; 2],
+    corners: [Corner; 2],
     /// Bits of the part.
-    pub(super) part: Range<usize>,
+    part: Range<usize>,
+}
+
+impl LinePart {
+    /// Calls `found` for the edges of the part, except where it is known that nothing is cut off.
+    #[inline(always)]
+    fn for_each(self, table: &AreaTable, mut found: impl FnMut(usize, CutAreas)) {
+        let Self { line, ends, corners, part } = self;
+        if !(ends[0].is_one_sided() || ends[1].is_one_sided()) {
+            return;
+        }
+        let is_sharpened = corners.iter().any(|corner| corner.before | corner.after);
+        let near = table.of_pair(ends);
+        for at in part {
+            let distances = [at - line.start, line.end - 1 - at];
+            let areas = match distances.map(|distance| distance < DISTANCES) {
+                [true, true] => near[distances[0]][distances[1]],
+                [true, false] => table.of_pair([ends[0], LineEnd::Open])[distances[0]][DISTANCES - 1],
+                [false, true] => table.of_pair([LineEnd::Open, ends[1]])[DISTANCES - 1][distances[1]],
+                [false, false] => continue,
+            };
+            found(at, if is_sharpened { areas.sharpened(distances, corners) } else { areas });
+        }
+    }
 }
 
 impl Lines<'_> {
@@ -41,7 +64,7 @@ impl Lines<'_> {
         for word in first..words.end {
             if along[word] != 0 {
                 row.for_each_part(word, &bits, |part| {
-                    self.table.for_each(part, |bit, areas| found(bit - MARGIN, areas));
+                    part.for_each(self.table, |bit, areas| found(bit - MARGIN, areas));
                 });
             }
         }
