@@ -92,7 +92,7 @@ impl Group {
                 each!(words in [own, before, after] => Tables::lookup(simd, values, words >> shift & 0xFF));
             let value = own + ((before - own) * weights[0] + (after - own) * weights[1]);
             let code = if linear { tables.encode_lanes(simd, value) } else { whole_part(value + 0.5) };
-            result = result | code << shift;
+            result |= code << shift;
         }
         result.to_array()
     }
@@ -103,8 +103,7 @@ impl Group {
     fn words(&self, picture: &Image<Rgba8>, is_across: u32) -> [[u32; WIDE]; 3] {
         let (width, pixels) = (picture.width() as usize, picture.pixels());
         let mut words = [[0; WIDE]; 3];
-        for lane in 0..WIDE {
-            let index = self.indices[lane];
+        for (lane, index) in self.indices.into_iter().enumerate() {
             let step = if is_across >> lane & 1 != 0 { 1 } else { width };
             // Neighbours with a share exist: no edge separates the picture from its continuation.
             let [own, before, after] = [index, index.wrapping_sub(step), index + step]

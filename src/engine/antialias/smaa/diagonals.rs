@@ -112,8 +112,9 @@ impl<'a> Diagonals<'a> {
         let columns = MARGIN..MARGIN + width;
         let y = y as isize;
         let (top, rows) = (self.top.row(y), Rows::around(self, y));
-        for word in columns.start / 64..columns.end.div_ceil(64) {
-            if top[word] == 0 {
+        let words = columns.start / 64..columns.end.div_ceil(64);
+        for (word, edges) in words.clone().zip(&top[words]) {
+            if *edges == 0 {
                 continue;
             }
             let (rising, falling) = (rows.members::<false>(word), rows.members::<true>(word));

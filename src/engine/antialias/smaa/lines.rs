@@ -61,8 +61,8 @@ impl Lines<'_> {
         let mut words = bits.start / 64..bits.end.div_ceil(64);
         let Some(first) = words.find(|word| along[*word] != 0) else { return };
         let row = Row::new(self, at as isize);
-        for word in first..words.end {
-            if along[word] != 0 {
+        for (word, edges) in (first..words.end).zip(&along[first..]) {
+            if *edges != 0 {
                 row.for_each_part(word, &bits, |part| {
                     part.for_each(self.table, |bit, areas| found(bit - MARGIN, areas));
                 });

@@ -201,8 +201,8 @@ impl<S: Simd> PastPlaces<S> {
     #[inline(always)]
     fn eight_pairs_bilinear(&self, simd: S, history: &Image<[f32; 2]>, lane: usize) -> f32x16<S> {
         let width = history.width() as usize;
-        let fours = each!(lane in [lane, lane + TOGETHER] => {
-            &history.pixels()[self.first_inside(lane, width) + width + 1..][..width + 1 + TOGETHER]
+        let fours = each!(first in [lane, lane + TOGETHER] => {
+            &history.pixels()[self.first_inside(first, width) + width + 1..][..width + 1 + TOGETHER]
         });
         let [across, down] = each!(axis in [0, 1] => repeated::<2, S>(simd, self.fraction[axis], lane));
         let [above, below] = each!(row in [0, 1] => {
