@@ -16,20 +16,16 @@ use crate::image::{Image, Rgba8};
 use crate::measure::motion::Turn;
 use crate::measure::window_cost::{AnswerTime, WindowCost};
 use crate::pipeline::viewport::Viewport;
-use crate::ui::command::Command;
-use crate::ui::compare::files::PictureRole;
-use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::engine::Shown;
-use crate::ui::onboarding::OnboardingChange;
-use crate::ui::overlays;
-use crate::ui::place;
-use crate::ui::range;
-use crate::ui::watch;
-use crate::ui::what_if;
-use crate::ui::window_task::DialogCommand;
+use crate::ui::session::command::Command;
+use crate::ui::session::compare::{CompareChange, Mode};
+use crate::ui::session::onboarding::OnboardingChange;
+use crate::ui::session::picture_role::PictureRole;
+use crate::ui::session::window_task::DialogCommand;
+use crate::ui::session::{overlays, place, range, watch, what_if};
 use crate::ui::{self, InitialView, ScreenshotRequest, WindowStart};
 
-pub(crate) use crate::ui::workspace::{Panel, Workspace};
+pub(crate) use crate::ui::session::workspace::{Panel, Workspace};
 
 use super::failure::Failure;
 use super::parse::{self, Either};

@@ -2,8 +2,7 @@
 
 use std::time::Instant;
 
-use super::engine::{Engine, Request, Shown};
-use super::look::Look;
+use super::engine::{Engine, Look, Request, Shown};
 use super::start::WindowStart;
 use crate::inspect::Buffer;
 use crate::measure::motion::Turn;

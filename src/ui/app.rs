@@ -30,23 +30,20 @@ use pictures::PictureFiles;
 use requests::SentRequests;
 use saving::Saving;
 
-use super::appearance;
-use super::checks;
-use super::command::Command;
+use super::dialogs::Dialog;
 use super::engine::Shown;
-use super::explaining;
-use super::fates::finder;
 use super::manual::ManualWindow;
-use super::onboarding::Observed;
-use super::over_time;
-use super::panels::dialogs::Dialog;
-use super::panels::{menu, message};
-use super::range;
-use super::session::Session;
-use super::theme;
+use super::panels::{PanelContext, PanelWidgets, menu, message, range};
+use super::session::command::Command;
+use super::session::fates::finder;
+use super::session::layout::StoredLayouts;
+use super::session::onboarding::Observed;
+use super::session::workspace::{self, WorkspaceChange};
+use super::session::{Session, checks, explaining, over_time};
 use super::thumbnails::Thumbnails;
 use super::worker::Worker;
-use super::workspace::{self, Docks, PanelContext, PanelWidgets, StoredLayouts, WorkspaceChange};
+use super::workspace::Docks;
+use super::{motion, theme};
 
 /// Height of the message bar at the bottom of the window, in points.
 const MESSAGE_HEIGHT: f32 = theme::ROW_HEIGHT;
@@ -131,7 +128,7 @@ impl Workbench {
     /// Runs one frame of the window: receives responses, handles input, lays out the panels, applies commands and sends
     /// requests.
     pub(crate) fn show(&mut self, ui: &mut Ui) {
-        appearance::set_motion(ui.ctx(), self.session.features.appearance.reduces_motion());
+        motion::set_motion(ui.ctx(), self.session.features.appearance.reduces_motion());
         self.receive_answers();
         self.reload_changed_pictures(ui);
         let mut commands = std::mem::take(&mut self.queued);
@@ -184,7 +181,7 @@ impl Workbench {
         let shows_picture = self.docks.shows(workspace::Panel::Picture);
         self.session.features.filmstrip.is_shown = self.widgets.shows_filmstrip && shows_picture;
         let shows_histogram = self.docks.shows(workspace::Panel::Histogram);
-        range::panel::notify_open(shows_histogram, &self.session, commands);
+        range::notify_open(shows_histogram, &self.session, commands);
         self.widgets.mesh.hovered &= self.docks.shows(workspace::Panel::MeshView);
         self.dialog.ui(ui, &self.session, commands);
         self.manual.ui(ui, commands);
@@ -199,7 +196,7 @@ impl eframe::App for Workbench {
     /// With reduced motion, also prevents smooth scrolling.
     fn raw_input_hook(&mut self, context: &Context, raw_input: &mut egui::RawInput) {
         if self.session.features.appearance.reduces_motion() {
-            appearance::split_wheel_events(context, raw_input);
+            motion::split_wheel_events(context, raw_input);
         }
         if self.widgets.canvas.hovered.is_none() || context.egui_wants_keyboard_input() {
             return;

@@ -7,26 +7,32 @@
 //! has not converged. The engine has no thread of its own, so screenshots and tests call it directly; [`super::worker`]
 //! runs it on a thread.
 
+pub(crate) mod look;
+
+pub(crate) mod reel;
+
+pub(crate) mod replay;
+
 mod request;
 
 use std::sync::Arc;
 use std::time::Duration;
 
-pub(crate) use request::{Request, Shown};
+pub(crate) use request::{Look, Request, Shown, StatisticsRequest};
 
-use super::look::{self, LookResult, SlowOverlays, ValueSource};
-use super::scene_time::replay::ReplayedFrame;
-use super::scrub::reel::{Reel, timeline_of};
+use look::{LookResult, SlowOverlays, ValueSource};
+use reel::{Reel, timeline_of};
+use replay::ReplayedFrame;
+
 use super::seam_search::SeamSearch;
 use crate::chain::{Frame, KeepDepth, Recipe, Renderer};
 use crate::image::{Image, Rgba8};
 use crate::inspect::bad_fragments::BadFragments;
 use crate::inspect::buffers::{Buffer, Buffers, capture};
 use crate::inspect::intermediate::{self, Captured};
-use crate::inspect::remedy_search;
 use crate::inspect::scrub::Timeline;
 use crate::inspect::view::Range;
-use crate::inspect::{PixelReport, Survey, explain};
+use crate::inspect::{PixelReport, Survey, explain, remedy_search};
 use crate::measure::checkpoints::Checkpoints;
 use crate::measure::shot::{ShotFrame, ShotInputs, ShotRenderer};
 use crate::measure::stages::{StageTimer, StageTimes};

@@ -9,7 +9,7 @@ pub(crate) use keyless::KEYLESS;
 
 use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 
-use super::command::Command;
+use super::session::command::Command;
 
 /// Topic under which keys and mouse gestures are listed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,8 +2,8 @@
 
 use eframe::egui::{Key, Label, RichText, ScrollArea, TextEdit, Ui, WidgetInfo, vec2};
 
+use super::fuzzy::fit;
 use super::key_map::{BINDINGS, KeyBinding, MOUSE, Topic};
-use super::palette::fuzzy::fit;
 use super::theme::{space, tokens};
 
 /// Width of a column, in points.

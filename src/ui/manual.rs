@@ -7,12 +7,12 @@ use std::collections::BTreeSet;
 use eframe::egui::{self, Key, Label, RichText, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2};
 use egui_commonmark::{CommonMarkCache, CommonMarkViewer};
 
-use super::command::Command;
+use super::session::command::Command;
 use super::theme::{self, CONTROL_HEIGHT, Icon, space, tokens};
 use super::widgets::{copy_button, icon_button};
 use crate::manual::{Chapter, Passage, Section, SectionPart, find, web_address};
-use crate::ui::files::FileCommand;
-use crate::ui::window_task::DialogCommand;
+use crate::ui::session::file_command::FileCommand;
+use crate::ui::session::window_task::DialogCommand;
 
 /// Initial size of the manual window, in points.
 const DEFAULT_SIZE_POINTS: [f32; 2] = [820.0, 560.0];

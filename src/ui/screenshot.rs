@@ -2,17 +2,14 @@
 
 use eframe::egui::{self, Vec2};
 
-use super::checks;
-use super::command::Command;
-use super::compare::CompareChange;
 use super::engine::Shown;
-use super::fates;
 use super::headless::Headless;
-use super::lab;
-use super::session::Preferences;
+use super::session::command::Command;
+use super::session::compare::CompareChange;
+use super::session::workspace::{Panel, Workspace};
+use super::session::{Preferences, checks, fates, lab};
 use super::start::{WindowStart, workbench};
 use super::worker::Worker;
-use super::workspace::{Panel, Workspace};
 use crate::image::{Image, Rgba8};
 use crate::inspect::fates::{Bin, TriangleFate};
 use crate::inspect::mesh_view::MeshStyle;
@@ -131,7 +128,7 @@ pub(crate) fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Vi
         return Err(picture);
     }
     if request.probe {
-        super::probe::probe_now(app.session_mut());
+        super::session::probe::probe_now(app.session_mut());
         headless.pass(Vec::new(), |ui| app.show(ui));
     }
     if request.measure {

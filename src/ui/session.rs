@@ -1,12 +1,57 @@
-//! State of the window as plain data: the scene, its settings, and the view of the results.
+//! State of the window as plain data: the scene, its settings, the view of the results, and the state of all tools.
 //!
-//! Panels read this state and push [`Command`]s, which only [`Session::apply`] applies. Widgets store no settings.
+//! Panels read this state and push [`Command`]s, which only [`Session::apply`] applies. Widgets store no settings. Each tool
+//! has a module with its state and its changes; [`features`] lists them.
 
+pub(crate) mod feature;
+pub(crate) mod file_command;
+pub(crate) mod layout;
 mod messages;
-
-mod preferences;
-
+pub(crate) mod picture_role;
+pub(crate) mod preferences;
+pub(crate) mod save_item;
+pub(crate) mod tile_set;
 mod undo;
+pub(crate) mod window_task;
+pub(crate) mod workspace;
+
+pub(crate) mod appearance;
+pub(crate) mod camera_path;
+pub(crate) mod canvas_state;
+pub(crate) mod checks;
+pub mod compare;
+pub(crate) mod explaining;
+pub(crate) mod fates;
+pub(crate) mod files;
+pub(crate) mod filmstrip;
+pub(crate) mod first_pick;
+pub(crate) mod lab;
+pub(crate) mod long_tasks;
+pub(crate) mod mesh_view;
+pub(crate) mod onboarding;
+pub(crate) mod open_case;
+pub(crate) mod over_time;
+pub(crate) mod overlays;
+pub(crate) mod picked_point;
+pub(crate) mod place;
+pub(crate) mod probe;
+pub(crate) mod project;
+pub(crate) mod range;
+pub(crate) mod scene_time;
+pub(crate) mod scrub;
+pub(crate) mod sequences;
+pub(crate) mod stages;
+pub(crate) mod temporal;
+pub(crate) mod timings;
+pub(crate) mod trace;
+pub(crate) mod vertices;
+pub(crate) mod watch;
+pub(crate) mod what_if;
+pub(crate) mod workspaces;
+
+pub(crate) mod command;
+pub(crate) mod features;
+mod routing;
 
 pub(crate) use messages::Dismissal;
 pub(crate) use messages::Messages;
@@ -21,19 +66,19 @@ pub(crate) use undo::Undoable;
 
 use std::sync::Arc;
 
-use super::command::Command;
-use super::compare::{CompareChange, Mode, TileSet};
-use super::engine::{RenderedView, Request, Shown};
-use super::fates::FatesChange;
-use super::features::Features;
-use super::look::Look;
-use super::window_task::WindowTask;
-use super::workspace::Workspace;
+use super::engine::{Look, RenderedView, Request, Shown};
 use crate::chain::Recipe;
 use crate::inspect::{Buffer, TriangleSelection};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene, SceneSource};
 use crate::upscale;
+use command::Command;
+use compare::{CompareChange, Mode};
+use fates::FatesChange;
+use features::Features;
+use tile_set::TileSet;
+use window_task::WindowTask;
+use workspace::Workspace;
 
 /// Angle by which a key orbits the camera, in radians: 5°.
 const ORBIT_STEP: f32 = 5.0 * std::f32::consts::PI / 180.0;

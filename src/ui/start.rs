@@ -8,16 +8,14 @@ use std::time::{Duration, Instant};
 use eframe::egui::{self, Vec2, ViewportBuilder};
 
 use super::app::Workbench;
-use super::appearance::desktop_reduces_motion;
-use super::command::Command;
-use super::compare::files::PictureRole;
 use super::engine::Shown;
-use super::layout;
-use super::place;
-use super::session::{PictureSize, Preferences, Session, Severity, WindowState};
+use super::motion::desktop_reduces_motion;
+use super::session::command::Command;
+use super::session::picture_role::PictureRole;
+use super::session::{PictureSize, Preferences, Session, Severity, WindowState, place};
 use super::store::{self, LoadedPreferences, Store};
-use super::theme;
 use super::worker::Worker;
+use super::{layout, theme};
 use crate::chain::Recipe;
 use crate::inspect::InspectionState;
 use crate::inspect::display::Display;
@@ -26,7 +24,7 @@ use crate::inspect::project::Project;
 use crate::inspect::scrub::Moment;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, LoadControl, MemoryLimit, Scene, SceneError, SceneSource, Warning};
-use crate::ui::files::FileCommand;
+use crate::ui::session::file_command::FileCommand;
 
 /// Initial state of the workbench.
 #[derive(Clone, Debug)]
@@ -256,9 +254,8 @@ pub(crate) fn workbench(start: WindowStart, preferences: &Preferences, worker: W
     session.settle_silently();
     let mut workbench = Workbench::new(session, worker);
     workbench.warn(&start.warnings);
-    workbench.queue(restored);
-    workbench
-        .queue(files.into_iter().map(|(role, path)| Command::File(FileCommand::OpenPicture(role, path))).collect());
+    let named = files.into_iter().map(|(role, path)| FileCommand::OpenPicture(role, path));
+    workbench.queue(restored.into_iter().chain(named).map(Command::File).collect());
     if let Some(PendingScene { path, camera }) = start.pending {
         let open = match camera {
             Some(camera) => {

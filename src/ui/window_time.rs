@@ -2,19 +2,14 @@
 //! the graphics driver. The picture is not included, because other threads draw it.
 
 use super::app::Workbench;
-use super::command::Command;
-use super::compare::{CompareChange as Compare, Mode};
 use super::headless::{Headless, PassCost};
-use super::lab;
-use super::mesh_view;
-use super::overlays;
-use super::range;
-use super::session::Preferences;
+use super::session::command::Command;
+use super::session::compare::{CompareChange as Compare, Mode};
+use super::session::timings::request::MeasureRequest;
+use super::session::workspace::{Panel, WorkspaceChange};
+use super::session::{Preferences, lab, mesh_view, overlays, range, watch, what_if};
 use super::start::{WindowStart, workbench};
-use super::watch;
-use super::what_if;
-use super::worker::{MeasureRequest, Worker};
-use super::workspace::{Panel, WorkspaceChange};
+use super::worker::Worker;
 use crate::chain::Recipe;
 use crate::inspect::Stage;
 use crate::inspect::overlays::Overlay;
@@ -26,8 +21,8 @@ use crate::measure::timing::summarize;
 use crate::measure::window_cost::WindowCost;
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
-use crate::ui::stages::StageChange;
-use crate::ui::window_task::DialogCommand;
+use crate::ui::session::stages::StageChange;
+use crate::ui::session::window_task::DialogCommand;
 use crate::upscale::Upscaling;
 use eframe::egui::{self, Event, Pos2, Vec2};
 

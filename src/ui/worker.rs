@@ -10,23 +10,22 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, RecvError, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::time::Duration;
 
-use super::compare::compute::{CompareRequest, Compared, Comparer};
+use super::engine::replay::{ReplayProgress, ReplayStep, Replayer};
 use super::engine::{Engine, RenderedView, Request, StageFigures, StageMeasurement};
-use super::filmstrip::drawer::FilmstripDrawer;
-use super::scene_time::replay::{ReplayProgress, ReplayStep, Replayer};
-use super::temporal::TemporalRequest;
-use super::temporal::searcher::TemporalSearcher;
-use super::watch::watcher::PixelWatcher;
-use super::what_if::drawer::{Drawer, WhatIfRequest, WhatIfResults};
+use super::session::compare::compute::{CompareRequest, Compared, Comparer};
+use super::session::filmstrip::drawer::FilmstripDrawer;
+use super::session::temporal::TemporalRequest;
+use super::session::temporal::searcher::TemporalSearcher;
+use super::session::timings::request::{MeasureRequest, MethodError};
+use super::session::watch::watcher::PixelWatcher;
+use super::session::what_if::drawer::{Drawer, WhatIfRequest, WhatIfResults};
 use crate::inspect::temporal::PixelHistory;
 use crate::inspect::watch::WatchedPixel;
 use crate::measure::noise::Noise;
 use crate::upscale::Upscaling;
 #[cfg(test)]
 pub(crate) use measurement::MEASURE_ROUNDS;
-pub(crate) use measurement::MeasureRequest;
 use measurement::Measurement;
-pub(crate) use measurement::MethodError;
 
 /// Time for which a frame must stay on screen before its stages are timed. While the view moves, all time goes to new
 /// frames.

@@ -14,7 +14,7 @@ use fastrand::Rng;
 use rasterscope::chain::Recipe;
 use rasterscope::scene::SceneSource;
 use rasterscope::ui::app::Workbench;
-use rasterscope::ui::command::Command;
+use rasterscope::ui::session::command::Command;
 use rasterscope::ui::session::{PictureSize, Session};
 use rasterscope::ui::theme;
 use rasterscope::ui::worker::Worker;
@@ -27,7 +27,7 @@ use crate::fuzz::mutate::{pick, word};
 use crate::fuzz::obj::Obj;
 use crate::fuzz::panics;
 use crate::fuzz::process::Stopwatch;
-use crate::ui::long_tasks::MeasureCommand;
+use crate::ui::session::long_tasks::MeasureCommand;
 
 /// Name of the input file that contains the events, one per line.
 const FILE: &str = "events.txt";

@@ -11,9 +11,9 @@ use rasterscope::measure::motion::Turn;
 use rasterscope::measure::reference::Reference;
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::SceneSource;
-use rasterscope::ui::engine::{Request, Shown};
-use rasterscope::ui::look::Look;
-use rasterscope::ui::worker::{MEASURE_ROUNDS, MeasureRequest, Worker, WorkerRequest, WorkerResponse};
+use rasterscope::ui::engine::{Look, Request, Shown};
+use rasterscope::ui::session::timings::request::MeasureRequest;
+use rasterscope::ui::worker::{MEASURE_ROUNDS, Worker, WorkerRequest, WorkerResponse};
 use rasterscope::upscale::Upscaling;
 
 /// Time limit of an answer, sufficient for a busy machine.

@@ -22,9 +22,9 @@ use rasterscope::report::stability::catalogue;
 use rasterscope::report::upscaling::sweep::{self, NamedView, UpscalingPlan};
 use rasterscope::scene::{SceneSource, builtin};
 #[cfg(feature = "ui")]
-use rasterscope::ui::compare::compute::{CompareRequest, Comparer};
+use rasterscope::ui::session::compare::compute::{CompareRequest, Comparer};
 #[cfg(feature = "ui")]
-use rasterscope::ui::compare::files::ComparedFiles;
+use rasterscope::ui::session::compare::files::ComparedFiles;
 use rasterscope::upscale;
 use tempfile::TempDir;
 

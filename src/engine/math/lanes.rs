@@ -274,32 +274,44 @@ pub(crate) fn rows_of_quads<S: Simd>(columns: [F32<S>; 4]) -> [f32x4<S>; LANES] 
 /// Transposes sixteen rows of four floats into four columns.
 #[inline(always)]
 pub(crate) fn transpose_wide<S: Simd>(r: [f32x4<S>; WIDE]) -> [f32x16<S>; 4] {
+    transpose_quarters(each!(i in [0, 1, 2, 3] => r[i].combine(r[i + 4]).combine(r[i + 8].combine(r[i + 12]))))
+}
+
+/// Returns four vectors: vector `i` holds the lanes `i`, `i + 4`, `i + 8` and `i + 12`, each four times.
+#[inline(always)]
+pub(crate) fn repeat_each<S: Simd>(simd: S, numbers: f32x16<S>) -> [f32x16<S>; 4] {
     #[cfg(target_arch = "x86_64")]
-    if let Some(avx512) = r[0].simd.level().as_avx512() {
-        let rows = each!(i in [0, 1, 2, 3] => {
-            let row = r[i].combine(r[i + 4]).combine(r[i + 8].combine(r[i + 12]));
-            f32x16::load_array(avx512, row.to_array()).into()
+    if let Some(avx512) = simd.level().as_avx512() {
+        let repeated = x86::repeat_each(avx512, f32x16::load_array(avx512, numbers.to_array()).into());
+        return each!(i in [0, 1, 2, 3] => {
+            let repeated: f32x16<_> = repeated[i].simd_into(avx512);
+            f32x16::load_array(simd, repeated.to_array())
         });
+    }
+    let numbers = numbers.to_array();
+    each!(i in [0, 1, 2, 3] => {
+        let [a, b, c, d] = each!(place in [i, i + 4, i + 8, i + 12] => f32x4::splat(simd, numbers[place]));
+        a.combine(b).combine(c.combine(d))
+    })
+}
+
+/// Transposes each of the four quarters of four rows as a 4 × 4 matrix.
+#[inline(always)]
+pub(crate) fn transpose_quarters<S: Simd>(rows: [f32x16<S>; 4]) -> [f32x16<S>; 4] {
+    let simd = rows[0].simd;
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx512) = simd.level().as_avx512() {
+        let rows = each!(i in [0, 1, 2, 3] => f32x16::load_array(avx512, rows[i].to_array()).into());
         let columns = x86::transpose_quarters(avx512, rows);
         return each!(i in [0, 1, 2, 3] => {
             let column: f32x16<_> = columns[i].simd_into(avx512);
-            f32x16::load_array(r[0].simd, column.to_array())
+            f32x16::load_array(simd, column.to_array())
         });
     }
-    let [low, high] = each!(i in [0, LANES] => {
-        transpose_quads(each!(row in [0, 1, 2, 3, 4, 5, 6, 7] => r[i + row]))
-    });
-    each!(column in [0, 1, 2, 3] => low[column].combine(high[column]))
-}
-
-/// Returns four vectors: vector `i` holds lane `i` four times, then lane `i + 4` four times.
-#[inline(always)]
-pub(crate) fn repeat_each<S: Simd>(simd: S, numbers: F32<S>) -> [F32<S>; 4] {
-    let numbers = numbers.to_array();
-    each!(i in [0, 1, 2, 3] => {
-        let [low, high] = each!(place in [i, i + LANES / 2] => f32x4::splat(simd, numbers[place]));
-        low.combine(high)
-    })
+    let halves = each!(i in [0, 1, 2, 3] => rows[i].split());
+    let low = transpose_halves([halves[0].0, halves[1].0, halves[2].0, halves[3].0]);
+    let high = transpose_halves([halves[0].1, halves[1].1, halves[2].1, halves[3].1]);
+    each!(i in [0, 1, 2, 3] => low[i].combine(high[i]))
 }
 
 /// Transposes the lower halves of four rows as a 4 × 4 matrix, and likewise the upper halves.
@@ -367,6 +379,19 @@ mod x86 {
     }
 
     kernel! {
+        /// Repeats lanes as [`super::repeat_each`] does.
+        #[inline]
+        pub(super) fn repeat_each(avx512: Avx512, numbers: __m512) -> [__m512; 4] {
+            [
+                _mm512_permute_ps::<0b00_00_00_00>(numbers),
+                _mm512_permute_ps::<0b01_01_01_01>(numbers),
+                _mm512_permute_ps::<0b10_10_10_10>(numbers),
+                _mm512_permute_ps::<0b11_11_11_11>(numbers),
+            ]
+        }
+    }
+
+    kernel! {
         /// Converts eight integers to doubles in two halves, as [`super::doubles_of`] does.
         #[inline]
         pub(super) fn doubles_of(avx2: Avx2, numbers: __m256i) -> [__m256d; 2] {
@@ -397,10 +422,11 @@ mod tests {
                 let r = each!(i in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => f32x4::load_array(simd, rows[i]));
                 let columns = transpose_quads([r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7]]);
                 let back = rows_of_quads(columns);
-                let repeated = repeat_each(simd, columns[0]);
+                let wide = transpose_wide(r);
+                let repeated = repeat_each(simd, wide[0]);
                 (
                     columns.map(SimdBase::to_array),
-                    transpose_wide(r).map(SimdBase::to_array),
+                    wide.map(SimdBase::to_array),
                     back.map(SimdBase::to_array),
                     repeated.map(SimdBase::to_array),
                 )
@@ -408,8 +434,8 @@ mod tests {
             for i in 0..4 {
                 assert_eq!(sixteen[i], column(i), "by {}", lanes.name());
                 assert_eq!(eight[i], column(i)[..LANES], "by {}", lanes.name());
-                let [low, high] = [column(0)[i], column(0)[i + 4]];
-                assert_eq!(repeated[i], [low, low, low, low, high, high, high, high], "by {}", lanes.name());
+                let expected: [f32; WIDE] = std::array::from_fn(|lane| column(0)[i + lane / 4 * 4]);
+                assert_eq!(repeated[i], expected, "by {}", lanes.name());
             }
             assert_eq!(back, rows[..LANES], "by {}", lanes.name());
         }

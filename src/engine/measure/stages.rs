@@ -83,7 +83,7 @@ impl StageTimes {
 
     /// Returns the times that a frame recorded while it was drawn. In classic execution, `rasterize` holds the time of
     /// all per-pixel stages.
-    fn recorded(recipe: &Recipe, frame: &Frame) -> Self {
+    pub fn recorded(recipe: &Recipe, frame: &Frame) -> Self {
         let stages = match &frame.tiled {
             Some(report) => {
                 let times = report.times;

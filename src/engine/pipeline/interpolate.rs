@@ -12,6 +12,7 @@
 
 use glam::{Vec2, Vec3};
 
+use super::formulas::{change, differences, interpolated, sum_of_three, weight_products};
 use super::plan::{DrawPlan, PipelinePart};
 use super::raster::RasterSample;
 use super::screen_triangle::ScreenTriangle;
@@ -62,9 +63,8 @@ pub(crate) struct WeightTerms {
 /// Returns the terms of the attribute weights, for any interpolation except [`Interpolation::Published`].
 #[inline(always)]
 pub(crate) fn weight_terms(triangle: &ScreenTriangle, sample: &RasterSample) -> WeightTerms {
-    let [r0, r1, r2] = triangle.relative_inv_w;
-    let q = [sample.edges[0] as f32 * r0, sample.edges[1] as f32 * r1, sample.edges[2] as f32 * r2];
-    let sum = q[0] + q[1] + q[2];
+    let q = weight_products(sample.edges.map(|edge| edge as f32), triangle.relative_inv_w);
+    let sum = sum_of_three(q);
     WeightTerms { q, sum, inverse_sum: 1.0 / sum }
 }
 
@@ -170,20 +170,19 @@ pub(crate) fn interpolate(triangle: &ScreenTriangle, sample: RasterSample, attri
         uv_gradient: [Vec2::ZERO; 2],
     };
     if attributes.normal {
-        fragment.normal = a.normal + (b.normal - a.normal) * p1 + (c.normal - a.normal) * p2;
+        fragment.normal = interpolated([a.normal, b.normal, c.normal], [p1, p2]);
     }
     if attributes.uv {
-        fragment.uv = a.uv + (b.uv - a.uv) * p1 + (c.uv - a.uv) * p2;
+        fragment.uv = interpolated([a.uv, b.uv, c.uv], [p1, p2]);
     }
     if attributes.color {
-        fragment.color = a.color + (b.color - a.color) * p1 + (c.color - a.color) * p2;
+        fragment.color = interpolated([a.color, b.color, c.color], [p1, p2]);
     }
     if attributes.light {
-        fragment.light = a.light + (b.light - a.light) * p1 + (c.light - a.light) * p2;
+        fragment.light = interpolated([a.light, b.light, c.light], [p1, p2]);
     }
     if attributes.source_weights {
-        let [wa, wb, wc] = [a, b, c].map(|v| v.source_weights);
-        fragment.source_weights = wa + (wb - wa) * p1 + (wc - wa) * p2;
+        fragment.source_weights = interpolated([a, b, c].map(|v| v.source_weights), [p1, p2]);
     }
     if let Some(arithmetic) = attributes.uv_gradient {
         fragment.uv_gradient = uv_gradient(triangle, &sample, arithmetic);
@@ -210,21 +209,20 @@ pub(crate) fn weight_gradient(
     sample: &RasterSample,
     arithmetic: Arithmetic,
 ) -> [[f32; 2]; 2] {
-    let [r0, r1, r2] = triangle.relative_inv_w;
     let WeightTerms { q: [_, q1, q2], inverse_sum, .. } = weight_terms(triangle, sample);
     let (p1, p2) = (q1 * inverse_sum, q2 * inverse_sum);
-    edge_slopes(triangle, arithmetic).map(|[e0, e1, e2]| {
-        let (q0, q1, q2) = (e0 * r0, e1 * r1, e2 * r2);
-        let sum = q0 + q1 + q2;
-        [(q1 - p1 * sum) * inverse_sum, (q2 - p2 * sum) * inverse_sum]
+    edge_slopes(triangle, arithmetic).map(|slopes| {
+        let q = weight_products(slopes, triangle.relative_inv_w);
+        let sum = sum_of_three(q);
+        [(q[1] - p1 * sum) * inverse_sum, (q[2] - p2 * sum) * inverse_sum]
     })
 }
 
 /// Returns the perspective-correct gradients of the texture coordinates at a sample: ∂(u, v)/∂x and ∂(u, v)/∂y, per
 /// pixel.
 pub(crate) fn uv_gradient(triangle: &ScreenTriangle, sample: &RasterSample, arithmetic: Arithmetic) -> [Vec2; 2] {
-    let [a, b, c] = triangle.vertices.each_ref().map(|v| v.varyings.uv);
-    weight_gradient(triangle, sample, arithmetic).map(|[p1, p2]| (b - a) * p1 + (c - a) * p2)
+    let of_corners = differences(triangle.vertices.each_ref().map(|v| v.varyings.uv));
+    weight_gradient(triangle, sample, arithmetic).map(|weights| change(of_corners, weights))
 }
 
 #[cfg(test)]

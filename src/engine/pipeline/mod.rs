@@ -33,6 +33,8 @@ pub mod depth_format;
 
 pub(crate) mod footprint;
 
+pub(crate) mod formulas;
+
 pub(crate) mod framebuffer;
 
 mod geometry_stages;

@@ -11,6 +11,7 @@ use std::ops::{Add, Mul};
 use glam::{Vec2, Vec3, Vec4};
 use serde::Serialize;
 
+use super::formulas::{bilinear_weights, weighted_sum};
 use super::settings::{AddressMode, ColorSpace, TexelFilter};
 use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
@@ -95,11 +96,11 @@ impl Sampler {
         value: impl Fn(Rgba8) -> T,
     ) -> T {
         let (taps, _) = self.taps(texture.size(), uv);
-        let weighted = |tap: &TexelTap| value(texture.at(tap.x, tap.y)) * tap.weight;
+        let value = |tap: &TexelTap| value(texture.at(tap.x, tap.y));
         match self.filter {
-            TexelFilter::Point => weighted(&taps[0]),
+            TexelFilter::Point => value(&taps[0]) * taps[0].weight,
             TexelFilter::Bilinear | TexelFilter::Trilinear | TexelFilter::Anisotropic => {
-                weighted(&taps[0]) + weighted(&taps[1]) + weighted(&taps[2]) + weighted(&taps[3])
+                weighted_sum(taps.each_ref().map(value), taps.each_ref().map(|tap| tap.weight))
             }
         }
     }
@@ -119,11 +120,9 @@ impl Sampler {
             TexelFilter::Bilinear | TexelFilter::Trilinear | TexelFilter::Anisotropic => {
                 let ((x0, x1), tx) = neighbours(u, width, self.address);
                 let ((y0, y1), ty) = neighbours(v, height, self.address);
-                taps[0] = TexelTap { x: x0, y: y0, weight: (1.0 - tx) * (1.0 - ty) };
-                taps[1] = TexelTap { x: x1, y: y0, weight: tx * (1.0 - ty) };
-                taps[2] = TexelTap { x: x0, y: y1, weight: (1.0 - tx) * ty };
-                taps[3] = TexelTap { x: x1, y: y1, weight: tx * ty };
-                (taps, 4)
+                let [a, b, c, d] = bilinear_weights(1.0, [tx, ty]);
+                let tap = |x, y, weight| TexelTap { x, y, weight };
+                ([tap(x0, y0, a), tap(x1, y0, b), tap(x0, y1, c), tap(x1, y1, d)], 4)
             }
         }
     }

@@ -20,6 +20,7 @@ pub(crate) use normal_map::NormalMap;
 pub(crate) use readable::Readable;
 pub(crate) use surface::PlacedMesh;
 
+use super::formulas::blended;
 use super::interpolate::{AttributeSelection, Fragment};
 use super::plan::{DrawPlan, PipelinePart};
 use super::sample::Sampler;
@@ -245,7 +246,8 @@ impl<'a> Shader<'a> {
     #[inline(always)]
     pub(crate) fn mixed_over(&self, fragment: &Fragment, below: Rgba8) -> Vec3 {
         let (albedo, alpha) = self.albedo_and_alpha(fragment);
-        self.with_added(albedo * self.light(fragment), fragment) * alpha + self.sampler.value_of(below) * (1.0 - alpha)
+        let color = self.with_added(albedo * self.light(fragment), fragment);
+        blended(1.0, color, self.sampler.value_of(below), alpha)
     }
 
     /// Returns the colour of a fragment of `triangle` as if it were opaque.

@@ -37,6 +37,7 @@ mod sample_rows;
 mod scale;
 mod separable;
 mod spares;
+mod statistics;
 mod ycocg;
 
 /// Declares [`BUILT_IN`]: for each module, its upscalers.

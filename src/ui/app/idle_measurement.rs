@@ -8,7 +8,7 @@ use eframe::egui::Ui;
 use super::Workbench;
 use crate::measure::other_programs::{DISTURBING_SHARE, INTERVAL, OtherPrograms};
 use crate::ui::engine::Request;
-use crate::ui::workspace::Panel;
+use crate::ui::session::workspace::Panel;
 
 /// Time without input after which a measurement starts.
 const QUIET: Duration = Duration::from_millis(1500);
@@ -96,11 +96,11 @@ mod tests {
     use super::*;
     use crate::chain::Recipe;
     use crate::scene::SceneSource;
-    use crate::ui::command::Command;
     use crate::ui::headless::Headless;
-    use crate::ui::long_tasks::MeasureCommand;
+    use crate::ui::session::command::Command;
+    use crate::ui::session::long_tasks::MeasureCommand;
+    use crate::ui::session::timings::TimingsChange;
     use crate::ui::session::{PictureSize, Session};
-    use crate::ui::timings::TimingsChange;
     use crate::ui::worker::Worker;
 
     /// Window with the panel “Frame time”.

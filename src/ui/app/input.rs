@@ -5,11 +5,11 @@ use eframe::egui::{self, Ui};
 use super::Workbench;
 use crate::image::file::is_named_picture;
 use crate::image::sequence::FileSequence;
-use crate::ui::command::Command;
-use crate::ui::compare::files::PictureRole;
-use crate::ui::files::FileCommand;
 use crate::ui::key_map::BINDINGS;
-use crate::ui::navigate::FLYING_KEYS;
+use crate::ui::panels::navigate::FLYING_KEYS;
+use crate::ui::session::command::Command;
+use crate::ui::session::file_command::FileCommand;
+use crate::ui::session::picture_role::PictureRole;
 use crate::ui::session::{PointerMode, Session};
 
 impl Workbench {

@@ -14,7 +14,8 @@ use crate::inspect::project::{LoadedProject, Project};
 use crate::pipeline::settings::Settings;
 use crate::scene::{CameraPath, LoadControl, Loaded, SceneError, SceneSource};
 use crate::ui::panels::case::{Evaluation, EvaluationRequest};
-use crate::ui::place::OpenedProject;
+use crate::ui::session::command::Command;
+use crate::ui::session::place::OpenedProject;
 use crate::ui::session::{Notice, Severity};
 use crate::ui::task::{BackgroundTask, TaskStatus};
 use crate::ui::worker::WorkerRequest;
@@ -224,7 +225,7 @@ impl Workbench {
                 self.worker.send(WorkerRequest::CancelMeasure);
                 self.widgets.canvas.fit();
                 let commands = std::mem::take(&mut self.session.features.places.after_project);
-                self.queue(commands);
+                self.queue(commands.into_iter().map(Command::File).collect());
                 for note in notes {
                     self.session.report(Severity::Info, note.to_string());
                 }

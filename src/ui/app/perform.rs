@@ -6,16 +6,16 @@ use super::Workbench;
 use super::opening::Opening;
 use crate::scene::SceneSource;
 use crate::scene::obj::TrMeaning;
-use crate::ui::command::Command;
-use crate::ui::files::FileCommand;
+use crate::ui::dialogs::{Dialog, OpenDialog};
 use crate::ui::palette::Palette;
 use crate::ui::panels::add_upscaler::AddUpscalerDialog;
-use crate::ui::panels::dialogs::{Dialog, OpenDialog};
-use crate::ui::probe;
-use crate::ui::save_as::{Destination, SaveItem};
-use crate::ui::window_task::{DialogCommand, MeasureTask, WindowTask};
+use crate::ui::session::command::Command;
+use crate::ui::session::file_command::FileCommand;
+use crate::ui::session::probe;
+use crate::ui::session::save_item::{Destination, SaveItem};
+use crate::ui::session::window_task::{DialogCommand, MeasureTask, WindowTask};
+use crate::ui::session::workspace::WorkspaceChange;
 use crate::ui::worker::WorkerRequest;
-use crate::ui::workspace::WorkspaceChange;
 
 impl Workbench {
     /// Applies a command to the session, and completes it.

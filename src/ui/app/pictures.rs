@@ -13,10 +13,11 @@ use notify::{RecommendedWatcher, RecursiveMode, Watcher as _};
 use super::Workbench;
 use crate::image::file::ImageFileError;
 use crate::image::sequence::FileSequence;
-use crate::ui::command::Command;
-use crate::ui::compare::CompareChange;
-use crate::ui::compare::files::{OpenedPicture, PictureRole};
 use crate::ui::session::Severity;
+use crate::ui::session::command::Command;
+use crate::ui::session::compare::CompareChange;
+use crate::ui::session::compare::files::OpenedPicture;
+use crate::ui::session::picture_role::PictureRole;
 use crate::ui::task::{BackgroundTask, TaskStatus};
 
 /// Time after the last change of a file before it is read again, so that a file that is being written is rarely read.
@@ -260,7 +261,7 @@ impl Workbench {
 
     fn picture_read(&mut self, purpose: Purpose, path: &Path, result: Result<OpenedPicture, ImageFileError>) {
         match (purpose, result) {
-            (Purpose::Open(role), Ok(picture)) => self.session.show_compared_picture(role, Arc::new(picture)),
+            (Purpose::Open(role), Ok(picture)) => self.session.show_opened_picture(role, Arc::new(picture)),
             (Purpose::Frame, Ok(picture)) => self.pictures.ready.push(Arc::new(picture)),
             (Purpose::Frame, Err(error)) => {
                 self.pictures.unreadable.insert(path.to_owned());

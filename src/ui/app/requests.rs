@@ -6,14 +6,17 @@ use eframe::egui::Ui;
 
 use super::Workbench;
 use crate::inspect::find::{self, SearchResult, SearchTarget};
-use crate::ui::compare::compute::CompareRequest;
-use crate::ui::engine::Request;
-use crate::ui::long_tasks::Measuring;
+use crate::measure::stages::StageTimes;
+use crate::pipeline::settings::Execution;
+use crate::ui::engine::{RenderedView, Request};
 use crate::ui::session::Severity;
+use crate::ui::session::compare::compute::CompareRequest;
+use crate::ui::session::long_tasks::Measuring;
+use crate::ui::session::temporal::TemporalRequest;
+use crate::ui::session::timings::request::MeasureRequest;
+use crate::ui::session::workspace::Panel;
 use crate::ui::task::BackgroundTask;
-use crate::ui::temporal::TemporalRequest;
-use crate::ui::worker::{MeasureRequest, WorkerRequest, WorkerResponse};
-use crate::ui::workspace::Panel;
+use crate::ui::worker::{WorkerRequest, WorkerResponse};
 use crate::upscale::process;
 
 /// Requests that the worker has received last.
@@ -57,6 +60,7 @@ impl Workbench {
                 if view.fresh && view.request.triangle_limit.is_none() {
                     let ms = view.frame.times.total.as_secs_f64() * 1e3;
                     self.session.features.timings.record_recent(&view.request, ms);
+                    self.record_stages(&view);
                 }
                 if !view.needs_replay {
                     self.session.features.scene_time.replay = None;
@@ -75,7 +79,7 @@ impl Workbench {
             }
             WorkerResponse::Watched(rows) => self.session.features.watch.store_values(rows),
             WorkerResponse::WhatIf(found) => self.session.features.what_if.found = Some(*found),
-            WorkerResponse::Stages(figures) => self.session.features.stages.figures = Some(*figures),
+            WorkerResponse::Stages(figures) => self.session.features.stages.store_figures(*figures),
             // Discards late answers of a measurement that a newer one has replaced.
             WorkerResponse::Sample { of, .. }
             | WorkerResponse::MethodError { of, .. }
@@ -99,6 +103,15 @@ impl Workbench {
                 let text = format!("Drawing stopped: internal error: {text}. The last complete picture is kept.");
                 self.session.report(Severity::Error, text);
             }
+        }
+    }
+
+    /// Records the stage times of a new frame if the scene plays: the worker times the stages of a frame only if the frame
+    /// stays on screen. In classic execution, frames record no times of single stages.
+    fn record_stages(&mut self, view: &RenderedView) {
+        if self.session.features.scene_time.is_playing && view.frame.execution == Execution::Tiled {
+            let times = StageTimes::recorded(&view.request.recipe, &view.frame);
+            self.session.features.stages.record_played(times, Instant::now());
         }
     }
 

@@ -22,15 +22,13 @@ use crate::pipeline::settings::Choice as _;
 use crate::report::animation::animate;
 use crate::report::pixel::{PixelPage, explain_fully};
 use crate::text::shell_line;
-use crate::ui::compare::export::comparison_page;
+use crate::ui::dialogs::Dialog;
 use crate::ui::engine::{RenderedView, Request};
-use crate::ui::overlays;
-use crate::ui::panels::dialogs::Dialog;
-use crate::ui::range;
-use crate::ui::save_as::{Destination, SaveDialog, SaveItem};
-use crate::ui::session::{Notice, Severity};
+use crate::ui::panels::compare::export::comparison_page;
+use crate::ui::save_dialog::SaveDialog;
+use crate::ui::session::save_item::{Destination, SaveItem};
+use crate::ui::session::{Notice, Severity, overlays, range, what_if};
 use crate::ui::task::{BackgroundTask, TaskStatus};
-use crate::ui::what_if;
 use crate::{disk, drawing};
 
 /// File being written by a background thread.

@@ -9,12 +9,11 @@ use crate::measure::scaling::{self, ScalingQuantity};
 use crate::measure::skipped_work::savings;
 use crate::report::stability::sweep::{self, StabilityPlan, StabilityProgress, SweepStage};
 use crate::ui::engine::Request;
-use crate::ui::features::Features;
-use crate::ui::long_tasks::LongTasks;
-use crate::ui::probe;
-use crate::ui::session::Severity;
+use crate::ui::session::features::Features;
+use crate::ui::session::long_tasks::LongTasks;
+use crate::ui::session::workspace::Panel;
+use crate::ui::session::{Severity, probe};
 use crate::ui::task::{BackgroundTask, TaskStatus};
-use crate::ui::workspace::Panel;
 
 impl Workbench {
     /// Starts computing the stability report in a background thread.

@@ -4,13 +4,16 @@ use std::sync::Arc;
 
 use crate::chain::Recipe;
 use crate::inspect::buffers::Buffer;
+use crate::inspect::display::Display;
+use crate::inspect::overlays::OverlayLayer;
 use crate::inspect::scrub::Moment;
+use crate::inspect::view::Range;
 use crate::inspect::{Intermediate, Stage};
+use crate::measure::region::PixelRegion;
 use crate::measure::shot::{ShotFrame, ShotInputs};
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
-use crate::ui::look::Look;
 
 /// Quantity of a frame that the canvas shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,6 +53,35 @@ impl Shown {
             Self::Intermediate(intermediate) => intermediate.help(),
         }
     }
+}
+
+/// Display settings of the shown quantity, its overlays, and the statistics to compute.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Look {
+    /// Range, colour map and channels of the shown quantity.
+    pub(crate) display: Display,
+    /// Statistics to compute; `None` to compute none.
+    pub(crate) statistics: Option<StatisticsRequest>,
+    /// Overlays, from bottom to top.
+    pub(crate) layers: Vec<OverlayLayer>,
+    /// Whether line overlays are omitted from the picture because they are drawn as vectors over enlarged pixels.
+    pub(crate) vectors: bool,
+}
+
+impl Look {
+    /// Whether `self` and `other` have the same overlays.
+    pub(super) fn has_same_layers(&self, other: &Self) -> bool {
+        (&self.layers, self.vectors) == (&other.layers, other.vectors)
+    }
+}
+
+/// Request for statistics of the shown quantity.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct StatisticsRequest {
+    /// Value range of the histograms' horizontal axis; `None` means the range of all values.
+    pub(crate) axis: Option<Range>,
+    /// Region for which separate statistics are computed.
+    pub(crate) region: Option<PixelRegion>,
 }
 
 /// Everything that determines the view on the canvas.

@@ -1,19 +1,19 @@
 //! Commands that have no key: the palette finds them by their names.
 
-use crate::ui::appearance::AppearanceChange;
-use crate::ui::camera_path::CameraPathChange;
-use crate::ui::command::Command;
-use crate::ui::compare::{CompareChange, Mode};
-use crate::ui::files::FileCommand;
-use crate::ui::filmstrip::FilmstripChange;
-use crate::ui::long_tasks::MeasureCommand;
-use crate::ui::onboarding::OnboardingChange;
-use crate::ui::over_time::OverTimeChange;
 use crate::ui::session::PictureSize;
-use crate::ui::temporal::TemporalChange;
-use crate::ui::timings::TimingsChange;
-use crate::ui::what_if::WhatIfChange;
-use crate::ui::window_task::DialogCommand;
+use crate::ui::session::appearance::AppearanceChange;
+use crate::ui::session::camera_path::CameraPathChange;
+use crate::ui::session::command::Command;
+use crate::ui::session::compare::{CompareChange, Mode};
+use crate::ui::session::file_command::FileCommand;
+use crate::ui::session::filmstrip::FilmstripChange;
+use crate::ui::session::long_tasks::MeasureCommand;
+use crate::ui::session::onboarding::OnboardingChange;
+use crate::ui::session::over_time::OverTimeChange;
+use crate::ui::session::temporal::TemporalChange;
+use crate::ui::session::timings::TimingsChange;
+use crate::ui::session::what_if::WhatIfChange;
+use crate::ui::session::window_task::DialogCommand;
 
 /// Command that has no key, but a name by which the palette finds it.
 pub(crate) struct KeylessCommand {

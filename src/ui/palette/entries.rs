@@ -2,7 +2,6 @@
 //! stages, panels, upscalers, bookmarks and recent files. Each list comes from the table that the rest of the window
 //! uses.
 
-use super::fuzzy::{self, FuzzyMatch};
 use crate::chain::{Recipe, SettingKey, Word};
 use crate::inspect::find::SearchTarget;
 use crate::inspect::outline::OutlineKind;
@@ -10,22 +9,21 @@ use crate::inspect::overlays::Overlay;
 use crate::inspect::{Buffer, Intermediate, Stage, lesson};
 use crate::pipeline::settings::Choice as _;
 use crate::scene::{SceneSource, builtin};
-use crate::ui::command::Command;
-use crate::ui::compare::files::PictureRole;
 use crate::ui::engine::Shown;
-use crate::ui::files::FileCommand;
+use crate::ui::fuzzy::{self, FuzzyMatch};
 use crate::ui::key_map::{BINDINGS, KEYLESS};
 use crate::ui::key_sheet::key_name;
-use crate::ui::legend_strip;
-use crate::ui::overlays::OverlayChange;
+use crate::ui::panels::legend_strip;
 use crate::ui::panels::setting_row::owner;
-use crate::ui::place;
-use crate::ui::save_as::SaveItem;
-use crate::ui::session::Session;
-use crate::ui::stages::StageChange;
-use crate::ui::what_if;
-use crate::ui::window_task::DialogCommand;
-use crate::ui::workspace::{Panel, Workspace, WorkspaceChange};
+use crate::ui::session::command::Command;
+use crate::ui::session::file_command::FileCommand;
+use crate::ui::session::overlays::OverlayChange;
+use crate::ui::session::picture_role::PictureRole;
+use crate::ui::session::save_item::SaveItem;
+use crate::ui::session::stages::StageChange;
+use crate::ui::session::window_task::DialogCommand;
+use crate::ui::session::workspace::{Panel, Workspace, WorkspaceChange};
+use crate::ui::session::{Session, place, what_if};
 use crate::upscale;
 
 /// Category of a palette entry.
@@ -207,7 +205,7 @@ pub(crate) fn all(session: &Session) -> Vec<PaletteEntry> {
     entries.extend(Panel::ALL.iter().map(|panel| {
         let title = format!("Show panel: {}", panel.name());
         entry(EntryKind::Panel, title, Command::Workspace(WorkspaceChange::Panel(*panel)))
-            .with(panel.spec().help, false)
+            .with(panel.help(), false)
             .also(panel.synonyms().iter().copied())
     }));
     entries.extend(upscale::all().iter().enumerate().map(|(place, upscaler)| {
@@ -347,7 +345,7 @@ pub(crate) fn assignment(session: &Session, typed: &str) -> Option<PaletteEntry>
 pub(crate) fn destination(session: &Session, typed: &str) -> Option<PaletteEntry> {
     let wanted = session.search_target(typed).ok().filter(|wanted| !matches!(wanted, SearchTarget::Object(..)))?;
     let title = format!("Go to {}", wanted.words().to_lowercase());
-    Some(entry(EntryKind::Command, title, place::go_to(wanted)))
+    Some(entry(EntryKind::Command, title, Command::go_to(wanted)))
 }
 
 #[cfg(test)]

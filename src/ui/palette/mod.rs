@@ -2,18 +2,15 @@
 
 pub(crate) mod entries;
 
-pub(crate) mod fuzzy;
-
 use eframe::egui::{
-    Align, FontId, Frame, Id, Key, Label, Layout, Modal, Modifiers, RichText, ScrollArea, Sense, TextEdit, TextFormat,
-    Ui, UiBuilder, WidgetInfo, text::LayoutJob, vec2,
+    Align, Align2, FontId, Frame, Id, Key, Label, Layout, Modal, Modifiers, RichText, Role, ScrollArea, Sense,
+    TextEdit, TextFormat, Ui, UiBuilder, WidgetInfo, text::LayoutJob, vec2,
 };
-use eframe::egui::{Align2, Role};
 
-use super::command::Command;
 use super::session::Session;
+use super::session::command::Command;
 use super::theme::{self, ROW_HEIGHT, font_size, space, tokens};
-use crate::ui::stages::StageChange;
+use crate::ui::session::stages::StageChange;
 use entries::{Action, PaletteEntry, all, assignment, destination};
 
 /// Width of the palette, in points.

@@ -9,10 +9,10 @@ use super::entries::all;
 use crate::chain::Recipe;
 use crate::scene::SceneSource;
 use crate::ui::app::Workbench;
-use crate::ui::command::Command;
 use crate::ui::headless::Headless;
 use crate::ui::session::Session;
-use crate::ui::window_task::DialogCommand;
+use crate::ui::session::command::Command;
+use crate::ui::session::window_task::DialogCommand;
 use crate::ui::worker::Worker;
 
 /// Returns the title of the entry that the palette lists first for a query.

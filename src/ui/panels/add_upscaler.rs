@@ -4,13 +4,13 @@ use std::time::Duration;
 
 use eframe::egui::{Button, Key, RichText, TextEdit, Ui};
 
-use super::modal::modal;
 use crate::chain::Recipe;
 use crate::manual::Chapter;
-use crate::ui::command::Command;
-use crate::ui::compare::CompareChange;
 use crate::ui::manual::manual_button;
+use crate::ui::modal::modal;
 use crate::ui::session::Session;
+use crate::ui::session::command::Command;
+use crate::ui::session::compare::CompareChange;
 use crate::ui::theme::tokens;
 use crate::ui::widgets::number_field;
 use crate::upscale::process::{ProcessSpec, register_process};

@@ -12,16 +12,16 @@ use eframe::egui::{Label, ProgressBar, RichText, Role, ScrollArea, TextStyle, Ui
 
 use crate::case::Control;
 use crate::report::comparison::{DisplayedResult, parts};
-use crate::ui::command::Command;
-use crate::ui::open_case::OpenCase;
 use crate::ui::session::Session;
+use crate::ui::session::command::Command;
+use crate::ui::session::open_case::OpenCase;
 use crate::ui::theme::{Icon, space, tokens};
 use crate::ui::widgets::{combo, icon_button};
 
 pub(crate) use evaluation::Evaluation;
 pub(crate) use evaluation::EvaluationRequest;
 
-use crate::ui::open_case::CaseChange;
+use crate::ui::session::open_case::CaseChange;
 use evaluation::Running;
 use pictures::Pictures;
 

@@ -18,21 +18,17 @@ use crate::inspect::feeds::{ContributingSample, Mixture, pixels_fed_by};
 use crate::inspect::view::magnitude_color;
 use crate::manual::Chapter;
 use crate::measure::response::Responses;
-use crate::ui::command::Command;
 use crate::ui::engine::RenderedView;
 use crate::ui::format;
+use crate::ui::panels::{PanelSpec, framed};
 use crate::ui::session::Session;
+use crate::ui::session::command::Command;
 use crate::ui::theme::{Icon, ON_PIXEL, tokens};
 use crate::ui::widgets::{empty_state, figure};
-use crate::ui::workspace::{PanelSpec, framed};
 use crate::upscale::{FilterSpace, Upscaling};
 
 /// Description of the panel.
 pub(crate) const PANEL: PanelSpec = PanelSpec {
-    id: "filter-taps",
-    name: "Filter taps",
-    help: "Samples from which the upscaler reconstructed the picked pixel, and its response to test signals",
-    synonyms: &[],
     chapter: Chapter::ComparingUpscalers,
     grows: false,
     titled: true,

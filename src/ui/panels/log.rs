@@ -3,17 +3,13 @@
 use eframe::egui::{Label, RichText, Ui};
 
 use crate::manual::Chapter;
+use crate::ui::panels::{PanelSpec, framed};
 use crate::ui::session::{Session, Severity};
 use crate::ui::theme::{Icon, tokens};
 use crate::ui::widgets::{Status, empty_state};
-use crate::ui::workspace::{PanelSpec, framed};
 
 /// Description of the panel.
 pub(crate) const PANEL: PanelSpec = PanelSpec {
-    id: "log",
-    name: "Log",
-    help: "All messages, warnings and errors",
-    synonyms: &[],
     chapter: Chapter::GettingStarted,
     grows: true,
     titled: true,

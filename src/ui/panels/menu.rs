@@ -7,27 +7,25 @@ use crate::chain::Recipe;
 use crate::inspect::Buffer;
 use crate::inspect::outline::OutlineKind;
 use crate::pipeline::settings::Choice as _;
-use crate::ui::appearance::AppearanceChange;
-use crate::ui::canvas_state::CanvasChange;
-use crate::ui::command::Command;
-use crate::ui::compare::files::PictureRole;
-use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::engine::Shown;
-use crate::ui::files::FileCommand;
 use crate::ui::format;
 use crate::ui::key_map::BINDINGS;
 use crate::ui::key_sheet::key_name;
-use crate::ui::onboarding::OnboardingChange;
-use crate::ui::place;
-use crate::ui::save_as::SaveItem;
-use crate::ui::session::Session;
-use crate::ui::stages::StageChange;
+use crate::ui::session::appearance::AppearanceChange;
+use crate::ui::session::canvas_state::CanvasChange;
+use crate::ui::session::command::Command;
+use crate::ui::session::compare::{CompareChange, Mode};
+use crate::ui::session::file_command::FileCommand;
+use crate::ui::session::onboarding::OnboardingChange;
+use crate::ui::session::picture_role::PictureRole;
+use crate::ui::session::save_item::SaveItem;
+use crate::ui::session::stages::StageChange;
+use crate::ui::session::window_task::DialogCommand;
+use crate::ui::session::workspace::{Workspace, WorkspaceChange};
+use crate::ui::session::{Session, place, what_if};
 use crate::ui::theme::{CONTROL_HEIGHT, Icon, space, tokens};
 use crate::ui::thumbnails::Thumbnails;
-use crate::ui::what_if;
 use crate::ui::widgets::{icon_button, monospace_width, overflow_menu, text_width};
-use crate::ui::window_task::DialogCommand;
-use crate::ui::workspace::{Workspace, WorkspaceChange};
 use crate::upscale;
 
 /// Selectable interface scales, as factors of the default size.
@@ -43,7 +41,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, thumbnails: &mut Thumbnails, co
         ui.menu_button("Edit", |ui| edit(ui, session, commands));
         ui.menu_button("Scene", |ui| scene_menu::ui(ui, thumbnails, commands));
         ui.menu_button("View", |ui| view(ui, session, commands));
-        ui.menu_button("Go", |ui| place::menu::ui(ui, session, commands));
+        ui.menu_button("Go", |ui| super::place::menu::ui(ui, session, commands));
         ui.menu_button("Help", |ui| help(ui, commands));
         ui.separator();
         let hidden = workspaces(ui, session, END_POINTS, commands);
@@ -290,7 +288,7 @@ fn figures(ui: &Ui, session: &Session) -> Vec<Figure> {
     )];
     // With a triangle limit, the picture is drawn twice, and the time would describe neither of the two frames.
     let warm_ms = session.features.timings.warm_median_ms(view.request.recipe.upscaler).or_else(|| {
-        let frame = session.features.stages.figures.as_ref()?.times.frame;
+        let frame = session.features.stages.times()?.frame;
         Some(frame.as_secs_f64() * 1e3)
     });
     if let Some(ms) = warm_ms.filter(|_| view.request.triangle_limit.is_none()) {

@@ -6,14 +6,14 @@ use std::path::Path;
 use eframe::egui::{Align, Color32, Label, Layout, ProgressBar, Rect, RichText, Sense, Ui, Vec2};
 
 use crate::text;
-use crate::ui::command::Command;
-use crate::ui::compare::files::PictureRole;
-use crate::ui::files::FileCommand;
-use crate::ui::lab::LabChange;
+use crate::ui::session::command::Command;
+use crate::ui::session::file_command::FileCommand;
+use crate::ui::session::lab::LabChange;
+use crate::ui::session::picture_role::PictureRole;
+use crate::ui::session::workspace::{Panel, WorkspaceChange};
 use crate::ui::session::{Dismissal, Notice, Session};
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::icon_button;
-use crate::ui::workspace::{Panel, WorkspaceChange};
 
 const LAB_HINT: &str = "Step with , and . or play with K; drag the blue rings. Wheel: zoom. L: back to the pipeline.";
 

@@ -17,22 +17,18 @@ use crate::inspect::{Buffer, Stage};
 use crate::manual::Chapter;
 use crate::measure::stages::StageTimes;
 use crate::pipeline::settings::Choice as _;
-use crate::ui::command::Command;
-use crate::ui::engine::{Shown, StageFigures};
+use crate::ui::engine::Shown;
 use crate::ui::format;
 use crate::ui::manual::manual_button;
+use crate::ui::panels::{PanelSpec, framed};
 use crate::ui::session::Session;
-use crate::ui::stages::StageChange;
+use crate::ui::session::command::Command;
+use crate::ui::session::stages::StageChange;
 use crate::ui::theme::{self, CONTROL_HEIGHT, Icon, space, tokens};
 use crate::ui::widgets::{icon_button, section_header};
-use crate::ui::workspace::{PanelSpec, framed};
 
 /// Description of the panel.
 pub(crate) const PANEL: PanelSpec = PanelSpec {
-    id: "stages",
-    name: "Stages",
-    help: "Stages of the pipeline with their times and counts, and the settings of the selected stage",
-    synonyms: &[],
     chapter: Chapter::Stages,
     grows: false,
     titled: true,
@@ -111,8 +107,8 @@ fn rows(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let column = TimeColumn::new(ui, session);
     let stages = Stage::ALL.iter().map(|stage| stage_row(ui, *stage, &column, session, commands)).collect::<Vec<_>>();
     step_by_key(ui, &stages, session, commands);
-    if let Some(StageFigures { times, .. }) = &session.features.stages.figures {
-        for rest in rest_rows(times) {
+    if let Some(times) = session.features.stages.times() {
+        for rest in rest_rows(&times) {
             rest_row(ui, &rest, &column);
         }
     }
@@ -149,7 +145,7 @@ impl TimeColumn {
     fn new(ui: &Ui, session: &Session) -> Self {
         /// Time whose width the column has at least, so that it keeps its width while times change.
         const USUAL: Duration = Duration::from_micros(88_880);
-        let times = session.features.stages.figures.as_ref().map(|figures| figures.times);
+        let times = session.features.stages.times();
         let stages = Stage::ALL.iter().filter_map(|stage| time_of(*stage, &times?));
         let all = stages.chain(times.iter().map(|times| times.frame)).chain([USUAL]);
         let font = TextStyle::Monospace.resolve(ui.style());

@@ -6,20 +6,16 @@ use egui_plot::{GridMark, Line, LineStyle, Plot, PlotPoints, Points};
 use crate::manual::Chapter;
 use crate::measure::scaling::Series;
 use crate::report::scaling::{amount, finding, guide};
-use crate::ui::command::Command;
-use crate::ui::long_tasks::MeasureCommand;
+use crate::ui::panels::PanelSpec;
 use crate::ui::session::Session;
+use crate::ui::session::command::Command;
+use crate::ui::session::long_tasks::MeasureCommand;
 use crate::ui::theme::{Icon, tokens};
 use crate::ui::ticks::log_marks;
 use crate::ui::widgets::empty_state;
-use crate::ui::workspace::PanelSpec;
 
 /// Description of the panel.
 pub(crate) const PANEL: PanelSpec = PanelSpec {
-    id: "scaling",
-    name: "Scaling",
-    help: "Frame time against the number of triangles, pixels, layers and threads",
-    synonyms: &[],
     chapter: Chapter::ErrorAgainstTime,
     grows: true,
     titled: true,

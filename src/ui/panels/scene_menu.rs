@@ -6,8 +6,8 @@ use eframe::egui::{
 
 use crate::inspect::lesson;
 use crate::scene::builtin::{self, Builtin};
-use crate::ui::command::Command;
-use crate::ui::files::FileCommand;
+use crate::ui::session::command::Command;
+use crate::ui::session::file_command::FileCommand;
 use crate::ui::theme::{RADIUS, ROW_HEIGHT, space, tokens};
 use crate::ui::thumbnails::{self, Thumbnails};
 

@@ -11,21 +11,17 @@ use crate::manual::Chapter;
 use crate::measure::noise;
 use crate::measure::skipped_work::{Saving, Savings};
 use crate::pipeline::plan::{CullStats, DrawPlan, PipelinePart, PlanStep};
-use crate::ui::command::Command;
 use crate::ui::engine::RenderedView;
 use crate::ui::format;
-use crate::ui::long_tasks::MeasureCommand;
+use crate::ui::panels::{PanelSpec, scrolling};
 use crate::ui::session::Session;
+use crate::ui::session::command::Command;
+use crate::ui::session::long_tasks::MeasureCommand;
 use crate::ui::theme::{Icon, tokens};
 use crate::ui::widgets::empty_state;
-use crate::ui::workspace::{PanelSpec, scrolling};
 
 /// Description of the panel.
 pub(crate) const PANEL: PanelSpec = PanelSpec {
-    id: "skipped-work",
-    name: "Skipped work",
-    help: "Parts of the pipeline that each draw runs or skips, and why",
-    synonyms: &[],
     chapter: Chapter::SkippedWork,
     grows: true,
     titled: true,

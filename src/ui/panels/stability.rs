@@ -13,21 +13,16 @@ use crate::report::stability::column::ReportColumn;
 use crate::report::stability::metric::LEVELS;
 use crate::report::stability::sweep::{ClassReport, ReportCell, StabilityReport};
 use crate::report::stability::tradeoff;
-use crate::ui::command::Command;
-use crate::ui::long_tasks::MeasureCommand;
-use crate::ui::long_tasks::StabilityView;
-use crate::ui::open_case::CaseChange;
+use crate::ui::panels::PanelSpec;
 use crate::ui::session::Session;
+use crate::ui::session::command::Command;
+use crate::ui::session::long_tasks::{MeasureCommand, StabilityView};
+use crate::ui::session::open_case::CaseChange;
 use crate::ui::theme::{Icon, font_size, tokens};
 use crate::ui::widgets::empty_state;
-use crate::ui::workspace::PanelSpec;
 
 /// Description of the panel.
 pub(crate) const PANEL: PanelSpec = PanelSpec {
-    id: "stability",
-    name: "Stability",
-    help: "Error and time of every rasterizer, arithmetic and depth format on ill-conditioned and extreme cases",
-    synonyms: &[],
     chapter: Chapter::Stability,
     grows: true,
     titled: true,

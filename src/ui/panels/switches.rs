@@ -16,11 +16,11 @@ use crate::pipeline::plan::PipelinePart;
 use crate::pipeline::settings::{Choice as _, DepthTest, Execution, SceneData, Shading, TexelFilter};
 use crate::scene::obj::TrMeaning;
 use crate::scene::{Camera, Projection, SceneFormat, SceneSource, UpAxis, builtin};
-use crate::ui::command::Command;
 use crate::ui::engine::{RenderedView, StageFigures};
-use crate::ui::files::FileCommand;
 use crate::ui::format;
 use crate::ui::session::Session;
+use crate::ui::session::command::Command;
+use crate::ui::session::file_command::FileCommand;
 use crate::ui::theme::Icon;
 use crate::ui::widgets::{choice, combo, drag, drag_by, icon_button, row, slider, value_row};
 

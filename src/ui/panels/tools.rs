@@ -2,16 +2,12 @@
 
 use eframe::egui::{self, Button, RichText, Ui, WidgetInfo};
 
-use crate::ui::canvas_state::CanvasChange;
-use crate::ui::command::Command;
-use crate::ui::compare::{CompareChange, Mode};
-use crate::ui::mesh_view;
-use crate::ui::overlays;
-use crate::ui::picture_size;
-use crate::ui::range;
-use crate::ui::session::{PointerMode, Session};
+use crate::ui::panels::picture_size;
+use crate::ui::session::canvas_state::CanvasChange;
+use crate::ui::session::command::Command;
+use crate::ui::session::compare::{CompareChange, Mode};
+use crate::ui::session::{PointerMode, Session, mesh_view, overlays, range, what_if};
 use crate::ui::theme::{self, CONTROL_HEIGHT, Icon, space, tokens};
-use crate::ui::what_if;
 use crate::ui::widgets::{icon_button, overflow_menu};
 
 /// Tool of the bar above the canvas.

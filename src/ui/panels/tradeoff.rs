@@ -17,26 +17,23 @@ use crate::measure::metric::Metric;
 use crate::measure::motion::Turn;
 use crate::pipeline::settings::Choice as _;
 use crate::report::upscaling::tradeoff::Standing;
-use crate::ui::command::Command;
-use crate::ui::compare::bar::reference_list;
-use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::format;
-use crate::ui::long_tasks::MeasureCommand;
 use crate::ui::method_colors::method_color;
+use crate::ui::panels::PanelSpec;
+use crate::ui::panels::compare::bar::reference_list;
 use crate::ui::session::Session;
+use crate::ui::session::command::Command;
+use crate::ui::session::compare::{CompareChange, Mode};
+use crate::ui::session::long_tasks::MeasureCommand;
+use crate::ui::session::timings::{TimingsChange, TradeOff};
+use crate::ui::session::workspace::Panel;
 use crate::ui::theme::{Icon, font_size, tokens};
 use crate::ui::ticks::log_marks;
-use crate::ui::timings::{TimingsChange, TradeOff};
 use crate::ui::widgets::{combo, empty_state};
-use crate::ui::workspace::{Panel, PanelSpec};
 use crate::upscale::Upscaling;
 
 /// Description of the panel.
 pub(crate) const PANEL: PanelSpec = PanelSpec {
-    id: "error-time",
-    name: "Error vs time",
-    help: "Error and time of each upscaler; click a point to compare that upscaler",
-    synonyms: &["pareto", "quality", "psnr", "ssim", "flip", "metric"],
     chapter: Chapter::ErrorAgainstTime,
     grows: true,
     titled: true,

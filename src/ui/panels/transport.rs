@@ -5,9 +5,9 @@ use eframe::egui::{self, Ui};
 use super::tools::{self, Tool, ToolContext};
 use crate::inspect::{Buffer, Intermediate, Stage};
 use crate::pipeline::settings::Choice as _;
-use crate::ui::command::Command;
 use crate::ui::engine::Shown;
 use crate::ui::session::Session;
+use crate::ui::session::command::Command;
 use crate::ui::theme::{CONTROL_HEIGHT, Icon, space};
 use crate::ui::widgets::{combo, icon_button};
 

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use super::Session;
 use crate::text;
-use crate::ui::features::Feature;
-use crate::ui::window_task::WindowTask;
+use crate::ui::session::feature::Feature;
+use crate::ui::session::window_task::WindowTask;
 
 /// Maximum number of lines in the log.
 const LOG_LINES: usize = 500;

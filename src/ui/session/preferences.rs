@@ -12,12 +12,14 @@ use crate::disk::stored_path::StoredPath;
 use crate::inspect::InspectionState;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::Camera;
-use crate::ui::files::MAX_RECENT;
-use crate::ui::onboarding::Seen;
-use crate::ui::place::Bookmark;
-use crate::ui::watch;
-use crate::ui::workspace::StoredLayouts;
+use crate::ui::session::layout::StoredLayouts;
 use crate::upscale::{Scale, Upscaling};
+
+/// Maximum number of recent files.
+pub(crate) const MAX_RECENT: usize = 8;
+
+/// Maximum number of watched pixels. After every frame, each watched pixel is replayed to find its values.
+pub(crate) const MAX_WATCHED: usize = 24;
 
 /// Size of the picture that the pipeline draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -62,6 +64,32 @@ impl PointerMode {
     pub(crate) fn toggled(self, mode: Self) -> Self {
         if self == mode { Self::default() } else { mode }
     }
+}
+
+/// Parts of the introduction that the user has closed. They do not open by themselves again.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct Seen {
+    /// Whether the start card was closed.
+    pub(crate) start_card: bool,
+    /// Whether the coach was finished or skipped.
+    pub(crate) coach: bool,
+}
+
+impl Seen {
+    /// Returns the parts that were closed in either of two windows.
+    pub(crate) fn merged(self, other: Self) -> Self {
+        Self { start_card: self.start_card || other.start_card, coach: self.coach || other.coach }
+    }
+}
+
+/// Inspection state saved under a name.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Bookmark {
+    /// Display name of the bookmark.
+    pub(crate) name: String,
+    /// Inspection state that the bookmark restores.
+    pub(crate) place: InspectionState,
 }
 
 /// State of the window itself: theme, scale, size and layout.
@@ -179,7 +207,7 @@ impl Preferences {
         recent.extend(others.cloned());
         recent.truncate(MAX_RECENT);
         let mut watched = merged_list(&self.watched, &base.watched, &theirs.watched);
-        watched.truncate(watch::MAX_PIXELS);
+        watched.truncate(MAX_WATCHED);
         Self {
             source: latest(&self.source, &base.source, &theirs.source),
             recipe: latest(&self.recipe, &base.recipe, &theirs.recipe),

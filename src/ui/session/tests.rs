@@ -4,12 +4,11 @@ use crate::inspect::Stage;
 use crate::pipeline::settings::{Arithmetic, Rasterizer};
 use crate::report::stability::column::ReportColumn;
 use crate::report::stability::subject::Configuration;
-use crate::ui::engine::Engine;
-use crate::ui::engine::StageFigures;
-use crate::ui::first_pick::nearest_drawn;
-use crate::ui::long_tasks::Measuring;
-use crate::ui::open_case::CaseChange;
-use crate::ui::place::Bookmark;
+use crate::ui::engine::{Engine, StageFigures};
+use crate::ui::session::first_pick::nearest_drawn;
+use crate::ui::session::long_tasks::Measuring;
+use crate::ui::session::open_case::CaseChange;
+use crate::ui::session::preferences::Bookmark;
 
 fn session() -> Session {
     let source = SceneSource::default();

@@ -3,7 +3,7 @@
 use super::{PictureSize, Session};
 use crate::chain::Recipe;
 use crate::scene::Camera;
-use crate::ui::compare::TileSet;
+use crate::ui::session::tile_set::TileSet;
 
 /// Maximum number of undo steps.
 const UNDO_STEPS: usize = 200;

@@ -1,9 +1,8 @@
 //! Default layout of each workspace.
 
-use super::Workspace;
-use super::layout::{Layout, Part};
-use super::panel::Panel;
 use crate::pipeline::settings::Choice as _;
+use crate::ui::session::layout::{Layout, Part};
+use crate::ui::session::workspace::{Panel, Workspace};
 
 /// Default height of the stages above the panels that explain a pixel, in points.
 const STAGES_HEIGHT: f32 = 360.0;

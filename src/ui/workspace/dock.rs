@@ -6,17 +6,18 @@
 use std::collections::BTreeMap;
 
 use eframe::egui::{
-    Color32, CursorIcon, Frame, Id, Response, Role, ScrollArea, Sense, Stroke, StrokeKind, Style, Ui, UiBuilder, Vec2,
-    Visuals, WidgetInfo, WidgetText,
+    Color32, CursorIcon, Frame, Id, Response, Role, Sense, Stroke, StrokeKind, Style, Ui, UiBuilder, Vec2, Visuals,
+    WidgetInfo, WidgetText,
 };
 use egui_tiles::{Behavior, Container, LinearDir, ResizeState, SimplificationOptions, Tile, TileId, Tiles, Tree};
 
-use super::layout::{Layout, StoredLayout, StoredLayouts, panels_in};
-use super::panel::{Panel, PanelContext};
-use super::{Workspace, WorkspaceChange};
+use super::tree::panels_in;
 use crate::pipeline::settings::Choice as _;
-use crate::ui::command::Command;
 use crate::ui::manual::manual_button;
+use crate::ui::panels::PanelContext;
+use crate::ui::session::command::Command;
+use crate::ui::session::layout::{Layout, StoredLayout, StoredLayouts};
+use crate::ui::session::workspace::{Panel, Workspace, WorkspaceChange};
 use crate::ui::theme::{Icon, space, tokens};
 use crate::ui::widgets::icon_button;
 
@@ -158,7 +159,7 @@ impl Docks {
 /// Returns the id of the invisible widget at the start of a panel. From there, the Tab key leads to the widgets of the
 /// panel.
 fn focus_id(panel: Panel) -> Id {
-    Id::unique(("panel", panel.spec().id))
+    Id::unique(("panel", panel.id()))
 }
 
 fn pane(id: TileId, tile: &Tile<Panel>) -> Option<(TileId, Panel)> {
@@ -251,13 +252,13 @@ impl Behavior<Panel> for Drawing<'_> {
         let rect = ui.available_rect_before_wrap();
         ui.painter().rect_filled(rect, 0.0, tokens(ui).panel);
         let start = ui.interact(rect, focus_id(*panel), Sense::focusable_noninteractive());
-        start.widget_info(|| WidgetInfo::labeled(Role::Group, true, spec.name));
+        start.widget_info(|| WidgetInfo::labeled(Role::Group, true, panel.name()));
         if start.has_focus() {
             let stroke = Stroke::new(2.0, tokens(ui).accent);
             ui.painter().rect_stroke(rect, 0.0, stroke, StrokeKind::Inside);
         }
         // The content is clipped to its panel, and neither grows nor shrinks it.
-        let mut within = ui.new_child(UiBuilder::new().id_salt(spec.id).max_rect(rect));
+        let mut within = ui.new_child(UiBuilder::new().id_salt(panel.id()).max_rect(rect));
         within.shrink_clip_rect(rect);
         let Some(controls) = spec.controls else {
             (spec.content)(&mut within, &mut self.context);
@@ -280,7 +281,7 @@ impl Behavior<Panel> for Drawing<'_> {
         if button.double_clicked() {
             self.context.commands.push(Command::Workspace(WorkspaceChange::Maximize(panel)));
         }
-        button.on_hover_text(format!("{}. Double-click to maximize, drag to move", panel.spec().help))
+        button.on_hover_text(format!("{}. Double-click to maximize, drag to move", panel.help()))
     }
 
     fn top_bar_right_ui(
@@ -359,16 +360,6 @@ impl Behavior<Panel> for Drawing<'_> {
     fn tab_bar_hline_stroke(&self, _visuals: &Visuals) -> Stroke {
         Stroke::NONE
     }
-}
-
-/// Draws content with the margin that panels with text have.
-pub(crate) fn framed(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
-    Frame::new().inner_margin(space::S).show(ui, content);
-}
-
-/// Draws the content of a panel that scrolls vertically.
-pub(crate) fn scrolling(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
-    ScrollArea::vertical().auto_shrink(false).show(ui, content);
 }
 
 #[cfg(test)]

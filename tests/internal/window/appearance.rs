@@ -2,11 +2,11 @@
 
 use eframe::egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::Queryable as _;
-use rasterscope::ui::appearance::AppearanceChange;
-use rasterscope::ui::command::Command;
 use rasterscope::ui::key_map::{BINDINGS, MOUSE};
 use rasterscope::ui::session::WindowState;
-use rasterscope::ui::workspace::Panel;
+use rasterscope::ui::session::appearance::AppearanceChange;
+use rasterscope::ui::session::command::Command;
+use rasterscope::ui::session::workspace::Panel;
 
 use super::bench::Bench;
 

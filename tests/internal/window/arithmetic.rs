@@ -5,7 +5,7 @@ use eframe::egui::{Key, Modifiers};
 use rasterscope::inspect::trace::Trace;
 use rasterscope::inspect::{Buffer, Intermediate};
 use rasterscope::ui::engine::Shown;
-use rasterscope::ui::workspace::Panel;
+use rasterscope::ui::session::workspace::Panel;
 
 use super::bench::Bench;
 
@@ -72,8 +72,8 @@ fn the_eye_of_a_line_shows_its_number_and_hides_it_again() {
     let mut bench = Bench::small("interpenetrating");
     bench.show_panel(Panel::Calculation);
     let line = trace(&bench).lines.iter().position(|line| line.buffer == Some(Intermediate::Lambda1));
-    let step = rasterscope::ui::trace::TraceChange::Step(line.expect("every fragment has weights") as i64);
-    bench.session_mut().apply(rasterscope::ui::command::Command::Trace(step));
+    let step = rasterscope::ui::session::trace::TraceChange::Step(line.expect("every fragment has weights") as i64);
+    bench.session_mut().apply(rasterscope::ui::session::command::Command::Trace(step));
     bench.rest();
     bench.click("Show “λ1 on screen” for the whole picture");
     assert_eq!(bench.session().shown, Shown::Intermediate(Intermediate::Lambda1));

@@ -14,12 +14,12 @@ use rasterscope::measure::motion::Turn;
 use rasterscope::pipeline::settings::Choice as _;
 use rasterscope::scene::SceneSource;
 use rasterscope::ui::app::Workbench;
-use rasterscope::ui::command::Command;
 use rasterscope::ui::engine::{RenderedView, Request};
+use rasterscope::ui::session::command::Command;
+use rasterscope::ui::session::workspace::{Panel, WorkspaceChange};
 use rasterscope::ui::session::{PictureSize, Session};
 use rasterscope::ui::theme;
 use rasterscope::ui::worker::Worker;
-use rasterscope::ui::workspace::{Panel, WorkspaceChange};
 
 /// Size of the window, in points and in pixels.
 pub(crate) const WINDOW: Vec2 = Vec2::new(1280.0, 800.0);

@@ -1,13 +1,13 @@
 //! Tests of camera paths recorded in the window.
 
 use rasterscope::scene::CameraPath;
-use rasterscope::ui::camera_path::CameraPathChange;
-use rasterscope::ui::command::Command;
-use rasterscope::ui::save_as::SaveItem;
-use rasterscope::ui::scene_time::SceneTimeChange;
+use rasterscope::ui::session::camera_path::CameraPathChange;
+use rasterscope::ui::session::command::Command;
+use rasterscope::ui::session::save_item::SaveItem;
+use rasterscope::ui::session::scene_time::SceneTimeChange;
 
 use super::bench::Bench;
-use crate::ui::files::FileCommand;
+use crate::ui::session::file_command::FileCommand;
 
 fn change(bench: &mut Bench, change: CameraPathChange) {
     bench.session_mut().apply(Command::CameraPath(change));

@@ -11,8 +11,8 @@ use rasterscope::case::Case;
 use rasterscope::pipeline::settings::{Arithmetic, Rasterizer};
 use rasterscope::report::stability::catalogue;
 use rasterscope::report::stability::sweep::{self, StabilityPlan, StabilityReport};
+use rasterscope::ui::session::workspace::Panel;
 use rasterscope::ui::worker::Worker;
-use rasterscope::ui::workspace::Panel;
 use tempfile::TempDir;
 
 use super::bench::Bench;

@@ -7,11 +7,11 @@ use rasterscope::chain::run;
 use rasterscope::inspect::Stage;
 use rasterscope::measure::error::compare;
 use rasterscope::measure::region::PixelRegion;
-use rasterscope::ui::command::Command;
-use rasterscope::ui::compare::Mode;
-use rasterscope::ui::compare::compute::Compared;
-use rasterscope::ui::window_task::DialogCommand;
-use rasterscope::ui::workspace::Panel;
+use rasterscope::ui::session::command::Command;
+use rasterscope::ui::session::compare::Mode;
+use rasterscope::ui::session::compare::compute::Compared;
+use rasterscope::ui::session::window_task::DialogCommand;
+use rasterscope::ui::session::workspace::Panel;
 use rasterscope::upscale::{BUILT_IN, Scale, Upscaling};
 
 use super::bench::Bench;

@@ -8,10 +8,10 @@ use rasterscope::explain::{Setup, by_id};
 use rasterscope::image::file::write_png;
 use rasterscope::image::pfm::{Floats, write_pfm};
 use rasterscope::image::{Image, Rgba8};
-use rasterscope::ui::command::Command;
-use rasterscope::ui::compare::files::PictureRole;
-use rasterscope::ui::files::FileCommand;
-use rasterscope::ui::workspace::Panel;
+use rasterscope::ui::session::command::Command;
+use rasterscope::ui::session::file_command::FileCommand;
+use rasterscope::ui::session::picture_role::PictureRole;
+use rasterscope::ui::session::workspace::Panel;
 
 use super::bench::Bench;
 

@@ -2,9 +2,9 @@
 
 use eframe::egui::Key;
 use rasterscope::inspect::fates::{Bin, TriangleFate};
-use rasterscope::ui::command::Command;
-use rasterscope::ui::fates::FatesChange;
-use rasterscope::ui::workspace::Panel;
+use rasterscope::ui::session::command::Command;
+use rasterscope::ui::session::fates::FatesChange;
+use rasterscope::ui::session::workspace::Panel;
 
 use super::bench::Bench;
 

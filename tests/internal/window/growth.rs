@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use super::bench::Bench;
-use rasterscope::ui::workspace::Panel;
+use rasterscope::ui::session::workspace::Panel;
 
 /// Time limit of a measurement, sufficient for slow machines.
 const PATIENCE: Duration = Duration::from_secs(120);

@@ -4,7 +4,7 @@ use rasterscope::inspect::assertions::Assertion;
 use rasterscope::inspect::lesson;
 use rasterscope::inspect::pixel::Kind;
 use rasterscope::pipeline::settings::Choice as _;
-use rasterscope::ui::workspace::Panel;
+use rasterscope::ui::session::workspace::Panel;
 
 use super::bench::Bench;
 
@@ -73,7 +73,7 @@ fn the_first_violation_is_picked_and_described() {
     let (report, frame) = bench.session().features.checks.found.clone().expect("it was checked");
     let (assertion, first) = report.first_violation().expect("a published rasterizer owns too much");
     assert_eq!(assertion, Assertion::Owner);
-    assert_eq!(bench.session().pick, Some(rasterscope::ui::checks::place(first, &frame)));
+    assert_eq!(bench.session().pick, Some(rasterscope::ui::session::checks::place(first, &frame)));
     assert!(!bench.session().features.checks.every_frame, "the first violation stops it");
     assert!(bench.mentions(&first.text));
     assert_eq!(Assertion::ALL.len(), report.findings.len());

@@ -6,12 +6,12 @@ use eframe::egui::{Key, Modifiers, PointerButton, Pos2, Rect, Role, Vec2};
 use egui_kittest::kittest::Queryable as _;
 use rasterscope::inspect::Stage;
 use rasterscope::measure::timing::summarize;
-use rasterscope::ui::compare::Mode;
 use rasterscope::ui::format;
 use rasterscope::ui::session::PictureSize;
-use rasterscope::ui::timings::RowOrder;
+use rasterscope::ui::session::compare::Mode;
+use rasterscope::ui::session::timings::RowOrder;
+use rasterscope::ui::session::workspace::Panel;
 use rasterscope::ui::worker::{MEASURE_ROUNDS, Worker};
-use rasterscope::ui::workspace::Panel;
 use rasterscope::upscale::Upscaling;
 
 use super::bench::Bench;

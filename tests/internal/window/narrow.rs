@@ -3,7 +3,7 @@
 use eframe::egui::{Key, Vec2};
 use egui_kittest::kittest::Queryable as _;
 use rasterscope::pipeline::settings::Choice as _;
-use rasterscope::ui::workspace::Workspace;
+use rasterscope::ui::session::workspace::Workspace;
 
 use super::bench::Bench;
 

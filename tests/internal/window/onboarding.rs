@@ -4,9 +4,9 @@ use eframe::egui::{Key, Modifiers, PointerButton, Vec2};
 use egui_kittest::kittest::Queryable as _;
 use rasterscope::inspect::{Stage, lesson};
 use rasterscope::scene::SceneSource;
-use rasterscope::ui::onboarding::CoachStep;
 use rasterscope::ui::session::WindowState;
-use rasterscope::ui::workspace::Workspace;
+use rasterscope::ui::session::onboarding::CoachStep;
+use rasterscope::ui::session::workspace::Workspace;
 
 use super::bench::Bench;
 

@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 
 use eframe::egui::{Key, PointerButton, Role, Vec2};
 use egui_kittest::kittest::Queryable as _;
-use rasterscope::ui::vertices::picked_triangle;
-use rasterscope::ui::workspace::Panel;
+use rasterscope::ui::session::vertices::picked_triangle;
+use rasterscope::ui::session::workspace::Panel;
 
 use super::bench::Bench;
 

@@ -2,9 +2,9 @@
 
 use eframe::egui::Key;
 use rasterscope::measure::metric::Metric;
-use rasterscope::ui::command::Command;
-use rasterscope::ui::over_time::OverTimeChange;
-use rasterscope::ui::workspace::Panel;
+use rasterscope::ui::session::command::Command;
+use rasterscope::ui::session::over_time::OverTimeChange;
+use rasterscope::ui::session::workspace::Panel;
 use rasterscope::upscale::Upscaling;
 
 use super::bench::Bench;

@@ -7,9 +7,9 @@ use rasterscope::inspect::Buffer;
 use rasterscope::inspect::overlays::{Overlay, compose};
 use rasterscope::inspect::view::Value;
 use rasterscope::pipeline::settings::FillRule;
-use rasterscope::ui::command::Command;
 use rasterscope::ui::engine::Shown;
-use rasterscope::ui::overlays::OverlayChange;
+use rasterscope::ui::session::command::Command;
+use rasterscope::ui::session::overlays::OverlayChange;
 
 use super::bench::Bench;
 

@@ -15,14 +15,15 @@ use rasterscope::inspect::view::Range;
 use rasterscope::measure::against::figures;
 use rasterscope::measure::tone::{Tone, ToneCurve};
 use rasterscope::pipeline::viewport::Viewport;
-use rasterscope::ui::command::Command;
-use rasterscope::ui::compare::compute::Compared;
-use rasterscope::ui::compare::files::{PictureLook, PictureRole};
-use rasterscope::ui::compare::{CompareChange, Mode};
-use rasterscope::ui::files::FileCommand;
-use rasterscope::ui::sequences::SequenceChange;
+use rasterscope::ui::session::command::Command;
+use rasterscope::ui::session::compare::compute::Compared;
+use rasterscope::ui::session::compare::files::PictureLook;
+use rasterscope::ui::session::compare::{CompareChange, Mode};
+use rasterscope::ui::session::file_command::FileCommand;
+use rasterscope::ui::session::picture_role::PictureRole;
+use rasterscope::ui::session::sequences::SequenceChange;
+use rasterscope::ui::session::workspace::Panel;
 use rasterscope::ui::worker::Worker;
-use rasterscope::ui::workspace::Panel;
 
 use super::bench::Bench;
 

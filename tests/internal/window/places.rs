@@ -4,9 +4,9 @@ use eframe::egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use rasterscope::inspect::{Buffer, Stage};
 use rasterscope::pipeline::settings::{Choice as _, DepthFormat};
-use rasterscope::ui::command::Command;
 use rasterscope::ui::engine::Shown;
-use rasterscope::ui::scene_time::SceneTimeChange;
+use rasterscope::ui::session::command::Command;
+use rasterscope::ui::session::scene_time::SceneTimeChange;
 
 use super::bench::Bench;
 

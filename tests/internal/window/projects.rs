@@ -8,18 +8,19 @@ use rasterscope::image::Image;
 use rasterscope::image::pfm::{Floats, write_pfm};
 use rasterscope::inspect::project::EXTENSION;
 use rasterscope::inspect::view::Range;
-use rasterscope::ui::camera_path::CameraPathChange;
-use rasterscope::ui::command::Command;
-use rasterscope::ui::save_as::SaveItem;
-use rasterscope::ui::workspace::Workspace;
+use rasterscope::ui::session::camera_path::CameraPathChange;
+use rasterscope::ui::session::command::Command;
+use rasterscope::ui::session::save_item::SaveItem;
+use rasterscope::ui::session::workspace::Workspace;
 
 use super::bench::Bench;
-use crate::ui::compare::files::{PictureLook, PictureRole};
-use crate::ui::compare::{CompareChange, Mode};
-use crate::ui::files::FileCommand;
-use crate::ui::scene_time::SceneTimeChange;
-use crate::ui::sequences::SequenceChange;
 use crate::ui::session::Severity;
+use crate::ui::session::compare::files::PictureLook;
+use crate::ui::session::compare::{CompareChange, Mode};
+use crate::ui::session::file_command::FileCommand;
+use crate::ui::session::picture_role::PictureRole;
+use crate::ui::session::scene_time::SceneTimeChange;
+use crate::ui::session::sequences::SequenceChange;
 
 /// Saves the project of a window.
 fn save(bench: &mut Bench, path: &Path) {

@@ -6,10 +6,10 @@ use rasterscope::inspect::Buffer;
 use rasterscope::inspect::range::{RangeFit, Rule};
 use rasterscope::inspect::view::Value;
 use rasterscope::measure::region::PixelRegion;
-use rasterscope::ui::command::Command;
 use rasterscope::ui::engine::Shown;
-use rasterscope::ui::range::RangeChange;
-use rasterscope::ui::workspace::Panel;
+use rasterscope::ui::session::command::Command;
+use rasterscope::ui::session::range::RangeChange;
+use rasterscope::ui::session::workspace::Panel;
 
 use super::bench::Bench;
 

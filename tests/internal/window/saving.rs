@@ -11,13 +11,13 @@ use rasterscope::image::picture::{Picture, Sample};
 use rasterscope::inspect::view::{self, Value};
 use rasterscope::inspect::{Buffer, capture};
 use rasterscope::lab::{Lesson, Page};
-use rasterscope::ui::command::Command;
-use rasterscope::ui::save_as::SaveItem;
+use rasterscope::ui::session::command::Command;
+use rasterscope::ui::session::save_item::SaveItem;
 
 use super::bench::Bench;
-use crate::ui::camera_path::CameraPathChange;
-use crate::ui::files::FileCommand;
-use crate::ui::lab::LabChange;
+use crate::ui::session::camera_path::CameraPathChange;
+use crate::ui::session::file_command::FileCommand;
+use crate::ui::session::lab::LabChange;
 
 /// Opens the dialog for saving an item, and replaces the suggested path.
 fn ask(bench: &mut Bench, item: SaveItem, path: &str) {

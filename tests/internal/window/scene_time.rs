@@ -1,18 +1,23 @@
 //! Tests of the time of animated scenes in the window.
 
 use std::sync::Arc;
+use std::sync::mpsc::channel;
+use std::time::{Duration, Instant};
 
 use eframe::egui::{Key, Modifiers};
 use rasterscope::chain::KeepDepth;
 use rasterscope::inspect::{Buffer, view};
 use rasterscope::measure::shot::{CameraMotion, Shot, ShotInputs, ShotRenderer};
+use rasterscope::measure::stages::StageTimes;
 use rasterscope::scene::{SceneSource, builtin};
-use rasterscope::ui::camera_path::CameraPathChange;
-use rasterscope::ui::command::Command;
-use rasterscope::ui::compare::{CompareChange, Mode};
-use rasterscope::ui::engine::Shown;
-use rasterscope::ui::scene_time::SceneTimeChange;
+use rasterscope::ui::engine::{Engine, Shown};
+use rasterscope::ui::format;
 use rasterscope::ui::session::PictureSize;
+use rasterscope::ui::session::camera_path::CameraPathChange;
+use rasterscope::ui::session::command::Command;
+use rasterscope::ui::session::compare::{CompareChange, Mode};
+use rasterscope::ui::session::scene_time::SceneTimeChange;
+use rasterscope::ui::worker::{Worker, WorkerRequest, WorkerResponse};
 use rasterscope::upscale::Upscaling;
 
 use super::bench::Bench;
@@ -189,4 +194,48 @@ fn another_scene_ends_playback() {
     let wheels = builtin::by_id("wheels").unwrap();
     session.show_scene(wheels.build(), SceneSource::Builtin(wheels));
     assert!(!session.features.scene_time.is_playing);
+}
+
+/// Starts a worker that draws frames and never times their stages, like one that has no time for it during playback.
+fn drawing_worker() -> Worker {
+    let (jobs, inbox) = channel();
+    let (outbox, answers) = channel();
+    std::thread::spawn(move || {
+        let mut engine = Engine::default();
+        for job in inbox {
+            if let WorkerRequest::Show(request) = job
+                && outbox.send(WorkerResponse::View(Box::new(engine.answer(*request)))).is_err()
+            {
+                return;
+            }
+        }
+    });
+    Worker::Thread { jobs, answers }
+}
+
+#[test]
+fn stages_have_the_times_of_the_frames_that_play() {
+    let mut bench = Bench::with_worker("chess-motion", drawing_worker());
+    let begun = Instant::now();
+    let wait = |bench: &mut Bench, what: &str, is_done: &dyn Fn(&Bench) -> bool| {
+        while !is_done(bench) {
+            assert!(begun.elapsed() < Duration::from_secs(20), "{what}");
+            std::thread::sleep(Duration::from_millis(2));
+            bench.window.step();
+        }
+    };
+    wait(&mut bench, "the first frame is shown", &|bench| bench.session().view.is_some());
+    assert!(bench.session().features.stages.times().is_none(), "the worker times no stages");
+    bench.window.state_mut().queue(vec![Command::SceneTime(SceneTimeChange::TogglePlay)]);
+    wait(&mut bench, "the stages have times", &|bench| bench.session().features.stages.times().is_some());
+    assert!(bench.session().features.scene_time.is_playing);
+    let times = bench.session().features.stages.times().unwrap();
+    let recorded = StageTimes::recorded(&bench.view().request.recipe, &bench.view().frame);
+    assert!(times.rasterize > Duration::ZERO && times.shade > Duration::ZERO);
+    assert_eq!(times.frame, recorded.frame, "they are those of the first frame that plays");
+    bench.window.step();
+    for time in [times.transform, times.rasterize, times.shade, times.frame] {
+        let text = format::ms(time.as_secs_f64() * 1e3);
+        assert!(bench.says(&text), "{text}");
+    }
 }

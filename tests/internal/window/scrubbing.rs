@@ -3,8 +3,8 @@
 use eframe::egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::Queryable as _;
 use rasterscope::inspect::scrub::{Moment, Unit};
-use rasterscope::ui::command::Command;
-use rasterscope::ui::scrub::ScrubChange;
+use rasterscope::ui::session::command::Command;
+use rasterscope::ui::session::scrub::ScrubChange;
 
 use super::bench::Bench;
 

@@ -7,10 +7,10 @@ use rasterscope::inspect::overlays::Overlay;
 use rasterscope::inspect::{Buffer, Stage, stages};
 use rasterscope::pipeline::settings::{Choice as _, DepthTest, FillRule};
 use rasterscope::scene::Camera;
-use rasterscope::ui::command::Command;
 use rasterscope::ui::engine::Shown;
 use rasterscope::ui::format;
-use rasterscope::ui::overlays::OverlayChange;
+use rasterscope::ui::session::command::Command;
+use rasterscope::ui::session::overlays::OverlayChange;
 
 use super::bench::Bench;
 

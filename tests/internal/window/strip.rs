@@ -6,10 +6,10 @@ use rasterscope::inspect::Buffer;
 use rasterscope::inspect::overlays::Overlay;
 use rasterscope::measure::difference::Difference;
 use rasterscope::pipeline::settings::Choice as _;
-use rasterscope::ui::command::Command;
-use rasterscope::ui::compare::{CompareChange, Mode};
 use rasterscope::ui::engine::Shown;
-use rasterscope::ui::overlays::OverlayChange;
+use rasterscope::ui::session::command::Command;
+use rasterscope::ui::session::compare::{CompareChange, Mode};
+use rasterscope::ui::session::overlays::OverlayChange;
 use rasterscope::ui::session::{PictureSize, Session};
 
 use super::bench::Bench;

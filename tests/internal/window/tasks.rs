@@ -9,7 +9,7 @@ use rasterscope::pipeline::settings::{Choice as _, FillRule};
 use rasterscope::scene::Camera;
 use rasterscope::ui::engine::Shown;
 use rasterscope::ui::session::PictureSize;
-use rasterscope::ui::workspace::{Panel, Workspace};
+use rasterscope::ui::session::workspace::{Panel, Workspace};
 
 use super::bench::Bench;
 use super::cases::small_report;

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use rasterscope::chain::{KeepDepth, Renderer};
-use rasterscope::ui::command::Command;
-use rasterscope::ui::scene_time::SceneTimeChange;
-use rasterscope::ui::temporal::TemporalChange;
+use rasterscope::ui::session::command::Command;
+use rasterscope::ui::session::scene_time::SceneTimeChange;
+use rasterscope::ui::session::temporal::TemporalChange;
 use rasterscope::upscale::Upscaling;
 
 use super::bench::Bench;

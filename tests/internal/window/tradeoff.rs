@@ -6,11 +6,11 @@ use rasterscope::measure::against::figures;
 use rasterscope::measure::metric::Metric;
 use rasterscope::measure::motion::Turn;
 use rasterscope::report::upscaling::tradeoff::Standing;
-use rasterscope::ui::command::Command;
-use rasterscope::ui::compare::Mode;
 use rasterscope::ui::session::PictureSize;
-use rasterscope::ui::timings::TimingsChange;
-use rasterscope::ui::workspace::Panel;
+use rasterscope::ui::session::command::Command;
+use rasterscope::ui::session::compare::Mode;
+use rasterscope::ui::session::timings::TimingsChange;
+use rasterscope::ui::session::workspace::Panel;
 use rasterscope::upscale::Upscaling;
 
 use super::bench::Bench;

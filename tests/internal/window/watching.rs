@@ -3,7 +3,7 @@
 use eframe::egui::Key;
 use rasterscope::inspect::Stage;
 use rasterscope::pipeline::settings::{Choice as _, Shading};
-use rasterscope::ui::workspace::Panel;
+use rasterscope::ui::session::workspace::Panel;
 
 use super::bench::Bench;
 

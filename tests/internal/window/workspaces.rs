@@ -3,8 +3,8 @@
 use eframe::egui::{Key, Modifiers, Role, Vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use rasterscope::pipeline::settings::Choice as _;
-use rasterscope::ui::command::Command;
-use rasterscope::ui::workspace::{Panel, Workspace, WorkspaceChange};
+use rasterscope::ui::session::command::Command;
+use rasterscope::ui::session::workspace::{Panel, Workspace, WorkspaceChange};
 
 use super::bench::{Bench, WINDOW};
 

@@ -6,12 +6,19 @@
 
 use std::cmp::Ordering;
 use std::ops::Add;
+use std::sync::LazyLock;
+
+use super::SEARCH_PX;
+use super::lines::LinePart;
 
 /// Length in pixels up to which the areas of a line with both ends on one side are enlarged.
 const SMOOTHED_PX: f32 = 32.0;
 
 /// Share of the areas that is kept near a corner.
 const CORNER_ROUNDING: f32 = 0.25;
+
+/// Number of distances from an end of a line at which the end matters.
+const DISTANCES: usize = SEARCH_PX as usize + 1;
 
 /// End of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,6 +34,8 @@ pub(super) enum LineEnd {
 }
 
 impl LineEnd {
+    const ALL: [Self; 4] = [Self::Open, Self::Before, Self::After, Self::Both];
+
     /// Returns the end at which edges cross on the given sides.
     pub(super) fn new(before: bool, after: bool) -> Self {
         match (before, after) {
@@ -100,7 +109,7 @@ impl Add for CutAreas {
 impl CutAreas {
     /// Reduces the areas of a pixel if the nearer end of its line is a corner. A pixel in the middle of a line is affected
     /// half as much by each end.
-    pub(super) fn sharpened(self, distances: [u32; 2], corners: [Corner; 2]) -> Self {
+    pub(super) fn sharpened(self, distances: [usize; 2], corners: [Corner; 2]) -> Self {
         let [start, end] = match distances[0].cmp(&distances[1]) {
             Ordering::Less => [1.0, 0.0],
             Ordering::Equal => [0.5, 0.5],
@@ -143,6 +152,51 @@ pub(super) fn areas(distances: [u32; 2], ends: [LineEnd; 2]) -> CutAreas {
         ([Some(from), None], _) => first(from),
         ([None, Some(to)], _) => second(to),
         ([None, None], _) => CutAreas::default(),
+    }
+}
+
+/// Areas for all pairs of ends and all distances at which they matter.
+pub(super) struct AreaTable {
+    /// Areas by the first and the second end.
+    areas: [[AreasOfPair; LineEnd::ALL.len()]; LineEnd::ALL.len()],
+}
+
+/// Areas for a pair of ends, by the distance from the first and the distance from the second.
+type AreasOfPair = [[CutAreas; DISTANCES]; DISTANCES];
+
+static TABLE: LazyLock<AreaTable> = LazyLock::new(|| {
+    let of_pair = |ends: [LineEnd; 2]| -> AreasOfPair {
+        std::array::from_fn(|start| std::array::from_fn(|stop| areas([start as u32, stop as u32], ends)))
+    };
+    AreaTable { areas: LineEnd::ALL.map(|first| LineEnd::ALL.map(|second| of_pair([first, second]))) }
+});
+
+impl AreaTable {
+    /// Returns the shared table, computed on first use.
+    pub(super) fn get() -> &'static Self {
+        &TABLE
+    }
+
+    /// Calls `found` for the edges of a part of a line, except where it is known that nothing is cut off.
+    #[inline(always)]
+    pub(super) fn for_each(&self, part: LinePart, mut found: impl FnMut(usize, CutAreas)) {
+        let LinePart { line, ends: kinds, corners, part } = part;
+        if kinds.iter().all(|kind| matches!(kind, LineEnd::Open | LineEnd::Both)) {
+            return;
+        }
+        let is_sharpened = corners.iter().any(|corner| corner.before | corner.after);
+        let of_pair = |ends: [LineEnd; 2]| &self.areas[ends[0] as usize][ends[1] as usize];
+        let near = of_pair(kinds);
+        for at in part {
+            let distances = [at - line.start, line.end - 1 - at];
+            let areas = match distances.map(|distance| distance < DISTANCES) {
+                [true, true] => near[distances[0]][distances[1]],
+                [true, false] => of_pair([kinds[0], LineEnd::Open])[distances[0]][DISTANCES - 1],
+                [false, true] => of_pair([LineEnd::Open, kinds[1]])[DISTANCES - 1][distances[1]],
+                [false, false] => continue,
+            };
+            found(at, if is_sharpened { areas.sharpened(distances, corners) } else { areas });
+        }
     }
 }
 

@@ -111,9 +111,9 @@ impl<'a> Diagonals<'a> {
     pub(super) fn for_each(&self, y: usize, width: usize, mut found: impl FnMut(DiagonalEdge)) {
         let columns = MARGIN..MARGIN + width;
         let y = y as isize;
-        let rows = Rows::around(self, y);
+        let (top, rows) = (self.top.row(y), Rows::around(self, y));
         for word in columns.start / 64..columns.end.div_ceil(64) {
-            if self.top.row(y)[word] == 0 {
+            if top[word] == 0 {
                 continue;
             }
             let (rising, falling) = (rows.members::<false>(word), rows.members::<true>(word));
@@ -283,7 +283,8 @@ mod tests {
             let is_light = if y < 30 { (x + y) % 23 < 11 } else { (x + 97 - y) % 19 < 9 };
             [if is_light != (random.u8(..) < 20) { 255 } else { 0 }; 4]
         });
-        let edges = Edges::find(Lanes::best(), &picture);
+        let mut edges = Edges::default();
+        edges.find(Lanes::best(), &picture);
         let (top, left) = (
             |x: isize, y: isize| edges.top.has(x + MARGIN as isize, y),
             |x: isize, y: isize| edges.left.has(x + MARGIN as isize, y),

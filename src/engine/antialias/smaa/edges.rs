@@ -1,5 +1,7 @@
 //! Edge detection, and rows and columns of edges as bits.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use crate::antialias::luma::{BLOCK, fill_luma};
@@ -23,6 +25,7 @@ const LUMA_MARGIN: usize = 8;
 const BAND: usize = 32;
 
 /// A bit for every pixel of a picture with margins, row by row or column by column.
+#[derive(Default)]
 pub(super) struct BitRows {
     /// Number of words per row.
     words: usize,
@@ -30,15 +33,31 @@ pub(super) struct BitRows {
 }
 
 impl BitRows {
-    /// Returns rows of zeros for `width` × `height` px.
-    fn new(width: usize, height: usize) -> Self {
-        let words = (width + 2 * MARGIN).div_ceil(64);
-        Self { words, bits: vec![0; words * (height + 2 * MARGIN)] }
+    /// Makes these rows of zeros for `width` × `height` px, unless they have that size already.
+    fn resize(&mut self, width: usize, height: usize) {
+        let (words, length) = (words_of(width), words_of(width) * (height + 2 * MARGIN));
+        if (self.words, self.bits.len()) != (words, length) {
+            *self = Self { words, bits: vec![0; length] };
+        }
     }
 
     /// Returns row `y`, which may lie in the margin, as words. Bit [`MARGIN`] belongs to the first pixel.
     pub(super) fn row(&self, y: isize) -> &[u64] {
         &self.bits[y.wrapping_add_unsigned(MARGIN) as usize * self.words..][..self.words]
+    }
+
+    /// Returns the columns, numbered by their bits, with a bit in any of the given rows.
+    pub(super) fn columns_in(&self, rows: Range<usize>) -> impl Iterator<Item = usize> {
+        let mut columns = vec![0; self.words];
+        for row in rows {
+            for (columns, bits) in columns.iter_mut().zip(self.row(row as isize)) {
+                *columns |= bits;
+            }
+        }
+        columns.into_iter().enumerate().flat_map(|(word, bits)| {
+            let lower = std::iter::successors(Some(bits), |bits| Some(bits & bits.wrapping_sub(1)));
+            lower.take_while(|bits| *bits != 0).map(move |bits| word * 64 + bits.trailing_zeros() as usize)
+        })
     }
 
     /// Returns whether bit `x` of row `y` is set.
@@ -47,27 +66,29 @@ impl BitRows {
         self.row(y)[x / 64] >> (x % 64) & 1 != 0
     }
 
-    /// Returns the same bits column by column, for a picture of `width` × `height` px.
-    fn transposed(&self, width: usize, height: usize) -> Self {
-        let mut columns = Self::new(height, width);
-        let rows = height + 2 * MARGIN;
-        let count = columns.words;
-        columns.bits.par_chunks_mut(64 * count).enumerate().for_each(|(word, columns)| {
-            for (part, first) in (0..rows).step_by(64).enumerate() {
+    /// Makes these the columns of `rows`, for a picture of `width` × `height` px.
+    fn transpose(&mut self, rows: &Self, width: usize, height: usize) {
+        self.resize(height, width);
+        let count = self.words;
+        self.bits.par_chunks_mut(64 * count).enumerate().for_each(|(word, columns)| {
+            for (part, first) in (0..height + 2 * MARGIN).step_by(64).enumerate() {
                 let mut block: [u64; 64] = std::array::from_fn(|row| {
-                    self.bits.get((first + row) * self.words + word).copied().unwrap_or_default()
+                    rows.bits.get((first + row) * rows.words + word).copied().unwrap_or_default()
                 });
-                if block.iter().all(|row| *row == 0) {
-                    continue;
+                if block.iter().any(|row| *row != 0) {
+                    transpose(&mut block);
                 }
-                transpose(&mut block);
                 for (column, bits) in columns.chunks_exact_mut(count).zip(block) {
                     column[part] = bits;
                 }
             }
         });
-        columns
     }
+}
+
+/// Returns the number of words of a row of `width` px with its margins.
+pub(super) fn words_of(width: usize) -> usize {
+    (width + 2 * MARGIN).div_ceil(64)
 }
 
 /// Transposes a matrix of 64 × 64 bits, by swapping halves of ever smaller blocks.
@@ -85,6 +106,7 @@ fn transpose(rows: &mut [u64; 64]) {
 }
 
 /// Edges above and to the left of every pixel, by rows and by columns.
+#[derive(Default)]
 pub(super) struct Edges {
     pub(super) top: BitRows,
     pub(super) left: BitRows,
@@ -94,9 +116,11 @@ pub(super) struct Edges {
 
 impl Edges {
     /// Finds the edges of a picture.
-    pub(super) fn find(lanes: Lanes, picture: &Image<Rgba8>) -> Self {
+    pub(super) fn find(&mut self, lanes: Lanes, picture: &Image<Rgba8>) {
         let (width, height) = (picture.width() as usize, picture.height() as usize);
-        let (mut top, mut left) = (BitRows::new(width, height), BitRows::new(width, height));
+        let Self { top, left, top_columns, left_columns } = self;
+        top.resize(width, height);
+        left.resize(width, height);
         let words = top.words;
         let skipped = (MARGIN - AROUND) * words;
         let used = (height + 2 * AROUND) * words;
@@ -106,8 +130,7 @@ impl Edges {
             let first = (band * BAND) as i64 - AROUND as i64;
             on_lanes!(lanes, simd => find_in_band(simd, (picture, first), luma, top.chunks_exact_mut(words).zip(left.chunks_exact_mut(words))));
         });
-        let (top_columns, left_columns) = (top.transposed(width, height), left.transposed(width, height));
-        Self { top, left, top_columns, left_columns }
+        rayon::join(|| top_columns.transpose(top, width, height), || left_columns.transpose(left, width, height));
     }
 }
 

@@ -21,12 +21,16 @@ fn below_line(slope: f64, start: f64, by_area: bool) -> Image<Rgba8> {
 
 /// Returns a picture filtered in sRGB codes without the diagonal patterns.
 fn without_diagonals(picture: &Image<Rgba8>) -> Image<Rgba8> {
-    let (edges, mut areas) = (Edges::find(Lanes::best(), picture), BandAreas::default());
+    let (lanes, mut cuts) = (Lanes::best(), BandCuts::default());
+    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    cuts.top.clear(width, height + 1);
+    cuts.left.clear(width, height);
+    let mut edges = Edges::default();
+    edges.find(lanes, picture);
+    let mut band = Band { picture, edges: &edges, first: 0, cuts: &mut cuts };
+    band.cut_along_lines(0..height);
     let mut result = picture.clone();
-    let mut band = Band { picture, edges: &edges, first: 0, areas: &mut areas };
-    band.areas.clear(result.pixels().len());
-    band.cover_along_lines(0..picture.height() as usize);
-    band.blend(false, result.pixels_mut());
+    band.blend(Blender::new(lanes, picture, false), result.pixels_mut());
     result
 }
 
@@ -213,6 +217,8 @@ fn threads_lanes_and_reused_memory_change_nothing() {
             for threads in [1, 3] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 let used = Image::filled(20, 30, [9; 4]);
+                // Another picture of the same size, whose edges must be forgotten.
+                pool.install(|| apply_on(lanes, &flipped(&picture, [true, true]), true, None));
                 let other = pool.install(|| apply_on(lanes, &picture, true, Some(used)));
                 assert!(other == plain, "{} {threads}", lanes.name());
             }

@@ -1,13 +1,12 @@
 //! Trace of the vertex attributes, interpolated with the weights of the corners.
 
-use glam::Vec2;
-
 use super::formula::{Formula, given, sum};
 use super::line::{TraceRecorder, TraceStage};
 use super::names::{AXES, CHANNELS};
 use super::subject::TracedFragment;
 use crate::inspect::intermediate::Intermediate;
 use crate::pipeline::clip_space::Varyings;
+use crate::pipeline::formulas::{change as rate, differences, interpolated};
 use crate::pipeline::interpolate::{edge_slopes, weight_gradient};
 use crate::pipeline::settings::Arithmetic;
 
@@ -50,10 +49,14 @@ pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
 
 /// Returns the interpolation formula a₀ + p₁·(a₁ − a₀) + p₂·(a₂ − a₀) for one attribute component.
 fn mixed(subject: &TracedFragment<'_>, component: impl Fn(&Varyings) -> f32) -> Formula {
-    let [a, b, c] = subject.triangle.vertices.each_ref().map(|vertex| component(&vertex.varyings));
     let [_, p1, p2] = subject.fragment.weights;
-    let from_first = |name: &'static str, value: f32| given(name, value) - given("a₀", a);
-    given("a₀", a) + from_first("a₁", b) * given("weight 1", p1) + from_first("a₂", c) * given("weight 2", p2)
+    interpolated(named(subject, component), [given("weight 1", p1), given("weight 2", p2)])
+}
+
+/// Returns an attribute component at the three corners.
+fn named(subject: &TracedFragment<'_>, component: impl Fn(&Varyings) -> f32) -> [Formula; 3] {
+    let [a, b, c] = subject.triangle.vertices.each_ref().map(|vertex| component(&vertex.varyings));
+    [given("a₀", a), given("a₁", b), given("a₂", c)]
 }
 
 /// Writes the screen-space gradients of weights and texture coordinates, per pixel in x and in y.
@@ -64,7 +67,6 @@ fn gradient(subject: &TracedFragment<'_>, arithmetic: Arithmetic, scribe: &mut T
         [[Intermediate::DuDx, Intermediate::DvDx], [Intermediate::DuDy, Intermediate::DvDy]];
     let slopes = edge_slopes(subject.triangle, arithmetic);
     let weights = weight_gradient(subject.triangle, &subject.sample, arithmetic);
-    let [a, b, c] = subject.triangle.vertices.each_ref().map(|vertex| vertex.varyings.uv);
     for direction in 0..2 {
         let change = |of: &str, corner: usize| format!("change of {of} {corner} in a pixel {}", DIRECTIONS[direction]);
         for (corner, slope) in slopes[direction].into_iter().enumerate() {
@@ -76,10 +78,9 @@ fn gradient(subject: &TracedFragment<'_>, arithmetic: Arithmetic, scribe: &mut T
             scribe.compute(change("weight", corner), weights[direction][corner - 1], &formula);
         }
         for axis in 0..2 {
-            let side = |name: &'static str, to: Vec2| given(name, to[axis]) - given("a₀", a[axis]);
             let [first, second] = weights[direction];
-            let formula = side("a₁", b) * given("change of weight 1", first)
-                + side("a₂", c) * given("change of weight 2", second);
+            let of_corners = differences(named(subject, |corner| corner.uv[axis]));
+            let formula = rate(of_corners, [given("change of weight 1", first), given("change of weight 2", second)]);
             let value = subject.fragment.uv_gradient[direction][axis];
             scribe.compute(NAMES[direction][axis], value, &formula).shown_by(BUFFERS[direction][axis]);
         }

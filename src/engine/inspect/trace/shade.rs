@@ -14,6 +14,7 @@ use crate::inspect::intermediate::Intermediate;
 use crate::inspect::pixel::ShadingRecord;
 use crate::math::real::dot;
 use crate::pipeline::footprint::TextureRead;
+use crate::pipeline::formulas::blended;
 use crate::pipeline::plan::PipelinePart;
 use crate::pipeline::settings::{Choice as _, ColorSpace};
 use crate::pipeline::shade::{Highlight, NormalMap, Readable};
@@ -228,9 +229,8 @@ fn material(subject: &TracedFragment<'_>, below: Option<Rgba8>, code: Rgba8, scr
         if let (Some(below), Some(alpha)) = (below, subject.record.alpha) {
             last = shader.mixed_over(fragment, below)[channel];
             let behind = shader.sampler().value_of(below)[channel];
-            let share = || given("alpha", alpha);
             let own = if is_diffuse { lit } else { given("sum", reflected[channel]) };
-            let formula = own * share() + given("behind", behind) * (whole("1", 1) - share());
+            let formula = blended(whole("1", 1), own, given("behind", behind), given("alpha", alpha));
             scribe.read(format!("behind {name}"), "colour drawn there before", below[channel]);
             scribe.compute(format!("behind {name} as light"), behind, &behind_formula(subject, below[channel]));
             scribe.compute(format!("blended {name}"), last, &formula);

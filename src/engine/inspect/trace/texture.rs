@@ -8,6 +8,7 @@ use super::names::CHANNELS;
 use super::subject::TracedFragment;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::footprint::{TextureRead, TextureReads};
+use crate::pipeline::formulas::bilinear_weights;
 use crate::pipeline::sample::TexelTap;
 use crate::pipeline::settings::{AddressMode, Choice as _, ColorSpace, TexelFilter};
 
@@ -90,12 +91,13 @@ fn read(subject: &TracedFragment<'_>, traced: &TracedRead<'_>, scribe: &mut Trac
     if sampler.filter == TexelFilter::Point {
         nearest(&taps[0], (unit, lengths), name, scribe);
     }
-    for (place, tap) in taps[..count].iter().enumerate() {
+    let weights = bilinear_weights(whole("1", 1), [given("next column", shares[0]), given("next row", shares[1])]);
+    for (tap, weight) in taps[..count].iter().zip(&weights) {
         let what = format!("{name}weight of texel {}, {}", tap.x, tap.y);
         if count == 1 {
             scribe.read(what, "the nearest texel alone", tap.weight);
         } else {
-            scribe.compute(what, tap.weight, &weight(place, shares));
+            scribe.compute(what, tap.weight, weight);
         }
     }
     colors(subject, traced, &taps[..count], scribe);
@@ -129,15 +131,6 @@ fn nearest(tap: &TexelTap, (unit, lengths): ([f64; 2], [u32; 2]), name: &str, sc
         );
         line.flag(Notable::Tie, on_border);
     }
-}
-
-/// Returns the formula for the weight of one of four texels. `shares` are the shares of the next column and row.
-fn weight(place: usize, shares: [f32; 2]) -> Formula {
-    let part = |axis: usize, of_next: bool| {
-        let share = given(["next column", "next row"][axis], shares[axis]);
-        if of_next { share } else { whole("1", 1) - share }
-    };
-    part(0, place % 2 == 1) * part(1, place / 2 == 1)
 }
 
 /// Writes the trace lines for the texels' codes, their decoded values, and the weighted mean.

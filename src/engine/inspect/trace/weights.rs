@@ -4,9 +4,11 @@ use super::formula::{Formula, given, sum, whole};
 use super::line::{TraceRecorder, TraceStage};
 use super::subject::TracedFragment;
 use crate::inspect::intermediate::{Intermediate, inv_w_at};
+use crate::pipeline::formulas::{sum_of_three, weight_products};
 use crate::pipeline::interpolate::{WeightTerms, affine_weights, attribute_weights, inverse_area, weight_terms};
 use crate::pipeline::settings::Interpolation;
 
+const CORNERS: [usize; 3] = [0, 1, 2];
 const LAMBDAS: [Intermediate; 3] = [Intermediate::Lambda0, Intermediate::Lambda1, Intermediate::Lambda2];
 const WEIGHTS: [Intermediate; 3] = [Intermediate::Weight0, Intermediate::Weight1, Intermediate::Weight2];
 
@@ -39,12 +41,12 @@ pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
 /// Writes the trace lines for the attribute weights: edge values × relative 1/w, divided by their sum.
 fn in_space(subject: &TracedFragment<'_>, (edges, weights): ([f32; 3], [f32; 3]), scribe: &mut TraceRecorder) {
     let WeightTerms { q, sum: total, inverse_sum } = weight_terms(subject.triangle, &subject.sample);
-    let relative = subject.triangle.relative_inv_w;
-    for corner in 0..3 {
-        let formula = given(format!("edge {corner}"), edges[corner]) * given("relative 1/w", relative[corner]);
-        scribe.compute(format!("q{corner}"), q[corner], &formula);
+    let edges = CORNERS.map(|corner| given(format!("edge {corner}"), edges[corner]));
+    let relative = subject.triangle.relative_inv_w.map(|relative| given("relative 1/w", relative));
+    for (corner, formula) in weight_products(edges, relative).iter().enumerate() {
+        scribe.compute(format!("q{corner}"), q[corner], formula);
     }
-    let formula = sum((0..3).map(|corner| given(format!("q{corner}"), q[corner])));
+    let formula = sum_of_three(CORNERS.map(|corner| given(format!("q{corner}"), q[corner])));
     scribe.compute("sum of q", total, &formula);
     scribe.compute("1/sum", inverse_sum, &(whole("1", 1) / given("sum of q", total)));
     for corner in 0..3 {

@@ -9,6 +9,7 @@ use super::texture::TextureReader;
 use crate::image::Rgba8;
 use crate::image::color::Tables;
 use crate::math::lanes::*;
+use crate::pipeline::formulas::blended;
 use crate::pipeline::settings::ColorSpace;
 
 /// Finishes pairs of rows of any plan without mip-mapping and blending.
@@ -204,9 +205,9 @@ fn lit<S: Simd, F: SimdFloat<S, Element = f32>>(
 /// Blends colours over the colours in `below`, weighted by alpha.
 #[inline(always)]
 fn over<S: Simd, F: SimdFloat<S, Element = f32>>(simd: S, [r, g, b, alpha]: [F; 4], below: [F; 3]) -> [F; 4] {
-    let rest = F::splat(simd, 1.0) - alpha;
+    let one = F::splat(simd, 1.0);
     let [red, green, blue] =
-        each!((color, below) in [(r, below[0]), (g, below[1]), (b, below[2])] => color * alpha + below * rest);
+        each!((color, below) in [(r, below[0]), (g, below[1]), (b, below[2])] => blended(one, color, below, alpha));
     [red, green, blue, alpha]
 }
 

@@ -7,6 +7,7 @@ use super::setup::EdgeFunctions;
 use super::slot::Slot;
 use crate::math::fixed::SUBPIXELS;
 use crate::math::lanes::*;
+use crate::pipeline::formulas::{change, differences, interpolated_by_differences};
 
 /// Four floats that are loaded together.
 pub(super) type Quad = [f32; 4];
@@ -131,7 +132,8 @@ impl SurfaceRecord {
         })));
         let [first, second, third] = corners;
         for (axis, ((a, b), c)) in first.into_iter().zip(second).zip(third).take(3).enumerate() {
-            let rows = rows_of_quads([a, b - a, c - a, F32::splat(simd, 0.0)]);
+            let [second, third] = differences([a, b, c]);
+            let rows = rows_of_quads([a, second, third, F32::splat(simd, 0.0)]);
             for lane in 0..LANES {
                 rows[lane].store_array(&mut records[lane].quads[first_quad + axis]);
             }
@@ -166,13 +168,13 @@ impl<S: Simd> Attribute<S> {
     /// Returns the attribute at samples with these weights of the second and third vertex.
     #[inline(always)]
     pub(super) fn at(self, weights: [f32x16<S>; 2]) -> f32x16<S> {
-        self.0 + self.1 * weights[0] + self.2 * weights[1]
+        interpolated_by_differences(self.0, [self.1, self.2], weights)
     }
 
     /// Returns the change of the attribute for a given change of the weights.
     #[inline(always)]
     pub(super) fn change(self, weights: [f32x16<S>; 2]) -> f32x16<S> {
-        self.1 * weights[0] + self.2 * weights[1]
+        change([self.1, self.2], weights)
     }
 }
 

@@ -3,6 +3,7 @@
 use super::gather::{Taps, gather, quads};
 use super::texture::{Layout, TextureReader};
 use crate::math::lanes::*;
+use crate::pipeline::formulas::{bilinear_weights, weighted_sum};
 use crate::pipeline::sample::{ALPHA_SCALE, Sampler};
 
 impl TextureReader<'_> {
@@ -22,18 +23,12 @@ impl TextureReader<'_> {
                 quads(simd, self.gathers, [self.texels.all, self.texels.below], places(0))
             }
         };
-        let weights = weights(
-            simd,
-            S::f32s::from_slice(simd, &taps.right[first..first + S::f32s::LEN]),
-            S::f32s::from_slice(simd, &taps.down[first..first + S::f32s::LEN]),
-        );
+        let shares =
+            each!(of in [&taps.right, &taps.down] => S::f32s::from_slice(simd, &of[first..first + S::f32s::LEN]));
+        let weights = bilinear_weights(S::f32s::splat(simd, 1.0), shares);
         let codes = each!(tap in [0, 1, 2, 3] => codes::<S>(texels[tap]));
         each!(channel in [0, 1, 2, 3] => {
-            let sum = codes[0][channel] * weights[0]
-                + codes[1][channel] * weights[1]
-                + codes[2][channel] * weights[2]
-                + codes[3][channel] * weights[3];
-            sum * scales[channel]
+            weighted_sum(each!(tap in [0, 1, 2, 3] => codes[tap][channel]), weights) * scales[channel]
         })
     }
 
@@ -50,15 +45,10 @@ impl TextureReader<'_> {
             });
             return each!(channel in [0, 1, 2, 3] => low[channel].combine(high[channel]) * scales[channel]);
         }
-        let weights =
-            weights(simd, f32x16::load_array_ref(simd, &taps.right), f32x16::load_array_ref(simd, &taps.down));
-        let halves = each!(tap in [0, 1, 2, 3] => weights[tap].split());
-        let low = each!(tap in [0, 1, 2, 3] => halves[tap].0);
-        let high = each!(tap in [0, 1, 2, 3] => halves[tap].1);
-        let [low, high] = each!((weights, first) in [(low, 0), (high, LANES)] => {
-            self.mix_linear(simd, layout, weights, &taps.index, first)
-        });
-        each!(channel in [0, 1, 2, 3] => low[channel].combine(high[channel]) * scales[channel])
+        let shares = each!(of in [&taps.right, &taps.down] => f32x16::load_array_ref(simd, of));
+        let weights = bilinear_weights(f32x16::splat(simd, 1.0), shares);
+        let mixed = self.mix_linear(simd, layout, weights, &taps.index);
+        each!(channel in [0, 1, 2, 3] => mixed[channel] * scales[channel])
     }
 
     /// Returns the factors that scale the filtered channels to [0, 1].
@@ -68,53 +58,49 @@ impl TextureReader<'_> {
         [scale, scale, scale, ALPHA_SCALE]
     }
 
-    /// Filters four texels in linear light for each of eight samples, starting at sample `first`. Processes two samples
-    /// at a time with all their channels, because loading each channel separately, with twelve loads per sample, takes
-    /// longer.
+    /// Filters four texels in linear light for each of sixteen samples. Processes four samples at a time with all their
+    /// channels, because loading each channel separately, with twelve loads per sample, takes longer.
     #[inline(always)]
     fn mix_linear<S: Simd>(
         &self,
         simd: S,
         layout: Layout,
-        weights: [F32<S>; 4],
+        weights: [f32x16<S>; 4],
         index: &[[u32; WIDE]; 4],
-        first: usize,
-    ) -> [F32<S>; 4] {
+    ) -> [f32x16<S>; 4] {
         let weights = each!(tap in [0, 1, 2, 3] => repeat_each(simd, weights[tap]));
-        let two = match layout {
+        let four = match layout {
             Layout::Single | Layout::Four => each!(lane in [0, 1, 2, 3] => {
-                let [a, b, c, d] = each!(tap in [0, 1, 2, 3] => {
-                    let [low, high] = each!(of in [lane, lane + LANES / 2] => {
-                        f32x4::load_array_ref(simd, &self.linear.all[index[tap][first + of] as usize])
-                    });
-                    low.combine(high) * weights[tap][lane]
+                let texels = each!(tap in [0, 1, 2, 3] => {
+                    joined(each!(of in [lane, lane + 4, lane + 8, lane + 12] => {
+                        f32x4::load_array_ref(simd, &self.linear.all[index[tap][of] as usize])
+                    }))
                 });
-                a + b + c + d
+                weighted_sum(texels, each!(tap in [0, 1, 2, 3] => weights[tap][lane]))
             }),
             Layout::Quads | Layout::PowerOfTwoQuads => {
-                let places = u32x8::from_slice(simd, &index[0][first..first + LANES]);
-                let pairs = each!(row in [self.linear.all, self.linear.below] => neighbours_at(simd, row, places));
+                let (low, high) = u32x16::load_array_ref(simd, &index[0]).split();
+                let pairs = each!(row in [self.linear.all, self.linear.below] => {
+                    each!(places in [low, high] => neighbours_at(simd, row, places))
+                });
                 each!(lane in [0, 1, 2, 3] => {
-                    let [a, b, c, d] = each!((tap, row, column) in [(0, 0, 0), (1, 0, 1), (2, 1, 0), (3, 1, 1)] => {
-                        let [low, high] = each!(of in [lane, lane + LANES / 2] => {
-                            f32x4::load_array_ref(simd, &pairs[row][of][column])
-                        });
-                        low.combine(high) * weights[tap][lane]
+                    let texels = each!((row, column) in [(0, 0), (0, 1), (1, 0), (1, 1)] => {
+                        joined(each!((half, of) in [(0, lane), (0, lane + 4), (1, lane), (1, lane + 4)] => {
+                            f32x4::load_array_ref(simd, &pairs[row][half][of][column])
+                        }))
                     });
-                    a + b + c + d
+                    weighted_sum(texels, each!(tap in [0, 1, 2, 3] => weights[tap][lane]))
                 })
             }
         };
-        transpose_halves(two)
+        transpose_quarters(four)
     }
 }
 
-/// Returns the bilinear weights of the upper left, upper right, lower left and lower right texel.
+/// Joins the texels of four samples.
 #[inline(always)]
-fn weights<S: Simd, F: SimdFloat<S, Element = f32>>(simd: S, right: F, down: F) -> [F; 4] {
-    let one = F::splat(simd, 1.0);
-    let (left, up) = (one - right, one - down);
-    [left * up, right * up, left * down, right * down]
+fn joined<S: Simd>([a, b, c, d]: [f32x4<S>; 4]) -> f32x16<S> {
+    a.combine(b).combine(c.combine(d))
 }
 
 /// Unpacks 8-bit texels into red, green, blue and alpha, as floats from 0 to 255.

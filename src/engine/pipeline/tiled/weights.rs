@@ -3,6 +3,7 @@
 use super::record::TriangleSource;
 use super::shader::ShadingPlan;
 use crate::math::lanes::*;
+use crate::pipeline::formulas::{sum_of_three, weight_products};
 
 /// Interpolation weights of attributes at sixteen samples.
 #[derive(Clone, Copy)]
@@ -57,8 +58,8 @@ impl<S: Simd> AttributeWeights<S> {
     pub(super) fn gradient(&self, simd: S, source: impl TriangleSource) -> [[f32x16<S>; 2]; 2] {
         let (slopes, relative_inv_w) = (source.edge_slopes(simd), source.relative_inv_w(simd));
         each!(slopes in [slopes[0], slopes[1]] => {
-            let q = each!(i in [0, 1, 2] => slopes[i] * relative_inv_w[i]);
-            let sum = q[0] + q[1] + q[2];
+            let q = weight_products(slopes, relative_inv_w);
+            let sum = sum_of_three(q);
             each!(i in [0, 1] => (q[i + 1] - self.of_corners[i] * sum) * self.inverse_sum)
         })
     }
@@ -71,7 +72,7 @@ pub(super) fn corner_weights<S: Simd>(
     e: [f32x16<S>; 3],
     relative_inv_w: [f32x16<S>; 3],
 ) -> AttributeWeights<S> {
-    let q = each!(i in [0, 1, 2] => e[i] * relative_inv_w[i]);
-    let inverse_sum = f32x16::splat(simd, 1.0) / (q[0] + q[1] + q[2]);
+    let q = weight_products(e, relative_inv_w);
+    let inverse_sum = f32x16::splat(simd, 1.0) / sum_of_three(q);
     AttributeWeights { of_corners: [q[1] * inverse_sum, q[2] * inverse_sum], inverse_sum }
 }

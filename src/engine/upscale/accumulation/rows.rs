@@ -3,15 +3,14 @@
 //! A row is processed in blocks of 16 pixels. Each sample of this frame is decoded once. In a still view, history is
 //! read at the same pixel; otherwise it is gathered at the reprojected positions.
 
-use std::ops::Range;
-
 use super::{FrameContext, INTERPOLATED, JITTER_POSITIONS};
 use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 use crate::pipeline::motion::MotionVectors;
-use crate::upscale::history::{NOT_VISIBLE, VectorLanes};
-use crate::upscale::quads::{Quad, columns, store};
+use crate::upscale::history::PastPlaces;
+use crate::upscale::planes::SampleLanes;
+use crate::upscale::quads::{Quad, columns, store, window, with_spare};
 use crate::upscale::{FilterSpace, Scale, bands};
 
 /// Value for pixels without history, marked by a negative sample count.
@@ -37,9 +36,12 @@ struct AxisPosition {
 pub(super) fn fill(lanes: Lanes, now: &FrameContext<'_>, full: &mut Image<Rgba8>, memory: &mut Image<Quad>) {
     let (width, height) = full.size();
     let samples = now.drawn.color.size();
+    let columns: Vec<_> = (0..width).map(|x| now.axis(0, x, samples.0)).collect();
     let frame = RowContext {
         now,
-        columns: (0..width).map(|x| now.axis(0, x, samples.0)).collect(),
+        nearest: with_spare(&columns, |column| column.nearest as u32),
+        surfaces: with_spare(&columns, |column| column.surface),
+        columns,
         rows: (0..height).map(|y| now.axis(1, y, samples.1)).collect(),
     };
     bands::fill_both(full, memory, |first, full, memory| {
@@ -92,6 +94,10 @@ fn store_bytes<S: Simd>(codes: u8x64<S>, to: &mut [u8], at: usize) {
 struct RowContext<'a> {
     now: &'a FrameContext<'a>,
     columns: Vec<AxisPosition>,
+    /// [`AxisPosition::nearest`] and [`AxisPosition::surface`] of all columns. Those of sixteen can be loaded from every
+    /// column.
+    nearest: Vec<u32>,
+    surfaces: Vec<u32>,
     rows: Vec<AxisPosition>,
 }
 
@@ -106,8 +112,13 @@ struct RowScratch {
     light_of: [Option<u32>; 2],
     /// Per-channel minimum and maximum of three vertically adjacent samples, with the border columns repeated.
     codes: [Vec<u8>; 2],
-    /// Decoded minimum and maximum of the 3 × 3 neighbourhood, indexed by [`AxisPosition::nearest`].
-    bounds: [Vec<Quad>; 2],
+    /// Decoded minimum and maximum of the 3 × 3 neighbourhood for red, green and blue, indexed by
+    /// [`AxisPosition::nearest`].
+    bounds: [[Vec<f32>; 3]; 2],
+    /// Motion vectors of a row of surfaces, with its index. Those of surfaces that the previous frame does not show are
+    /// NaN.
+    vectors: [Vec<f32>; 2],
+    vectors_of: Option<u32>,
 }
 
 impl RowScratch {
@@ -119,7 +130,9 @@ impl RowScratch {
             light: [0, 1].map(|_| vec![[0.0; 4]; samples]),
             light_of: [None; 2],
             codes: [0, 1].map(|_| vec![0; (4 * (samples + 4)).next_multiple_of(BYTES) + BYTES]),
-            bounds: [0, 1].map(|_| vec![[0.0; 4]; samples + 2]),
+            bounds: [0; 2].map(|_| [0; 3].map(|_| vec![0.0; samples + 2 + WIDE])),
+            vectors: [0; 2].map(|_| vec![0.0; samples + WIDE]),
+            vectors_of: None,
         }
     }
 }
@@ -131,9 +144,9 @@ impl RowContext<'_> {
     #[inline(always)]
     fn row<S: Simd>(&self, simd: S, y: u32, scratch: &mut RowScratch, row: &mut [Rgba8], memory: &mut [Quad]) {
         self.present(simd, y, scratch);
-        let past = self.now.history.as_ref();
-        if past.is_some_and(|(motion, _)| !motion.is_still()) {
+        if let Some(vectors) = self.now.history.as_ref().and_then(|(motion, _)| motion.vectors) {
             self.bounds(simd, y, scratch);
+            self.vectors(vectors, y, scratch);
         }
         let (blocks, last) = row.as_chunks_mut::<WIDE>();
         let (remembered, rest) = memory.as_chunks_mut::<WIDE>();
@@ -226,12 +239,21 @@ impl RowContext<'_> {
             let [a, b, c] = each!(by in [0, 4, 8] => bytes(simd, greatest, at + by));
             store_bytes(a.max(b).max(c), greatest, at);
         }
-        let [least_light, greatest_light] = &mut scratch.bounds;
-        self.now.decode(simd, &least.as_chunks().0[..width + 2], least_light);
-        self.now.decode(simd, &greatest.as_chunks().0[..width + 2], greatest_light);
-        // The bounds clamp only the three colour channels, not the sample count.
-        for (least, greatest) in least_light.iter_mut().zip(greatest_light) {
-            (least[3], greatest[3]) = (f32::MIN, f32::MAX);
+        for (codes, bounds) in [least, greatest].into_iter().zip(&mut scratch.bounds) {
+            self.now.decode_planes(simd, codes, bounds);
+        }
+    }
+
+    /// Reads the motion vectors of the surfaces nearest to row `y`.
+    fn vectors(&self, of: &MotionVectors, y: u32, scratch: &mut RowScratch) {
+        let row = self.rows[y as usize].surface;
+        if scratch.vectors_of.replace(row) == Some(row) {
+            return;
+        }
+        let [across_px, down_px] = &mut scratch.vectors;
+        for column in 0..of.visible.width() {
+            let vector = of.visible_vector((column, row)).unwrap_or([f32::NAN; 2]);
+            [across_px[column as usize], down_px[column as usize]] = vector;
         }
     }
 
@@ -244,10 +266,8 @@ impl RowContext<'_> {
             store([red, green, blue, counts_for], memory);
             return self.now.encode(simd, present, alpha, row);
         };
-        let past = if let Some(vectors) = motion.vectors {
-            let mut block = [NO_HISTORY; WIDE];
-            self.gather(simd, vectors, past, (from, y), scratch, &mut block);
-            columns(simd, &block)
+        let past = if motion.vectors.is_some() {
+            self.gather(simd, past, (from, y), scratch)
         } else {
             let past = &past.row(y)[from..];
             match past.first_chunk::<WIDE>() {
@@ -273,79 +293,28 @@ impl RowContext<'_> {
         self.now.encode(simd, mean, alpha, row);
     }
 
-    /// Reads the history of 16 pixels at their reprojected positions, and clamps it to the range of the 3 × 3 nearest
-    /// samples of this frame.
+    /// Returns the history of 16 pixels at their reprojected positions, clamped to the range of the 3 × 3 nearest samples of
+    /// this frame.
     #[inline(always)]
     fn gather<S: Simd>(
         &self,
         simd: S,
-        vectors: &MotionVectors,
         past: &Image<Quad>,
-        (from, y): (usize, u32),
+        at @ (from, _): (usize, u32),
         scratch: &RowScratch,
-        block: &mut [Quad; WIDE],
-    ) {
-        let past = past.pixels();
-        let width = self.columns.len();
-        let [least, greatest] = &scratch.bounds;
-        let mut from = from;
-        for eight in block.as_chunks_mut::<LANES>().0 {
-            let end = width.min(from + LANES);
-            let lanes = if self.now.lattice.scale == Scale::ONE {
-                vectors.load(simd, (from.min(end)..end, y))
-            } else {
-                self.nearest_vectors(simd, vectors, (from.min(end)..end, y))
-            };
-            let found = lanes.reproject(simd, self.now.size);
-            let (upper, lower, step) = (found.upper.to_array(), found.lower.to_array(), found.step.to_array());
-            let (right, down) = (found.right.to_array(), found.down.to_array());
-            for lane in 0..end.saturating_sub(from) {
-                if upper[lane] == NOT_VISIBLE {
-                    continue;
-                }
-                let (upper, lower, step) = (upper[lane] as usize, lower[lane] as usize, step[lane] as usize);
-                let [above, below] = each!(left in [upper, lower] => {
-                    let a = f32x4::load_array_ref(simd, &past[left]);
-                    let b = f32x4::load_array_ref(simd, &past[left + step]);
-                    a + (b - a) * right[lane]
-                });
-                let read = above + (below - above) * down[lane];
-                let nearest = self.columns[from + lane].nearest;
-                let greatest = f32x4::load_array_ref(simd, &greatest[nearest]);
-                let least = f32x4::load_array_ref(simd, &least[nearest]);
-                read.min(greatest).max(least).store_array(&mut eight[lane]);
-            }
-            from += LANES;
-        }
-    }
-}
-
-impl RowContext<'_> {
-    /// Returns the vectors of the samples nearest to up to eight adjacent pixels of a row. Missing pixels are disoccluded.
-    #[inline(always)]
-    fn nearest_vectors<S: Simd>(
-        &self,
-        simd: S,
-        vectors: &MotionVectors,
-        (columns, y): (Range<usize>, u32),
-    ) -> VectorLanes<S> {
-        let row = self.rows[y as usize].surface;
-        let (across_px, down_px, visible) =
-            (vectors.across_px.row(row), vectors.down_px.row(row), vectors.visible.row(row));
-        let (mut vector, mut is_visible) = ([[0.0; LANES]; 2], [0; LANES]);
-        for (lane, column) in self.columns[columns.clone()].iter().enumerate() {
-            let sample = column.surface as usize;
-            (vector[0][lane], vector[1][lane]) = (across_px[sample], down_px[sample]);
-            is_visible[lane] = u32::from(visible[sample]);
-        }
-        let [across_px, down_px] = each!(axis in [0, 1] => F32::load_array_ref(simd, &vector[axis]));
-        VectorLanes {
-            column: F32::from_slice(simd, &LANE_NUMBERS[..LANES]) + columns.start as f32,
-            row: F32::splat(simd, y as f32),
-            across_px,
-            down_px,
-            visible: u32x8::load_array(simd, is_visible),
-        }
+    ) -> [f32x16<S>; 4] {
+        let surfaces = SampleLanes::ascending(simd, window(&self.surfaces, from));
+        let vectors = each!(axis in [0, 1] => surfaces.read(simd, &scratch.vectors[axis]));
+        let places = PastPlaces::new(simd, at, vectors, self.now.size);
+        let mut block = [NO_HISTORY; WIDE];
+        places.read_bilinear(simd, past, &mut block);
+        let [red, green, blue, count] = columns(simd, &block);
+        let (past, nearest) = ([red, green, blue], SampleLanes::ascending(simd, window(&self.nearest, from)));
+        let [least, greatest] = each!(bound in [0, 1] => {
+            each!(channel in [0, 1, 2] => nearest.read(simd, &scratch.bounds[bound][channel]))
+        });
+        let [red, green, blue] = each!(i in [0, 1, 2] => past[i].min(greatest[i]).max(least[i]));
+        [red, green, blue, count]
     }
 }
 
@@ -353,10 +322,7 @@ impl FrameContext<'_> {
     /// Decodes samples to the working colour space; alpha stays an 8-bit value.
     #[inline(always)]
     fn decode<S: Simd>(&self, simd: S, samples: &[Rgba8], light: &mut [Quad]) {
-        let table = match self.light {
-            FilterSpace::Linear => &self.tables.linear_of_code,
-            FilterSpace::Bytes => &self.tables.code,
-        };
+        let table = self.table();
         let (runs, rest) = samples.as_chunks::<WIDE>();
         let (wide, narrow) = light.split_at_mut((runs.len() * WIDE).min(light.len()));
         for (light, run) in wide.as_chunks_mut().0.iter_mut().zip(runs) {
@@ -367,6 +333,25 @@ impl FrameContext<'_> {
         }
         for (light, [r, g, b, a]) in narrow.iter_mut().zip(rest) {
             *light = [table[*r as usize], table[*g as usize], table[*b as usize], f32::from(*a)];
+        }
+    }
+
+    /// Decodes the red, green and blue codes of samples to the working colour space. Decodes up to fifteen more.
+    #[inline(always)]
+    fn decode_planes<S: Simd>(&self, simd: S, codes: &[u8], planes: &mut [Vec<f32>; 3]) {
+        let table = self.table();
+        for (from, codes) in (0..planes[0].len() / WIDE * WIDE).step_by(WIDE).zip(codes.as_chunks::<BYTES>().0) {
+            let words = u8x64::load_array_ref(simd, codes).bitcast::<u32x16<S>>();
+            for (plane, channel) in planes.iter_mut().zip([0, 8, 16]) {
+                Tables::lookup(simd, table, (words >> channel) & 255).store_slice(&mut plane[from..from + WIDE]);
+            }
+        }
+    }
+
+    fn table(&self) -> &'static [f32; 256] {
+        match self.light {
+            FilterSpace::Linear => &self.tables.linear_of_code,
+            FilterSpace::Bytes => &self.tables.code,
         }
     }
 

@@ -8,7 +8,7 @@ use super::super::{Accumulated, HistoryStep, Motion, PastColor, Rejection};
 use super::frame::{Fsr2Frame, RowScratch};
 use super::kernel::{Kernel, history_weights};
 use super::locks::Locks;
-use crate::image::{Image, Rgba8};
+use crate::image::Rgba8;
 use crate::math::lanes::*;
 
 /// Average weight of the present colour at a narrowing of 1. At a narrowing of n, it is smaller by the factor n².
@@ -66,8 +66,8 @@ struct Past<S: Simd> {
     locks: [f32x16<S>; 2],
     /// Position in the previous frame, in pixels.
     place: [f32x16<S>; 2],
-    /// Length of the motion vector in pixels; `None` if camera and scene are still.
-    speed_px: Option<f32x16<S>>,
+    /// Length of the motion vector in pixels.
+    speed_px: f32x16<S>,
 }
 
 /// Blending of sixteen pixels with their history.
@@ -75,8 +75,7 @@ struct Blend<S: Simd> {
     present: [f32x16<S>; 4],
     /// Weights of the 3 × 3 samples in the present colour, row by row.
     weights: [[f32x16<S>; 3]; 3],
-    /// `None` in the first frame.
-    past: Option<Past<S>>,
+    past: Past<S>,
     /// Colour of the history after rectification.
     rectified: [f32x16<S>; 3],
     /// Share of this frame, in [0, 1]; 1 where the history is not known.
@@ -132,11 +131,11 @@ impl Fsr2Frame<'_> {
     fn step<S: Simd>(&self, blend: &Blend<S>, at: (u32, u32)) -> HistoryStep {
         let color = |[y, co, cg, _]: [f32x16<S>; 4]| [y, co, cg].map(|numbers| numbers.to_array()[0]);
         let reprojected = self.drawn.frame.map_or(Err(Rejection::FirstFrame), |frame| frame.reproject_dilated(at));
-        let past = blend.past.as_ref().ok_or(Rejection::FirstFrame).and_then(|past| reprojected.map(|_| past));
+        let past = self.history.as_ref().ok_or(Rejection::FirstFrame).and_then(|_| reprojected.map(|_| &blend.past));
         HistoryStep {
             space: self.colors.space(),
             present: color(blend.present),
-            share: past.map_or(1.0, |_| blend.share.to_array()[0]),
+            share: past.as_ref().map_or(1.0, |_| blend.share.to_array()[0]),
             past: past.map(|past| PastColor {
                 position_px: past.place.map(|numbers| numbers.to_array()[0]),
                 read: color(past.color),
@@ -169,38 +168,16 @@ impl Fsr2Frame<'_> {
     #[inline(always)]
     fn block<S: Simd>(&self, simd: S, at: (usize, u32), scratch: &RowScratch) -> Blend<S> {
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-        // Not `Option::map`: the compiler would not compile the function that it calls for the instruction set.
-        let mut past = None;
-        if let Some((motion, history)) = &self.history {
-            past = Some(self.past(simd, at, (motion, history), scratch));
-        }
-        let narrowing = match &past {
-            Some(past) => past.is_known.select(self.narrowing(simd, past), one),
-            None => one,
+        let past = match &self.history {
+            Some((motion, history)) => self.past(simd, at, (motion, history), scratch),
+            None => Past::none(simd),
         };
+        let narrowing = past.is_known.select(self.narrowing(simd, &past), one);
         let across = self.column_lanes.distance_squared(simd, at.0);
         let kernel = Kernel::new(simd, across, self.rows[at.1 as usize].distance_squared, narrowing);
         let around = self.around(simd, at, &kernel, scratch);
-        let (present, weights) = (around.present, kernel.lanczos);
-        let [y, co, cg, _] = present;
-        let Some(past) = past else {
-            let locks = self.next_locks(simd, at, [zero, zero], scratch).stored();
-            return Blend {
-                present,
-                weights,
-                past: None,
-                rectified: [y, co, cg],
-                share: one,
-                weight: around.weight,
-                locks,
-            };
-        };
         let [past_y, past_co, past_cg, past_weight] = past.color;
         let mut rectified = [past_y, past_co, past_cg];
-        if self.is_settled {
-            let locks = past.locks;
-            return Blend { present, weights, past: Some(past), rectified, share: zero, weight: past_weight, locks };
-        }
         let kept = match &scratch.reactive {
             Some(reactive) => reactive.kept(simd, at.0),
             None => one,
@@ -208,23 +185,21 @@ impl Fsr2Frame<'_> {
         let stored = each!(number in [0, 1] => past.is_known.select(past.locks[number] * kept, zero));
         let locks = self.next_locks(simd, at, stored, scratch);
         let mut weight = past_weight.max(zero);
-        if let Some(speed_px) = past.speed_px {
+        if self.history.as_ref().is_some_and(|(motion, _)| !motion.is_still()) {
             let exists = locks.lifetime.simd_gt(zero);
             let strength = exists.select(Locks::from_stored(simd, stored).strength(), zero);
-            rectified = around.rectified(rectified, self.deviations(speed_px), strength);
-            weight = weight.min(limit_of_weight(speed_px, narrowing) * kept);
+            rectified = around.rectified(rectified, self.deviations(past.speed_px), strength);
+            weight = weight.min(limit_of_weight(past.speed_px, narrowing) * kept);
         }
         let total = weight + around.weight;
         let has_weight = past.is_known & total.simd_gt(zero);
-        Blend {
-            present,
-            weights,
-            rectified,
-            share: has_weight.select(around.weight / total, one),
-            weight: past.is_known.select(total, around.weight),
-            locks: locks.stored(),
-            past: Some(past),
+        let mut share = has_weight.select(around.weight / total, one);
+        let mut weight = past.is_known.select(total, around.weight);
+        let mut locks = locks.stored();
+        if self.is_settled {
+            (share, weight, locks) = (zero, past_weight, past.locks);
         }
+        Blend { present: around.present, weights: kernel.lanczos, past, rectified, share, weight, locks }
     }
 
     /// Returns the 3 × 3 samples around sixteen pixels from pixel `from` of row `y` on.
@@ -303,8 +278,9 @@ impl Fsr2Frame<'_> {
     ) -> Past<S> {
         let Accumulated { color, locks } = history;
         let zero = f32x16::splat(simd, 0.0);
-        let (mut quads, mut pairs) = ([[0.0; 4]; WIDE], [[0.0; 2]; WIDE]);
+        let mut quads = [[0.0; 4]; WIDE];
         if motion.is_still() {
+            let mut pairs = [[0.0; 2]; WIDE];
             let read = from..self.size.0.min((from + WIDE) as u32) as usize;
             quads[..read.len()].copy_from_slice(&color.row(y)[read.clone()]);
             if let Some(locks) = locks {
@@ -312,7 +288,7 @@ impl Fsr2Frame<'_> {
             }
             let is_known = zero.simd_eq(zero);
             let (color, place) = (quads::columns(simd, &quads), centers(simd, at));
-            return Past { is_known, color, locks: numbers_of_pairs(simd, &pairs), place, speed_px: None };
+            return Past { is_known, color, locks: numbers_of_pairs(simd, &pairs), place, speed_px: zero };
         }
         let vectors @ [across, down] = match &scratch.vectors {
             Some(vectors) => vectors.load(simd, from),
@@ -322,15 +298,16 @@ impl Fsr2Frame<'_> {
         let weights = each!(axis in [0, 1] => history_weights(places.fraction[axis]));
         let weights = FilterWeights { across: weights[0], down: weights[1] };
         places.read_filtered::<true>(simd, color, &weights, &mut quads);
+        let mut lock_numbers = [zero; 2];
         if let Some(locks) = locks {
-            read_locks(locks, &places, &mut pairs);
+            lock_numbers = places.pairs_bilinear(simd, locks);
         }
         Past {
             is_known: places.is_known,
             color: quads::columns(simd, &quads),
-            locks: numbers_of_pairs(simd, &pairs),
+            locks: lock_numbers,
             place: places.place,
-            speed_px: Some((across * across + down * down).sqrt()),
+            speed_px: (across * across + down * down).sqrt(),
         }
     }
 
@@ -338,12 +315,11 @@ impl Fsr2Frame<'_> {
     #[inline(always)]
     fn finished<S: Simd>(&self, simd: S, blend: &Blend<S>) -> Blended {
         let [y, co, cg, alpha] = blend.present;
-        let mut color = [y, co, cg];
-        if let Some(past) = &blend.past {
-            let blended = each!(i in [0, 1, 2] => blend.rectified[i] + (color[i] - blend.rectified[i]) * blend.share);
-            color = each!(i in [0, 1, 2] => past.is_known.select(blended[i], color[i]));
-        }
-        let [y, co, cg] = color;
+        let present = [y, co, cg];
+        let color @ [y, co, cg] = each!(i in [0, 1, 2] => {
+            let blended = blend.rectified[i] + (present[i] - blend.rectified[i]) * blend.share;
+            blend.past.is_known.select(blended, present[i])
+        });
         let (mut quads, mut pairs) = ([[0.0; 4]; WIDE], [[0.0; 2]; WIDE]);
         quads::store([y, co, cg, blend.weight], &mut quads);
         let (first, last) = blend.locks[0].interleave(blend.locks[1]);
@@ -351,6 +327,16 @@ impl Fsr2Frame<'_> {
         first.store_slice(&mut numbers[..WIDE]);
         last.store_slice(&mut numbers[WIDE..]);
         Blended { codes: self.colors.encode(simd, color, alpha), color: quads, locks: pairs }
+    }
+}
+
+impl<S: Simd> Past<S> {
+    /// Returns the state of pixels without history.
+    #[inline(always)]
+    fn none(simd: S) -> Self {
+        let zero = f32x16::splat(simd, 0.0);
+        let is_known = zero.simd_gt(zero);
+        Self { is_known, color: [zero; 4], locks: [zero; 2], place: [zero; 2], speed_px: zero }
     }
 }
 
@@ -370,20 +356,6 @@ fn limit_of_weight<S: Simd>(speed_px: f32x16<S>, narrowing: f32x16<S>) -> f32x16
     let moving = (speed_px * (1.0 / MOVING_PX)).min(1.0);
     let limit = (frame * MOVING_FRAMES - MOST_WEIGHT) * moving + MOST_WEIGHT;
     limit + (frame - limit) * (speed_px * (1.0 / FAST_PX)).min(1.0)
-}
-
-/// Reads the locks between their pixels bilinearly.
-#[inline(always)]
-fn read_locks<S: Simd>(locks: &Image<[f32; 2]>, places: &PastPlaces<S>, read: &mut [[f32; 2]; WIDE]) {
-    let [across, down] = each!(axis in [0, 1] => places.fraction[axis].to_array());
-    for lane in 0..WIDE {
-        let Some([[a, b], [c, d]]) = places.four(locks, lane) else { continue };
-        for (number, read) in read[lane].iter_mut().enumerate() {
-            let above = a[number] + (b[number] - a[number]) * across[lane];
-            let below = c[number] + (d[number] - c[number]) * across[lane];
-            *read = above + (below - above) * down[lane];
-        }
-    }
 }
 
 impl<S: Simd> Around<S> {

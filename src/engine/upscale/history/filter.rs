@@ -1,4 +1,4 @@
-//! Reading of the history with filters of 4 × 4 pixels.
+//! Reading of the history with filters of 4 × 4 or 2 × 2 pixels.
 //!
 //! Adjacent pixels mostly read adjacent history pixels. Four of them are then filtered together: a vector holds the same tap
 //! of all four, so no horizontal sum is needed.
@@ -22,26 +22,30 @@ impl<S: Simd> FilterWeights<S> {
     /// Returns the weights at four positions from lane `first` on, with each of them four times in a row.
     #[inline(always)]
     fn repeated(&self, simd: S, first: usize) -> Self {
-        let order = u8x64::load_array_ref(simd, &ORDERS[first / TOGETHER]);
         Self {
-            across: each!(i in [0, 1, 2, 3] => self.across[i].swizzle_dyn(order)),
-            down: each!(i in [0, 1, 2, 3] => self.down[i].swizzle_dyn(order)),
+            across: each!(i in [0, 1, 2, 3] => repeated::<4, S>(simd, self.across[i], first)),
+            down: each!(i in [0, 1, 2, 3] => repeated::<4, S>(simd, self.down[i], first)),
         }
     }
 }
 
-/// Byte indices that repeat each of four numbers four times, for every group of four among sixteen numbers.
-const ORDERS: [[u8; 64]; WIDE / TOGETHER] = {
-    let mut orders = [[0; 64]; WIDE / TOGETHER];
+/// Returns the numbers from lane `first` on, with each of them `TIMES` times in a row.
+#[inline(always)]
+fn repeated<const TIMES: usize, S: Simd>(simd: S, numbers: f32x16<S>, first: usize) -> f32x16<S> {
+    let order = u8x64::load_array_ref(simd, const { &repeating(TIMES) });
+    numbers.swizzle_dyn(order + (4 * first) as u8)
+}
+
+/// Returns the byte indices that repeat each of the first of sixteen numbers.
+const fn repeating(times: usize) -> [u8; 64] {
+    let mut order = [0; 64];
     let mut place = 0;
-    while place < 64 * WIDE / TOGETHER {
-        let (group, byte) = (place / 64, place % 64);
-        let number = group * TOGETHER + byte / (4 * TOGETHER);
-        orders[group][byte] = (4 * number + byte % 4) as u8;
+    while place < 64 {
+        order[place] = (4 * (place / (4 * times)) + place % 4) as u8;
         place += 1;
     }
-    orders
-};
+    order
+}
 
 impl<S: Simd> PastPlaces<S> {
     /// Reads the history at all known positions with a filter, first along the columns. With `IS_CLAMPED`, the results are
@@ -55,20 +59,18 @@ impl<S: Simd> PastPlaces<S> {
         read: &mut [Quad; WIDE],
     ) {
         let adjacent = self.adjacent_fours();
-        let (mut across, mut down) = ([[0.0; WIDE]; 4], [[0.0; WIDE]; 4]);
-        if adjacent != [true; WIDE / TOGETHER] {
-            across = each!(i in [0, 1, 2, 3] => weights.across[i].to_array());
-            down = each!(i in [0, 1, 2, 3] => weights.down[i].to_array());
-        }
-        let groups = (0..).step_by(TOGETHER).zip(read.as_chunks_mut::<TOGETHER>().0);
-        for ((first, read), is_adjacent) in groups.zip(adjacent) {
-            if is_adjacent {
+        for (group, read) in read.as_chunks_mut::<TOGETHER>().0.iter_mut().enumerate() {
+            let first = group * TOGETHER;
+            if adjacent[group] {
                 let weights = weights.repeated(simd, first);
                 let filtered = self.four_filtered::<IS_CLAMPED>(simd, history, &weights, first);
                 filtered.store_slice(read.as_flattened_mut());
                 continue;
             }
-            for (lane, read) in (first..).zip(read) {
+            let across = each!(i in [0, 1, 2, 3] => weights.across[i].to_array());
+            let down = each!(i in [0, 1, 2, 3] => weights.down[i].to_array());
+            for (number, read) in read.iter_mut().enumerate() {
+                let lane = first + number;
                 let across = each!(i in [0, 1, 2, 3] => across[i][lane]);
                 let down = each!(i in [0, 1, 2, 3] => down[i][lane]);
                 if let Some(filtered) = self.one_filtered::<IS_CLAMPED>(simd, history, [across, down], lane) {
@@ -113,22 +115,117 @@ impl<S: Simd> PastPlaces<S> {
         let width = history.width() as usize;
         let first = self.first_inside(lane, width);
         let pixels = &history.pixels()[first..][..3 * width + 3 + TOGETHER];
-        let tap = |row: usize, column: usize| {
-            f32x16::from_slice(simd, pixels[row * width + column..][..TOGETHER].as_flattened())
-        };
-        let [a, b, c, d] = each!(column in [0, 1, 2, 3] => {
-            let sum = tap(0, column) * down[0] + tap(1, column) * down[1] + tap(2, column) * down[2]
-                + tap(3, column) * down[3];
-            sum * across[column]
+        let taps = each!(row in [0, 1, 2, 3] => {
+            each!(column in [0, 1, 2, 3] => four_from(simd, pixels, row * width + column))
+        });
+        let [a, b, c, d] = each!(i in [0, 1, 2, 3] => {
+            let sum = taps[0][i] * down[0] + taps[1][i] * down[1] + taps[2][i] * down[2] + taps[3][i] * down[3];
+            sum * across[i]
         });
         let sum = (a + c) + (b + d);
         if !IS_CLAMPED {
             return sum;
         }
-        let [least, other_least] = each!(column in [1, 2] => tap(1, column).min(tap(2, column)));
-        let [greatest, other_greatest] = each!(column in [1, 2] => tap(1, column).max(tap(2, column)));
+        let [least, other_least] = each!(column in [1, 2] => taps[1][column].min(taps[2][column]));
+        let [greatest, other_greatest] = each!(column in [1, 2] => taps[1][column].max(taps[2][column]));
         sum.max(least.min(other_least)).min(greatest.max(other_greatest))
     }
+}
+
+impl<S: Simd> PastPlaces<S> {
+    /// Reads the history at all known positions bilinearly. The others keep their numbers.
+    #[inline(always)]
+    pub(in crate::upscale) fn read_bilinear(&self, simd: S, history: &Image<Quad>, read: &mut [Quad; WIDE]) {
+        let adjacent = self.adjacent_fours();
+        for (group, read) in read.as_chunks_mut::<TOGETHER>().0.iter_mut().enumerate() {
+            let first = group * TOGETHER;
+            if adjacent[group] {
+                self.four_bilinear(simd, history, first).store_slice(read.as_flattened_mut());
+                continue;
+            }
+            let [across, down] = each!(axis in [0, 1] => self.fraction[axis].to_array());
+            for (number, read) in read.iter_mut().enumerate() {
+                let lane = first + number;
+                let Some(rows) = self.four(history, lane) else { continue };
+                let [above, below] = each!(row in [0, 1] => {
+                    let [left, right] = each!(column in [0, 1] => f32x4::load_array_ref(simd, &rows[row][column]));
+                    left + (right - left) * across[lane]
+                });
+                (above + (below - above) * down[lane]).store_array(read);
+            }
+        }
+    }
+
+    /// Reads the history bilinearly at four positions from lane `lane` on, which come from adjacent pixels inside the
+    /// image.
+    #[inline(always)]
+    fn four_bilinear(&self, simd: S, history: &Image<Quad>, lane: usize) -> f32x16<S> {
+        let width = history.width() as usize;
+        let first = self.first_inside(lane, width) + width + 1;
+        let pixels = &history.pixels()[first..][..width + 1 + TOGETHER];
+        let [across, down] = each!(axis in [0, 1] => repeated::<4, S>(simd, self.fraction[axis], lane));
+        let [above, below] = each!(row in [0, 1] => {
+            let (left, right) = (four_from(simd, pixels, row * width), four_from(simd, pixels, row * width + 1));
+            left + (right - left) * across
+        });
+        above + (below - above) * down
+    }
+
+    /// Returns both numbers of pairs at all positions, read bilinearly. They are zero where the position is not known.
+    #[inline(always)]
+    pub(in crate::upscale) fn pairs_bilinear(&self, simd: S, history: &Image<[f32; 2]>) -> [f32x16<S>; 2] {
+        let adjacent = self.adjacent_fours();
+        let [low, high] = each!(half in [0, 1] => {
+            if adjacent[2 * half] & adjacent[2 * half + 1] {
+                self.eight_pairs_bilinear(simd, history, half * LANES)
+            } else {
+                let mut pairs = [[0.0; 2]; LANES];
+                let [across, down] = each!(axis in [0, 1] => self.fraction[axis].to_array());
+                for (number, pair) in pairs.iter_mut().enumerate() {
+                    let lane = half * LANES + number;
+                    let Some([[a, b], [c, d]]) = self.four(history, lane) else { continue };
+                    for (i, number) in pair.iter_mut().enumerate() {
+                        let (above, below) = (a[i] + (b[i] - a[i]) * across[lane], c[i] + (d[i] - c[i]) * across[lane]);
+                        *number = above + (below - above) * down[lane];
+                    }
+                }
+                f32x16::from_slice(simd, pairs.as_flattened())
+            }
+        });
+        let (first, second) = low.deinterleave(high);
+        [first, second]
+    }
+
+    /// Reads pairs bilinearly at eight positions from lane `lane` on. The first four, and the others, come from adjacent
+    /// pixels inside the image.
+    #[inline(always)]
+    fn eight_pairs_bilinear(&self, simd: S, history: &Image<[f32; 2]>, lane: usize) -> f32x16<S> {
+        let width = history.width() as usize;
+        let fours = each!(lane in [lane, lane + TOGETHER] => {
+            &history.pixels()[self.first_inside(lane, width) + width + 1..][..width + 1 + TOGETHER]
+        });
+        let [across, down] = each!(axis in [0, 1] => repeated::<2, S>(simd, self.fraction[axis], lane));
+        let [above, below] = each!(row in [0, 1] => {
+            let (left, right) = (eight_from(simd, fours, row * width), eight_from(simd, fours, row * width + 1));
+            left + (right - left) * across
+        });
+        above + (below - above) * down
+    }
+}
+
+/// Returns the four pixels from index `at` on.
+#[inline(always)]
+fn four_from<S: Simd>(simd: S, pixels: &[Quad], at: usize) -> f32x16<S> {
+    f32x16::from_slice(simd, pixels[at..][..TOGETHER].as_flattened())
+}
+
+/// Returns the four pairs from index `at` on of each of two slices.
+#[inline(always)]
+fn eight_from<S: Simd>(simd: S, slices: [&[[f32; 2]]; 2], at: usize) -> f32x16<S> {
+    let [low, high] = each!(pairs in [slices[0], slices[1]] => {
+        f32x8::from_slice(simd, pairs[at..][..TOGETHER].as_flattened())
+    });
+    low.combine(high)
 }
 
 /// Returns the second and the third of four quads.

@@ -1,10 +1,7 @@
 //! SIMD version of [`super::Motion::reproject_by`] for eight pixels, with bit-identical results.
 
-use std::ops::Range;
-
 use crate::math::lanes::*;
 use crate::pipeline::gbuffer::SAME_DISTANCE;
-use crate::pipeline::motion::MotionVectors;
 
 /// Index that marks a pixel that was not visible in the previous frame.
 pub(in crate::upscale) const NOT_VISIBLE: u32 = u32::MAX;
@@ -66,26 +63,6 @@ impl<S: Simd> VectorLanes<S> {
             step: next - left,
             right,
             down,
-        }
-    }
-}
-
-impl MotionVectors {
-    /// Loads the vectors of up to eight adjacent pixels of a row. Missing pixels are disoccluded.
-    #[inline(always)]
-    pub(in crate::upscale) fn load<S: Simd>(&self, simd: S, (columns, y): (Range<usize>, u32)) -> VectorLanes<S> {
-        let first = columns.start as f32;
-        let (across_px, down_px) = (&self.across_px.row(y)[columns.clone()], &self.down_px.row(y)[columns.clone()]);
-        let mut visible = [0; LANES];
-        for (wide, byte) in visible.iter_mut().zip(&self.visible.row(y)[columns]) {
-            *wide = u32::from(*byte);
-        }
-        VectorLanes {
-            column: F32::from_slice(simd, &LANE_NUMBERS[..LANES]) + first,
-            row: F32::splat(simd, y as f32),
-            across_px: F32::load_array(simd, padded(across_px, 0.0)),
-            down_px: F32::load_array(simd, padded(down_px, 0.0)),
-            visible: u32x8::load_array(simd, visible),
         }
     }
 }

@@ -156,19 +156,3 @@ impl<S: Simd> PastPlaces<S> {
         }
     }
 }
-
-impl<S: Simd> PastPlaces<S> {
-    /// Reads the history at all known positions bilinearly. The others keep their numbers.
-    #[inline(always)]
-    pub(in crate::upscale) fn read_bilinear(&self, simd: S, history: &Image<Quad>, read: &mut [Quad; WIDE]) {
-        let [across, down] = each!(axis in [0, 1] => self.fraction[axis].to_array());
-        for lane in 0..WIDE {
-            let Some(rows) = self.four(history, lane) else { continue };
-            let [above, below] = each!(row in [0, 1] => {
-                let [left, right] = each!(column in [0, 1] => f32x4::load_array_ref(simd, &rows[row][column]));
-                left + (right - left) * across[lane]
-            });
-            (above + (below - above) * down[lane]).store_array(&mut read[lane]);
-        }
-    }
-}

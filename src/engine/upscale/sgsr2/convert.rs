@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
+use super::super::planes::{PAD, SampleLanes, padded_row};
 use super::super::quads::window;
 use super::super::{FrameInputs, UpscaleInputs};
-use super::past::SampleMotion;
+use super::past::MotionLanes;
 use crate::image::Image;
 use crate::math::lanes::*;
 use crate::pipeline::motion::MotionVectors;
@@ -18,16 +19,34 @@ const SEPARATION: f32 = 1.37e-5;
 pub(super) struct Converted {
     /// Sample whose motion vector applies: that of the nearest surface among the 3 × 3 samples around the sample.
     pub(super) vector_of: (u32, u32),
-    pub(super) motion: SampleMotion,
+    /// Motion vector, in pixels to the right and downwards; NaN if the previous frame does not show the surface.
+    pub(super) vector_px: [f32; 2],
+    /// Share of depth edges around the sample, in [0, 1].
+    pub(super) depth_clip: f32,
 }
 
-/// Motion and depth clip of sixteen samples.
+/// Motion of the samples of a row: padded buffers of both coordinates of the vectors, and of the depth clip.
+pub(super) struct MotionRow([Vec<f32>; 3]);
+
+impl MotionRow {
+    /// Returns the buffers for a row of `samples` samples.
+    pub(super) fn new(samples: u32) -> Self {
+        Self([0; 3].map(|_| padded_row(samples)))
+    }
+
+    /// Reads the motion of sixteen samples.
+    #[inline(always)]
+    pub(super) fn read<S: Simd>(&self, simd: S, samples: &SampleLanes<S>) -> MotionLanes<S> {
+        let [across, down, depth_clip] = each!(number in [0, 1, 2] => samples.read(simd, &self.0[number]));
+        MotionLanes { vector_px: [across, down], depth_clip }
+    }
+}
+
+/// Motion of sixteen samples, and its source.
 struct ConvertedLanes<S: Simd> {
-    /// Motion vectors, in pixels to the right and downwards; not numbers if the previous frame does not show the surface.
-    vector_px: [f32x16<S>; 2],
+    motion: MotionLanes<S>,
     /// Sample whose motion vector applies, by its place among the 3 × 3 samples, row by row.
     vector_of: u32x16<S>,
-    depth_clip: f32x16<S>,
 }
 
 /// Visible surfaces at all samples, and their motion.
@@ -77,29 +96,32 @@ impl<'a> Convert<'a> {
         Some(Self { distance, vectors, separation })
     }
 
-    /// Returns the motion of all samples of a row.
+    /// Computes the motion of all samples of a row.
     #[inline(always)]
-    pub(super) fn row<S: Simd>(&self, simd: S, row: u32, surfaces: &mut SurfaceRows, motion: &mut [SampleMotion]) {
-        let around = self.surfaces_around(row, 0..self.distance.width(), surfaces);
-        for (first, motion) in (0..).step_by(WIDE).zip(motion.chunks_mut(WIDE)) {
-            let ConvertedLanes { vector_px: [across, down], depth_clip, .. } = self.sixteen(simd, &around, first);
-            let [across, down, depth_clip] = each!(numbers in [across, down, depth_clip] => numbers.to_array());
-            for (lane, motion) in motion.iter_mut().enumerate() {
-                *motion = SampleMotion { vector_px: [across[lane], down[lane]], depth_clip: depth_clip[lane] };
+    pub(super) fn row<S: Simd>(&self, simd: S, row: u32, surfaces: &mut SurfaceRows, motion: &mut MotionRow) {
+        let samples = self.distance.width();
+        let around = self.surfaces_around(row, 0..samples, surfaces);
+        let samples = samples as usize;
+        for first in (0..samples).step_by(WIDE) {
+            let MotionLanes { vector_px: [across, down], depth_clip } = self.sixteen(simd, &around, first).motion;
+            for (buffer, numbers) in motion.0.iter_mut().zip([across, down, depth_clip]) {
+                numbers.store_slice(&mut buffer[PAD + first..][..WIDE]);
             }
+        }
+        for buffer in &mut motion.0 {
+            buffer.copy_within(PAD..PAD + 1, PAD - 1);
+            buffer.copy_within(PAD + samples - 1..PAD + samples, PAD + samples);
         }
     }
 
     /// Returns the motion of one sample, bit-identical to [`Self::row`].
     pub(super) fn sample(&self, (column, row): (u32, u32), surfaces: &mut SurfaceRows) -> Converted {
         let around = self.surfaces_around(row, column..column + 1, surfaces);
-        let ConvertedLanes { vector_px, vector_of, depth_clip } = self.sixteen(baseline(), &around, column as usize);
+        let ConvertedLanes { motion, vector_of } = self.sixteen(baseline(), &around, column as usize);
         let place = vector_of.to_array()[0];
         Converted {
-            motion: SampleMotion {
-                vector_px: vector_px.map(|numbers| numbers.to_array()[0]),
-                depth_clip: depth_clip.to_array()[0],
-            },
+            vector_px: motion.vector_px.map(|numbers| numbers.to_array()[0]),
+            depth_clip: motion.depth_clip.to_array()[0],
             vector_of: (
                 sample_at(column + place % 3, self.distance.width()),
                 sample_at(row + place / 3, self.distance.height()),
@@ -154,7 +176,8 @@ impl<'a> Convert<'a> {
                 nearest = is_nearer.select(*distance, nearest);
             }
         }
-        ConvertedLanes { vector_px, vector_of, depth_clip: self.depth_clip(simd, &distances) }
+        let depth_clip = self.depth_clip(simd, &distances);
+        ConvertedLanes { motion: MotionLanes { vector_px, depth_clip }, vector_of }
     }
 
     /// Returns the share of depth edges among 4 × 4 distances. The nearest distance of each quarter is compared with that
@@ -212,10 +235,11 @@ mod tests {
         let convert = Convert::new(&drawn).unwrap();
         let mut surfaces = SurfaceRows::new(columns);
         for lanes in Lanes::all() {
-            let mut motion = vec![SampleMotion::UNKNOWN; columns as usize];
+            let mut motion = MotionRow::new(columns);
             for row in 0..rows {
                 on_lanes!(lanes, simd => convert.row(simd, row, &mut surfaces, &mut motion));
-                for (column, motion) in (0..columns).zip(&motion) {
+                for column in 0..columns {
+                    let [across, down, depth_clip] = motion.0.each_ref().map(|buffer| buffer[column as usize + PAD]);
                     let around = |at: u32, last: u32| [at.saturating_sub(1), at, (at + 1).min(last)];
                     let all = around(row, rows - 1).map(|y| around(column, columns - 1).map(|x| (x, y)));
                     let candidates = std::iter::once((column, row)).chain(all.into_iter().flatten());
@@ -223,10 +247,10 @@ mod tests {
                     let nearest = candidates.min_by(|a, b| of(a).total_cmp(&of(b))).unwrap();
                     let expected = vectors.visible_vector(nearest).unwrap_or([f32::NAN; 2]).map(f32::to_bits);
                     let context = || format!("({column}, {row}) {}", lanes.name());
-                    assert_eq!(motion.vector_px.map(f32::to_bits), expected, "{}", context());
+                    assert_eq!([across, down].map(f32::to_bits), expected, "{}", context());
                     let converted = convert.sample((column, row), &mut SurfaceRows::new(columns));
                     assert_eq!(converted.vector_of, nearest, "{}", context());
-                    assert_eq!(converted.motion.depth_clip.to_bits(), motion.depth_clip.to_bits(), "{}", context());
+                    assert_eq!(converted.depth_clip.to_bits(), depth_clip.to_bits(), "{}", context());
                 }
             }
         }
@@ -238,11 +262,11 @@ mod tests {
         let edge = |x: u32, _| if x < 10 { 2.0 } else { 10.0 };
         let at = |column| converted(Image::from_fn(32, 24, edge), (column, 12));
         // In front of the edge, all quarters are as near as the middle, or half of them are far behind it.
-        assert_eq!(at(3).motion.depth_clip, 0.0);
-        assert!((0.49..=0.5).contains(&at(9).motion.depth_clip), "{:?}", at(9));
+        assert_eq!(at(3).depth_clip, 0.0);
+        assert!((0.49..=0.5).contains(&at(9).depth_clip), "{:?}", at(9));
         // Just behind the edge, half of the quarters are nearer.
-        assert!((0.49..=0.5).contains(&at(10).motion.depth_clip), "{:?}", at(10));
-        assert_eq!(at(15).motion.depth_clip, 0.0);
+        assert!((0.49..=0.5).contains(&at(10).depth_clip), "{:?}", at(10));
+        assert_eq!(at(15).depth_clip, 0.0);
         // Sample 10 lies behind the edge. Of the equally near samples in column 9, the uppermost one is taken.
         assert_eq!(at(10).vector_of, (9, 11));
         assert_eq!(at(11).vector_of, (11, 12));
@@ -251,10 +275,10 @@ mod tests {
     #[test]
     fn slanted_surfaces_and_the_background_have_no_edges() {
         let slanted = Image::from_fn(32, 24, |x, y| 5.0 + 2e-4 * (x + y) as f32);
-        assert_eq!(converted(slanted, (16, 12)).motion.depth_clip, 0.0);
-        assert_eq!(converted(Image::filled(32, 24, f32::INFINITY), (16, 12)).motion.depth_clip, 0.0);
+        assert_eq!(converted(slanted, (16, 12)).depth_clip, 0.0);
+        assert_eq!(converted(Image::filled(32, 24, f32::INFINITY), (16, 12)).depth_clip, 0.0);
         let horizon = Image::from_fn(32, 24, |_, y| if y < 12 { f32::INFINITY } else { 3.0 });
-        let clip = converted(horizon, (16, 11)).motion.depth_clip;
+        let clip = converted(horizon, (16, 11)).depth_clip;
         assert!((0.49..=0.5).contains(&clip), "{clip}");
     }
 }

@@ -1,16 +1,16 @@
-//! Second pass: blending of the samples of a frame with its history. History is read and pixels are encoded sixteen at a
-//! time; the samples around them are weighted eight at a time, because that needs many registers.
+//! Second pass: blending of the samples of a frame with its history, sixteen pixels of a row at a time.
 
 use super::super::jitter::Continuation;
 use super::super::planes::{PAD, SampleLanes};
-use super::super::quads::{self, Quad};
+use super::super::quads::{self, Quad, window};
 use super::super::sample_rows::DecodedRows;
+use super::super::statistics::Statistics;
 use super::super::ycocg::YCoCg;
-use super::super::{HistoryStep, Motion, PastColor, Rejection, Tap, UpscaleInputs, Upscaling};
-use super::convert::{Convert, Converted, SurfaceRows};
+use super::super::{HistoryStep, Motion, PastColor, Rectification, Rejection, Tap, UpscaleInputs, Upscaling};
+use super::convert::{Convert, Converted, MotionRow, SurfaceRows};
 use super::jitter_of;
-use super::kernel::{Around, Axis, Position, Shape, is_near};
-use super::past::{Past, PastLanes, SampleMotion};
+use super::kernel::{Around, Axis, Position, Samples, Shape, is_near};
+use super::past::{MotionLanes, Past};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 
@@ -65,9 +65,53 @@ pub(super) struct RowBuffers {
     /// Three adjacent rows of samples, each with its index.
     stretched: [(Option<u32>, StretchedRow); 3],
     /// Motion of a row of samples, with its index.
-    motion: (Option<u32>, Vec<SampleMotion>),
+    motion: (Option<u32>, MotionRow),
     surfaces: SurfaceRows,
     decoded: DecodedRows,
+    statistics: Statistics,
+}
+
+/// Samples around sixteen pixels of a row.
+struct RowSamples<'a, S: Simd> {
+    simd: S,
+    /// Rows of samples before, at and after the pixels.
+    rows: [&'a StretchedRow; 3],
+    /// Column of the first pixel.
+    first: usize,
+    range: [[f32x16<S>; 3]; 2],
+}
+
+impl<S: Simd> Samples<S> for RowSamples<'_, S> {
+    #[inline(always)]
+    fn at(&self, row: usize, column: usize) -> [f32x16<S>; 3] {
+        let planes = &self.rows[row][column];
+        each!(channel in [0, 1, 2] => f32x16::from_slice(self.simd, &planes[channel][self.first..self.first + WIDE]))
+    }
+
+    #[inline(always)]
+    fn range(&self) -> [[f32x16<S>; 3]; 2] {
+        self.range
+    }
+}
+
+/// Samples around one pixel, in all lanes.
+struct PixelSamples<S: Simd>([[[f32x16<S>; 3]; 3]; 3]);
+
+impl<S: Simd> Samples<S> for PixelSamples<S> {
+    #[inline(always)]
+    fn at(&self, row: usize, column: usize) -> [f32x16<S>; 3] {
+        self.0[row][column]
+    }
+
+    #[inline(always)]
+    fn range(&self) -> [[f32x16<S>; 3]; 2] {
+        let (mut least, mut greatest) = (self.0[1][1], self.0[1][1]);
+        for color in self.0.as_flattened() {
+            least = each!(channel in [0, 1, 2] => least[channel].min(color[channel]));
+            greatest = each!(channel in [0, 1, 2] => greatest[channel].max(color[channel]));
+        }
+        [least, greatest]
+    }
 }
 
 /// One pixel of the picture.
@@ -80,50 +124,56 @@ pub(super) struct Sgsr2Pixel {
     pub(super) step: HistoryStep,
 }
 
-/// Blending of eight pixels with their history.
+/// Blending of sixteen pixels with their history.
 struct Blend<S: Simd> {
-    present: [F32<S>; 3],
-    rectified: [F32<S>; 3],
+    present: [f32x16<S>; 3],
+    rectified: [f32x16<S>; 3],
     /// Colours after blending, before they are encoded.
-    color: [F32<S>; 3],
+    color: [f32x16<S>; 3],
     /// Share of this frame, in [0, 1].
-    share: F32<S>,
+    share: f32x16<S>,
     /// Accumulated weight for the next frame.
-    weight: F32<S>,
+    weight: f32x16<S>,
 }
 
 impl RowBuffers {
     pub(super) fn new(frame: &Sgsr2Frame<'_>) -> Self {
         let width = frame.columns.index.len();
         let stretched = || [0; 3].map(|_| [0; 3].map(|_| vec![0.0; width]));
-        let samples = frame.drawn.color.width() as usize;
+        let samples = frame.drawn.color.width();
         Self {
             stretched: [0; 3].map(|_| (None, stretched())),
-            motion: (None, vec![SampleMotion::UNKNOWN; samples]),
+            motion: (None, MotionRow::new(samples)),
             surfaces: frame.surface_rows(),
-            decoded: DecodedRows::new(frame.drawn.color.width()),
+            decoded: DecodedRows::new(samples),
+            statistics: Statistics::new(samples),
         }
     }
 
-    /// Makes sure that a row of samples is decoded and stretched.
+    /// Makes sure that three rows of samples are decoded and stretched, and that their range is known.
     #[inline(always)]
-    fn fill<S: Simd>(&mut self, simd: S, frame: &Sgsr2Frame<'_>, index: u32) {
-        let (held, stretched) = &mut self.stretched[index as usize % 3];
-        if held.replace(index) == Some(index) {
-            return;
-        }
+    fn fill<S: Simd>(&mut self, simd: S, frame: &Sgsr2Frame<'_>, indices: [u32; 3]) {
         let padded = &frame.columns.padded;
         let [first, last] = [padded.first(), padded.last()].map(|at| at.map_or(PAD, |at| *at as usize));
-        self.decoded.fill(simd, frame.colors, frame.drawn.color, (index, &(first - 1..last + 2)));
-        let decoded = self.decoded.row(index);
-        for (from, padded) in (0..).step_by(WIDE).zip(padded.as_chunks().0) {
-            let samples = SampleLanes::ascending(simd, padded);
-            for (place, planes) in stretched.iter_mut().enumerate() {
-                for (plane, decoded) in planes.iter_mut().zip(decoded) {
-                    samples.read_beside(simd, decoded, place).store_slice(&mut plane[from..from + WIDE]);
+        let read = first - 1..last + 2;
+        for index in indices {
+            let (held, stretched) = &mut self.stretched[index as usize % 3];
+            if held.replace(index) == Some(index) {
+                continue;
+            }
+            self.decoded.fill(simd, frame.colors, frame.drawn.color, (index, &read));
+            let decoded = self.decoded.row(index);
+            for (from, padded) in (0..).step_by(WIDE).zip(padded.as_chunks().0) {
+                let samples = SampleLanes::ascending(simd, padded);
+                for (place, planes) in stretched.iter_mut().enumerate() {
+                    for (plane, decoded) in planes.iter_mut().zip(decoded) {
+                        samples.read_beside(simd, decoded, place).store_slice(&mut plane[from..from + WIDE]);
+                    }
                 }
             }
         }
+        let rows = indices.map(|index| self.decoded.row(index));
+        self.statistics.fill(simd, Rectification::Clamp, rows, (indices, &read));
     }
 
     /// Makes sure that the first pass is done for a row of samples.
@@ -169,70 +219,45 @@ impl<'a> Sgsr2Frame<'a> {
         buffers: &mut RowBuffers,
         (row, memory): (&mut [Rgba8], &mut [Quad]),
     ) {
-        let rows = self.rows.index[y as usize];
-        for index in rows {
-            buffers.fill(simd, self, index);
-        }
-        buffers.find_motion(simd, self, rows[1]);
-        let samples = rows.map(|index| &buffers.stretched[index as usize % 3].1);
+        let indices = self.rows.index[y as usize];
+        buffers.fill(simd, self, indices);
+        buffers.find_motion(simd, self, indices[1]);
+        let stretched = indices.map(|index| &buffers.stretched[index as usize % 3].1);
+        let [.., alphas] = buffers.decoded.row(indices[1]);
         let rows = self.rows.splat(simd, y as usize);
         let groups = row.chunks_mut(WIDE).zip(memory.chunks_mut(WIDE));
         for (first, (pixels, memory)) in (0..).step_by(WIDE).zip(groups) {
-            let mut motion = [SampleMotion::UNKNOWN; WIDE];
+            let nearest = SampleLanes::ascending(simd, window(&self.columns.padded, first));
+            let mut motion = MotionLanes::unknown(simd);
             if self.convert.is_some() {
-                for (motion, columns) in motion.iter_mut().zip(&self.columns.index[first..]) {
-                    *motion = buffers.motion.1[columns[1] as usize];
-                }
+                motion = buffers.motion.1.read(simd, &nearest);
             }
             let past = self.past(simd, (first, y), &motion);
-            let mut color = [[0.0; WIDE]; 4];
-            for half in [0, LANES] {
-                let from = first + half;
-                let position = Position { columns: self.columns.load(simd, from), rows };
-                let blend = self.blend(
-                    simd,
-                    &position,
-                    &past.eight(simd, half),
-                    #[inline(always)]
-                    |row, column| {
-                        each!(channel in [0, 1, 2] => {
-                            F32::from_slice(simd, &samples[row][column][channel][from..from + LANES])
-                        })
-                    },
-                );
-                let [y, co, cg] = blend.color;
-                for (all, numbers) in color.iter_mut().zip([y, co, cg, blend.weight]) {
-                    numbers.store_slice(&mut all[half..half + LANES]);
-                }
-            }
-            let mut alpha = [0.0; WIDE];
-            for (lane, alpha) in alpha.iter_mut().enumerate().take(pixels.len()) {
-                *alpha = self.alpha(((first + lane) as u32, y));
-            }
-            let color = each!(i in [0, 1, 2, 3] => f32x16::load_array_ref(simd, &color[i]));
+            let samples = RowSamples { simd, rows: stretched, first, range: buffers.statistics.range(simd, &nearest) };
+            let position = Position { columns: self.columns.load(simd, first), rows };
+            let blend = self.blend(simd, &position, &past, &samples);
+            let [y, co, cg] = blend.color;
             let mut quads = [[0.0; 4]; WIDE];
-            quads::store(color, &mut quads);
+            quads::store([y, co, cg, blend.weight], &mut quads);
             store_in(memory, &quads);
-            let [y, co, cg, _] = color;
-            let codes = self.colors.encode(simd, [y, co, cg], f32x16::load_array(simd, alpha));
-            store_in(pixels, &codes);
+            store_in(pixels, &self.colors.encode(simd, [y, co, cg], nearest.read(simd, alphas)));
         }
     }
 
     /// Computes one pixel, bit-identical to [`Self::row`].
     pub(super) fn pixel(&self, at: (u32, u32), surfaces: &mut SurfaceRows) -> Sgsr2Pixel {
         let converted = self.converted(at, surfaces);
-        let first = |color: [F32<_>; 3]| color.map(|lanes| lanes.to_array()[0]);
+        let first = |numbers: f32x16<_>| numbers.to_array()[0];
         let (past, blend) = self.alone(baseline(), at, converted.as_ref());
-        let [y, co, cg] = first(blend.color);
-        let memory = [y, co, cg, blend.weight.to_array()[0]];
+        let [y, co, cg] = blend.color.map(first);
+        let memory = [y, co, cg, first(blend.weight)];
         let past = self.rejection(at, converted.as_ref()).map(|()| PastColor {
-            position_px: past.place.map(|lanes| lanes[0]),
-            read: std::array::from_fn(|channel| past.color[channel][0]),
-            rectified: first(blend.rectified),
+            position_px: past.place.map(first),
+            read: past.color.map(first),
+            rectified: blend.rectified.map(first),
         });
-        let (space, share) = (self.colors.space(), blend.share.to_array()[0]);
-        let step = HistoryStep { space, present: first(blend.present), share, past };
+        let (space, share) = (self.colors.space(), first(blend.share));
+        let step = HistoryStep { space, present: blend.present.map(first), share, past };
         Sgsr2Pixel { codes: self.colors.encoded(memory, self.alpha(at)), memory, step }
     }
 
@@ -241,7 +266,7 @@ impl<'a> Sgsr2Frame<'a> {
         let simd = baseline();
         let position = self.position(simd, at);
         let converted = self.converted(at, &mut self.surface_rows());
-        let shape = self.shape(simd, &self.past_alone(simd, at, converted.as_ref()).eight(simd, 0));
+        let shape = self.shape(simd, &self.past_alone(simd, at, converted.as_ref()));
         let (columns, rows) = (self.columns.index[x as usize], self.rows.index[y as usize]);
         let places = (0..3).flat_map(|row| (0..3).map(move |column| (row, column)));
         let weights: Vec<_> = places.map(|place| (place, position.weight(simd, shape, place).to_array()[0])).collect();
@@ -261,19 +286,16 @@ impl<'a> Sgsr2Frame<'a> {
 
     /// Returns the history of one pixel, and how the pixel is blended with it, both in the first lane.
     #[inline(always)]
-    fn alone<S: Simd>(&self, simd: S, at: (u32, u32), converted: Option<&Converted>) -> (PastLanes, Blend<S>) {
+    fn alone<S: Simd>(&self, simd: S, at: (u32, u32), converted: Option<&Converted>) -> (Past<S>, Blend<S>) {
         let past = self.past_alone(simd, at, converted);
         let (columns, rows) = (self.columns.index[at.0 as usize], self.rows.index[at.1 as usize]);
-        let blend = self.blend(
-            simd,
-            &self.position(simd, at),
-            &past.eight(simd, 0),
-            #[inline(always)]
-            |row, column| {
-                let quad = self.colors.decoded(self.drawn.color.at(columns[column], rows[row]));
-                each!(channel in [0, 1, 2] => F32::splat(simd, quad[channel]))
-            },
-        );
+        let samples = PixelSamples(rows.map(|row| {
+            columns.map(|column| {
+                let quad = self.colors.decoded(self.drawn.color.at(column, row));
+                each!(channel in [0, 1, 2] => f32x16::splat(simd, quad[channel]))
+            })
+        }));
+        let blend = self.blend(simd, &self.position(simd, at), &past, &samples);
         (past, blend)
     }
 
@@ -302,19 +324,22 @@ impl<'a> Sgsr2Frame<'a> {
 
     /// Returns the history of one pixel in the first lane.
     #[inline(always)]
-    fn past_alone<S: Simd>(&self, simd: S, at: (u32, u32), converted: Option<&Converted>) -> PastLanes {
-        let mut motion = [SampleMotion::UNKNOWN; WIDE];
-        motion[0] = converted.map_or(SampleMotion::UNKNOWN, |converted| converted.motion);
+    fn past_alone<S: Simd>(&self, simd: S, at: (u32, u32), converted: Option<&Converted>) -> Past<S> {
+        let mut motion = MotionLanes::unknown(simd);
+        if let Some(Converted { vector_px, depth_clip, .. }) = converted {
+            motion.vector_px = each!(axis in [0, 1] => f32x16::splat(simd, vector_px[axis]));
+            motion.depth_clip = f32x16::splat(simd, *depth_clip);
+        }
         self.past(simd, (at.0 as usize, at.1), &motion)
     }
 
-    /// Returns the history of sixteen pixels from pixel `at` on. `motion` is the motion of their nearest samples.
+    /// Returns the history of sixteen pixels from pixel `at` on. `motion` is that of their nearest samples.
     #[inline(always)]
-    fn past<S: Simd>(&self, simd: S, at: (usize, u32), motion: &[SampleMotion; WIDE]) -> PastLanes {
+    fn past<S: Simd>(&self, simd: S, at: (usize, u32), motion: &MotionLanes<S>) -> Past<S> {
         match &self.history {
-            None => PastLanes::NONE,
-            Some((_, history)) if self.convert.is_none() => PastLanes::still(simd, history, at),
-            Some((_, history)) => PastLanes::moved(simd, history, at, motion),
+            None => Past::none(simd),
+            Some((_, history)) if self.convert.is_none() => Past::still(simd, history, at),
+            Some((_, history)) => Past::moved(simd, history, at, motion),
         }
     }
 
@@ -329,30 +354,24 @@ impl<'a> Sgsr2Frame<'a> {
     #[inline(always)]
     fn shape<S: Simd>(&self, simd: S, past: &Past<S>) -> Shape<S> {
         let inverse_radius = past.depth_clip * (CLIP_IN_KERNEL * (self.wide - self.narrow)) + self.narrow;
-        let fast = (past.speed_px * (1.0 / NARROW_BOX_PX)).min(F32::splat(simd, 1.0));
+        let fast = (past.speed_px * (1.0 / NARROW_BOX_PX)).min(f32x16::splat(simd, 1.0));
         Shape { narrowing: inverse_radius * inverse_radius, fast }
     }
 
-    /// Blends eight pixels with their history.
+    /// Blends sixteen pixels with their history.
     #[inline(always)]
-    fn blend<S: Simd>(
-        &self,
-        simd: S,
-        position: &Position<S>,
-        past: &Past<S>,
-        sample: impl Fn(usize, usize) -> [F32<S>; 3],
-    ) -> Blend<S> {
-        let around = position.around(simd, self.shape(simd, past), self.colors.white(), sample);
+    fn blend<S: Simd>(&self, simd: S, position: &Position<S>, past: &Past<S>, samples: &impl Samples<S>) -> Blend<S> {
+        let around = position.around(simd, self.shape(simd, past), self.colors.white(), samples);
         let (rectified, weight) = match &self.convert {
             Some(_) => self.rectified(simd, &around, past),
             None => (past.color, past.weight),
         };
-        let one = F32::splat(simd, 1.0);
+        let one = f32x16::splat(simd, 1.0);
         let total = weight + around.weight;
-        let mut share = around.weight / total.max(F32::splat(simd, LEAST_TOTAL));
+        let mut share = around.weight / total.max(f32x16::splat(simd, LEAST_TOTAL));
         let mut total = total;
         if self.is_settled {
-            (share, total) = (F32::splat(simd, 0.0), past.weight);
+            (share, total) = (f32x16::splat(simd, 0.0), past.weight);
         }
         let (is_known, present) = (past.is_known, around.present);
         let color = each!(channel in [0, 1, 2] => {
@@ -368,10 +387,10 @@ impl<'a> Sgsr2Frame<'a> {
         }
     }
 
-    /// Returns the history of eight pixels in a changing view, clamped to the box of the colours, and its weight.
+    /// Returns the history of sixteen pixels in a changing view, clamped to the box of the colours, and its weight.
     #[inline(always)]
-    fn rectified<S: Simd>(&self, simd: S, around: &Around<S>, past: &Past<S>) -> ([F32<S>; 3], F32<S>) {
-        let (one, zero) = (F32::splat(simd, 1.0), F32::splat(simd, 0.0));
+    fn rectified<S: Simd>(&self, simd: S, around: &Around<S>, past: &Past<S>) -> ([f32x16<S>; 3], f32x16<S>) {
+        let (one, zero) = (f32x16::splat(simd, 1.0), f32x16::splat(simd, 0.0));
         let Past { color: read, depth_clip: clip, speed_px, .. } = *past;
         let fast = (speed_px * (1.0 / FAST_PX)).min(one);
         let deviations = clip.max(fast) * (1.0 - self.deviations) + self.deviations;
@@ -383,11 +402,11 @@ impl<'a> Sgsr2Frame<'a> {
         });
         let [y, co, cg] = each!(channel in [0, 1, 2] => clamped[channel].simd_eq(read[channel]));
         let is_inside = y & co & cg;
-        let limited = |limit: F32<S>, other: F32<S>, share: F32<S>| limit.min(limit + (other - limit) * share);
+        let limited = |limit: f32x16<S>, other: f32x16<S>, share: f32x16<S>| limit.min(limit + (other - limit) * share);
         let moving = (speed_px * (1.0 / MOVING_PX)).min(one);
         let limit = limited(one - clip, around.weight * MOVING_FRAMES, moving);
         let limit = limited(limit, around.weight, fast);
         let weight = past.weight.min(limit.max(zero));
-        (clamped, is_inside.select(weight, weight.min(F32::splat(simd, RECTIFIED_WEIGHT))))
+        (clamped, is_inside.select(weight, weight.min(f32x16::splat(simd, RECTIFIED_WEIGHT))))
     }
 }

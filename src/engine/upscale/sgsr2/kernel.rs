@@ -1,4 +1,4 @@
-//! Weights of the 3 × 3 samples around eight pixels, and the statistics of their colours.
+//! Weights of the 3 × 3 samples around sixteen pixels, and the statistics of their colours.
 
 use super::super::Lattice;
 use super::super::lattice::ThreeSamples;
@@ -33,11 +33,11 @@ pub(super) struct Axis {
     boxes: [[Vec<f32>; 3]; 2],
 }
 
-/// Distances and weights of three samples along one axis, for eight pixels.
+/// Distances and weights of three samples along one axis, for sixteen pixels.
 #[derive(Clone, Copy)]
 pub(super) struct AxisLanes<S: Simd> {
-    squared: [F32<S>; 3],
-    boxes: [[F32<S>; 3]; 2],
+    squared: [f32x16<S>; 3],
+    boxes: [[f32x16<S>; 3]; 2],
 }
 
 impl Axis {
@@ -60,10 +60,10 @@ impl Axis {
         }
     }
 
-    /// Loads eight adjacent pixels, starting at `first`, which is a multiple of [`LANES`].
+    /// Loads sixteen adjacent pixels, starting at `first`, which is a multiple of [`WIDE`].
     #[inline(always)]
     pub(super) fn load<S: Simd>(&self, simd: S, first: usize) -> AxisLanes<S> {
-        let load = |numbers: &Vec<f32>| F32::from_slice(simd, &numbers[first..first + LANES]);
+        let load = |numbers: &Vec<f32>| f32x16::from_slice(simd, &numbers[first..first + WIDE]);
         AxisLanes {
             squared: each!(i in [0, 1, 2] => load(&self.squared[i])),
             boxes: each!(speed in [0, 1] => each!(i in [0, 1, 2] => load(&self.boxes[speed][i]))),
@@ -74,89 +74,90 @@ impl Axis {
     #[inline(always)]
     pub(super) fn splat<S: Simd>(&self, simd: S, at: usize) -> AxisLanes<S> {
         AxisLanes {
-            squared: each!(i in [0, 1, 2] => F32::splat(simd, self.squared[i][at])),
-            boxes: each!(speed in [0, 1] => each!(i in [0, 1, 2] => F32::splat(simd, self.boxes[speed][i][at]))),
+            squared: each!(i in [0, 1, 2] => f32x16::splat(simd, self.squared[i][at])),
+            boxes: each!(speed in [0, 1] => each!(i in [0, 1, 2] => f32x16::splat(simd, self.boxes[speed][i][at]))),
         }
     }
 }
 
-/// Columns and rows of the samples around eight pixels.
+/// Columns and rows of the samples around sixteen pixels.
 pub(super) struct Position<S: Simd> {
     pub(super) columns: AxisLanes<S>,
     pub(super) rows: AxisLanes<S>,
 }
 
-/// Shape of the kernel for eight pixels.
+/// Shape of the kernel for sixteen pixels.
 #[derive(Clone, Copy)]
 pub(super) struct Shape<S: Simd> {
     /// Factor of squared distances: the kernel ends where their product is 1.
-    pub(super) narrowing: F32<S>,
+    pub(super) narrowing: f32x16<S>,
     /// Share of the box weights of fast pixels, in [0, 1].
-    pub(super) fast: F32<S>,
+    pub(super) fast: f32x16<S>,
 }
 
-/// Colours around eight pixels: their weighted mean, and the box that limits the history.
+/// Colours of the 3 × 3 samples around sixteen pixels.
+pub(super) trait Samples<S: Simd> {
+    /// Returns the colours of the samples in a row and a column.
+    fn at(&self, row: usize, column: usize) -> [f32x16<S>; 3];
+
+    /// Returns the least and the greatest of the nine colours.
+    fn range(&self) -> [[f32x16<S>; 3]; 2];
+}
+
+/// Colours around sixteen pixels: their weighted mean, and the box that limits the history.
 pub(super) struct Around<S: Simd> {
     /// Colour of this frame alone.
-    pub(super) present: [F32<S>; 3],
+    pub(super) present: [f32x16<S>; 3],
     /// Weight of the present colour.
-    pub(super) weight: F32<S>,
-    pub(super) least: [F32<S>; 3],
-    pub(super) greatest: [F32<S>; 3],
-    pub(super) mean: [F32<S>; 3],
-    pub(super) deviation: [F32<S>; 3],
+    pub(super) weight: f32x16<S>,
+    pub(super) least: [f32x16<S>; 3],
+    pub(super) greatest: [f32x16<S>; 3],
+    pub(super) mean: [f32x16<S>; 3],
+    pub(super) deviation: [f32x16<S>; 3],
 }
 
 impl<S: Simd> Position<S> {
     /// Returns the weight of a sample in the present colour: an approximation of a Lanczos kernel by a polynomial of the
     /// squared distance, (x − 1)³·(x − ¼), where x = 1 at the end of the kernel.
     #[inline(always)]
-    pub(super) fn weight(&self, simd: S, shape: Shape<S>, (row, column): (usize, usize)) -> F32<S> {
+    pub(super) fn weight(&self, simd: S, shape: Shape<S>, (row, column): (usize, usize)) -> f32x16<S> {
         let squared = self.columns.squared[column] + self.rows.squared[row];
-        let end = (squared * shape.narrowing).min(F32::splat(simd, 1.0)) - 1.0;
+        let end = (squared * shape.narrowing).min(f32x16::splat(simd, 1.0)) - 1.0;
         let end_squared = end * end;
         (end * 0.75 + end_squared) * end_squared
     }
 
     /// Returns the weight of a sample in the box of colours.
     #[inline(always)]
-    fn box_weight(&self, shape: Shape<S>, (row, column): (usize, usize)) -> F32<S> {
+    fn box_weight(&self, shape: Shape<S>, (row, column): (usize, usize)) -> f32x16<S> {
         let [still, fast] = each!(speed in [0, 1] => self.columns.boxes[speed][column] * self.rows.boxes[speed][row]);
         still + (fast - still) * shape.fast
     }
 
-    /// Computes the mean and the box of the colours that `sample` returns for a row and a column of the 3 × 3 samples.
-    /// `white` is the luminance of white.
+    /// Computes the mean and the box of the colours of samples. `white` is the luminance of white.
     #[inline(always)]
-    pub(super) fn around(
-        &self,
-        simd: S,
-        shape: Shape<S>,
-        white: f32,
-        sample: impl Fn(usize, usize) -> [F32<S>; 3],
-    ) -> Around<S> {
-        let zero = F32::splat(simd, 0.0);
-        let middle = sample(1, 1);
+    pub(super) fn around(&self, simd: S, shape: Shape<S>, white: f32, samples: &impl Samples<S>) -> Around<S> {
+        let zero = f32x16::splat(simd, 0.0);
         let (mut colors, mut mean, mut squares) = ([zero; 3], [zero; 3], [zero; 3]);
-        let (mut least, mut greatest, mut sum, mut box_sum) = (middle, middle, zero, zero);
+        let (mut sum, mut box_sum) = (zero, zero);
         for row in 0..3 {
             for column in 0..3 {
                 let (weight, box_weight) =
                     (self.weight(simd, shape, (row, column)), self.box_weight(shape, (row, column)));
                 sum += weight;
                 box_sum += box_weight;
-                for (channel, value) in sample(row, column).into_iter().enumerate() {
+                for (channel, value) in samples.at(row, column).into_iter().enumerate() {
                     let boxed = value * box_weight;
                     colors[channel] += value * weight;
                     mean[channel] += boxed;
                     squares[channel] += boxed * value;
-                    least[channel] = least[channel].min(value);
-                    greatest[channel] = greatest[channel].max(value);
                 }
             }
         }
+        let [least, greatest] = samples.range();
+        let middle = samples.at(1, 1);
         let is_near = sum.simd_ge(LEAST_SUM);
-        let one = F32::splat(simd, 1.0);
+        let one = f32x16::splat(simd, 1.0);
         let (inverse, box_inverse) = (one / is_near.select(sum, one), one / box_sum);
         let present = each!(channel in [0, 1, 2] => {
             let limit = (least[channel] - OVERSHOOT * white, greatest[channel] + OVERSHOOT * white);

@@ -56,7 +56,7 @@ fn weights_are_the_published_polynomial_of_the_squared_distance() {
                 let expected = (end - 1.0).powi(3) * (end - 0.25);
                 let found = on_lanes!(Lanes::baseline(), simd => {
                     let position = Position { columns: columns.splat(simd, at.0), rows: rows.splat(simd, at.1) };
-                    let shape = Shape { narrowing: F32::splat(simd, narrowing), fast: F32::splat(simd, 0.0) };
+                    let shape = Shape { narrowing: f32x16::splat(simd, narrowing), fast: f32x16::splat(simd, 0.0) };
                     position.weight(simd, shape, (row, column)).to_array()[0]
                 });
                 assert!((f64::from(found) - expected).abs() < 1e-5, "{at:?} {row} {column}: {found} {expected}");

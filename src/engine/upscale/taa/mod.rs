@@ -8,13 +8,13 @@
 //! ```
 //!
 //! The vector is that of the nearest surface around the pixel, so that an anti-aliased edge moves with its object (Karis,
-//! 2014). At ×1, the surfaces are those of 3 × 3 pixels. Above, they are those of the 2 × 2 samples around the pixel. All colours are in YCoCg, where chroma and luminance are separate. The history stores
-//! Y, Co, Cg and the accumulated weight of a pixel. A new sample has weight 1 / (n + 1), where n is the accumulated
-//! weight. In motion, n is limited to [`MOVING_WEIGHT`], so that old samples decay exponentially. In a still view, every
-//! jitter position is drawn once, nothing is rectified, and then the picture no longer changes.
+//! 2014). At ×1, the surfaces are those of 3 × 3 pixels. Above, they are those of the 2 × 2 samples around the pixel. All
+//! colours are in YCoCg, where chroma and luminance are separate. The history stores Y, Co, Cg and the accumulated weight
+//! of a pixel. A new sample has weight 1 / (n + 1), where n is the accumulated weight. In motion, n is limited to
+//! [`MOVING_WEIGHT`], so that old samples decay exponentially. In a still view, every jitter position is drawn once,
+//! nothing is rectified, and then the picture no longer changes.
 
 mod rows;
-mod statistics;
 #[cfg(test)]
 mod tests;
 

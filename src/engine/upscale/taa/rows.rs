@@ -8,12 +8,12 @@ use super::super::lattice::ThreeSamples;
 use super::super::planes::{Combination, PAD, Planes, SampleLanes, combine, padded_row};
 use super::super::quads::{self, Quad, window, with_spare};
 use super::super::sample_rows::DecodedRows;
+use super::super::statistics::Statistics;
 use super::super::ycocg::YCoCg;
 use super::super::{
     HistoryFilter, HistoryOptions, HistoryStep, Lattice, Motion, PastColor, Rejection, Scale, Tap, UpscaleInputs,
     Upscaling,
 };
-use super::statistics::Statistics;
 use super::{MOVING_WEIGHT, jitter_of};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
@@ -33,16 +33,16 @@ struct AxisSamples {
     index: [u32; 3],
     /// Index of the middle one in a padded row.
     padded: u32,
-    /// Weight of each sample; 1 for a sample at the centre of the pixel.
-    weight: [f32; 3],
-    /// Sum of the weights.
+    /// Share of each sample.
+    share: [f32; 3],
+    /// Sum of the weights of the samples, which is 1 for a single one at the centre of the pixel.
     total: f32,
 }
 
 /// [`AxisSamples`] of all columns. Those of sixteen can be loaded from every column.
 struct ColumnLanes {
     padded: Vec<u32>,
-    weight: [Vec<f32>; 3],
+    share: [Vec<f32>; 3],
     total: Vec<f32>,
 }
 
@@ -66,7 +66,7 @@ pub(super) struct TaaFrame<'a> {
 /// Buffers for the rows of a band.
 pub(super) struct RowScratch {
     samples: DecodedRows,
-    /// Means of three vertically adjacent samples, with the weights of the row; padded.
+    /// Means of three vertically adjacent samples, with the shares of the row; padded.
     vertical: Planes,
     statistics: Statistics,
     /// `None` if there is no G-buffer.
@@ -94,8 +94,7 @@ struct Present<S: Simd> {
 /// Blending of sixteen pixels with their history.
 struct Blend<S: Simd> {
     present: Present<S>,
-    /// `None` in the first frame.
-    past: Option<Past<S>>,
+    past: Past<S>,
 }
 
 /// History of sixteen pixels. Where it is not known, the numbers are not meaningful.
@@ -180,7 +179,7 @@ impl<'a> TaaFrame<'a> {
     fn step<S: Simd>(&self, Blend { present, past }: Blend<S>, at: (u32, u32)) -> HistoryStep {
         let first = |numbers: f32x16<S>| numbers.to_array()[0];
         let reprojected = self.drawn.frame.map_or(Err(Rejection::FirstFrame), |frame| frame.reproject_dilated(at));
-        let past = past.ok_or(Rejection::FirstFrame).and_then(|past| reprojected.map(|_| past));
+        let past = self.history.as_ref().ok_or(Rejection::FirstFrame).and_then(|_| reprojected.map(|_| past));
         let share = past.as_ref().map_or(1.0, |past| first(past.share));
         let [y, co, cg, _] = present.color;
         let past = past.map(|Past { place, read: [y, co, cg, _], rectified, .. }| PastColor {
@@ -205,7 +204,7 @@ impl<'a> TaaFrame<'a> {
         if self.scale != Scale::ONE {
             for (channel, vertical) in vertical.iter_mut().enumerate() {
                 let rows = each!(i in [0, 1, 2] => &rows[i][channel][read.start..]);
-                combine(simd, rows, vertical, &read, Combination::Weighted(row.weight));
+                combine(simd, rows, vertical, &read, Combination::Weighted(row.share));
             }
         }
         let motion = self.history.as_ref().and_then(|(motion, _)| motion.vectors);
@@ -219,16 +218,12 @@ impl<'a> TaaFrame<'a> {
     #[inline(always)]
     fn block<S: Simd>(&self, simd: S, at: (usize, u32), scratch: &RowScratch) -> Blend<S> {
         let present = self.present(simd, at, scratch);
-        // Not `Option::map`: the compiler would not compile the function that it calls for the instruction set.
-        let mut past = None;
-        if let Some((motion, history)) = &self.history {
-            let read = match motion.vectors {
-                None => self.past_of_still(simd, at, history),
-                Some(_) => self.past_of_moving(simd, at, scratch, history),
-            };
-            past = Some(self.weighted(simd, &present, read));
-        }
-        Blend { present, past }
+        let past = match &self.history {
+            None => Past::none(simd),
+            Some((Motion { vectors: None, .. }, history)) => self.past_of_still(simd, at, history),
+            Some((_, history)) => self.past_of_moving(simd, at, scratch, history),
+        };
+        Blend { past: self.weighted(simd, &present, past), present }
     }
 
     /// Returns the samples nearest to sixteen pixels from column `from` on.
@@ -250,14 +245,14 @@ impl<'a> TaaFrame<'a> {
             let color = each!(channel in [0, 1, 2, 3] => samples.read(simd, &row[channel]));
             return Present { color, confidence: f32x16::splat(simd, 1.0) };
         }
-        let ColumnLanes { weight, total, .. } = &self.column_lanes;
-        let [a, b, c] = each!(i in [0, 1, 2] => f32x16::load_array_ref(simd, window(&weight[i], from)));
+        let ColumnLanes { share, total, .. } = &self.column_lanes;
+        let [a, b, c] = each!(i in [0, 1, 2] => f32x16::load_array_ref(simd, window(&share[i], from)));
         let color = each!(channel in [0, 1, 2, 3] => {
             let [left, at, right] = each!(by in [0, 1, 2] => samples.read_beside(simd, &scratch.vertical[channel], by));
             left * a + at * b + right * c
         });
         let confidence = f32x16::load_array_ref(simd, window(total, from)) * self.rows[y as usize].total;
-        Present { color: each!(i in [0, 1, 2, 3] => color[i] / confidence), confidence: confidence.min(1.0) }
+        Present { color, confidence: confidence.min(1.0) }
     }
 
     /// Returns the history of sixteen pixels in a still view.
@@ -314,34 +309,27 @@ impl<'a> TaaFrame<'a> {
     fn weighted<S: Simd>(&self, simd: S, present: &Present<S>, mut past: Past<S>) -> Past<S> {
         let zero = f32x16::splat(simd, 0.0);
         let weight = past.read[3].max(zero).min(self.most_weight);
-        let mut share = if self.is_settled { zero } else { present.confidence / (weight + present.confidence) };
+        let mut weights = [present.confidence, weight];
         if self.options.luminance_weighting {
-            let [now, then] = each!(y in [present.color[0], past.rectified[0]] => self.luminance_weight(simd, y));
-            share = share * now / (share * now + (f32x16::splat(simd, 1.0) - share) * then);
+            // Each colour counts 1 / (1 + its luminance relative to white). Both are multiplied by the product of the
+            // divisors.
+            let [now, then] = each!(y in [present.color[0], past.rectified[0]] => y.max(zero) + self.colors.white());
+            weights = [present.confidence * then, weight * now];
         }
+        let share = if self.is_settled { zero } else { weights[0] / (weights[1] + weights[0]) };
         (past.weight, past.share) = (weight, share);
         past
-    }
-
-    /// Returns the weights of colours of luminance `y`: 1 / (1 + y), with y in [0, 1].
-    #[inline(always)]
-    fn luminance_weight<S: Simd>(&self, simd: S, y: f32x16<S>) -> f32x16<S> {
-        let white = f32x16::splat(simd, self.colors.white());
-        white / (white + y.max(f32x16::splat(simd, 0.0)))
     }
 
     /// Returns the codes of sixteen pixels and their history for the next frame.
     #[inline(always)]
     fn finished<S: Simd>(&self, simd: S, blend: &Blend<S>) -> ([Rgba8; WIDE], [Quad; WIDE]) {
         let Present { color: [y, co, cg, alpha], confidence } = blend.present;
-        let (mut color, mut weight) = ([y, co, cg], confidence);
-        if let Some(past) = &blend.past {
-            color = each!(i in [0, 1, 2] => {
-                past.is_known.select(past.rectified[i] + (color[i] - past.rectified[i]) * past.share, color[i])
-            });
-            weight = past.is_known.select(past.weight + confidence, confidence);
-        }
-        let [y, co, cg] = color;
+        let (past, present) = (&blend.past, [y, co, cg]);
+        let color @ [y, co, cg] = each!(i in [0, 1, 2] => {
+            past.is_known.select(past.rectified[i] + (present[i] - past.rectified[i]) * past.share, present[i])
+        });
+        let weight = past.is_known.select(past.weight + confidence, confidence);
         let mut quads = [[0.0; 4]; WIDE];
         quads::store([y, co, cg, weight], &mut quads);
         (self.colors.encode(simd, color, alpha), quads)
@@ -350,11 +338,10 @@ impl<'a> TaaFrame<'a> {
     /// Returns the samples that contribute to a pixel. Those that only rectify the history have weight 0.
     pub(super) fn taps(&self, (x, y): (u32, u32)) -> Vec<Tap> {
         let (columns, rows) = (self.columns[x as usize], self.rows[y as usize]);
-        let sum: f32 = columns.weight.iter().sum::<f32>() * rows.weight.iter().sum::<f32>();
         let mut taps: Vec<Tap> = Vec::new();
-        for (y, vertical) in rows.index.into_iter().zip(rows.weight) {
-            for (x, horizontal) in columns.index.into_iter().zip(columns.weight) {
-                let weight = horizontal * vertical / sum;
+        for (y, vertical) in rows.index.into_iter().zip(rows.share) {
+            for (x, horizontal) in columns.index.into_iter().zip(columns.share) {
+                let weight = horizontal * vertical;
                 match taps.iter_mut().find(|tap| (tap.x, tap.y) == (x, y)) {
                     Some(tap) => tap.weight += weight,
                     None => taps.push(Tap { x, y, weight }),
@@ -365,11 +352,21 @@ impl<'a> TaaFrame<'a> {
     }
 }
 
+impl<S: Simd> Past<S> {
+    /// Returns the state of pixels without history.
+    #[inline(always)]
+    fn none(simd: S) -> Self {
+        let zero = f32x16::splat(simd, 0.0);
+        let is_known = zero.simd_gt(zero);
+        Self { is_known, place: [zero; 2], read: [zero; 4], rectified: [zero; 3], weight: zero, share: zero }
+    }
+}
+
 impl ColumnLanes {
     fn new(columns: &[AxisSamples]) -> Self {
         Self {
             padded: with_spare(columns, |column| column.padded),
-            weight: [0, 1, 2].map(|number| with_spare(columns, |column| column.weight[number])),
+            share: [0, 1, 2].map(|number| with_spare(columns, |column| column.share[number])),
             total: with_spare(columns, |column| column.total),
         }
     }
@@ -387,7 +384,8 @@ impl AxisSamples {
             let distance = (number - f64::from(from_nearest)) * lattice.scale.value();
             (-SHARPNESS * distance * distance).exp() as f32
         });
-        Self { index, padded: (nearest + PAD as i64) as u32, weight, total: weight.iter().sum() }
+        let total = weight.iter().sum();
+        Self { index, padded: (nearest + PAD as i64) as u32, share: weight.map(|weight| weight / total), total }
     }
 }
 

@@ -6,9 +6,9 @@ use egui_plot::{HoverPosition, Line, Plot, PlotPoint, PlotPoints, Points, Text, 
 use crate::ui::format;
 use crate::ui::method_colors::method_color;
 use crate::ui::session::Session;
+use crate::ui::session::timings::history::SettingsMarker;
 use crate::ui::theme::{Icon, tokens};
 use crate::ui::ticks::{self, round_steps};
-use crate::ui::timings::history::SettingsMarker;
 use crate::ui::widgets::empty_state;
 
 /// Number of changes, counted from the newest, whose names are in the plot. Older ones are named under the pointer.

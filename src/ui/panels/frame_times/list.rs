@@ -13,12 +13,12 @@ use super::marks::RowMarks;
 use super::rows::MethodRow;
 use super::tooltip;
 use crate::chain::Recipe;
-use crate::ui::command::Command;
 use crate::ui::panels::{budget_line, tradeoff};
 use crate::ui::session::Session;
+use crate::ui::session::command::Command;
+use crate::ui::session::timings::{RowOrder, TimingsChange};
+use crate::ui::session::workspace::Panel;
 use crate::ui::theme::{RADIUS, font_size, space, tokens};
-use crate::ui::timings::{RowOrder, TimingsChange};
-use crate::ui::workspace::Panel;
 use crate::upscale::Upscaling;
 
 /// Minimum height of a row, in points.

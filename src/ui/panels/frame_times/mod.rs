@@ -28,21 +28,17 @@ use self::list::MethodListView;
 use self::rows::MethodRow;
 use crate::manual::Chapter;
 use crate::measure::timing::Summary;
-use crate::ui::command::Command;
 use crate::ui::format;
-use crate::ui::long_tasks::MeasureCommand;
+use crate::ui::panels::PanelSpec;
 use crate::ui::session::Session;
+use crate::ui::session::command::Command;
+use crate::ui::session::long_tasks::MeasureCommand;
+use crate::ui::session::timings::{RowOrder, TimingsChange};
 use crate::ui::theme::{self, Icon, space, tokens};
-use crate::ui::timings::{RowOrder, TimingsChange};
 use crate::ui::widgets::{empty_state, icon_button};
-use crate::ui::workspace::PanelSpec;
 
 /// Description of the panel.
 pub(crate) const PANEL: PanelSpec = PanelSpec {
-    id: "frame-time",
-    name: "Frame time",
-    help: "Frame time of each upscaler",
-    synonyms: &["fps", "performance", "benchmark"],
     chapter: Chapter::ErrorAgainstTime,
     grows: true,
     titled: true,

@@ -5,8 +5,8 @@ use std::cmp::Ordering;
 use crate::measure::timing::{Summary, summarize};
 use crate::ui::format;
 use crate::ui::session::Session;
-use crate::ui::timings::RowOrder;
-use crate::ui::worker::MethodError;
+use crate::ui::session::timings::RowOrder;
+use crate::ui::session::timings::request::MethodError;
 use crate::upscale::Upscaling;
 
 /// Upscaler with its frame times and its error.

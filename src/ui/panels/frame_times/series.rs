@@ -6,13 +6,13 @@ use egui_plot::{HoverPosition, Line, Plot, PlotPoint, PlotPoints, PlotResponse, 
 
 use super::history;
 use super::rows::MethodRow;
-use crate::ui::command::Command;
 use crate::ui::format;
 use crate::ui::method_colors::method_color;
 use crate::ui::session::Session;
+use crate::ui::session::command::Command;
+use crate::ui::session::timings::{TimingsChange, TimingsView};
 use crate::ui::theme::{font_size, space, tokens};
 use crate::ui::ticks::{self, round_steps};
-use crate::ui::timings::{TimingsChange, TimingsView};
 
 /// Minimum length of the plot's frame axis, in frames.
 const MIN_FRAMES: f64 = 10.0;

@@ -5,10 +5,10 @@ use std::collections::BTreeSet;
 use eframe::egui::{Button, Response, RichText, Role, Ui, WidgetInfo};
 
 use super::rows::MethodRow;
-use crate::ui::command::Command;
 use crate::ui::session::Session;
+use crate::ui::session::command::Command;
+use crate::ui::session::timings::{RowOrder, TimingsChange, budget};
 use crate::ui::theme::{CONTROL_HEIGHT, space, tokens};
-use crate::ui::timings::{RowOrder, TimingsChange, budget};
 use crate::ui::widgets::number_field;
 use crate::upscale::Upscaling;
 

@@ -6,8 +6,8 @@ use super::rows::MethodRow;
 use crate::measure::noise::WITHIN;
 use crate::ui::format;
 use crate::ui::session::Session;
+use crate::ui::session::timings::budget;
 use crate::ui::theme::{space, tokens};
-use crate::ui::timings::budget;
 
 /// Draws the content of the tooltip of a row.
 pub(super) fn ui(ui: &mut Ui, row: &MethodRow, session: &Session) {

@@ -3,8 +3,8 @@
 use eframe::egui::{self, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, vec2};
 
 use super::{one_line, to_color};
-use crate::ui::command::Command;
 use crate::ui::engine::RenderedView;
+use crate::ui::session::command::Command;
 use crate::ui::theme::{self, tokens};
 
 /// Number of pixels shown on each side of the picked pixel.

@@ -8,9 +8,9 @@ use crate::inspect::pixel::{Absent, Kind, SampleState};
 use crate::inspect::{FragmentOutcome, FragmentRecord, PixelReport, TriangleSelection};
 use crate::pipeline::settings::Choice as _;
 use crate::scene::TriangleId;
-use crate::ui::command::Command;
 use crate::ui::format;
 use crate::ui::session::Session;
+use crate::ui::session::command::Command;
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::{Status, chip, icon_button, section_header, swatch};
 

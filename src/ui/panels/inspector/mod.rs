@@ -18,27 +18,17 @@ use crate::image::Rgba8;
 use crate::inspect::view::Value;
 use crate::inspect::{FragmentRecord, PixelReport};
 use crate::manual::Chapter;
-use crate::ui::checks;
-use crate::ui::command::Command;
-use crate::ui::files::FileCommand;
 use crate::ui::format;
-use crate::ui::overlays;
-use crate::ui::picked_point::PointVisibility;
-use crate::ui::session::Session;
-use crate::ui::temporal;
+use crate::ui::panels::{PanelContext, PanelSpec, PanelWidgets, framed, overlays, temporal};
+use crate::ui::session::command::Command;
+use crate::ui::session::file_command::FileCommand;
+use crate::ui::session::picked_point::PointVisibility;
+use crate::ui::session::{Session, checks, trace, watch, what_if};
 use crate::ui::theme::{self, Icon, tokens};
-use crate::ui::trace;
-use crate::ui::watch;
-use crate::ui::what_if;
 use crate::ui::widgets::{copy_button, empty_state, section_header, swatch, value_row};
-use crate::ui::workspace::{PanelContext, PanelSpec, PanelWidgets, framed};
 
 /// Description of the panel.
 pub(crate) const PANEL: PanelSpec = PanelSpec {
-    id: "pixel",
-    name: "Pixel",
-    help: "Explanation of the picked pixel: every fragment, which one won, and why",
-    synonyms: &["inspector", "pixel history"],
     chapter: Chapter::InspectingAPixel,
     grows: false,
     titled: true,
@@ -114,7 +104,7 @@ impl Inspector {
             if let Some(fragment) = fragment {
                 arithmetic_button(ui, report, fragment, commands);
             }
-            temporal::panel::ui(ui, session, commands);
+            temporal::ui(ui, session, commands);
             samples(ui, report);
             sources(ui, report, commands);
             if let Some(absent) = absent {

@@ -75,7 +75,7 @@ impl RowFigures {
             Some(reason) => Detail::Skipped(reason),
             None => view.and_then(|view| count_of(stage, session, view)).map_or(Detail::Nothing, Detail::Count),
         };
-        let measured = session.features.stages.figures.as_ref().and_then(|figures| time_of(stage, &figures.times));
+        let measured = session.features.stages.times().and_then(|times| time_of(stage, &times));
         let is_tiled = view.is_some_and(|view| view.frame.execution == Execution::Tiled);
         let time = match (measured, timed_within(stage)) {
             (Some(time), _) => StageTime::Measured(time),
@@ -110,7 +110,8 @@ impl RowFigures {
 
 /// Explanation of the time in the tooltip of a row.
 const TIME_HELP: &str = "Time spent in this stage, in the frame with the median time of several. The bar is its share \
-                         of the frame time. Classic execution divides the time of rasterize, depth, interpolate and \
+                         of the frame time. While a scene plays, the frames of the last quarter of a second count. \
+                         Classic execution divides the time of rasterize, depth, interpolate and \
                          shade in proportion to partial frames that each run one more stage; 0 means too short to \
                          measure.";
 

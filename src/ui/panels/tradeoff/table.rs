@@ -7,11 +7,11 @@ use crate::measure::metric::Metric;
 use crate::measure::noise::WITHIN;
 use crate::pipeline::settings::Choice as _;
 use crate::report::upscaling::tradeoff::Standing;
-use crate::ui::command::Command;
 use crate::ui::format;
 use crate::ui::session::Session;
+use crate::ui::session::command::Command;
+use crate::ui::session::timings::{TradeOff, budget};
 use crate::ui::theme::{self, Icon, tokens};
-use crate::ui::timings::{TradeOff, budget};
 use crate::ui::widgets::figure;
 use crate::upscale::Upscaling;
 
