@@ -1,31 +1,21 @@
 //! Fuzz target: glTF files, as JSON and binary.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use fastrand::Rng;
-use rasterscope::chain::Recipe;
-use rasterscope::pipeline::viewport::Viewport;
-use rasterscope::scene::SceneSource;
 use rasterscope::scene::obj::TrMeaning;
-use rasterscope::text;
 use serde_json::Value;
 
 use crate::fuzz::driver::{Failure, Target};
-use crate::fuzz::images::check_message;
 use crate::fuzz::input::Input;
 use crate::fuzz::mutate::{self, pick};
-use crate::fuzz::{equal, seeds};
-use crate::internal::sound::sound;
+use crate::fuzz::{models, seeds};
 
 /// Names of the input file, as JSON and binary; an input has one of them.
 const MODELS: [&str; 2] = ["model.gltf", "model.glb"];
 
 /// Start of the JSON chunk of a binary file, in bytes.
 const JSON_START: usize = 20;
-
-/// Size of the picture that is drawn of every loaded model, in pixels.
-const SIZE: Viewport = Viewport { width: 21, height: 17 };
 
 /// Fuzz target that loads and draws glTF files.
 pub(crate) struct Gltf;
@@ -57,22 +47,7 @@ impl Target for Gltf {
 
     fn run(&self, folder: &Path) -> Result<(), Failure> {
         let Some(name) = MODELS.iter().find(|name| folder.join(name).is_file()) else { return Ok(()) };
-        let loaded = match SceneSource::File(folder.join(name), TrMeaning::Auto).load() {
-            Ok(loaded) => loaded,
-            Err(error) => return check_message(&text::one_line(&error.to_string()), name),
-        };
-        for warning in loaded.warnings.iter().chain(&loaded.notes) {
-            check_message(&text::one_line(&warning.to_string()), name)?;
-        }
-        sound(&loaded).map_err(|fault| Failure::Wrong(format!("{fault}: {:?}", loaded.scene.bounds())))?;
-        let scene = Arc::new(loaded.scene);
-        for view in &scene.views {
-            view.camera.check().map_err(Failure::Wrong)?;
-        }
-        // Both executions draw the same picture, also of a pose in the middle of the motion.
-        equal::check(&scene, &scene.home, &Recipe::default(), SIZE)?;
-        let Some(animation) = &scene.animation else { return Ok(()) };
-        equal::check(&scene.at(animation.duration_s() * 0.4), &scene.home, &Recipe::default(), SIZE)
+        models::check(&folder.join(name), TrMeaning::Auto, name)
     }
 }
 

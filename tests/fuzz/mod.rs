@@ -9,6 +9,7 @@ mod equal;
 mod gltf;
 mod images;
 mod input;
+mod models;
 mod mutate;
 mod obj;
 mod panics;
@@ -27,13 +28,11 @@ macro_rules! targets {
         $(#[test] $(#[$condition])* fn $test() {
             driver::fuzz($target);
         })+
-
-        /// Names of the targets, by the functions that run them.
-        const TARGETS: &[&str] = &[$(stringify!($test)),+];
     };
 }
 
 targets! {
+    models: models::Models;
     obj: obj::Obj;
     gltf: gltf::Gltf;
     images: images::Images;
@@ -42,11 +41,4 @@ targets! {
     recipes: recipes::Recipes;
     #[cfg(feature = "ui")] preferences: preferences::StoredPreferences;
     #[cfg(feature = "window-tests")] window: window::Window;
-}
-
-#[test]
-fn every_format_of_models_has_a_target() {
-    for format in rasterscope::scene::SceneFormat::ALL {
-        assert!(format.extensions.iter().any(|extension| TARGETS.contains(extension)), "{}", format.name);
-    }
 }

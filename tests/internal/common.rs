@@ -1,9 +1,11 @@
 //! Shared helpers of the integration tests: small scenes, and the geometry stages on bare clip-space vertices.
 
 use std::f32::consts::{PI, TAU};
+use std::sync::Arc;
 
 use glam::{Mat4, Vec3};
-use rasterscope::chain::{Recipe, SettingKey, SettingStage, ValueForm};
+use rasterscope::chain::{KeepDepth, Recipe, Renderer};
+use rasterscope::image::{Image, Rgba8};
 use rasterscope::pipeline::clip_space::ClipVertex;
 use rasterscope::pipeline::from_clip_space;
 use rasterscope::pipeline::observe::Observer;
@@ -163,47 +165,6 @@ pub(crate) fn scenes() -> [(&'static str, Scene); 4] {
     ]
 }
 
-/// Returns the recipes without repetitions. Variations of several settings contain the default once per setting.
-pub(crate) fn distinct(recipes: impl IntoIterator<Item = Recipe>) -> Vec<Recipe> {
-    let mut distinct = Vec::new();
-    for recipe in recipes {
-        if !distinct.contains(&recipe) {
-            distinct.push(recipe);
-        }
-    }
-    distinct
-}
-
-/// Returns `key=value` for all words of a setting, and for some numbers or colours if it accepts them.
-pub(crate) fn assignments_of(key: SettingKey) -> Vec<String> {
-    let values = key.values();
-    let numbers = match values.form {
-        None => Vec::new(),
-        Some(ValueForm::Number(Some(range))) => vec![range.start().to_string(), range.end().to_string()],
-        Some(ValueForm::Number(None)) => ["0", "-1.5", "40", "-5e6"].map(str::to_owned).into(),
-        Some(ValueForm::Whole) => ["0", "7"].map(str::to_owned).into(),
-        Some(ValueForm::Percent(most)) => vec!["0".to_owned(), most.to_string()],
-        Some(ValueForm::Numbers(lengths)) => {
-            lengths.iter().flat_map(|length| ["0.75", "-0.3"].map(|number| vec![number; *length].join(","))).collect()
-        }
-        Some(ValueForm::Color) => vec!["#d04010".to_owned()],
-    };
-    let words = values.words.into_iter().map(|word| word.id).chain(numbers);
-    words.map(|value| format!("{}={value}", key.id())).collect()
-}
-
-/// Returns a recipe for each value of every setting that affects the drawn samples, with the other settings at their
-/// defaults. A new setting or value is included by itself.
-pub(crate) fn single_switches() -> Vec<Recipe> {
-    let keys = SettingKey::ALL.iter().copied().filter(|key| key.stage() != SettingStage::Upscale);
-    let switched = keys.flat_map(|key| {
-        let recipes: Vec<Recipe> = assignments_of(key).iter().map(|assignment| recipe(&[assignment])).collect();
-        assert!(recipes.iter().any(|recipe| *recipe != Recipe::default()), "{}", key.id());
-        recipes
-    });
-    distinct(switched)
-}
-
 /// Returns the default recipe changed by `assignments` such as `culling=none`.
 pub(crate) fn recipe(assignments: &[&str]) -> Recipe {
     let mut recipe = Recipe::default();
@@ -211,4 +172,22 @@ pub(crate) fn recipe(assignments: &[&str]) -> Recipe {
         recipe.set(assignment).expect("test recipes are valid");
     }
     recipe
+}
+
+/// Number of frames of [`picture_in_motion`] with an upscaler that reads earlier frames.
+const FRAMES: u8 = 3;
+
+/// Angle by which the camera of [`picture_in_motion`] orbits between two frames, in radians.
+const TURN: f32 = 0.02;
+
+/// Returns the picture of the home view; with history, the last of several frames of an orbiting camera.
+pub(crate) fn picture_in_motion(scene: &Arc<Scene>, recipe: &Recipe, size: Viewport) -> Image<Rgba8> {
+    let mut renderer = Renderer::default();
+    let frames = if recipe.upscaler.upscaler().reads().history { FRAMES } else { 1 };
+    let pictures = (0..frames).rev().map(|frames_left| {
+        let mut camera = scene.home;
+        camera.orbit(TURN * f32::from(frames_left), 0.0);
+        renderer.render(scene, &camera, recipe, size, KeepDepth::Yes).image().clone()
+    });
+    pictures.last().expect("at least one frame")
 }

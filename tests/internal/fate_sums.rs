@@ -1,5 +1,6 @@
 //! Checks that every input triangle and every generated fragment ends in exactly one bin, in every built-in scene and
-//! every model, from outside and inside, with every culling mode, depth test and depth format.
+//! every model, from outside and inside, with every culling mode, depth test and depth format; in the built-in scenes also
+//! with every value of every other setting.
 //!
 //! The expected sums do not come from the bins: triangles are counted in the scene's meshes, fragments and rejections
 //! by an observer while the frame is drawn.
@@ -8,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::internal::samples;
+use crate::internal::switches::{distinct, finishing_switches, single_switches};
 use rasterscope::chain::{Recipe, run};
 use rasterscope::inspect::Fates;
 use rasterscope::inspect::fates::TriangleFate;
@@ -22,6 +24,9 @@ const SIZE: Viewport = Viewport { width: 33, height: 23 };
 
 /// Number of triangles above which a scene is tested with fewer recipes.
 const MANY_TRIANGLES: usize = 3_000;
+
+/// Number of scenes that are drawn with each value of a setting.
+const SCENES_PER_SWITCH: usize = 3;
 
 /// Returns a recipe for each combination of culling mode, depth test and depth format.
 fn all_recipes() -> Vec<Recipe> {
@@ -51,6 +56,11 @@ fn few_recipes() -> Vec<Recipe> {
             recipe
         })
         .collect()
+}
+
+/// Returns the recipes of all settings.
+fn switches() -> Vec<Recipe> {
+    distinct(single_switches().into_iter().chain(finishing_switches()))
 }
 
 /// Returns the home view, a view so close that many triangles are clipped or behind the eye, and an orthographic view.
@@ -91,16 +101,19 @@ fn check(scene: &Scene, recipe: &Recipe, met: &Met) {
     }
 }
 
-#[expect(clippy::print_stderr, reason = "prints how much was counted")]
-fn check_all(scenes: &[Scene]) -> Met {
-    let met = Met::default();
+/// Returns each scene with every combination, or with a few recipes if it has many triangles.
+fn combinations(scenes: &[Scene]) -> Vec<(&Scene, Recipe)> {
     let recipes = |scene: &Scene| if scene.triangle_count() > MANY_TRIANGLES { few_recipes() } else { all_recipes() };
-    let cases: Vec<_> = scenes.iter().flat_map(|scene| recipes(scene).into_iter().map(move |r| (scene, r))).collect();
+    scenes.iter().flat_map(|scene| recipes(scene).into_iter().map(move |recipe| (scene, recipe))).collect()
+}
+
+#[expect(clippy::print_stderr, reason = "prints how much was counted")]
+fn check_all(cases: &[(&Scene, Recipe)]) -> Met {
+    let met = Met::default();
     cases.par_iter().for_each(|(scene, recipe)| check(scene, recipe, &met));
     let triangles: u64 = met.triangles.iter().map(|count| count.load(Ordering::Relaxed)).sum();
     eprintln!(
-        "{} scenes, {} frames: {triangles} triangles, {} of them cut, and {} fragments, each in one bin",
-        scenes.len(),
+        "{} frames: {triangles} triangles, {} of them cut, and {} fragments, each in one bin",
         3 * cases.len(),
         met.cut.load(Ordering::Relaxed),
         met.fragments.load(Ordering::Relaxed)
@@ -111,13 +124,26 @@ fn check_all(scenes: &[Scene]) -> Met {
 #[test]
 fn sums_match_in_every_builtin_scene() {
     let scenes: Vec<_> = builtin::ALL.iter().map(builtin::Builtin::build).collect();
-    let met = check_all(&scenes);
+    let met = check_all(&combinations(&scenes));
     // No scene has corners that are not finite, and within the guard band no triangle is clipped away completely.
     let never = [TriangleFate::Unaccounted, TriangleFate::NotFinite, TriangleFate::ClippedAway];
     for fate in TriangleFate::ALL.iter().filter(|fate| !never.contains(fate)) {
         assert!(met.triangles[*fate as usize].load(Ordering::Relaxed) > 0, "no triangle has the fate {fate:?}");
     }
     assert!(met.cut.into_inner() > 0);
+}
+
+#[test]
+fn sums_match_under_every_switch() {
+    let scenes: Vec<_> = builtin::ALL.iter().map(builtin::Builtin::build).collect();
+    let small: Vec<_> = scenes.iter().filter(|scene| scene.triangle_count() <= MANY_TRIANGLES).collect();
+    // Every setting meets several scenes, and every scene several settings.
+    let turns = switches()
+        .into_iter()
+        .enumerate()
+        .flat_map(|(turn, recipe)| (0..SCENES_PER_SWITCH).map(move |step| (turn * SCENES_PER_SWITCH + step, recipe)));
+    let cases: Vec<_> = turns.map(|(turn, recipe)| (small[turn % small.len()], recipe)).collect();
+    assert!(check_all(&cases).fragments.into_inner() > 0);
 }
 
 /// Returns the models in a folder and in the folders below it.
@@ -139,7 +165,7 @@ fn sums_match_in_every_model() {
         // Models of points and lines only, and files that are no models, cannot be loaded; other tests cover that.
         let scenes: Vec<_> = files.par_iter().filter_map(|path| Some(obj::load(path).ok()?.scene)).collect();
         assert!(scenes.len() >= least, "{} of {} files", scenes.len(), files.len());
-        let met = check_all(&scenes);
+        let met = check_all(&combinations(&scenes));
         assert!(met.cut.into_inner() > 0);
     }
 }

@@ -2,15 +2,17 @@
 //! all fragments of a pixel at once, and repeats clipping and culling in double precision.
 
 use glam::{DVec4, Mat4, Vec3};
-use rasterscope::chain::{Frame, Recipe};
+use rasterscope::chain::{Frame, Recipe, SettingKey, SettingStage};
 use rasterscope::inspect::Fates;
 use rasterscope::inspect::fates::{FragmentFate, TriangleFate};
 use rasterscope::pipeline::raster::RasterSample;
 use rasterscope::pipeline::screen_triangle::{ScreenTriangle, depth_at};
 use rasterscope::pipeline::settings::{Choice as _, Culling, DepthTest};
+use rasterscope::pipeline::shading::ShadingKind;
 use rasterscope::scene::{DepthMapping, Scene, TriangleId};
 
 use crate::internal::common::{SceneBuilder, for_seeds, render, soup};
+use crate::internal::switches::{distinct, switches_of};
 
 /// Size of the pictures, odd and small, because every triangle is tested at every pixel.
 const SIZE: (u32, u32) = (37, 29);
@@ -81,13 +83,16 @@ fn endings(all: &[Candidate], tests_depth: bool) -> Vec<FragmentFate> {
 }
 
 /// Returns the number of fragments of each triangle by fate.
-fn expected_fragments(scene: &Scene, frame: &Frame, tests_depth: bool) -> Vec<[u64; FragmentFate::ALL.len()]> {
+fn expected_fragments(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Vec<[u64; FragmentFate::ALL.len()]> {
+    let tests_depth = recipe.pipeline.depth_test == DepthTest::Less;
+    // Shadings of all other kinds make surfaces opaque.
+    let blends = recipe.pipeline.shading.kind() == ShadingKind::Material;
     let mut counts = vec![[0; FragmentFate::ALL.len()]; scene.triangle_count()];
     let translucent = scene.instances.len() as u32 - 1;
     for (x, y) in (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y))) {
         let covering = frame.geometry().triangles.iter().filter_map(|triangle| {
             let sample = RasterSample { column: x, row: y, x, y, edges: edges(triangle, x, y)? };
-            let (depth, is_blended) = (depth_at(triangle, &sample), triangle.instance == translucent);
+            let (depth, is_blended) = (depth_at(triangle, &sample), blends && triangle.instance == translucent);
             Some(Candidate { triangle: triangle.id, depth, is_blended })
         });
         let covering: Vec<_> = covering.collect();
@@ -146,36 +151,66 @@ fn expected_rejections(scene: &Scene, culling: Culling) -> Vec<Option<TriangleFa
     scene.instances.iter().flat_map(of_instance).collect()
 }
 
+/// Settings that decide which fragments there are and which are visible. The independent count knows two of them, and assumes
+/// the defaults of the others.
+const RULES: [SettingKey; 9] = [
+    SettingKey::Arithmetic,
+    SettingKey::BlendingOrder,
+    SettingKey::Culling,
+    SettingKey::DepthBiasConstant,
+    SettingKey::DepthBiasSlope,
+    SettingKey::DepthFormat,
+    SettingKey::DepthTest,
+    SettingKey::FillRule,
+    SettingKey::Rasterizer,
+];
+
+/// Returns a recipe for each culling mode, with and without a depth test.
+fn rules() -> Vec<Recipe> {
+    let with = |culling: Culling, depth_test: DepthTest| {
+        let mut recipe = Recipe::default();
+        (recipe.pipeline.culling, recipe.pipeline.depth_test) = (culling, depth_test);
+        recipe
+    };
+    Culling::ALL.iter().flat_map(|culling| [DepthTest::Less, DepthTest::Off].map(|test| with(*culling, test))).collect()
+}
+
+/// Returns the recipes of all other settings that affect the drawn samples.
+fn other_switches() -> Vec<Recipe> {
+    let others = SettingKey::ALL.iter().filter(|key| key.stage() != SettingStage::Upscale && !RULES.contains(key));
+    distinct(others.copied().flat_map(switches_of))
+}
+
+/// Compares the fates of a frame with the independent count. Returns the fates of the triangles.
+fn check(scene: &Scene, recipe: &Recipe) -> Vec<TriangleFate> {
+    let frame = render(scene, recipe, SIZE);
+    let fates = Fates::of(scene, recipe, &frame);
+    let fragments = expected_fragments(scene, recipe, &frame);
+    let rejections = expected_rejections(scene, recipe.pipeline.culling);
+    for (id, (expected, rejected)) in fragments.iter().zip(&rejections).enumerate() {
+        let counted = FragmentFate::ALL.iter().map(|fate| fates.fragments[id].of(*fate));
+        assert_eq!(counted.collect::<Vec<_>>(), expected, "triangle {id}, {recipe:?}");
+        let best = FragmentFate::ALL.iter().rev().find(|fate| expected[**fate as usize] > 0);
+        let fate = rejected.unwrap_or(match best {
+            None => TriangleFate::NoCentre,
+            Some(FragmentFate::LostDepth) => TriangleFate::LostDepth,
+            Some(FragmentFate::AlphaRejected) => TriangleFate::AlphaRejected,
+            Some(FragmentFate::Overwritten) => TriangleFate::Overwritten,
+            Some(FragmentFate::BlendedOver) => TriangleFate::BlendedOver,
+            Some(FragmentFate::Visible) => TriangleFate::Visible,
+        });
+        assert_eq!(fates.triangles[id], fate, "triangle {id}, {recipe:?}");
+    }
+    fates.triangles
+}
+
 #[test]
 fn fates_of_triangles_and_fragments_equal_an_independent_count() {
     let mut met = [false; TriangleFate::ALL.len()];
     for_seeds(12, |rng| {
         let scene = scene(rng);
-        for culling in Culling::ALL {
-            for depth_test in [DepthTest::Less, DepthTest::Off] {
-                let mut recipe = Recipe::default();
-                (recipe.pipeline.culling, recipe.pipeline.depth_test) = (*culling, depth_test);
-                let frame = render(&scene, &recipe, SIZE);
-                let fates = Fates::of(&scene, &recipe, &frame);
-                let fragments = expected_fragments(&scene, &frame, depth_test == DepthTest::Less);
-                let rejections = expected_rejections(&scene, *culling);
-                for (id, (expected, rejected)) in fragments.iter().zip(&rejections).enumerate() {
-                    let reported = format!("triangle {id}, {culling:?}, {depth_test:?}");
-                    let counted = FragmentFate::ALL.iter().map(|fate| fates.fragments[id].of(*fate));
-                    assert_eq!(counted.collect::<Vec<_>>(), expected, "{reported}");
-                    let best = FragmentFate::ALL.iter().rev().find(|fate| expected[**fate as usize] > 0);
-                    let fate = rejected.unwrap_or(match best {
-                        None => TriangleFate::NoCentre,
-                        Some(FragmentFate::LostDepth) => TriangleFate::LostDepth,
-                        Some(FragmentFate::AlphaRejected) => TriangleFate::AlphaRejected,
-                        Some(FragmentFate::Overwritten) => TriangleFate::Overwritten,
-                        Some(FragmentFate::BlendedOver) => TriangleFate::BlendedOver,
-                        Some(FragmentFate::Visible) => TriangleFate::Visible,
-                    });
-                    assert_eq!(fates.triangles[id], fate, "{reported}");
-                    met[fate as usize] = true;
-                }
-            }
+        for fate in rules().iter().flat_map(|recipe| check(&scene, recipe)) {
+            met[fate as usize] = true;
         }
     });
     for fate in [
@@ -190,4 +225,13 @@ fn fates_of_triangles_and_fragments_equal_an_independent_count() {
     ] {
         assert!(met[fate as usize], "no triangle has the fate {fate:?}");
     }
+}
+
+#[test]
+fn settings_that_are_no_rules_of_visibility_change_no_fate() {
+    let recipes = other_switches();
+    for_seeds(2, |rng| {
+        let scene = scene(rng);
+        recipes.iter().for_each(|recipe| drop(check(&scene, recipe)));
+    });
 }

@@ -14,15 +14,17 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::internal::common::{recipe, render};
+use crate::internal::common::{picture_in_motion, recipe, render};
+use crate::internal::switches::{WITHOUT_EFFECT, switches_of};
 use glam::Quat;
-use rasterscope::chain::{Frame, KeepDepth, Recipe, Renderer};
+use rasterscope::chain::{Frame, KeepDepth, Recipe, Renderer, SettingKey};
 use rasterscope::image::{Image, Rgba8, file};
 use rasterscope::inspect::buffers::{Buffer, capture};
 use rasterscope::inspect::stages::{self, Stage};
 use rasterscope::inspect::view;
 use rasterscope::pipeline::settings::{Choice as _, DepthFormat, Shading};
 use rasterscope::pipeline::viewport::Viewport;
+use rasterscope::scene::builtin::Builtin;
 use rasterscope::scene::{Scene, builtin};
 use rasterscope::upscale::{self, Scale, Upscaling};
 
@@ -46,6 +48,7 @@ fn pictures() -> Vec<(String, Image<Rgba8>)> {
     let mut pictures: Vec<_> =
         builtin::ALL.iter().map(|b| (b.id.to_owned(), image(&posed(b), &Recipe::default()))).collect();
     pictures.extend(switches());
+    pictures.extend(strips());
     pictures.extend(shadings());
     pictures.extend(depth_formats());
     pictures.extend(upscalers());
@@ -54,7 +57,33 @@ fn pictures() -> Vec<(String, Image<Rgba8>)> {
     pictures
 }
 
-/// Returns pictures with a single changed setting, each of a scene that shows its effect.
+/// Settings whose values are shown by larger pictures of their own instead of a strip.
+const WITHOUT_STRIP: [SettingKey; 3] = [SettingKey::DepthFormat, SettingKey::Shading, SettingKey::UpscalerMethod];
+
+/// Size of each picture in a strip.
+const SIZE_IN_STRIP: Viewport = Viewport { width: 48, height: 30 };
+
+/// Returns a strip for every setting that changes pictures.
+fn strips() -> impl Iterator<Item = (String, Image<Rgba8>)> {
+    let apart = |key: &&SettingKey| WITHOUT_STRIP.contains(key) || WITHOUT_EFFECT.contains(key);
+    SettingKey::ALL.iter().filter(move |key| !apart(key)).map(|key| (format!("setting.{}", key.id()), strip(*key)))
+}
+
+/// Returns the pictures of all values of a setting beside each other, of the first built-in scene in which they differ.
+fn strip(key: SettingKey) -> Image<Rgba8> {
+    let recipes = switches_of(key);
+    let of_scene = |builtin: &Builtin| {
+        let scene = Arc::new(builtin.build());
+        recipes.iter().map(|recipe| picture_in_motion(&scene, recipe, SIZE_IN_STRIP)).collect::<Vec<_>>()
+    };
+    let pictures =
+        builtin::ALL.iter().map(of_scene).find(|pictures| pictures.iter().any(|other| *other != pictures[0]));
+    let pictures = pictures.unwrap_or_else(|| panic!("{} changes no picture", key.id()));
+    let Viewport { width, height } = SIZE_IN_STRIP;
+    Image::from_fn(width * pictures.len() as u32, height, |x, y| pictures[(x / width) as usize].at(x % width, y))
+}
+
+/// Returns larger pictures with a single changed setting, each of a scene that shows its effect.
 fn switches() -> impl Iterator<Item = (String, Image<Rgba8>)> {
     [
         ("chess", "interpolation=affine"),

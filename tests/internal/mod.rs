@@ -22,5 +22,6 @@ mod shading;
 pub(crate) mod sound;
 mod stability_oracle;
 mod statements;
+pub(crate) mod switches;
 mod tiled;
 mod trace;

@@ -4,7 +4,8 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 
-use crate::internal::common::{DEPTH_BIASES, recipe, render, scenes, single_switches};
+use crate::internal::common::{DEPTH_BIASES, recipe, render, scenes};
+use crate::internal::switches::{finishing_switches, single_switches};
 use rasterscope::antialias::settings::{AntialiasMethod, PostFilterKind as PostChoice};
 use rasterscope::chain::{Frame, Recipe};
 use rasterscope::inspect::buffers::Buffers;
@@ -84,7 +85,7 @@ fn upscalers() -> Vec<Recipe> {
     plain.chain(upscalers_at_their_first_scale(true)).collect()
 }
 
-/// Returns recipes for every anti-aliasing method, with and without an upscaler, and for every post filter.
+/// Returns [`finishing_switches`], and recipes for every anti-aliasing method and post filter with and without an upscaler.
 fn smooth() -> Vec<Recipe> {
     let plain = Recipe::default();
     let enlarged = Recipe { upscaler: Upscaling::new("bilinear", 3).unwrap(), ..plain };
@@ -94,7 +95,7 @@ fn smooth() -> Vec<Recipe> {
         (r.antialias.method, r.antialias.light) = (AntialiasMethod::RotatedGrid, c);
     });
     let filters = cross::<PostChoice>(&[plain, enlarged], |r, c| (r.post.filter, r.post.strength) = (c, 1.5));
-    recipes.into_iter().chain(bytes).chain(filters).collect()
+    finishing_switches().into_iter().chain(recipes).chain(bytes).chain(filters).collect()
 }
 
 /// Returns a recipe for every upscaler at the first scale that it offers.
@@ -206,7 +207,7 @@ fn every_pixel_replays_to_the_frame_under_every_upscaler() {
 }
 
 #[test]
-fn every_pixel_replays_to_the_frame_under_every_antialiasing_and_post_filter() {
+fn every_pixel_replays_to_the_frame_under_every_switch_after_shading() {
     replay_all(&scenes(), &smooth(), (11, 7));
 }
 

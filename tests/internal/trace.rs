@@ -13,7 +13,8 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::internal::common::{assignments_of, coplanar_scene, ground_and_cube, recipe, transparency_scene};
+use crate::internal::common::{coplanar_scene, ground_and_cube, recipe, transparency_scene};
+use crate::internal::switches::assignments_of;
 use rasterscope::antialias::settings::{AntialiasMethod, PostFilterKind as PostChoice};
 use rasterscope::chain::{Frame, KeepDepth, Recipe, Renderer, SettingKey, SettingStage, execution};
 use rasterscope::image::Rgba8;

@@ -16,7 +16,7 @@ use rasterscope::manual::Chapter;
 use rasterscope::pipeline::settings::Choice as _;
 use rasterscope::scene::{SceneFormat, builtin};
 use rasterscope::ui::key_sheet::keys_and_descriptions;
-use rasterscope::upscale;
+use rasterscope::upscale::{self, Sampling, Scale, Upscaler, Upscaling};
 
 /// Path of the program under test.
 const PROGRAM: &str = env!("CARGO_BIN_EXE_rasterscope");
@@ -25,9 +25,11 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_rasterscope");
 type Build = fn() -> String;
 
 /// Functions that generate tables, by the name in the table's marker.
-const TABLES: [(&str, Build); 7] = [
+const TABLES: [(&str, Build); 9] = [
     ("settings", settings),
+    ("upscalers", upscalers),
     ("scenes", scenes),
+    ("models", models),
     ("commands", commands),
     ("keys", keys),
     ("buffers", buffers),
@@ -86,6 +88,43 @@ fn settings() -> String {
     let rows = SettingKey::ALL.iter();
     let rows = rows.map(|key| vec![code(key.id()), values(&key.values().to_string()), default(*key)]);
     table("key | values | default", rows)
+}
+
+/// Describes the samples that an upscaler draws at its default scale.
+fn drawn(upscaler: &dyn Upscaler) -> &'static str {
+    let how = Upscaling::new(upscaler.id(), upscaler.default_scale()).expect("an upscaler of the registry");
+    let is_drawn = |x| match how.sampling() {
+        Sampling::Grid(grid) => grid.sample_at(x, 0).is_some(),
+        Sampling::Lattice(_) => false,
+    };
+    match ([1, 2].map(is_drawn), upscaler.jitter(how).is_some()) {
+        (_, true) if upscaler.offers().scales.contains(&Scale::ONE) => {
+            "one jittered sample per pixel or block and frame"
+        }
+        (_, true) => "one jittered sample per block and frame",
+        ([true, true], false) => "every pixel",
+        ([true, false], false) if upscaler.reads().history => {
+            "the 2 × 2-px squares of both colours of a checkerboard, in alternating frames"
+        }
+        ([true, false], false) => "the 2 × 2-px squares of one colour of a checkerboard",
+        ([false, _], false) => "one sample per block",
+    }
+}
+
+fn upscalers() -> String {
+    let rows = upscale::BUILT_IN.iter().map(|upscaler| {
+        let altered = if upscaler.alters_samples() { "; drawn pixels change" } else { "" };
+        vec![code(upscaler.id()), drawn(*upscaler).to_owned(), format!("{}{altered}", upscaler.artefacts())]
+    });
+    table("method | what is drawn | artefacts", rows)
+}
+
+fn models() -> String {
+    let rows = SceneFormat::ALL.iter().map(|format| {
+        let extensions: Vec<_> = format.extensions.iter().map(|extension| code(&format!(".{extension}"))).collect();
+        vec![format.name.to_owned(), extensions.join(", "), format.companions.to_owned()]
+    });
+    table("format | file extensions | files beside it", rows)
 }
 
 fn scenes() -> String {
@@ -238,20 +277,9 @@ fn every_link_and_picture_exists() {
 }
 
 #[test]
-fn the_chapter_on_upscalers_names_every_method() {
-    for upscaler in upscale::BUILT_IN {
-        let id = format!("`{}`", upscaler.id());
-        assert!(Chapter::ComparingUpscalers.text().contains(&id), "{id} is missing in the table of methods");
-    }
-}
-
-#[test]
-fn the_chapter_on_files_names_every_format_of_models_and_channel() {
+fn the_chapter_on_files_names_every_channel() {
     let text = Chapter::ScenesAndFileFormats.text();
     let is_named = |name: &str| assert!(text.contains(&code(name)), "{name}");
-    for format in SceneFormat::ALL {
-        format.extensions.iter().for_each(|extension| is_named(&format!(".{extension}")));
-    }
     for buffer in Buffer::ALL {
         match buffer.channels() {
             BufferChannels::Color(names) => names.into_iter().for_each(is_named),

@@ -58,6 +58,10 @@ impl Upscaler for Accumulation {
          B. Karis, “High Quality Temporal Supersampling”, 2014."
     }
 
+    fn artefacts(&self) -> &'static str {
+        "softens in motion, fine detail flickers"
+    }
+
     fn offers(&self) -> Offers {
         Offers {
             scales: &[Scale::ONE, Scale::TWO],

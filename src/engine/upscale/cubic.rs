@@ -14,8 +14,11 @@ pub(crate) static CATMULL_ROM: Separable = Separable {
            Good on natural images: without the kinks of the Lagrange cubic of Bicubic. Overshoots at hard edges by up \
            to 7.5 % of their height. Source: Catmull and Rom (1974), in the form of Mitchell and Netravali (1988), B = \
            0, C = ½.",
+    artefacts: "overshoot at hard edges",
     weights: KernelWeights::Four(|t| weights(t, 0.0, 0.5)),
     deringing: true,
+    #[cfg(test)]
+    published: |x| tests::keys(x, -0.5),
 };
 
 /// Mitchell-Netravali filter (B = C = ⅓), the compromise that viewers preferred in the authors' study.
@@ -26,8 +29,11 @@ pub(crate) static MITCHELL: Separable = Separable {
            overshoots by up to 4 % of an edge's height. It does not pass through the samples, so the picture becomes \
            slightly softer, including the drawn pixels. Source: Mitchell and Netravali, Reconstruction Filters in \
            Computer Graphics (1988), B = C = ⅓.",
+    artefacts: "slight blur, slight overshoot at hard edges",
     weights: KernelWeights::Four(|t| weights(t, 1.0 / 3.0, 1.0 / 3.0)),
     deringing: false,
+    #[cfg(test)]
+    published: tests::mitchell,
 };
 
 fn weights(t: f64, b: f64, c: f64) -> [f64; 4] {
@@ -49,6 +55,24 @@ fn cubic(x: f64, b: f64, c: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Cubic convolution of Keys (1981); Catmull-Rom for a = −½.
+    pub(super) fn keys(x: f64, a: f64) -> f64 {
+        match x {
+            _ if x <= 1.0 => (a + 2.0) * x.powi(3) - (a + 3.0) * x * x + 1.0,
+            _ if x < 2.0 => a * (x.powi(3) - 5.0 * x * x + 8.0 * x - 4.0),
+            _ => 0.0,
+        }
+    }
+
+    /// Mitchell and Netravali's cubic with B = C = ⅓, in eighteenths as published.
+    pub(super) fn mitchell(x: f64) -> f64 {
+        match x {
+            _ if x < 1.0 => (21.0 * x.powi(3) - 36.0 * x * x + 16.0) / 18.0,
+            _ if x < 2.0 => (-7.0 * x.powi(3) + 36.0 * x * x - 60.0 * x + 32.0) / 18.0,
+            _ => 0.0,
+        }
+    }
 
     #[test]
     fn at_a_quarter_the_weights_are_those_of_the_printed_polynomials() {

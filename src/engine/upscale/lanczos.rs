@@ -15,8 +15,11 @@ pub(crate) static LANCZOS2: Separable = Separable {
     help: "A sinc windowed by a wider sinc that ends after two samples, along rows and then columns. Good on fine \
            detail. Overshoots at hard edges by up to 9 % of their height. Source: Duchon, Lanczos Filtering in One and \
            Two Dimensions (1979); weights divided by their sum.",
+    artefacts: "overshoot at hard edges",
     weights: KernelWeights::Four(lanczos),
     deringing: true,
+    #[cfg(test)]
+    published: |x| tests::windowed_sinc(x, 2.0),
 };
 
 /// Lanczos filter with a = 3 (six taps).
@@ -26,8 +29,11 @@ pub(crate) static LANCZOS3: Separable = Separable {
     help: "A sinc windowed by a wider sinc that ends after three samples, along rows and then columns. Good on natural \
            images that were low-pass filtered. Rings: up to 12 % of an edge's height beside it, with a second wave. \
            Source: Duchon, Lanczos Filtering in One and Two Dimensions (1979); weights divided by their sum.",
+    artefacts: "ringing at hard edges",
     weights: KernelWeights::Six(lanczos),
     deringing: true,
+    #[cfg(test)]
+    published: |x| tests::windowed_sinc(x, 3.0),
 };
 
 fn lanczos<const N: usize>(t: f64) -> [f64; N] {
@@ -54,6 +60,13 @@ fn sinc(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Sinc windowed by a sinc of `lobes` times its width (Duchon 1979).
+    pub(super) fn windowed_sinc(x: f64, lobes: f64) -> f64 {
+        let sinc =
+            |x: f64| if x.abs() < 1e-9 { 1.0 } else { (std::f64::consts::PI * x).sin() / (std::f64::consts::PI * x) };
+        if x < lobes { sinc(x) * sinc(x / lobes) } else { 0.0 }
+    }
 
     #[test]
     fn weights_sum_to_one_and_a_sample_keeps_its_value() {

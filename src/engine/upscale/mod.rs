@@ -18,28 +18,16 @@ use serde::Serialize;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::grid::SampleGrid;
 
-mod accumulation;
 mod bands;
-mod bicubic;
-mod bilinear;
-mod checkerboard;
 mod choice;
-mod cubic;
-mod ewa;
-mod fsr;
-mod fsr2;
 mod history;
 mod history_options;
 mod jitter;
-mod lanczos;
 #[cfg(target_arch = "x86_64")]
 mod lanes;
 mod lattice;
-mod native;
-mod nearest;
 #[cfg(target_arch = "x86_64")]
 mod nearest_avx2;
-mod nis;
 mod planes;
 pub mod process;
 mod quads;
@@ -48,11 +36,39 @@ mod runs;
 mod sample_rows;
 mod scale;
 mod separable;
-mod sgsr2;
 mod spares;
 mod statistics;
-mod taa;
 mod ycocg;
+
+/// Declares [`BUILT_IN`]: for each module, its upscalers.
+///
+/// The macro also declares the modules, so that an upscaler is added by one line. `cargo fmt` does not see modules that a
+/// macro declares; `.ci/run` formats them by their files.
+macro_rules! built_in {
+    ($($($upscaler:ident),+ in mod $module:ident;)+) => {
+        $(mod $module;)+
+
+        /// The built-in upscalers, in menu order.
+        pub static BUILT_IN: &[&dyn Upscaler] = &[$($(&$module::$upscaler),+),+];
+    };
+}
+
+built_in! {
+    NATIVE in mod native;
+    CHECKERBOARD, CHECKERBOARD_EDGES, CHECKERBOARD_SURFACES, CHECKERBOARD_TEMPORAL in mod checkerboard;
+    NEAREST in mod nearest;
+    BILINEAR in mod bilinear;
+    BICUBIC in mod bicubic;
+    CATMULL_ROM, MITCHELL in mod cubic;
+    LANCZOS2, LANCZOS3 in mod lanczos;
+    EWA_LANCZOS in mod ewa;
+    FSR1 in mod fsr;
+    NIS in mod nis;
+    ACCUMULATION in mod accumulation;
+    TAA in mod taa;
+    FSR2 in mod fsr2;
+    SGSR2 in mod sgsr2;
+}
 
 pub use choice::FilterSpace;
 pub(crate) use choice::MAX_SHARPENING;
@@ -92,6 +108,12 @@ pub trait Upscaler: Sync {
     /// Returns a short description: algorithm, strengths, artefacts and source.
     fn help(&self) -> &'static str;
 
+    /// Returns the artefacts that distinguish the pictures from native rendering, as a phrase for tables; empty if they are
+    /// not known.
+    fn artefacts(&self) -> &'static str {
+        ""
+    }
+
     /// Returns the available options. In all methods below, `how` must select this upscaler.
     fn offers(&self) -> Offers;
 
@@ -104,6 +126,11 @@ pub trait Upscaler: Sync {
     /// Returns the inputs that the upscaler reads besides the drawn colours.
     fn reads(&self) -> Reads {
         Reads { gbuffer: false, history: false }
+    }
+
+    /// Whether samples on pixels are smoothed or sharpened, instead of copied unchanged.
+    fn alters_samples(&self) -> bool {
+        false
     }
 
     /// Whether the upscaler gives less weight to the history of surfaces that are blended or have holes. It must also read
@@ -167,6 +194,12 @@ pub trait Upscaler: Sync {
     /// Returns the process that upscales, as the option `--upscaler-process` describes it. Returns `None` if the
     /// upscaler runs within this process and transfers nothing; see [`Upscaled::transfer`].
     fn process(&self) -> Option<&str> {
+        None
+    }
+
+    /// Returns the upscaler for the tests of those that are defined by weights alone; `None` if it is another one.
+    #[cfg(test)]
+    fn as_separable(&self) -> Option<&dyn std::any::Any> {
         None
     }
 
@@ -311,29 +344,6 @@ pub struct Tap {
     /// Weight of the sample; negative weights sharpen.
     pub weight: f32,
 }
-
-/// The built-in upscalers, in menu order.
-pub static BUILT_IN: &[&dyn Upscaler] = &[
-    &native::NATIVE,
-    &checkerboard::CHECKERBOARD,
-    &checkerboard::CHECKERBOARD_EDGES,
-    &checkerboard::CHECKERBOARD_SURFACES,
-    &checkerboard::CHECKERBOARD_TEMPORAL,
-    &nearest::NEAREST,
-    &bilinear::BILINEAR,
-    &bicubic::BICUBIC,
-    &cubic::CATMULL_ROM,
-    &cubic::MITCHELL,
-    &lanczos::LANCZOS2,
-    &lanczos::LANCZOS3,
-    &ewa::EWA_LANCZOS,
-    &fsr::FSR1,
-    &nis::NIS,
-    &accumulation::ACCUMULATION,
-    &taa::TAA,
-    &fsr2::FSR2,
-    &sgsr2::SGSR2,
-];
 
 #[cfg(test)]
 mod test_sequence;

@@ -23,6 +23,10 @@ impl Upscaler for Native {
         "Draws every pixel and reconstructs none: the baseline for the other methods."
     }
 
+    fn artefacts(&self) -> &'static str {
+        "none: the baseline of the other methods"
+    }
+
     fn offers(&self) -> Offers {
         Offers {
             scales: &[Scale::ONE],

@@ -34,6 +34,10 @@ impl Upscaler for Nearest {
          at ×3, 1½ px at ×4. Blocks cut off by the border are filled in, too."
     }
 
+    fn artefacts(&self) -> &'static str {
+        "stairs as large as a block"
+    }
+
     fn offers(&self) -> Offers {
         Offers {
             scales: SCALES,

@@ -34,42 +34,23 @@ pub(super) fn combine<S: Simd>(simd: S, runs: [&[f32]; 3], to: &mut [f32], range
     let length = range.len().next_multiple_of(WIDE);
     let to = &mut to[range.start..range.start + length];
     // One loop for each, with a closure that is compiled for the instruction set.
+    macro_rules! stored {
+        (|$a:ident, $b:ident, $c:ident| $result:expr) => {
+            combine_by(
+                simd,
+                runs,
+                to,
+                #[inline(always)]
+                |$a, $b, $c| $result,
+            )
+        };
+    }
     match by {
-        Combination::Weighted([u, v, w]) => combine_by(
-            simd,
-            runs,
-            to,
-            #[inline(always)]
-            |a, b, c| a * u + b * v + c * w,
-        ),
-        Combination::Sum => combine_by(
-            simd,
-            runs,
-            to,
-            #[inline(always)]
-            |a, b, c| a + b + c,
-        ),
-        Combination::SumOfSquares => combine_by(
-            simd,
-            runs,
-            to,
-            #[inline(always)]
-            |a, b, c| a * a + b * b + c * c,
-        ),
-        Combination::Least => combine_by(
-            simd,
-            runs,
-            to,
-            #[inline(always)]
-            |a, b, c| a.min(b).min(c),
-        ),
-        Combination::Greatest => combine_by(
-            simd,
-            runs,
-            to,
-            #[inline(always)]
-            |a, b, c| a.max(b).max(c),
-        ),
+        Combination::Weighted([u, v, w]) => stored!(|a, b, c| a * u + b * v + c * w),
+        Combination::Sum => stored!(|a, b, c| a + b + c),
+        Combination::SumOfSquares => stored!(|a, b, c| a * a + b * b + c * c),
+        Combination::Least => stored!(|a, b, c| a.min(b).min(c)),
+        Combination::Greatest => stored!(|a, b, c| a.max(b).max(c)),
     }
 }
 

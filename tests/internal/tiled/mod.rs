@@ -7,7 +7,8 @@ mod transparency;
 use crate::internal::common;
 use std::sync::Arc;
 
-use crate::internal::common::{DEPTH_BIASES, SceneBuilder, distinct, scenes};
+use crate::internal::common::{DEPTH_BIASES, SceneBuilder, scenes};
+use crate::internal::switches::{distinct, single_switches};
 use glam::{Mat4, Vec3, Vec4};
 use rasterscope::antialias::settings::{AntialiasMethod, SampleCount};
 use rasterscope::chain::{KeepDepth, Recipe, Renderer, execution, run};
@@ -59,9 +60,9 @@ fn upscalers() -> Vec<Upscaling> {
     chosen
 }
 
-/// Returns [`common::single_switches`], and recipes with all kinds of upscalers and of samples.
+/// Returns [`single_switches`], and recipes with all kinds of upscalers and of samples.
 fn switches() -> Vec<Recipe> {
-    let mut recipes = common::single_switches();
+    let mut recipes = single_switches();
     recipes.extend(upscalers().into_iter().map(|upscaler| Recipe { upscaler, ..Recipe::default() }));
     let settings = ["antialias.method=none", "antialias.method=multisample", "antialias.method=jittered"];
     recipes.extend(settings.map(|setting| common::recipe(&[setting, "background=#d04010"])));

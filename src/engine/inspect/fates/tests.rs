@@ -2,34 +2,33 @@ use glam::{Mat4, Vec3};
 use rayon::prelude::*;
 
 use super::*;
-use crate::chain::run;
+use crate::chain::{SettingKey, run};
 use crate::inspect::selection::TriangleSelection;
 use crate::inspect::{FragmentOutcome, inspect};
-use crate::pipeline::settings::{Arithmetic, DepthTest, FillRule, Rasterizer};
+use crate::internal::common::scenes;
+use crate::internal::switches::{distinct, finishing_switches, single_switches, switches_of};
 use crate::scene::{Camera, Library, Material, Mesh, MeshData, builtin};
-use crate::upscale::Upscaling;
 
 const SIZE: Viewport = Viewport { width: 45, height: 31 };
 
-/// Returns a recipe for each alternative of a setting, with all other settings at their defaults.
-fn each<C: Choice>(set: fn(&mut Recipe, C)) -> impl Iterator<Item = Recipe> {
-    C::ALL.iter().map(move |choice| {
-        let mut recipe = Recipe::default();
-        set(&mut recipe, *choice);
-        recipe
-    })
-}
+/// Size of the pictures in which every pixel is replayed under every switch.
+const SIZE_OF_MANY: Viewport = Viewport { width: 15, height: 11 };
 
+/// Number of triangles above which a scene is drawn with one of [`RECIPE_STEP`] recipes.
+const MANY_TRIANGLES: usize = 3_000;
+
+/// Interval between the recipes that a scene of many triangles is drawn with. Scenes start at different ones.
+const RECIPE_STEP: usize = 8;
+
+/// Returns the recipes of all settings, and those of the visibility rules also without culling, so that more fragments cover
+/// each pixel.
 fn recipes() -> Vec<Recipe> {
-    let mut methods: Vec<Upscaling> = Upscaling::every().collect();
-    methods.dedup_by_key(|upscaling| upscaling.method());
-    each::<Culling>(|r, c| r.pipeline.culling = c)
-        .chain(each::<FillRule>(|r, c| (r.pipeline.fill_rule, r.pipeline.culling) = (c, Culling::None)))
-        .chain(each::<DepthTest>(|r, c| (r.pipeline.depth_test, r.pipeline.culling) = (c, Culling::None)))
-        .chain(each::<Arithmetic>(|r, c| r.pipeline.arithmetic = c))
-        .chain(each::<Rasterizer>(|r, c| r.pipeline.rasterizer = c))
-        .chain(methods.into_iter().map(|upscaler| Recipe { upscaler, ..Recipe::default() }))
-        .collect()
+    let without_culling = |mut recipe: Recipe| {
+        recipe.pipeline.culling = Culling::None;
+        recipe
+    };
+    let rules = [SettingKey::FillRule, SettingKey::DepthTest].into_iter().flat_map(switches_of).map(without_culling);
+    distinct(single_switches().into_iter().chain(finishing_switches()).chain(rules))
 }
 
 /// Returns a camera close enough that many triangles are clipped and many lie behind it.
@@ -42,8 +41,14 @@ fn inside(scene: &Scene) -> Camera {
 #[test]
 fn every_sum_matches_in_every_scene_with_every_setting() {
     let scenes: Vec<_> = builtin::ALL.iter().map(builtin::Builtin::build).collect();
-    let cases: Vec<_> = scenes.iter().flat_map(|scene| recipes().into_iter().map(move |r| (scene, r))).collect();
-    cases.par_iter().for_each(|(scene, recipe)| {
+    let recipes = recipes();
+    let of_scene = |(index, scene): (usize, &'_ Scene)| {
+        let step = if scene.triangle_count() > MANY_TRIANGLES { RECIPE_STEP } else { 1 };
+        recipes.iter().skip(index % step).step_by(step).map(move |recipe| (index, recipe)).collect::<Vec<_>>()
+    };
+    let cases: Vec<_> = scenes.iter().enumerate().flat_map(of_scene).collect();
+    cases.par_iter().for_each(|(index, recipe)| {
+        let scene = &scenes[*index];
         for camera in [scene.home, inside(scene)] {
             let frame = run(scene, &camera, recipe, SIZE, &mut ());
             let fates = Fates::of(scene, recipe, &frame);
@@ -61,27 +66,45 @@ fn every_sum_matches_in_every_scene_with_every_setting() {
     });
 }
 
-/// Compares the fates of fragments with the outcomes found by replaying every pixel.
+/// Counts the fragments of a frame by the outcomes that the replays of all pixels find. Every pixel must be drawn.
+fn replayed_fragments(scene: &Scene, recipe: &Recipe, frame: &Frame) -> FragmentCounts<u64> {
+    let mut counts = FragmentCounts::<u64>::default();
+    let (width, height) = frame.image().size();
+    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+        for fragment in inspect(scene, recipe, frame, x, y).unwrap().fragments {
+            let fate = match fragment.outcome {
+                FragmentOutcome::Visible => FragmentFate::Visible,
+                FragmentOutcome::Overwritten => FragmentFate::Overwritten,
+                FragmentOutcome::BlendedOver => FragmentFate::BlendedOver,
+                FragmentOutcome::DepthRejected => FragmentFate::LostDepth,
+                FragmentOutcome::AlphaRejected => FragmentFate::AlphaRejected,
+            };
+            counts.0[fate as usize] += 1;
+        }
+    }
+    counts
+}
+
 #[test]
 fn fragment_fates_match_the_replays_of_all_pixels() {
     for id in ["stained-glass", "cubes", "near-plane", "interpenetrating"] {
         let scene = builtin::by_id(id).unwrap().build();
         let recipe = Recipe::default();
         let frame = run(&scene, &scene.home, &recipe, SIZE, &mut ());
-        let mut expected = FragmentCounts::<u64>::default();
-        for (x, y) in (0..SIZE.height).flat_map(|y| (0..SIZE.width).map(move |x| (x, y))) {
-            for fragment in inspect(&scene, &recipe, &frame, x, y).unwrap().fragments {
-                let fate = match fragment.outcome {
-                    FragmentOutcome::Visible => FragmentFate::Visible,
-                    FragmentOutcome::Overwritten => FragmentFate::Overwritten,
-                    FragmentOutcome::BlendedOver => FragmentFate::BlendedOver,
-                    FragmentOutcome::DepthRejected => FragmentFate::LostDepth,
-                    FragmentOutcome::AlphaRejected => FragmentFate::AlphaRejected,
-                };
-                expected.0[fate as usize] += 1;
-            }
-        }
+        let expected = replayed_fragments(&scene, &recipe, &frame);
         assert_eq!(Fates::of(&scene, &recipe, &frame).fragment_counts(), expected, "{id}");
+    }
+}
+
+#[test]
+fn fragment_fates_match_the_replays_under_every_switch() {
+    let recipes = single_switches();
+    for (name, scene) in scenes() {
+        recipes.par_iter().for_each(|recipe| {
+            let frame = run(&scene, &scene.home, recipe, SIZE_OF_MANY, &mut ());
+            let expected = replayed_fragments(&scene, recipe, &frame);
+            assert_eq!(Fates::of(&scene, recipe, &frame).fragment_counts(), expected, "{name} {recipe:?}");
+        });
     }
 }
 

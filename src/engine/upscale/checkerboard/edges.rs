@@ -37,6 +37,10 @@ impl Upscaler for CheckerboardEdges {
          (Hamilton and Adams, 1997)."
     }
 
+    fn artefacts(&self) -> &'static str {
+        "slanted edges fray, thin lines break"
+    }
+
     fn offers(&self) -> Offers {
         OFFERS
     }

@@ -42,6 +42,10 @@ impl Upscaler for Checkerboard {
          lines break up. Means are rounded; pixels at the border are filled in, too."
     }
 
+    fn artefacts(&self) -> &'static str {
+        "slanted edges fray, thin lines break"
+    }
+
     fn offers(&self) -> Offers {
         OFFERS
     }

@@ -36,6 +36,10 @@ impl Upscaler for CheckerboardSurfaces {
          buffer in hardware for this (PlayStation 4 Pro, 2016)."
     }
 
+    fn artefacts(&self) -> &'static str {
+        "thin lines break, textures lose detail"
+    }
+
     fn offers(&self) -> Offers {
         OFFERS
     }

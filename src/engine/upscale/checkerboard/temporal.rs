@@ -41,6 +41,10 @@ impl Upscaler for CheckerboardTemporal {
          that moves over a surface lags. Used by many console games (Rainbow Six Siege, 2015)."
     }
 
+    fn artefacts(&self) -> &'static str {
+        "disoccluded areas are interpolated, moving light lags"
+    }
+
     fn offers(&self) -> Offers {
         OFFERS
     }

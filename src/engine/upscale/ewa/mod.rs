@@ -55,6 +55,10 @@ impl Upscaler for EwaLanczos {
          Images Using the Elliptical Weighted Average Filter (1986); the kernel as in ImageMagick's filter Lanczos."
     }
 
+    fn artefacts(&self) -> &'static str {
+        "ringing at hard edges"
+    }
+
     fn offers(&self) -> Offers {
         Offers {
             scales: SCALES,
@@ -64,6 +68,10 @@ impl Upscaler for EwaLanczos {
             sharpening: false,
             history: false,
         }
+    }
+
+    fn alters_samples(&self) -> bool {
+        true
     }
 
     fn sampling(&self, how: Upscaling) -> Sampling {

@@ -95,6 +95,10 @@ impl Upscaler for Fsr1 {
          kept; fine texture may turn into strokes. Source: AMD FidelityFX Super Resolution 1.0, EASU and RCAS (2021)."
     }
 
+    fn artefacts(&self) -> &'static str {
+        "stairs in the drawn picture are taken for edges"
+    }
+
     fn offers(&self) -> Offers {
         Offers {
             scales: SCALES,
@@ -104,6 +108,10 @@ impl Upscaler for Fsr1 {
             sharpening: true,
             history: false,
         }
+    }
+
+    fn alters_samples(&self) -> bool {
+        true
     }
 
     fn sampling(&self, how: Upscaling) -> Sampling {

@@ -70,6 +70,10 @@ impl Upscaler for Fsr2 {
          Optional sharpening. Source: AMD FidelityFX Super Resolution 2.2 (2023)."
     }
 
+    fn artefacts(&self) -> &'static str {
+        "transparency and moving light lag, locked thin lines may leave a trace"
+    }
+
     fn offers(&self) -> Offers {
         Offers {
             scales: &[Scale::ONE_AND_A_HALF, Scale::TWO, Scale::THREE],

@@ -53,6 +53,10 @@ impl Upscaler for Nis {
          Image Scaling SDK 1.0.3, NVScaler (2022)."
     }
 
+    fn artefacts(&self) -> &'static str {
+        "edges between colours of equal luma blur, texture is taken for edges"
+    }
+
     fn offers(&self) -> Offers {
         Offers {
             scales: SCALES,
@@ -62,6 +66,10 @@ impl Upscaler for Nis {
             sharpening: true,
             history: false,
         }
+    }
+
+    fn alters_samples(&self) -> bool {
+        true
     }
 
     fn sampling(&self, how: Upscaling) -> Sampling {

@@ -35,11 +35,17 @@ pub(crate) struct Separable {
     pub(super) name: &'static str,
     /// Description of the upscaler; see [`Upscaler::help`].
     pub(super) help: &'static str,
+    /// Artefacts of the pictures; see [`Upscaler::artefacts`].
+    pub(super) artefacts: &'static str,
     /// Function that computes the weights of the surrounding samples.
     pub(super) weights: KernelWeights,
     /// Whether de-ringing is available: only for interpolating kernels, where overshoot can be distinguished from
     /// smoothing.
     pub(super) deringing: bool,
+    /// Kernel as it is published: the weight of a sample as a function of its distance ≥ 0, in samples. The tests compare
+    /// pictures with exact sums of it, so it must not share code with `weights`.
+    #[cfg(test)]
+    pub(super) published: fn(f64) -> f64,
 }
 
 /// Weights of the surrounding samples, in order, at t in [0, 1) between the inner two. The weights sum to 1.
@@ -52,6 +58,17 @@ pub(super) enum KernelWeights {
     Four(fn(f64) -> [f64; 4]),
     /// Weights of three samples on each side.
     Six(fn(f64) -> [f64; 6]),
+}
+
+impl KernelWeights {
+    /// Returns the weights of the surrounding samples at t in [0, 1) between the inner two.
+    fn at(self, t: f64) -> Vec<f64> {
+        match self {
+            Self::Linear => linear(t).to_vec(),
+            Self::Four(weights) => weights(t).to_vec(),
+            Self::Six(weights) => weights(t).to_vec(),
+        }
+    }
 }
 
 /// Returns the weights of linear interpolation.
@@ -196,6 +213,10 @@ impl Upscaler for Separable {
         self.help
     }
 
+    fn artefacts(&self) -> &'static str {
+        self.artefacts
+    }
+
     fn offers(&self) -> Offers {
         Offers {
             scales: SCALES,
@@ -205,6 +226,18 @@ impl Upscaler for Separable {
             sharpening: false,
             history: false,
         }
+    }
+
+    fn alters_samples(&self) -> bool {
+        /// Difference from weight 1 that is due to rounding in the weights of an interpolating kernel.
+        const ROUNDING: f64 = 1e-9;
+        let at_a_sample = self.weights.at(0.0);
+        (at_a_sample[at_a_sample.len() / 2 - 1] - 1.0).abs() > ROUNDING
+    }
+
+    #[cfg(test)]
+    fn as_separable(&self) -> Option<&dyn std::any::Any> {
+        Some(self)
     }
 
     fn sampling(&self, how: Upscaling) -> Sampling {
@@ -245,12 +278,7 @@ pub(super) const SCALES: &[Scale] = &[
 /// Returns the distinct samples that contribute to output pixel `at` along one axis, with their weights.
 fn axis_taps(weights: KernelWeights, lattice: Lattice, at: u32, samples: u32) -> Vec<(u32, f64)> {
     let LatticePosition { cell, phase } = lattice.place(at);
-    let t = f64::from(phase) / f64::from(lattice.phases());
-    let weights = match weights {
-        KernelWeights::Linear => linear(t).to_vec(),
-        KernelWeights::Four(weights) => weights(t).to_vec(),
-        KernelWeights::Six(weights) => weights(t).to_vec(),
-    };
+    let weights = weights.at(f64::from(phase) / f64::from(lattice.phases()));
     if weights[weights.len() / 2 - 1] == 1.0 {
         return vec![(cell.clamp(0, samples as i32 - 1) as u32, 1.0)];
     }

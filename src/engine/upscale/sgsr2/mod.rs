@@ -65,6 +65,10 @@ impl Upscaler for Sgsr2 {
          shimmer. Source: Qualcomm Snapdragon Game Super Resolution 2, two passes (2024)."
     }
 
+    fn artefacts(&self) -> &'static str {
+        "softens in motion, thin objects fade, surroundings of moving edges shimmer"
+    }
+
     fn offers(&self) -> Offers {
         Offers {
             scales: &[Scale::ONE_AND_A_HALF, Scale::TWO, Scale::THREE],

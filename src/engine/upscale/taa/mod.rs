@@ -59,6 +59,10 @@ impl Upscaler for Taa {
          anti-aliasing after B. Karis, “High Quality Temporal Supersampling”, 2014; above ×1 as temporal upsampling."
     }
 
+    fn artefacts(&self) -> &'static str {
+        "thin objects fade while they move, the picture softens slightly"
+    }
+
     fn offers(&self) -> Offers {
         Offers {
             scales: &[Scale::ONE, Scale::ONE_AND_A_HALF, Scale::TWO],

@@ -49,6 +49,15 @@ use crate::scene::{Camera, Instance, Library, LoadControl, Loaded, Scene, SceneE
 pub(super) const FORMAT: SceneFormat = SceneFormat {
     name: "glTF",
     extensions: &["gltf", "glb"],
+    companions: "buffers, textures",
+    example:
+        br#"{"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                       "min": [0, 0, 0], "max": [1, 1, 0]}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "buffers": [{"byteLength": 36,
+                     "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]}"#,
     starts: |bytes| bytes.starts_with(document::MAGIC) || bytes.starts_with(b"{"),
     load: load_with,
     has_tr: false,

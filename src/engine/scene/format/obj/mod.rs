@@ -51,8 +51,15 @@ use crate::scene::{
 const SHARES: [f32; 5] = [0.25, 0.35, 0.15, 0.15, 0.1];
 
 /// Entry of the format in the list of formats.
-pub(super) const FORMAT: SceneFormat =
-    SceneFormat { name: "OBJ", extensions: &["obj"], starts: |_| false, load: load_with, has_tr: true };
+pub(super) const FORMAT: SceneFormat = SceneFormat {
+    name: "OBJ",
+    extensions: &["obj"],
+    companions: "MTL libraries, textures",
+    example: b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+    starts: |_| false,
+    load: load_with,
+    has_tr: true,
+};
 
 /// Loads a model within the default memory limit.
 #[cfg(test)]
