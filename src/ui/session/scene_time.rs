@@ -2,7 +2,7 @@
 //!
 //! The scene on screen is posed at frame number / frames per second. Playback skips no frame: it goes on when the frame
 //! is on screen, so that every frame has the preceding one as its history. A frame that is reached in another way is
-//! replayed; see [`replay`].
+//! replayed; see [`crate::ui::engine::replay`].
 
 use std::sync::Arc;
 
