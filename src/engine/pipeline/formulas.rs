@@ -84,3 +84,21 @@ where
 {
     color * alpha.clone() + below * (one - alpha)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Explanations use the same functions, so only values that were calculated by hand show an error.
+    #[test]
+    fn formulas_have_the_values_calculated_by_hand() {
+        let products = weight_products([2.0, 3.0, 4.0], [1.0, 0.5, 0.25]);
+        assert_eq!((products, sum_of_three(products)), ([2.0, 1.5, 1.0], 4.5));
+        assert_eq!(interpolated([1.0, 3.0, 7.0], [0.5, 0.25]), 3.5);
+        assert_eq!(change(differences([1.0, 3.0, 7.0]), [0.5, 0.25]), 2.5);
+        let weights = bilinear_weights(1.0, [0.25, 0.5]);
+        assert_eq!(weights, [0.375, 0.125, 0.375, 0.125]);
+        assert_eq!(weighted_sum([8.0, 16.0, 24.0, 32.0], weights), 18.0);
+        assert_eq!(blended(1.0, 0.75, 0.25, 0.25), 0.375);
+    }
+}

@@ -126,3 +126,40 @@ fn clipped<S: Simd>(
     let share = one / farthest.max(one);
     each!(i in [0, 1, 2] => is_outside.select(middle[i] + offset[i] * share, color[i]))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_outside_a_box_are_moved_to_its_border() {
+        const AT: usize = 8;
+        let mut random = fastrand::Rng::with_seed(5);
+        let rows = [0; 3].map(|_| [0; 4].map(|_| padded_row(20).iter().map(|_| random.f32()).collect()));
+        // Middle of the box around one sample, and half of its size.
+        let expected = |by: Rectification, channel: usize| {
+            let nine =
+                || rows.iter().flat_map(move |row: &Planes| row[channel][AT - 1..AT + 2].iter().map(|v| f64::from(*v)));
+            if by == Rectification::Clip {
+                let (least, greatest) = (nine().fold(f64::MAX, f64::min), nine().fold(f64::MIN, f64::max));
+                return [(least + greatest) / 2.0, (greatest - least) / 2.0];
+            }
+            let mean = nine().sum::<f64>() / 9.0;
+            [mean, (nine().map(|value| (value - mean).powi(2)).sum::<f64>() / 9.0).sqrt()]
+        };
+        for (lanes, by) in
+            Lanes::all().flat_map(|lanes| [(lanes, Rectification::Clip), (lanes, Rectification::Variance)])
+        {
+            let [[middle, half], [co, _], [cg, _]] = [0, 1, 2].map(|channel| expected(by, channel));
+            let mut statistics = Statistics::new(20);
+            let found = on_lanes!(lanes, simd => {
+                statistics.fill(simd, by, rows.each_ref(), ([0, 1, 2], &(0..24)));
+                let past = each!(number in [4.0, co, cg] => f32x16::splat(simd, number as f32));
+                statistics.rectified(simd, past, by, &SampleLanes::Adjacent(AT)).map(|numbers| numbers.to_array()[0])
+            });
+            for (found, expected) in found.into_iter().zip([middle + half, co, cg]) {
+                assert!((f64::from(found) - expected).abs() < 1e-5, "{by:?} {}: {found}, not {expected}", lanes.name());
+            }
+        }
+    }
+}
