@@ -143,8 +143,8 @@ impl<'a> Row<'a> {
     }
 }
 
-/// Which edges cross a line at a place: from the pixels before it, from those after it, and in line with these two, one
-/// pixel farther from the line.
+/// Whether each row of edges around a line, in the order of [`Row`], has an edge at the left side of a bit: `before`,
+/// `after`, `beyond_before`, `beyond_after`.
 #[derive(Clone, Copy)]
 struct Around([bool; 4]);
 
