@@ -106,7 +106,7 @@ pub(crate) struct PanelWidgets {
     pub(crate) picture_panel_height: f32,
     /// Pictures of a case.
     pub(crate) case: CaseView,
-    /// Mesh view.
+    /// Widget that draws the scene from a second camera.
     pub(crate) mesh: MeshPane,
     /// Inspector of the picked pixel.
     pub(crate) inspector: Inspector,

@@ -14,11 +14,11 @@ use crate::ui::session::{Preferences, Session};
 pub(crate) enum CoachStep {
     /// Orbiting the camera and zooming the picture.
     Move,
-    /// Picking a pixel.
+    /// Picking a pixel of the picture.
     Pick,
     /// Showing the picture after a stage.
     Stage,
-    /// Comparing upscalers.
+    /// Comparing the pictures of two upscalers.
     Compare,
 }
 

@@ -1,8 +1,8 @@
 //! Time of an animated scene: the shown frame, and playback.
 //!
 //! The scene on screen is posed at frame number / frames per second. Playback skips no frame: it goes on when the frame
-//! is on screen, so that every frame has the preceding one as its history. A frame that is reached in another way is
-//! replayed; see [`crate::ui::engine::replay`].
+//! is on screen, so that every frame has the preceding one as its history. For a frame that is reached in another way,
+//! [`crate::ui::engine::replay`] draws the preceding frames first.
 
 use std::sync::Arc;
 

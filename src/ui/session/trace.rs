@@ -187,12 +187,12 @@ mod tests {
     use crate::scene::builtin;
     use crate::ui::engine::{Engine, Request, Shown};
 
-    fn views(pixels: &[(u32, u32)]) -> Vec<RenderedView> {
+    /// Returns the request for a small picture of a scene, with a picked pixel.
+    fn request(pick: (u32, u32)) -> Request {
         let scene = Arc::new(builtin::by_id("cubes").unwrap().build());
-        let mut engine = Engine::default();
-        let request = |pick| Request {
+        Request {
             camera: scene.home,
-            scene: scene.clone(),
+            scene,
             recipe: Recipe::default(),
             sequence: None,
             is_replayed: false,
@@ -202,8 +202,12 @@ mod tests {
             fragment_limit: None,
             look: crate::ui::engine::Look::default(),
             pick: Some(pick),
-        };
-        pixels.iter().map(|pixel| engine.answer(request(*pixel))).collect()
+        }
+    }
+
+    fn views(pixels: &[(u32, u32)]) -> Vec<RenderedView> {
+        let (mut engine, first) = (Engine::default(), request(pixels[0]));
+        pixels.iter().map(|pixel| engine.answer(Request { pick: Some(*pixel), ..first.clone() })).collect()
     }
 
     #[test]
@@ -230,21 +234,7 @@ mod tests {
 
     #[test]
     fn another_buffer_of_the_same_frame_keeps_the_trace() {
-        let scene = Arc::new(builtin::by_id("cubes").unwrap().build());
-        let mut engine = Engine::default();
-        let mut request = Request {
-            camera: scene.home,
-            scene,
-            recipe: Recipe::default(),
-            sequence: None,
-            is_replayed: false,
-            viewport: Viewport { width: 40, height: 30 },
-            shown: Shown::Buffer(crate::inspect::Buffer::Color),
-            triangle_limit: None,
-            fragment_limit: None,
-            look: crate::ui::engine::Look::default(),
-            pick: Some((20, 14)),
-        };
+        let (mut engine, mut request) = (Engine::default(), request((20, 14)));
         let mut table = TraceView::default();
         let first = engine.answer(request.clone());
         table.apply(TraceChange::Renew, Some(&first));

@@ -18,7 +18,7 @@ choice! {
 }
 
 choice! {
-    /// Dockable panel.
+    /// Panel that can be docked in a workspace.
     #[derive(PartialOrd, Ord)]
     pub(crate) Panel {
         Stages = "stages", "Stages",
