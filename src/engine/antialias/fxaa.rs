@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 use self::edges::Neighbourhood;
 use super::luma::{BLOCK, fill_luma};
-use crate::image::color::Tables;
+use crate::image::color::{CodeValues, Tables};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 
@@ -141,8 +141,8 @@ fn filter_row<S: Simd>(
 fn mix(tables: &Tables, own: Rgba8, other: Rgba8, share: f32, linear: bool) -> Rgba8 {
     let mut result = own;
     for ((code, own), other) in result.iter_mut().zip(own).zip(other).take(3) {
-        let between = |values: &[f32; 256]| {
-            let (own, other) = (values[own as usize], values[other as usize]);
+        let between = |values: &CodeValues| {
+            let (own, other) = (values.values[own as usize], values.values[other as usize]);
             own + (other - own) * share
         };
         *code =

@@ -29,7 +29,7 @@ pub(crate) fn apply(mask: &Mask, picture: &Image<Rgba8>, linear: bool) -> Image<
         let first = index as u32 * BAND_ROWS;
         let rows = pixels.len() / width as usize;
         on_lanes!(lanes, _simd => {
-            band.read(mask, picture, first..first + rows as u32, if linear { &tables.linear_of_code } else { &tables.code });
+            band.read(mask, picture, first..first + rows as u32, if linear { &tables.linear_of_code.values } else { &tables.code.values });
             if let Some(factors) = mask.factors() {
                 band.convolve_rows(factors);
             }

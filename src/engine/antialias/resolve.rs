@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::image::color::Tables;
+use crate::image::color::{CodeValues, Tables};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 use crate::pipeline::settings::ColorSpace;
@@ -124,7 +124,7 @@ pub(crate) fn add_samples(lanes: Lanes, colors: &[Rgba8], light: ColorSpace, sum
 }
 
 #[inline(always)]
-fn add_sixteens<S: Simd>(simd: S, colors: &[Rgba8], numbers: &[f32; 256], sums: &mut [Sums]) {
+fn add_sixteens<S: Simd>(simd: S, colors: &[Rgba8], numbers: &CodeValues, sums: &mut [Sums]) {
     for (colors, sums) in colors.chunks(WIDE).zip(sums) {
         let mut codes = [0; WIDE];
         for (code, color) in codes.iter_mut().zip(colors) {
@@ -152,36 +152,36 @@ pub(crate) fn means_of_sums(lanes: Lanes, sums: &[Sums], samples: u32, light: Co
 
 /// Adds one sample per pixel to the sums of sixteen pixels. [`add`] does the same for one pixel.
 #[inline(always)]
-fn added<S: Simd>(simd: S, sums: [f32x16<S>; 3], codes: [u32; WIDE], numbers: &[f32; 256]) -> [f32x16<S>; 3] {
+fn added<S: Simd>(simd: S, sums: [f32x16<S>; 3], codes: [u32; WIDE], numbers: &CodeValues) -> [f32x16<S>; 3] {
     let codes = u32x16::load_array(simd, codes);
-    each!(channel in [0, 1, 2] => {
-        sums[channel] + Tables::lookup(simd, numbers, codes >> (8 * channel as u32) & 0xFF)
-    })
+    let values = numbers.of_pixels(simd, codes);
+    each!(channel in [0, 1, 2] => sums[channel] + values[channel])
 }
 
 /// Returns the mean colours of sixteen pixels from their sums. [`finished`] does the same for one pixel.
 #[inline(always)]
 fn finished_lanes<S: Simd>(simd: S, sums: [f32x16<S>; 3], samples: u32, light: ColorSpace) -> [Rgba8; WIDE] {
-    let [r, g, b] = each!(sum in [sums[0], sums[1], sums[2]] => {
-        let mean = sum / samples.max(1) as f32;
-        match light {
-            ColorSpace::Linear => Tables::get().encode_lanes(simd, mean),
-            ColorSpace::Bytes => whole_part(mean + 0.5),
+    let mean = each!(channel in [0, 1, 2] => sums[channel] / samples.max(1) as f32);
+    let codes = match light {
+        ColorSpace::Linear => Tables::get().encode_pixels(simd, mean),
+        ColorSpace::Bytes => {
+            let [r, g, b] = each!(channel in [0, 1, 2] => whole_part(mean[channel] + 0.5));
+            r | g << 8 | b << 16
         }
-    });
-    (r | g << 8 | b << 16 | 0xFF00_0000).to_array().map(u32::to_le_bytes)
+    };
+    (codes | 0xFF00_0000).to_array().map(u32::to_le_bytes)
 }
 
-fn numbers(light: ColorSpace) -> &'static [f32; 256] {
+fn numbers(light: ColorSpace) -> &'static CodeValues {
     match light {
         ColorSpace::Linear => &Tables::get().linear_of_code,
         ColorSpace::Bytes => &Tables::get().code,
     }
 }
 
-fn add(sum: &mut [f32; 3], color: Rgba8, numbers: &[f32; 256]) {
+fn add(sum: &mut [f32; 3], color: Rgba8, numbers: &CodeValues) {
     for (sum, code) in sum.iter_mut().zip(color) {
-        *sum += numbers[code as usize];
+        *sum += numbers.values[code as usize];
     }
 }
 

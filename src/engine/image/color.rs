@@ -11,15 +11,19 @@ use crate::math::lanes::*;
 #[derive(Debug)]
 pub(crate) struct Tables {
     /// Linear light, in [0, 1], of each 8-bit sRGB code.
-    pub(crate) linear_of_code: [f32; 256],
+    pub(crate) linear_of_code: CodeValues,
     /// Each 8-bit code as a float, 0 to 255.
-    pub(crate) code: [f32; 256],
+    pub(crate) code: CodeValues,
     /// Table from which [`Tables::encode`] finds the code of a linear value with a single read. Each entry belongs to a
     /// bucket: 2¹⁵ consecutive `f32` values, numbered from 0 by their offsets. The entry is c · 2¹⁶ + (2¹⁶ − n), where
     /// c is the code of the value at offset 0. n is the offset of the first value with code c + 1, or 2¹⁵ if the bucket
     /// has no such value. The code of a value is the sum of the entry and the value's offset, shifted right by 16: from
     /// offset n on, the addition carries into bit 16.
     buckets: Box<[u32; BUCKETS]>,
+    /// Linear value at which the codes above each 8-bit sRGB code begin; infinite for 255.
+    end_of_code: CodeValues,
+    /// Lines that approximate the code of a linear value to a quarter.
+    lines: Lines,
 }
 
 /// Bit pattern of 2⁻¹³ as an `f32`, the start of the first bucket. Smaller linear values have code 0, because code 1
@@ -49,8 +53,10 @@ static TABLES: LazyLock<Tables> = LazyLock::new(|| {
     };
     let thresholds: [f32; 257] = std::array::from_fn(threshold);
     Tables {
-        linear_of_code: std::array::from_fn(|code| decode(code as f32 / 255.0)),
-        code: std::array::from_fn(|code| code as f32),
+        linear_of_code: CodeValues::new(|code| decode(code / 255.0)),
+        code: CodeValues::new(|code| code),
+        end_of_code: CodeValues::new(|code| thresholds[code as usize + 1]),
+        lines: Lines::new(),
         buckets: Box::new(std::array::from_fn(|bucket| {
             let bits = MIN_BITS + bucket as u32 * FLOATS_PER_BUCKET;
             let code = thresholds.partition_point(|t| *t <= f32::from_bits(bits)).clamp(1, 256) - 1;
@@ -78,58 +84,107 @@ impl Tables {
         ((self.buckets[(above >> BUCKET_SHIFT) as usize] + above % FLOATS_PER_BUCKET) >> CODE_SHIFT) as u8
     }
 
-    /// Returns the 8-bit sRGB codes of sixteen linear values, identical to the results of [`Self::encode`].
+    /// Returns the sRGB codes of red, green and blue of sixteen pixels in linear light, as little-endian RGBA words with
+    /// alpha 0. The codes are those of [`Self::encode`].
     #[inline(always)]
-    pub(crate) fn encode_lanes<S: Simd>(&self, simd: S, linear: f32x16<S>) -> u32x16<S> {
-        self.encode_lanes_by(simd, gathers_are_fast(), linear)
-    }
-
-    /// Implements [`Self::encode_lanes`]. `by_gathers` selects gather instructions, if available, instead of scalar
-    /// loads.
-    #[inline(always)]
-    fn encode_lanes_by<S: Simd>(&self, simd: S, by_gathers: bool, linear: f32x16<S>) -> u32x16<S> {
+    pub(crate) fn encode_pixels<S: Simd>(&self, simd: S, colors: [f32x16<S>; 3]) -> u32x16<S> {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(avx512) = simd.level().as_avx512() {
+            let colors = each!(c in [0, 1, 2] => f32x16::load_array(avx512, colors[c].to_array()).into());
+            let codes: u32x16<_> =
+                x86::encode_pixels(avx512, &self.lines, &self.end_of_code.bytes, colors).simd_into(avx512);
+            return u32x16::load_array(simd, codes.to_array());
+        }
         let zero = f32x16::splat(simd, 0.0);
-        let clamped = linear.simd_gt(zero).select(linear.min(1.0), zero);
-        let above = clamped.bitcast::<u32x16<S>>().max(MIN_BITS) - MIN_BITS;
-        (self.entries(simd, by_gathers, above >> BUCKET_SHIFT) + (above & (FLOATS_PER_BUCKET - 1))) >> CODE_SHIFT
+        let [r, g, b] = each!(c in [0, 1, 2] => {
+            let clamped = colors[c].simd_gt(zero).select(colors[c].min(1.0), zero);
+            let above = clamped.bitcast::<u32x16<S>>().max(MIN_BITS) - MIN_BITS;
+            let (bucket, mut entries) = ((above >> BUCKET_SHIFT).to_array(), [0; WIDE]);
+            for lane in 0..WIDE {
+                entries[lane] = self.buckets[bucket[lane] as usize % BUCKETS];
+            }
+            (u32x16::load_array(simd, entries) + (above & (FLOATS_PER_BUCKET - 1))) >> CODE_SHIFT
+        });
+        r | g << 8 | b << 16
     }
 }
 
-impl Tables {
-    /// Returns the values of `table` at sixteen indices, each of which must be less than 256.
-    #[inline(always)]
-    pub(crate) fn lookup<S: Simd>(simd: S, table: &[f32; 256], codes: u32x16<S>) -> f32x16<S> {
-        Self::lookup_by(simd, gathers_are_fast(), table, codes)
+/// Lines that approximate the sRGB code of a linear value x. Their argument is y = x · 63/64 + 1/64, from 1/64 to 1. A
+/// line covers a quarter of an octave of y: the bits of y, shifted right by [`Lines::SHIFT`], are its number, modulo 32.
+#[derive(Debug)]
+struct Lines {
+    /// Code at y = 0 on each line.
+    offset: [f32; 32],
+    /// Change of the code per unit of y on each line.
+    slope: [f32; 32],
+}
+
+impl Lines {
+    /// Factor and summand that turn x into y.
+    const SHIFTED: [f32; 2] = [63.0 / 64.0, 1.0 / 64.0];
+    /// Number of bits of an `f32` below those that are the number of its line.
+    const SHIFT: u32 = 21;
+
+    /// Returns lines that deviate from the code by at most a quarter.
+    fn new() -> Self {
+        let (mut offset, mut slope) = ([0.0; 32], [0.0; 32]);
+        let [factor, summand] = Self::SHIFTED;
+        let bits_of = |line: u32| line << Self::SHIFT;
+        // The last line begins at 1.
+        for line in summand.to_bits() >> Self::SHIFT..=1_f32.to_bits() >> Self::SHIFT {
+            let [first, end] = [line, line + 1].map(|line| f32::from_bits(bits_of(line)));
+            let code = |y: f32| 255.0 * encode(((y - summand) / factor).min(1.0));
+            let steepness = (code(end) - code(first)) / (end - first);
+            let at_zero = |step: u16| {
+                let y = first + (end - first) * f32::from(step) / 64.0;
+                code(y) - steepness * y
+            };
+            let (least, greatest) = (0..=64)
+                .map(at_zero)
+                .fold((f32::MAX, f32::MIN), |(least, greatest), it| (least.min(it), greatest.max(it)));
+            let place = line as usize % offset.len();
+            (offset[place], slope[place]) = ((least + greatest) / 2.0, steepness);
+        }
+        Self { offset, slope }
+    }
+}
+
+/// Value of each 8-bit code.
+#[derive(Debug)]
+pub(crate) struct CodeValues {
+    /// Values by code.
+    pub(crate) values: [f32; 256],
+    /// Bytes of the values, least significant first: byte b of the value of code c is `bytes[b][c]`.
+    bytes: [[u8; 256]; 4],
+}
+
+impl CodeValues {
+    /// Returns the table of a function of the code, which is given as a float.
+    fn new(value_of: impl Fn(f32) -> f32) -> Self {
+        let values = std::array::from_fn(|code| value_of(code as f32));
+        Self { values, bytes: std::array::from_fn(|byte| values.map(|value| value.to_le_bytes()[byte])) }
     }
 
-    /// Implements [`Tables::lookup`]. `by_gathers` selects gather instructions, if available, instead of scalar loads.
+    /// Returns the values of red, green and blue of sixteen RGBA pixels, given as little-endian words.
     #[inline(always)]
-    fn lookup_by<S: Simd>(simd: S, by_gathers: bool, table: &[f32; 256], codes: u32x16<S>) -> f32x16<S> {
+    pub(crate) fn of_pixels<S: Simd>(&self, simd: S, words: u32x16<S>) -> [f32x16<S>; 3] {
         #[cfg(target_arch = "x86_64")]
-        if by_gathers && let Some(avx512) = simd.level().as_avx512() {
-            let codes = u32x16::load_array(avx512, codes.to_array());
-            return f32x16::load_array(simd, x86::lookup(avx512, table, codes.into()));
+        if let Some(avx512) = simd.level().as_avx512() {
+            let words = u32x16::load_array(avx512, words.to_array());
+            let channels = x86::values_of_pixels(avx512, &self.bytes, words.into());
+            return each!(channel in [0, 1, 2] => {
+                let channel: u32x16<_> = channels[channel].simd_into(avx512);
+                u32x16::load_array(simd, channel.to_array()).bitcast()
+            });
         }
-        let (codes, mut found) = (codes.to_array(), [0.0; WIDE]);
-        for lane in 0..WIDE {
-            found[lane] = table[codes[lane] as usize % table.len()];
-        }
-        f32x16::load_array(simd, found)
-    }
-
-    /// Returns the values of `self.buckets` at sixteen indices. `by_gathers` selects gather instructions, if available.
-    #[inline(always)]
-    fn entries<S: Simd>(&self, simd: S, by_gathers: bool, bucket: u32x16<S>) -> u32x16<S> {
-        #[cfg(target_arch = "x86_64")]
-        if by_gathers && let Some(avx512) = simd.level().as_avx512() {
-            let bucket = u32x16::load_array(avx512, bucket.to_array());
-            return u32x16::load_array(simd, x86::entries(avx512, &self.buckets, bucket.into()));
-        }
-        let (bucket, mut found) = (bucket.to_array(), [0; WIDE]);
-        for lane in 0..WIDE {
-            found[lane] = self.buckets[bucket[lane] as usize % BUCKETS];
-        }
-        u32x16::load_array(simd, found)
+        each!(shift in [0, 8, 16] => {
+            let codes = (words >> shift).to_array();
+            let mut found = [0.0; WIDE];
+            for lane in 0..WIDE {
+                found[lane] = self.values[codes[lane] as usize & 255];
+            }
+            f32x16::load_array(simd, found)
+        })
     }
 }
 
@@ -138,29 +193,88 @@ mod x86 {
     use std::arch::x86_64::*;
 
     use fearless_simd::prelude::*;
-    use fearless_simd::{f32x16, kernel, u32x16};
+    use fearless_simd::{f32x16, kernel, u8x64};
 
-    use super::BUCKETS;
+    use super::Lines;
+    use crate::math::lanes::each;
 
     kernel! {
+        /// Returns the bits of the values of red, green and blue of sixteen pixels. `bytes` are the bytes of the values
+        /// by code, least significant first. Permutations look up the same byte of all values of sixteen pixels at once;
+        /// each gather looks up only one channel, and takes as long.
         #[inline]
-        #[expect(unsafe_code, reason = "one instruction for 16 reads: gathering over frames takes a tenth less time")]
-        pub(super) fn lookup(avx512: Avx512, table: &[f32; 256], codes: __m512i) -> [f32; 16] {
-            let codes = _mm512_and_si512(codes, _mm512_set1_epi32(255));
-            // SAFETY: a code masked with 255 is at most 255, and the table has 256 entries.
-            let found: f32x16<_> = unsafe { _mm512_i32gather_ps::<4>(codes, table.as_ptr()) }.simd_into(avx512);
-            found.to_array()
+        pub(super) fn values_of_pixels(avx512: Avx512, bytes: &[[u8; 256]; 4], pixels: __m512i) -> [__m512i; 3] {
+            let in_upper_half = _mm512_movepi8_mask(pixels);
+            let [lowest, low, high, highest] = each!(byte in [0, 1, 2, 3] => {
+                let quarter = |first: usize| -> __m512i { u8x64::from_slice(avx512, &bytes[byte][first..first + 64]).into() };
+                let below_128 = _mm512_permutex2var_epi8(quarter(0), pixels, quarter(64));
+                let from_128 = _mm512_permutex2var_epi8(quarter(128), pixels, quarter(192));
+                _mm512_mask_mov_epi8(below_128, in_upper_half, from_128)
+            });
+            each!(channel in [0, 1, 2] => {
+                let places = u8x64::load_array_ref(avx512, &PLACES[channel]).into();
+                let low_half = _mm512_permutex2var_epi8(lowest, places, low);
+                let high_half = _mm512_permutex2var_epi8(high, places, highest);
+                _mm512_mask_blend_epi16(0xAAAA_AAAA, low_half, high_half)
+            })
         }
     }
 
+    /// Places of the bytes of red, green or blue of sixteen pixels in two operands of a permutation, in turn. Places in
+    /// the second operand begin at 64.
+    const PLACES: [[u8; 64]; 3] = {
+        let (mut places, mut channel) = ([[0; 64]; 3], 0);
+        while channel < 3 {
+            let mut byte = 0;
+            while byte < 64 {
+                places[channel][byte] = (byte as u8 & !3) + channel as u8 + (byte as u8 & 1) * 64;
+                byte += 1;
+            }
+            channel += 1;
+        }
+        places
+    };
+
     kernel! {
+        /// Returns the sRGB codes of red, green and blue of sixteen pixels in linear light, as words with alpha 0.
+        ///
+        /// A line gives a code that is right or one too small: it deviates by at most a quarter, and the next code
+        /// begins at half. A comparison with the exact beginning of the next code decides. `ends` are the bytes of these
+        /// values by code.
         #[inline]
-        #[expect(unsafe_code, reason = "one instruction for 16 reads: gathering over frames takes a fifth less time")]
-        pub(super) fn entries(avx512: Avx512, buckets: &[u32; BUCKETS], bucket: __m512i) -> [u32; 16] {
-            let bucket = _mm512_and_si512(bucket, _mm512_set1_epi32(BUCKETS as i32 - 1));
-            // SAFETY: an index masked with `BUCKETS` − 1 is less than `BUCKETS`, because that is a power of two.
-            let found: u32x16<_> = unsafe { _mm512_i32gather_epi32::<4>(bucket, buckets.as_ptr().cast()) }.simd_into(avx512);
-            found.to_array()
+        pub(super) fn encode_pixels(
+            avx512: Avx512,
+            lines: &Lines,
+            ends: &[[u8; 256]; 4],
+            colors: [__m512; 3],
+        ) -> __m512i {
+            let half = |of: &[f32; 32], first: usize| -> __m512 {
+                f32x16::from_slice(avx512, &of[first..first + 16]).into()
+            };
+            let [offset, slope] = each!(of in [&lines.offset, &lines.slope] => [half(of, 0), half(of, 16)]);
+            let [factor, summand] = each!(number in [0, 1] => _mm512_set1_ps(Lines::SHIFTED[number]));
+            // This operand order turns NaN into 0.
+            let colors = each!(c in [0, 1, 2] => {
+                _mm512_min_ps(_mm512_max_ps(colors[c], _mm512_setzero_ps()), _mm512_set1_ps(1.0))
+            });
+            let codes = each!(c in [0, 1, 2] => {
+                let y = _mm512_fmadd_ps(colors[c], factor, summand);
+                let line = _mm512_srli_epi32::<{ Lines::SHIFT }>(_mm512_castps_si512(y));
+                let [offset, slope] =
+                    each!(of in [offset, slope] => _mm512_permutex2var_ps(of[0], line, of[1]));
+                _mm512_cvttps_epi32(_mm512_fmadd_ps(slope, y, offset))
+            });
+            let pixels = _mm512_or_si512(
+                _mm512_or_si512(codes[0], _mm512_slli_epi32::<8>(codes[1])),
+                _mm512_slli_epi32::<16>(codes[2]),
+            );
+            let ends = values_of_pixels(avx512, ends, pixels);
+            let mut exact = pixels;
+            for c in 0..3 {
+                let is_next = _mm512_cmp_ps_mask::<_CMP_GE_OQ>(colors[c], _mm512_castsi512_ps(ends[c]));
+                exact = _mm512_mask_add_epi32(exact, is_next, exact, _mm512_set1_epi32(1 << (8 * c)));
+            }
+            exact
         }
     }
 }
@@ -191,7 +305,7 @@ pub fn encode(linear: f32) -> f32 {
 
 /// Converts an 8-bit sRGB code to linear light, in [0, 1].
 pub fn decode_byte(code: u8) -> f32 {
-    TABLES.linear_of_code[code as usize]
+    TABLES.linear_of_code.values[code as usize]
 }
 
 /// Converts a value in [0, 1] to an 8-bit code, rounding half up. Clamps values out of range; returns 0 for NaN.
@@ -234,36 +348,71 @@ mod tests {
         }
     }
 
-    #[test]
-    fn simd_lanes_encode_like_scalar_code_around_every_threshold() {
-        let tables = Tables::get();
-        let thresholds = (1..=255).map(least_of_code);
-        let around = thresholds.flat_map(|threshold| [threshold.next_down(), threshold, threshold.next_up()]);
-        let odd = [0.0, -0.0, -1.0, 1.0, 2.0, f32::MIN_POSITIVE, f32::INFINITY, f32::NEG_INFINITY, f32::NAN];
-        let values: Vec<f32> = around.chain(odd).collect();
-        for (lanes, by_gathers) in Lanes::all_with_and_without_gathers() {
-            for some in values.chunks(WIDE) {
-                let mut padded = [0.5; WIDE];
-                padded[..some.len()].copy_from_slice(some);
-                let codes = on_lanes!(lanes, simd => {
-                    tables.encode_lanes_by(simd, by_gathers, f32x16::load_array(simd, padded)).to_array()
-                });
-                assert_eq!(codes, padded.map(|value| u32::from(tables.encode(value))), "{} {padded:?}", lanes.name());
-            }
+    /// Encodes all values in each channel, and compares the codes with those of scalar code.
+    fn assert_encoded_like_scalar_code(values: &[f32]) {
+        for (lanes, some) in Lanes::all().flat_map(|lanes| values.chunks(WIDE).map(move |some| (lanes, some))) {
+            let mut padded = [0.5; WIDE];
+            padded[..some.len()].copy_from_slice(some);
+            let channels =
+                [padded, std::array::from_fn(|lane| padded[WIDE - 1 - lane]), padded.map(|value| 1.0 - value)];
+            let words = on_lanes!(lanes, simd => {
+                let channels = channels.map(|channel| f32x16::load_array(simd, channel));
+                TABLES.encode_pixels(simd, channels).to_array()
+            });
+            let expected: [u32; WIDE] = std::array::from_fn(|lane| {
+                let [r, g, b] = channels.map(|channel| encode_byte(channel[lane]));
+                u32::from_le_bytes([r, g, b, 0])
+            });
+            assert_eq!(words, expected, "{} {padded:?}", lanes.name());
         }
     }
 
     #[test]
-    fn every_lane_looks_up_its_own_code() {
-        let tables = Tables::get();
-        for (lanes, by_gathers) in Lanes::all_with_and_without_gathers() {
-            for first in 0..=255_u32 {
-                let codes: [u32; WIDE] = std::array::from_fn(|lane| (first + 37 * lane as u32) % 256);
-                let found = on_lanes!(lanes, simd => {
-                    let codes = u32x16::load_array(simd, codes);
-                    Tables::lookup_by(simd, by_gathers, &tables.linear_of_code, codes).to_array()
+    fn pixels_are_encoded_like_single_values_around_every_threshold() {
+        let thresholds = (1..=255).map(least_of_code);
+        let around = thresholds.flat_map(|threshold| [threshold.next_down(), threshold, threshold.next_up()]);
+        let odd = [0.0, -0.0, -1.0, 1.0, 2.0, f32::MIN_POSITIVE, f32::INFINITY, f32::NEG_INFINITY, f32::NAN];
+        assert_encoded_like_scalar_code(&around.chain(odd).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn pixels_are_encoded_like_single_values_everywhere() {
+        let evenly = (0..=100_000_u32).map(|step| step as f32 / 100_000.0);
+        let random = std::iter::repeat_with(|| f32::from_bits(fastrand::u32(..))).take(10_000);
+        assert_encoded_like_scalar_code(&evenly.chain(random).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn lines_deviate_by_less_than_half_a_code() {
+        let [factor, summand] = Lines::SHIFTED;
+        let deviation = |x: f32| {
+            let y = x * factor + summand;
+            let line = (y.to_bits() >> Lines::SHIFT) as usize % 32;
+            let exact = f64::from(x);
+            let srgb = if exact <= 0.003_130_8 { exact * 12.92 } else { 1.055 * exact.powf(1.0 / 2.4) - 0.055 };
+            (f64::from(TABLES.lines.offset[line] + TABLES.lines.slope[line] * y) - 255.0 * srgb).abs()
+        };
+        let worst = (0..=1_000_000_u32).map(|step| deviation(step as f32 / 1e6)).fold(0.0, f64::max);
+        assert!((0.1..0.26).contains(&worst), "{worst}");
+    }
+
+    #[test]
+    fn every_channel_of_every_pixel_has_the_value_of_its_code() {
+        for (table, lanes) in [&TABLES.linear_of_code, &TABLES.code]
+            .into_iter()
+            .flat_map(|table| Lanes::all().map(move |lanes| (table, lanes)))
+        {
+            for first in 0..=255_u8 {
+                let pixels: [[u8; 4]; WIDE] = std::array::from_fn(|lane| {
+                    [0, 59, 151, 7].map(|step| first.wrapping_add(37 * lane as u8).wrapping_add(step))
                 });
-                assert_eq!(found, codes.map(|code| tables.linear_of_code[code as usize]), "{}", lanes.name());
+                let found = on_lanes!(lanes, simd => {
+                    let words = u32x16::load_array(simd, pixels.map(u32::from_le_bytes));
+                    table.of_pixels(simd, words).map(|channel| channel.to_array())
+                });
+                for (channel, found) in found.into_iter().enumerate() {
+                    assert_eq!(found, pixels.map(|pixel| table.values[pixel[channel] as usize]), "{}", lanes.name());
+                }
             }
         }
     }

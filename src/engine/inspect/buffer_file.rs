@@ -123,7 +123,7 @@ impl Channels<'_> {
 
     /// Adds the channels of a buffer.
     fn buffer(&mut self, buffer: Buffer) {
-        let linear = &Tables::get().linear_of_code;
+        let linear = &Tables::get().linear_of_code.values;
         match buffer.channels() {
             BufferChannels::Color([red, green, blue, alpha]) => {
                 for (name, channel) in [red, green, blue].into_iter().zip(0..) {

@@ -77,7 +77,7 @@ fn sum_of(sources: &[ContributingSample], light: FilterSpace, channel: usize) ->
     match light {
         FilterSpace::Bytes => weighed(f64::from),
         FilterSpace::Linear => {
-            let sum = weighed(|code| f64::from(Tables::get().linear_of_code[usize::from(code)]));
+            let sum = weighed(|code| f64::from(Tables::get().linear_of_code.values[usize::from(code)]));
             255.0 * f64::from(encode(sum as f32))
         }
     }

@@ -48,8 +48,8 @@ impl Sampler {
         // Codes are mixed first and divided by 255 afterwards. Dividing every code before mixing would round each of
         // them.
         let (number_of_code, scale) = match color_space {
-            ColorSpace::Linear => (&tables.linear_of_code, 1.0),
-            ColorSpace::Bytes => (&tables.code, 1.0 / 255.0),
+            ColorSpace::Linear => (&tables.linear_of_code.values, 1.0),
+            ColorSpace::Bytes => (&tables.code.values, 1.0 / 255.0),
         };
         Self { filter, address, number_of_code, scale }
     }

@@ -177,7 +177,7 @@ fn clip_from_world(camera: &Camera, recipe: &Recipe, viewport: Viewport) -> DMat
 
 /// Returns the channels of an input: colour, distance, motion in pixels of the input, and disocclusion.
 fn input(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Picture {
-    let linear = &Tables::get().linear_of_code;
+    let linear = &Tables::get().linear_of_code.values;
     let colors = frame.drawn.color.map(|[r, g, b, _]| [r, g, b].map(|code| linear[usize::from(code)]));
     let mut channels = rgb(&colors);
     if let Some(motion) = frame.motion(scene, recipe) {

@@ -96,7 +96,7 @@ type Texel = [f32; 4];
 /// linear light if `linear` is `true`, otherwise sRGB codes.
 pub(super) fn mip_levels(image: &Image<Rgba8>, linear: bool) -> Vec<Image<Rgba8>> {
     let tables = Tables::get();
-    let value = |code: u8| if linear { tables.linear_of_code[code as usize] } else { f32::from(code) / 255.0 };
+    let value = |code: u8| if linear { tables.linear_of_code.values[code as usize] } else { f32::from(code) / 255.0 };
     let mut last = image.map(|[r, g, b, a]| {
         let alpha = f32::from(a) / 255.0;
         [value(r) * alpha, value(g) * alpha, value(b) * alpha, alpha]
@@ -283,7 +283,7 @@ mod tests {
                 let tables = Tables::get();
                 let value = |code: u8| {
                     if linear {
-                        BigRational::from_float(tables.linear_of_code[code as usize]).unwrap()
+                        BigRational::from_float(tables.linear_of_code.values[code as usize]).unwrap()
                     } else {
                         ratio(code.into(), 255)
                     }

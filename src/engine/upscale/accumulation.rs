@@ -167,7 +167,7 @@ impl<'a> FrameContext<'a> {
 
     fn number(&self, code: u8) -> f32 {
         match self.light {
-            FilterSpace::Linear => self.tables.linear_of_code[code as usize],
+            FilterSpace::Linear => self.tables.linear_of_code.values[code as usize],
             FilterSpace::Bytes => f32::from(code),
         }
     }

@@ -4,7 +4,7 @@ use super::planes::Planes;
 use super::quads::Quad;
 use super::{BlendSpace, FilterSpace};
 use crate::image::Rgba8;
-use crate::image::color::Tables;
+use crate::image::color::{CodeValues, Tables};
 use crate::math::lanes::*;
 
 /// Conversion between sRGB codes and YCoCg of linear light, in [0, 1], or of sRGB codes, in [0, 255].
@@ -27,12 +27,12 @@ impl YCoCg {
     /// Converts the codes of a sample. The fourth number is alpha as an 8-bit value.
     #[inline(always)]
     pub(super) fn decoded(self, [r, g, b, a]: Rgba8) -> Quad {
-        let [r, g, b] = [r, g, b].map(|code| self.values_of_codes()[usize::from(code)]);
+        let [r, g, b] = [r, g, b].map(|code| self.values_of_codes().values[usize::from(code)]);
         [0.25 * r + 0.5 * g + 0.25 * b, 0.5 * r - 0.5 * b, 0.5 * g - 0.25 * r - 0.25 * b, f32::from(a)]
     }
 
     /// Returns the values of the sRGB codes in the working space.
-    fn values_of_codes(self) -> &'static [f32; 256] {
+    fn values_of_codes(self) -> &'static CodeValues {
         match self.light {
             FilterSpace::Linear => &self.tables.linear_of_code,
             FilterSpace::Bytes => &self.tables.code,
@@ -45,9 +45,7 @@ impl YCoCg {
         let (runs, rest) = codes.as_chunks::<WIDE>();
         for (codes, at) in runs.iter().zip((from..).step_by(WIDE)) {
             let words = u8x64::from_slice(simd, codes.as_flattened()).bitcast::<u32x16<S>>();
-            let [r, g, b] = each!(channel in [0, 8, 16] => {
-                Tables::lookup(simd, self.values_of_codes(), (words >> channel) & 255)
-            });
+            let [r, g, b] = self.values_of_codes().of_pixels(simd, words);
             let y = r * 0.25 + g * 0.5 + b * 0.25;
             let colors = [y, r * 0.5 - b * 0.5, g * 0.5 - r * 0.25 - b * 0.25, float_of(words >> 24)];
             for (plane, numbers) in planes.iter_mut().zip(colors) {
@@ -64,11 +62,16 @@ impl YCoCg {
     /// Returns the codes of 16 colours with the given alpha, an 8-bit value.
     #[inline(always)]
     pub(super) fn encode<S: Simd>(self, simd: S, [y, co, cg]: [f32x16<S>; 3], alpha: f32x16<S>) -> [Rgba8; WIDE] {
-        let [r, g, b] = each!(value in [y - cg + co, y + cg, y - cg - co] => match self.light {
-            FilterSpace::Linear => self.tables.encode_lanes(simd, value),
-            FilterSpace::Bytes => whole_part((value + 0.5).max(f32x16::splat(simd, 0.0)).min(255.0)),
-        });
-        let words = r | g << 8 | b << 16 | whole_part(alpha + 0.5) << 24;
+        let colors = [y - cg + co, y + cg, y - cg - co];
+        let colors = match self.light {
+            FilterSpace::Linear => self.tables.encode_pixels(simd, colors),
+            FilterSpace::Bytes => {
+                let zero = f32x16::splat(simd, 0.0);
+                let [r, g, b] = each!(c in [0, 1, 2] => whole_part((colors[c] + 0.5).max(zero).min(255.0)));
+                r | g << 8 | b << 16
+            }
+        };
+        let words = colors | whole_part(alpha + 0.5) << 24;
         let mut codes = [[0; 4]; WIDE];
         words.bitcast::<u8x64<S>>().store_slice(codes.as_flattened_mut());
         codes

@@ -86,15 +86,19 @@ impl Group {
         };
         let tables = Tables::get();
         let values = if linear { &tables.linear_of_code } else { &tables.code };
-        let mut result = own & 0xFF00_0000;
-        for shift in [0, 8, 16] {
-            let [own, before, after] =
-                each!(words in [own, before, after] => Tables::lookup(simd, values, words >> shift & 0xFF));
-            let value = own + ((before - own) * weights[0] + (after - own) * weights[1]);
-            let code = if linear { tables.encode_lanes(simd, value) } else { whole_part(value + 0.5) };
-            result |= code << shift;
-        }
-        result.to_array()
+        let alpha = own & 0xFF00_0000;
+        let [own, before, after] = each!(words in [own, before, after] => values.of_pixels(simd, words));
+        let blended = each!(channel in [0, 1, 2] => {
+            let [own, before, after] = each!(values in [own, before, after] => values[channel]);
+            own + ((before - own) * weights[0] + (after - own) * weights[1])
+        });
+        let codes = if linear {
+            tables.encode_pixels(simd, blended)
+        } else {
+            let [r, g, b] = each!(channel in [0, 1, 2] => whole_part(blended[channel] + 0.5));
+            r | g << 8 | b << 16
+        };
+        (alpha | codes).to_array()
     }
 
     /// Returns the pixels and their neighbours before and after them, as little-endian words. The neighbours are beside
@@ -129,7 +133,7 @@ mod tests {
         std::array::from_fn(|channel| {
             let value = |index: usize| {
                 let code = picture.pixels()[index][channel];
-                if linear { tables.linear_of_code[code as usize] } else { f32::from(code) }
+                if linear { tables.linear_of_code.values[code as usize] } else { f32::from(code) }
             };
             let own = value(index);
             let [before, after] = [index - step as usize, index + step as usize].map(value);

@@ -41,7 +41,7 @@ pub(super) struct Opponents {
 
 impl Opponents {
     pub(super) fn new() -> Self {
-        let light = &Tables::get().linear_of_code;
+        let light = &Tables::get().linear_of_code.values;
         let white = white();
         let of_code = from_fn(|channel| {
             from_fn(|code| {

@@ -1,10 +1,10 @@
 //! Target of a tile: its rows of the picture, and the queue of samples that wait for their texels.
 
 use super::TiledFrame;
-use super::finish::{finish_blended, finish_common, finish_mipmapped, finish_opaque};
+use super::finish::{finish_blended, finish_mipmapped, finish_opaque};
 use super::layout::TilePlace;
 use super::queue::{FilledRows, Queue, Reserved};
-use super::shader::ShadingPlan;
+use super::shader::{PlannedShader, ShadingPlan, with_known_plan};
 use super::target::ColorRows;
 use crate::math::lanes::*;
 
@@ -51,19 +51,13 @@ impl Canvas<'_> {
                 let rows = FilledRows { pairs: &queue.pairs[..len], taps: &queue.taps[..len], coarse };
                 // Uses loops: a closure passed to `for_each` might be compiled without the selected instruction set.
                 match shader.plan {
-                    ShadingPlan::COMMON => {
-                        let Some(texture) = shader.texture else { return };
-                        if texture.gathers {
-                            finish_common(simd, shader, texture.that_gathers(true), rows, pixels);
-                        } else {
-                            finish_common(simd, shader, texture.that_gathers(false), rows, pixels);
-                        }
-                    }
                     plan if plan.mipmapped => {
                         queue.coarse_texels += finish_mipmapped(simd, shader, rows, pixels);
                     }
                     plan if plan.blended => finish_blended(simd, shader, rows, pixels),
-                    _ => finish_opaque(simd, shader, rows, pixels),
+                    _ => {
+                        with_known_plan!(shader.plan, plan => finish_opaque(simd, PlannedShader { shader, plan }, rows, pixels));
+                    }
                 }
             },
         );

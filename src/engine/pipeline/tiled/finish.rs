@@ -3,7 +3,7 @@
 use super::mipmap::LevelTaps;
 use super::patch::ALL;
 use super::queue::{FilledRows, QueuedPair, QueuedRow};
-use super::shader::{DrawShader, LightSource, ShadingPlan, TEXELS_AROUND};
+use super::shader::{DrawShader, LightSource, PlannedShader, ShadingPlan, TEXELS_AROUND};
 use super::texels;
 use super::texture::TextureReader;
 use crate::image::Rgba8;
@@ -12,26 +12,28 @@ use crate::math::lanes::*;
 use crate::pipeline::formulas::blended;
 use crate::pipeline::settings::ColorSpace;
 
-/// Finishes pairs of rows of any plan without mip-mapping and blending.
+/// Finishes pairs of rows of a plan without mip-mapping and blending. The shader and the texture are local copies.
+/// Stores to `pixels` cannot alias them, so they are loaded only once for all pairs. Whether texels are gathered by
+/// hardware is decided before the loop.
 #[inline(always)]
-pub(super) fn finish_opaque<S: Simd>(simd: S, shader: &DrawShader<'_>, rows: FilledRows<'_>, pixels: &mut [Rgba8]) {
-    let plan = ShadingPlan { mipmapped: false, blended: false, ..shader.plan };
-    Finisher::new(shader, plan).finish_all(simd, rows, pixels);
-}
-
-/// Finishes pairs of rows of the most common plan. The shader and the texture are local copies. Stores to `pixels`
-/// cannot alias them, so they are loaded only once for all pairs. The caller decides before the loop whether `texture`,
-/// the texture of the shader, uses hardware gathers.
-#[inline(always)]
-pub(super) fn finish_common<S: Simd>(
+pub(super) fn finish_opaque<S: Simd>(
     simd: S,
-    shader: &DrawShader<'_>,
-    texture: TextureReader<'_>,
+    PlannedShader { shader, plan }: PlannedShader<'_>,
     rows: FilledRows<'_>,
     pixels: &mut [Rgba8],
 ) {
-    let finisher = Finisher { shader: &{ *shader }, texture: Some(&texture), plan: ShadingPlan::COMMON };
-    finisher.finish_all(simd, rows, pixels);
+    let plan = ShadingPlan { mipmapped: false, blended: false, ..*plan };
+    match shader.texture {
+        Some(texture) if plan.space == ColorSpace::Bytes && texture.gathers => {
+            let texture = texture.that_gathers(true);
+            Finisher { shader: &{ *shader }, texture: Some(&texture), plan }.finish_all(simd, rows, pixels);
+        }
+        Some(texture) => {
+            let texture = texture.that_gathers(false);
+            Finisher { shader: &{ *shader }, texture: Some(&texture), plan }.finish_all(simd, rows, pixels);
+        }
+        None => Finisher { shader: &{ *shader }, texture: None, plan }.finish_all(simd, rows, pixels),
+    }
 }
 
 /// Finishes pairs of rows of a blended draw.
@@ -139,14 +141,7 @@ impl<'a> Finisher<'a> {
                 color = lit(simd, plan, color, pair, 0);
                 if plan.blended {
                     let below = u32x16::load_array(simd, codes);
-                    let decode = &Tables::get().linear_of_code;
-                    color = over(
-                        simd,
-                        color,
-                        each!(shift in [0, 8, 16] => {
-                            Tables::lookup(simd, decode, (below >> shift) & 255)
-                        }),
-                    );
+                    color = over(simd, color, Tables::get().linear_of_code.of_pixels(simd, below));
                 }
                 encode(simd, color).store_array(&mut codes);
                 for (row, codes) in pair.rows.iter().zip(codes.chunks_exact(LANES)) {
@@ -309,10 +304,8 @@ mod x86 {
 
 /// Encodes colours in linear light as sRGB, and packs them into opaque pixels.
 #[inline(always)]
-fn encode<S: Simd>(simd: S, color: [f32x16<S>; 4]) -> u32x16<S> {
-    let tables = Tables::get();
-    let [r, g, b] = each!(c in [0, 1, 2] => tables.encode_lanes(simd, color[c]));
-    r | g << 8 | b << 16 | 0xFF00_0000
+fn encode<S: Simd>(simd: S, [r, g, b, _]: [f32x16<S>; 4]) -> u32x16<S> {
+    Tables::get().encode_pixels(simd, [r, g, b]) | 0xFF00_0000
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use super::mipmap::{Coordinates, LevelTapsMut};
 use super::patch::Patch;
 use super::queue::{Reserved, ReservedPair, RowTargets};
 use super::record::{One, ShadedTriangle, TriangleSource};
-use super::shader::{DrawShader, LightSource, PlannedShader, ShadingPlan};
+use super::shader::{DrawShader, LightSource, PlannedShader, ShadingPlan, with_known_plan};
 use super::weights::{AttributeWeights, StoredWeights, corner_weights};
 use crate::math::lanes::*;
 use crate::pipeline::shading::LightInputs;
@@ -53,10 +53,7 @@ pub(super) fn shade_rows<S: Simd>(
 ) {
     let shader = canvas.frame.shader(subject.draw);
     let mut rows = ShadedRows { subject, edges, ahead: &mut [StoredWeights::default(); BLOCK / 2] };
-    match shader.plan {
-        ShadingPlan::COMMON => rows.shade(simd, PlannedShader::common(shader), patch, canvas),
-        _ => rows.shade(simd, PlannedShader::new(shader), patch, canvas),
-    }
+    with_known_plan!(shader.plan, plan => rows.shade(simd, PlannedShader { shader, plan }, patch, canvas));
 }
 
 /// Rows of samples that all belong to one triangle.

@@ -14,7 +14,7 @@ use super::queue::{QueuedRow, Reserved, ReservedPair};
 use super::record::{TileBin, TriangleSource};
 use super::sample_positions::SamplePositions;
 use super::setup::EdgeFunctions;
-use super::shader::{PlannedShader, ShadingPlan};
+use super::shader::{PlannedShader, ShadingPlan, with_known_plan};
 use super::target::ColorRows;
 use super::weights::{AttributeWeights, StoredWeights, corner_weights};
 use crate::math::lanes::*;
@@ -166,10 +166,9 @@ impl Pending {
                 }
                 let shader = &canvas.frame.shaders[self.shader];
                 let room = canvas.reserve(simd, self.shader, self.len);
-                match shader.plan {
-                    ShadingPlan::COMMON => self.interpolate(simd, PlannedShader::common(shader), entrants, room),
-                    _ => self.interpolate(simd, PlannedShader::new(shader), entrants, room),
-                }
+                with_known_plan!(shader.plan, plan => {
+                    self.interpolate(simd, PlannedShader { shader, plan }, entrants, room)
+                });
                 self.len = 0;
                 self.large.clear();
             },

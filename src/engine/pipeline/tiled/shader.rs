@@ -53,17 +53,21 @@ impl LightSource {
 }
 
 impl ShadingPlan {
-    /// Most common shading plan, for which there is a specialised kernel without branches.
-    pub(super) const COMMON: Self = Self {
+    /// Plan of textured surfaces with the default settings.
+    pub(super) const LAMBERT: Self = Self {
         texture: Some(Layout::PowerOfTwoQuads),
         mipmapped: false,
-        shading: Shading::Gouraud,
-        light: LightSource::Vertices,
+        shading: Shading::Lambert,
+        light: LightSource::Normals,
         tinted: false,
         colored: false,
-        space: ColorSpace::Bytes,
+        space: ColorSpace::Linear,
         blended: false,
     };
+
+    /// Plan of the least work for textured surfaces that are lit.
+    pub(super) const GOURAUD: Self =
+        Self { shading: Shading::Gouraud, light: LightSource::Vertices, space: ColorSpace::Bytes, ..Self::LAMBERT };
 }
 
 /// Number of texels that bilinear filtering reads in one mip level.
@@ -94,18 +98,29 @@ pub(super) struct PlannedShader<'a> {
     pub(super) plan: &'a ShadingPlan,
 }
 
-impl<'a> PlannedShader<'a> {
-    #[inline(always)]
-    pub(super) fn new(shader: &'a DrawShader<'a>) -> Self {
-        Self { shader, plan: &shader.plan }
-    }
+impl<'a> PlannedShader<'a> {}
 
-    /// Returns a shader with the most common plan as a constant.
-    #[inline(always)]
-    pub(super) fn common(shader: &'a DrawShader<'a>) -> Self {
-        Self { shader, plan: &ShadingPlan::COMMON }
-    }
+/// Evaluates an expression with a plan and the name of a constant or variable that equals it. The most common plans are
+/// constants, so that the expression is compiled for each of them without branches.
+macro_rules! with_known_plan {
+    ($plan:expr, $known:ident => $body:expr) => {
+        match $plan {
+            ShadingPlan::LAMBERT => {
+                let $known = &ShadingPlan::LAMBERT;
+                $body
+            }
+            ShadingPlan::GOURAUD => {
+                let $known = &ShadingPlan::GOURAUD;
+                $body
+            }
+            _ => {
+                let $known = &$plan;
+                $body
+            }
+        }
+    };
 }
+pub(super) use with_known_plan;
 
 impl<'a> DrawShader<'a> {
     /// Creates the shading state of a draw. `texture` is the texture of its material.

@@ -139,7 +139,7 @@ pub(super) fn shade_tested<S: Simd>(
             let Reserved { pairs: [pair], taps: [fine], coarse } = canvas.reserve(simd, number, 1) else { return 0 };
             pair.rows = rows;
             let (shader, weights) = (&frame.shaders[number], tested.weights(simd, subject));
-            let planned = PlannedShader::new(shader);
+            let planned = PlannedShader { shader, plan: &shader.plan };
             let taps = LevelTapsMut { fine, coarse: coarse.first_mut() };
             interpolate_pair(simd, planned, subject.one, weights, ReservedPair { pair, taps });
             mine.count_ones() as usize
@@ -166,7 +166,7 @@ pub(super) fn keep_tested<S: Simd>(
             };
             let (mut taps, mut coarse) = (Taps::default(), shader.plan.mipmapped.then(CoarseTaps::default));
             let weights = tested.weights(simd, subject);
-            let planned = PlannedShader::new(shader);
+            let planned = PlannedShader { shader, plan: &shader.plan };
             let out = LevelTapsMut { fine: &mut taps, coarse: coarse.as_mut() };
             locate_texels(simd, planned, subject.one, weights, out);
             let taps = LevelTaps { fine: &taps, coarse: coarse.as_ref() };

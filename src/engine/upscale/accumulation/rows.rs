@@ -4,7 +4,7 @@
 //! read at the same pixel; otherwise it is gathered at the reprojected positions.
 
 use super::{FrameContext, INTERPOLATED, JITTER_POSITIONS};
-use crate::image::color::Tables;
+use crate::image::color::CodeValues;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 use crate::pipeline::motion::MotionVectors;
@@ -327,12 +327,12 @@ impl FrameContext<'_> {
         let (wide, narrow) = light.split_at_mut((runs.len() * WIDE).min(light.len()));
         for (light, run) in wide.as_chunks_mut().0.iter_mut().zip(runs) {
             let words = u8x64::from_slice(simd, run.as_flattened()).bitcast::<u32x16<S>>();
-            let [red, green, blue] =
-                each!(channel in [0, 8, 16] => Tables::lookup(simd, table, (words >> channel) & 255));
+            let [red, green, blue] = table.of_pixels(simd, words);
             store([red, green, blue, float_of(words >> 24)], light);
         }
+        let values = &table.values;
         for (light, [r, g, b, a]) in narrow.iter_mut().zip(rest) {
-            *light = [table[*r as usize], table[*g as usize], table[*b as usize], f32::from(*a)];
+            *light = [values[*r as usize], values[*g as usize], values[*b as usize], f32::from(*a)];
         }
     }
 
@@ -342,13 +342,13 @@ impl FrameContext<'_> {
         let table = self.table();
         for (from, codes) in (0..planes[0].len() / WIDE * WIDE).step_by(WIDE).zip(codes.as_chunks::<BYTES>().0) {
             let words = u8x64::load_array_ref(simd, codes).bitcast::<u32x16<S>>();
-            for (plane, channel) in planes.iter_mut().zip([0, 8, 16]) {
-                Tables::lookup(simd, table, (words >> channel) & 255).store_slice(&mut plane[from..from + WIDE]);
+            for (plane, values) in planes.iter_mut().zip(table.of_pixels(simd, words)) {
+                values.store_slice(&mut plane[from..from + WIDE]);
             }
         }
     }
 
-    fn table(&self) -> &'static [f32; 256] {
+    fn table(&self) -> &'static CodeValues {
         match self.light {
             FilterSpace::Linear => &self.tables.linear_of_code,
             FilterSpace::Bytes => &self.tables.code,
@@ -358,12 +358,15 @@ impl FrameContext<'_> {
     /// Encodes 16 pixels from working-space colours and 8-bit alpha values.
     #[inline(always)]
     fn encode<S: Simd>(&self, simd: S, light: [f32x16<S>; 4], alpha: f32x16<S>, pixels: &mut [Rgba8; WIDE]) {
-        let [red, green, blue] = each!(channel in [0, 1, 2] => match self.light {
-            FilterSpace::Bytes => whole_part(light[channel] + 0.5),
-            FilterSpace::Linear => self.tables.encode_lanes(simd, light[channel]),
-        });
-        let alpha = whole_part(alpha + 0.5);
-        let words = red | green << 8 | blue << 16 | alpha << 24;
+        let [red, green, blue, _] = light;
+        let colors = match self.light {
+            FilterSpace::Linear => self.tables.encode_pixels(simd, [red, green, blue]),
+            FilterSpace::Bytes => {
+                let [red, green, blue] = each!(channel in [red, green, blue] => whole_part(channel + 0.5));
+                red | green << 8 | blue << 16
+            }
+        };
+        let words = colors | whole_part(alpha + 0.5) << 24;
         words.bitcast::<u8x64<S>>().store_slice(pixels.as_flattened_mut());
     }
 }

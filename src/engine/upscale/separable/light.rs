@@ -66,7 +66,7 @@ impl<const N: usize> Linear<N> {
             period: (pixels as usize, samples as usize),
             weights: weights.iter().map(|weights| weights.map(|weight| weight as f32)).collect(),
             columns,
-            decode: &Tables::get().linear_of_code,
+            decode: &Tables::get().linear_of_code.values,
             deringing,
             lanes: lanes_of(level),
         }
