@@ -30,9 +30,14 @@ impl Mean {
     pub(crate) fn add(&mut self, pictures: &[Image<Rgba8>]) {
         let pixels = self.size.0 as usize * self.size.1 as usize;
         self.sums.resize(pixels.div_ceil(WIDE), [[0.0; WIDE]; 3]);
-        let (lanes, light) = (Lanes::best(), self.light);
+        let (lanes, numbers) = (Lanes::best(), numbers(self.light));
         self.sums.par_chunks_mut(TOGETHER).enumerate().for_each(|(chunk, sums)| {
-            add_chunk(lanes, light, pictures, chunk, sums);
+            on_lanes!(lanes, simd => {
+                for (sixteen, sums) in (chunk * TOGETHER..).zip(sums) {
+                    let before = loaded(simd, sums);
+                    store(with_samples(simd, before, pictures, sixteen, numbers), sums);
+                }
+            });
         });
         self.samples += pictures.len() as u32;
     }
@@ -60,26 +65,48 @@ impl Mean {
     pub(crate) fn picture(&self, last: &[Image<Rgba8>], spare: Option<Image<Rgba8>>) -> Image<Rgba8> {
         let mut picture = Image::reusing(spare, self.size.0, self.size.1, [0; 4]);
         let (lanes, light, samples) = (Lanes::best(), self.light, self.samples + last.len() as u32);
-        let chunks = picture.pixels_mut().par_chunks_mut(TOGETHER * WIDE).enumerate();
-        chunks.for_each_init(Vec::new, |sums: &mut Vec<Sums>, (chunk, pixels)| {
-            sums.clear();
-            sums.extend(self.sums.chunks(TOGETHER).nth(chunk).unwrap_or_default());
-            sums.resize(pixels.len().div_ceil(WIDE), [[0.0; WIDE]; 3]);
-            add_chunk(lanes, light, last, chunk, sums);
-            means_of_sums(lanes, sums, samples, light, pixels);
+        picture.pixels_mut().par_chunks_mut(TOGETHER * WIDE).enumerate().for_each(|(chunk, pixels)| {
+            on_lanes!(lanes, simd => {
+                for (sixteen, out) in (chunk * TOGETHER..).zip(pixels.chunks_mut(WIDE)) {
+                    let before = self.sums.get(sixteen).unwrap_or(&[[0.0; WIDE]; 3]);
+                    let sums = with_samples(simd, loaded(simd, before), last, sixteen, numbers(light));
+                    store_in(out, &finished_lanes(simd, sums, samples, light));
+                }
+            });
         });
         picture
     }
 }
 
-/// Number of sums per parallel task. They fit into the cache of a core.
+/// Number of groups of sixteen pixels per parallel task.
 const TOGETHER: usize = 256;
 
-/// Adds one sample per pixel from each of the pictures to the sums of chunk number `chunk`.
-fn add_chunk(lanes: Lanes, light: ColorSpace, pictures: &[Image<Rgba8>], chunk: usize, sums: &mut [Sums]) {
+/// Adds one sample per pixel from each of the pictures to the sums of a group of sixteen pixels, given by its number.
+#[inline(always)]
+fn with_samples<S: Simd>(
+    simd: S,
+    mut sums: [f32x16<S>; 3],
+    pictures: &[Image<Rgba8>],
+    sixteen: usize,
+    numbers: &CodeValues,
+) -> [f32x16<S>; 3] {
     for picture in pictures {
-        let colors = picture.pixels().chunks(TOGETHER * WIDE).nth(chunk).unwrap_or_default();
-        add_samples(lanes, colors, light, sums);
+        let pixels = picture.pixels();
+        let own = sixteen * WIDE..((sixteen + 1) * WIDE).min(pixels.len());
+        sums = added(simd, sums, padded(&pixels[own], [0; 4]), numbers);
+    }
+    sums
+}
+
+#[inline(always)]
+fn loaded<S: Simd>(simd: S, sums: &Sums) -> [f32x16<S>; 3] {
+    each!(channel in [0, 1, 2] => f32x16::load_array_ref(simd, &sums[channel]))
+}
+
+#[inline(always)]
+fn store<S: Simd>(values: [f32x16<S>; 3], sums: &mut Sums) {
+    for channel in 0..3 {
+        values[channel].store_array(&mut sums[channel]);
     }
 }
 
@@ -108,11 +135,11 @@ pub(crate) fn means(lanes: Lanes, colors: &[Rgba8], picks: &[Picks], light: Colo
 fn means_of_sixteen<S: Simd>(simd: S, colors: &[Rgba8], picks: &[Picks], light: ColorSpace) -> [Rgba8; WIDE] {
     let (mut sums, numbers) = ([f32x16::splat(simd, 0.0); 3], numbers(light));
     for picks in picks {
-        let mut codes = [0; WIDE];
-        for (code, pick) in codes.iter_mut().zip(picks) {
-            *code = u32::from_le_bytes(colors[*pick as usize]);
+        let mut sampled = [[0; 4]; WIDE];
+        for (color, pick) in sampled.iter_mut().zip(picks) {
+            *color = colors[*pick as usize];
         }
-        sums = added(simd, sums, codes, numbers);
+        sums = added(simd, sums, sampled, numbers);
     }
     finished_lanes(simd, sums, picks.len() as u32, light)
 }
@@ -120,41 +147,28 @@ fn means_of_sixteen<S: Simd>(simd: S, colors: &[Rgba8], picks: &[Picks], light: 
 /// Adds one sample per pixel to `sums` with SIMD. Each element of `sums` holds the sums of sixteen pixels. After the
 /// last sample, [`means_of_sums`] gives the same colours as [`mean`].
 pub(crate) fn add_samples(lanes: Lanes, colors: &[Rgba8], light: ColorSpace, sums: &mut [Sums]) {
-    on_lanes!(lanes, simd => add_sixteens(simd, colors, numbers(light), sums));
-}
-
-#[inline(always)]
-fn add_sixteens<S: Simd>(simd: S, colors: &[Rgba8], numbers: &CodeValues, sums: &mut [Sums]) {
-    for (colors, sums) in colors.chunks(WIDE).zip(sums) {
-        let mut codes = [0; WIDE];
-        for (code, color) in codes.iter_mut().zip(colors) {
-            *code = u32::from_le_bytes(*color);
+    on_lanes!(lanes, simd => {
+        for (colors, sums) in colors.chunks(WIDE).zip(sums) {
+            store(added(simd, loaded(simd, sums), padded(colors, [0; 4]), numbers(light)), sums);
         }
-        let before = each!(channel in [0, 1, 2] => f32x16::load_array_ref(simd, &sums[channel]));
-        let after = added(simd, before, codes, numbers);
-        for channel in 0..3 {
-            after[channel].store_array(&mut sums[channel]);
-        }
-    }
+    });
 }
 
 /// Computes the mean colours of pixels with SIMD, from sums of `samples` samples each. The results equal those of
 /// [`mean`].
 pub(crate) fn means_of_sums(lanes: Lanes, sums: &[Sums], samples: u32, light: ColorSpace, out: &mut [Rgba8]) {
-    for (out, sums) in out.chunks_mut(WIDE).zip(sums) {
-        let means = on_lanes!(lanes, simd => {
-            let sums = each!(channel in [0, 1, 2] => f32x16::load_array_ref(simd, &sums[channel]));
-            finished_lanes(simd, sums, samples, light)
-        });
-        out.copy_from_slice(&means[..out.len()]);
-    }
+    on_lanes!(lanes, simd => {
+        for (out, sums) in out.chunks_mut(WIDE).zip(sums) {
+            store_in(out, &finished_lanes(simd, loaded(simd, sums), samples, light));
+        }
+    });
 }
 
 /// Adds one sample per pixel to the sums of sixteen pixels. [`add`] does the same for one pixel.
 #[inline(always)]
-fn added<S: Simd>(simd: S, sums: [f32x16<S>; 3], codes: [u32; WIDE], numbers: &CodeValues) -> [f32x16<S>; 3] {
-    let codes = u32x16::load_array(simd, codes);
-    let values = numbers.of_pixels(simd, codes);
+fn added<S: Simd>(simd: S, sums: [f32x16<S>; 3], colors: [Rgba8; WIDE], numbers: &CodeValues) -> [f32x16<S>; 3] {
+    let words = u8x64::from_slice(simd, colors.as_flattened()).bitcast::<u32x16<S>>();
+    let values = numbers.of_pixels(simd, words);
     each!(channel in [0, 1, 2] => sums[channel] + values[channel])
 }
 

@@ -90,9 +90,8 @@ impl Tables {
     pub(crate) fn encode_pixels<S: Simd>(&self, simd: S, colors: [f32x16<S>; 3]) -> u32x16<S> {
         #[cfg(target_arch = "x86_64")]
         if let Some(avx512) = simd.level().as_avx512() {
-            let colors = each!(c in [0, 1, 2] => f32x16::load_array(avx512, colors[c].to_array()).into());
-            let codes: u32x16<_> =
-                x86::encode_pixels(avx512, &self.lines, &self.end_of_code.bytes, colors).simd_into(avx512);
+            let colors = each!(c in [0, 1, 2] => f32x16::load_array(avx512, colors[c].to_array()));
+            let codes = x86::encode_pixels(avx512, self, colors);
             return u32x16::load_array(simd, codes.to_array());
         }
         let zero = f32x16::splat(simd, 0.0);
@@ -113,10 +112,10 @@ impl Tables {
 /// line covers a quarter of an octave of y: the bits of y, shifted right by [`Lines::SHIFT`], are its number, modulo 32.
 #[derive(Debug)]
 struct Lines {
-    /// Code at y = 0 on each line.
-    offset: [f32; 32],
-    /// Change of the code per unit of y on each line.
-    slope: [f32; 32],
+    /// Code at y = 0 on each line, as the bits of an `f32`.
+    offset: [u32; 32],
+    /// Change of the code per unit of y on each line, as the bits of an `f32`.
+    slope: [u32; 32],
 }
 
 impl Lines {
@@ -127,7 +126,7 @@ impl Lines {
 
     /// Returns lines that deviate from the code by at most a quarter.
     fn new() -> Self {
-        let (mut offset, mut slope) = ([0.0; 32], [0.0; 32]);
+        let (mut offset, mut slope) = ([0; 32], [0; 32]);
         let [factor, summand] = Self::SHIFTED;
         let bits_of = |line: u32| line << Self::SHIFT;
         // The last line begins at 1.
@@ -143,7 +142,7 @@ impl Lines {
                 .map(at_zero)
                 .fold((f32::MAX, f32::MIN), |(least, greatest), it| (least.min(it), greatest.max(it)));
             let place = line as usize % offset.len();
-            (offset[place], slope[place]) = ((least + greatest) / 2.0, steepness);
+            (offset[place], slope[place]) = (((least + greatest) / 2.0).to_bits(), steepness.to_bits());
         }
         Self { offset, slope }
     }
@@ -170,12 +169,8 @@ impl CodeValues {
     pub(crate) fn of_pixels<S: Simd>(&self, simd: S, words: u32x16<S>) -> [f32x16<S>; 3] {
         #[cfg(target_arch = "x86_64")]
         if let Some(avx512) = simd.level().as_avx512() {
-            let words = u32x16::load_array(avx512, words.to_array());
-            let channels = x86::values_of_pixels(avx512, &self.bytes, words.into());
-            return each!(channel in [0, 1, 2] => {
-                let channel: u32x16<_> = channels[channel].simd_into(avx512);
-                u32x16::load_array(simd, channel.to_array()).bitcast()
-            });
+            let channels = x86::values_of_pixels(avx512, &self.bytes, u32x16::load_array(avx512, words.to_array()));
+            return each!(c in [0, 1, 2] => u32x16::load_array(simd, channels[c].to_array()).bitcast());
         }
         each!(shift in [0, 8, 16] => {
             let codes = (words >> shift).to_array();
@@ -192,31 +187,76 @@ impl CodeValues {
 mod x86 {
     use std::arch::x86_64::*;
 
-    use fearless_simd::prelude::*;
-    use fearless_simd::{f32x16, kernel, u8x64};
+    use fearless_simd::kernel;
+    use fearless_simd::x86::Avx512;
 
-    use super::Lines;
-    use crate::math::lanes::each;
+    use super::{Lines, Tables};
+    use crate::math::lanes::*;
+
+    /// Returns the bits of the values of red, green and blue of sixteen pixels. `bytes` are the bytes of the values by
+    /// code, least significant first. A permutation looks up the same byte of all values of sixteen pixels at once.
+    #[inline(always)]
+    pub(super) fn values_of_pixels(
+        avx512: Avx512,
+        bytes: &[[u8; 256]; 4],
+        pixels: u32x16<Avx512>,
+    ) -> [u32x16<Avx512>; 3] {
+        let planes = each!(byte in [0, 1, 2, 3] => {
+            let quarters = each!(first in [0, 64, 128, 192] => {
+                u8x64::from_slice(avx512, &bytes[byte][first..first + 64]).into()
+            });
+            one_of_256(avx512, quarters, pixels.into())
+        });
+        each!(channel in [0, 1, 2] => {
+            let places = u8x64::load_array_ref(avx512, &PLACES[channel]).into();
+            bytes_in_turn(avx512, planes, places).simd_into(avx512)
+        })
+    }
+
+    /// Returns the sRGB codes of red, green and blue of sixteen pixels in linear light, as words with alpha 0.
+    ///
+    /// A line gives a code that is right or one too small: it deviates by at most a quarter, and the next code begins at
+    /// half. A comparison with the exact beginning of the next code decides.
+    #[inline(always)]
+    pub(super) fn encode_pixels(avx512: Avx512, tables: &Tables, colors: [f32x16<Avx512>; 3]) -> u32x16<Avx512> {
+        let Lines { offset, slope } = &tables.lines;
+        let [factor, summand] = each!(number in [0, 1] => f32x16::splat(avx512, Lines::SHIFTED[number]));
+        let zero = f32x16::splat(avx512, 0.0);
+        let colors = each!(c in [0, 1, 2] => colors[c].simd_gt(zero).select(colors[c].min(1.0), zero));
+        let [r, g, b] = each!(c in [0, 1, 2] => {
+            let y = colors[c].mul_add(factor, summand);
+            let line = y.bitcast::<u32x16<_>>() >> Lines::SHIFT;
+            let [offset, slope] =
+                each!(of in [offset, slope] => entries_of_32(avx512, of, line).bitcast::<f32x16<_>>());
+            slope.mul_add(y, offset).to_int::<i32x16<_>>().bitcast::<u32x16<_>>()
+        });
+        let mut codes = r | g << 8 | b << 16;
+        let ends = values_of_pixels(avx512, &tables.end_of_code.bytes, codes);
+        for channel in 0..3 {
+            let is_next = colors[channel].simd_ge(ends[channel].bitcast::<f32x16<_>>());
+            codes = is_next.select(codes + (1 << (8 * channel)), codes);
+        }
+        codes
+    }
 
     kernel! {
-        /// Returns the bits of the values of red, green and blue of sixteen pixels. `bytes` are the bytes of the values
-        /// by code, least significant first. Permutations look up the same byte of all values of sixteen pixels at once;
-        /// each gather looks up only one channel, and takes as long.
+        /// Returns the bytes of a table at 64 indices. `quarters` are the quarters of the table.
         #[inline]
-        pub(super) fn values_of_pixels(avx512: Avx512, bytes: &[[u8; 256]; 4], pixels: __m512i) -> [__m512i; 3] {
-            let in_upper_half = _mm512_movepi8_mask(pixels);
-            let [lowest, low, high, highest] = each!(byte in [0, 1, 2, 3] => {
-                let quarter = |first: usize| -> __m512i { u8x64::from_slice(avx512, &bytes[byte][first..first + 64]).into() };
-                let below_128 = _mm512_permutex2var_epi8(quarter(0), pixels, quarter(64));
-                let from_128 = _mm512_permutex2var_epi8(quarter(128), pixels, quarter(192));
-                _mm512_mask_mov_epi8(below_128, in_upper_half, from_128)
-            });
-            each!(channel in [0, 1, 2] => {
-                let places = u8x64::load_array_ref(avx512, &PLACES[channel]).into();
-                let low_half = _mm512_permutex2var_epi8(lowest, places, low);
-                let high_half = _mm512_permutex2var_epi8(high, places, highest);
-                _mm512_mask_blend_epi16(0xAAAA_AAAA, low_half, high_half)
-            })
+        fn one_of_256(avx512: Avx512, quarters: [__m512i; 4], indices: __m512i) -> __m512i {
+            let below_128 = _mm512_permutex2var_epi8(quarters[0], indices, quarters[1]);
+            let from_128 = _mm512_permutex2var_epi8(quarters[2], indices, quarters[3]);
+            _mm512_mask_mov_epi8(below_128, _mm512_movepi8_mask(indices), from_128)
+        }
+    }
+
+    kernel! {
+        /// Joins the four bytes of sixteen values, each from another of the planes. `places` has the byte of each value
+        /// in the planes as in [`PLACES`].
+        #[inline]
+        fn bytes_in_turn(avx512: Avx512, planes: [__m512i; 4], places: __m512i) -> __m512i {
+            let low = _mm512_permutex2var_epi8(planes[0], places, planes[1]);
+            let high = _mm512_permutex2var_epi8(planes[2], places, planes[3]);
+            _mm512_mask_blend_epi16(0xAAAA_AAAA, low, high)
         }
     }
 
@@ -234,49 +274,6 @@ mod x86 {
         }
         places
     };
-
-    kernel! {
-        /// Returns the sRGB codes of red, green and blue of sixteen pixels in linear light, as words with alpha 0.
-        ///
-        /// A line gives a code that is right or one too small: it deviates by at most a quarter, and the next code
-        /// begins at half. A comparison with the exact beginning of the next code decides. `ends` are the bytes of these
-        /// values by code.
-        #[inline]
-        pub(super) fn encode_pixels(
-            avx512: Avx512,
-            lines: &Lines,
-            ends: &[[u8; 256]; 4],
-            colors: [__m512; 3],
-        ) -> __m512i {
-            let half = |of: &[f32; 32], first: usize| -> __m512 {
-                f32x16::from_slice(avx512, &of[first..first + 16]).into()
-            };
-            let [offset, slope] = each!(of in [&lines.offset, &lines.slope] => [half(of, 0), half(of, 16)]);
-            let [factor, summand] = each!(number in [0, 1] => _mm512_set1_ps(Lines::SHIFTED[number]));
-            // This operand order turns NaN into 0.
-            let colors = each!(c in [0, 1, 2] => {
-                _mm512_min_ps(_mm512_max_ps(colors[c], _mm512_setzero_ps()), _mm512_set1_ps(1.0))
-            });
-            let codes = each!(c in [0, 1, 2] => {
-                let y = _mm512_fmadd_ps(colors[c], factor, summand);
-                let line = _mm512_srli_epi32::<{ Lines::SHIFT }>(_mm512_castps_si512(y));
-                let [offset, slope] =
-                    each!(of in [offset, slope] => _mm512_permutex2var_ps(of[0], line, of[1]));
-                _mm512_cvttps_epi32(_mm512_fmadd_ps(slope, y, offset))
-            });
-            let pixels = _mm512_or_si512(
-                _mm512_or_si512(codes[0], _mm512_slli_epi32::<8>(codes[1])),
-                _mm512_slli_epi32::<16>(codes[2]),
-            );
-            let ends = values_of_pixels(avx512, ends, pixels);
-            let mut exact = pixels;
-            for c in 0..3 {
-                let is_next = _mm512_cmp_ps_mask::<_CMP_GE_OQ>(colors[c], _mm512_castsi512_ps(ends[c]));
-                exact = _mm512_mask_add_epi32(exact, is_next, exact, _mm512_set1_epi32(1 << (8 * c)));
-            }
-            exact
-        }
-    }
 }
 
 /// Converts an sRGB-encoded value to linear light; both are in [0, 1].
@@ -390,7 +387,8 @@ mod tests {
             let line = (y.to_bits() >> Lines::SHIFT) as usize % 32;
             let exact = f64::from(x);
             let srgb = if exact <= 0.003_130_8 { exact * 12.92 } else { 1.055 * exact.powf(1.0 / 2.4) - 0.055 };
-            (f64::from(TABLES.lines.offset[line] + TABLES.lines.slope[line] * y) - 255.0 * srgb).abs()
+            let [offset, slope] = [TABLES.lines.offset, TABLES.lines.slope].map(|of| f32::from_bits(of[line]));
+            (f64::from(offset + slope * y) - 255.0 * srgb).abs()
         };
         let worst = (0..=1_000_000_u32).map(|step| deviation(step as f32 / 1e6)).fold(0.0, f64::max);
         assert!((0.1..0.26).contains(&worst), "{worst}");

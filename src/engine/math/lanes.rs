@@ -248,6 +248,23 @@ pub(crate) fn whole_part<S: Simd>(numbers: f32x16<S>) -> u32x16<S> {
     numbers.to_int::<i32x16<S>>().bitcast()
 }
 
+/// Returns the entries of a table at sixteen indices modulo 32.
+#[inline(always)]
+pub(crate) fn entries_of_32<S: Simd>(simd: S, table: &[u32; 32], indices: u32x16<S>) -> u32x16<S> {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx512) = simd.level().as_avx512() {
+        let halves = each!(first in [0, WIDE] => u32x16::from_slice(avx512, &table[first..first + WIDE]).into());
+        let indices = u32x16::load_array(avx512, indices.to_array()).into();
+        let entries: u32x16<_> = x86::entries_of_32(avx512, halves, indices).simd_into(avx512);
+        return u32x16::load_array(simd, entries.to_array());
+    }
+    let (indices, mut entries) = (indices.to_array(), [0; WIDE]);
+    for lane in 0..WIDE {
+        entries[lane] = table[indices[lane] as usize % table.len()];
+    }
+    u32x16::load_array(simd, entries)
+}
+
 /// Splits eight 64-bit numbers into their lower and upper 32 bits.
 #[inline(always)]
 pub(crate) fn halves<S: Simd>(simd: S, numbers: [u64; LANES]) -> (u32x8<S>, u32x8<S>) {

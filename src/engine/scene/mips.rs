@@ -11,13 +11,18 @@
 use crate::image::color::{Tables, quantize};
 use crate::image::{Image, Rgba8};
 
-/// Location of a mip level in the shared texel array, packed so that SIMD code loads it at once.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(C, align(16))]
-pub(crate) struct LevelLocation {
-    /// Index of the level's first texel, index of the next smaller level's first texel, width, and height. The smallest
-    /// level repeats its own index.
-    pub(crate) numbers: [u32; 4],
+/// Places of the mip levels of a texture in an array of texels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LevelPlaces {
+    /// Index of the first texel of each level, from largest to smallest. The smallest level repeats to the end.
+    pub(crate) first: [u32; 32],
+    /// Number of levels.
+    pub(crate) count: u32,
+}
+
+impl LevelPlaces {
+    /// Place of a single level.
+    pub(crate) const SINGLE: Self = Self { first: [0; 32], count: 1 };
 }
 
 /// Texels of all mip levels of a texture in one array.
@@ -29,8 +34,7 @@ pub(crate) struct LevelLocation {
 pub(crate) struct Levels<T> {
     /// Texels, including unused gaps between the levels.
     pub(crate) texels: Box<[T]>,
-    /// Location of each level, from largest to smallest.
-    pub(crate) locations: Box<[LevelLocation]>,
+    pub(crate) places: LevelPlaces,
 }
 
 impl<T: Copy + Default> Levels<T> {
@@ -52,16 +56,15 @@ impl<T: Copy + Default> Levels<T> {
             }
         }
         let first = |[column, row]: [usize; 2]| (row * stride + column) as u32;
-        let next = corners.iter().skip(1).chain(corners.last());
-        let places = images.iter().zip(corners.iter().zip(next)).map(|(image, (own, next))| LevelLocation {
-            numbers: [first(*own), first(*next), image.width(), image.height()],
-        });
-        Self { texels, locations: places.collect() }
+        // There are at most 32 levels, because each has half the width and height of the one before it.
+        let smallest = corners.len() - 1;
+        let places = std::array::from_fn(|level| first(corners[level.min(smallest)]));
+        Self { texels, places: LevelPlaces { first: places, count: corners.len() as u32 } }
     }
 
     /// Returns the heap memory used by the levels, in bytes.
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(&*self.texels) + size_of_val(&*self.locations)
+        size_of_val(&*self.texels)
     }
 }
 

@@ -63,7 +63,7 @@ pub use material::Material;
 pub use material::Transparency;
 pub use mesh::Mesh;
 pub use mesh::MeshData;
-pub(crate) use mips::LevelLocation;
+pub(crate) use mips::LevelPlaces;
 pub use source::SceneSource;
 pub(crate) use texture::Alpha;
 pub use texture::Texture;

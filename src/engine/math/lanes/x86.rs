@@ -50,6 +50,14 @@ kernel! {
 }
 
 kernel! {
+    /// Returns the entries of a table, given as two halves, as [`super::entries_of_32`] does.
+    #[inline]
+    pub(super) fn entries_of_32(avx512: Avx512, halves: [__m512i; 2], indices: __m512i) -> __m512i {
+        _mm512_permutex2var_epi32(halves[0], indices, halves[1])
+    }
+}
+
+kernel! {
     /// Converts eight integers to doubles in two halves, as [`super::doubles_of`] does.
     #[inline]
     pub(super) fn doubles_of(avx2: Avx2, numbers: __m256i) -> [__m256d; 2] {

@@ -1,12 +1,12 @@
 //! Target of a tile: its rows of the picture, and the queue of samples that wait for their texels.
 
 use super::TiledFrame;
-use super::finish::{finish_blended, finish_mipmapped, finish_opaque};
+use super::finish::{finish_blended, finish_codes, finish_light, finish_mipmapped};
 use super::layout::TilePlace;
 use super::queue::{FilledRows, Queue, Reserved};
-use super::shader::{PlannedShader, ShadingPlan, with_known_plan};
 use super::target::ColorRows;
 use crate::math::lanes::*;
+use crate::pipeline::settings::ColorSpace;
 
 /// Destination of the colours of one tile.
 pub(super) struct Canvas<'a> {
@@ -55,9 +55,8 @@ impl Canvas<'_> {
                         queue.coarse_texels += finish_mipmapped(simd, shader, rows, pixels);
                     }
                     plan if plan.blended => finish_blended(simd, shader, rows, pixels),
-                    _ => {
-                        with_known_plan!(shader.plan, plan => finish_opaque(simd, PlannedShader { shader, plan }, rows, pixels));
-                    }
+                    plan if plan.space == ColorSpace::Linear => finish_light(simd, shader, rows, pixels),
+                    _ => finish_codes(simd, shader, rows, pixels),
                 }
             },
         );

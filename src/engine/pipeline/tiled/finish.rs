@@ -3,7 +3,7 @@
 use super::mipmap::LevelTaps;
 use super::patch::ALL;
 use super::queue::{FilledRows, QueuedPair, QueuedRow};
-use super::shader::{DrawShader, LightSource, PlannedShader, ShadingPlan, TEXELS_AROUND};
+use super::shader::{DrawShader, LightSource, ShadingPlan, TEXELS_AROUND, with_known_plan};
 use super::texels;
 use super::texture::TextureReader;
 use crate::image::Rgba8;
@@ -12,28 +12,37 @@ use crate::math::lanes::*;
 use crate::pipeline::formulas::blended;
 use crate::pipeline::settings::ColorSpace;
 
-/// Finishes pairs of rows of a plan without mip-mapping and blending. The shader and the texture are local copies.
-/// Stores to `pixels` cannot alias them, so they are loaded only once for all pairs. Whether texels are gathered by
-/// hardware is decided before the loop.
+/// Finishes pairs of rows in sRGB codes, without mip-mapping and blending. Whether texels are gathered by hardware is
+/// decided before the loop.
 #[inline(always)]
-pub(super) fn finish_opaque<S: Simd>(
-    simd: S,
-    PlannedShader { shader, plan }: PlannedShader<'_>,
-    rows: FilledRows<'_>,
-    pixels: &mut [Rgba8],
-) {
-    let plan = ShadingPlan { mipmapped: false, blended: false, ..*plan };
-    match shader.texture {
-        Some(texture) if plan.space == ColorSpace::Bytes && texture.gathers => {
+pub(super) fn finish_codes<S: Simd>(simd: S, shader: &DrawShader<'_>, rows: FilledRows<'_>, pixels: &mut [Rgba8]) {
+    let plan = ShadingPlan { mipmapped: false, blended: false, ..shader.plan.of_space(ColorSpace::Bytes) };
+    let shader = &{ *shader };
+    with_known_plan!(plan, plan => match shader.texture {
+        Some(texture) if texture.gathers => {
             let texture = texture.that_gathers(true);
-            Finisher { shader: &{ *shader }, texture: Some(&texture), plan }.finish_all(simd, rows, pixels);
+            Finisher { shader, texture: Some(&texture), plan: *plan }.finish_all(simd, rows, pixels);
         }
         Some(texture) => {
             let texture = texture.that_gathers(false);
-            Finisher { shader: &{ *shader }, texture: Some(&texture), plan }.finish_all(simd, rows, pixels);
+            Finisher { shader, texture: Some(&texture), plan: *plan }.finish_all(simd, rows, pixels);
         }
-        None => Finisher { shader: &{ *shader }, texture: None, plan }.finish_all(simd, rows, pixels),
-    }
+        None => Finisher { shader, texture: None, plan: *plan }.finish_all(simd, rows, pixels),
+    });
+}
+
+/// Finishes pairs of rows in linear light, without mip-mapping and blending. Not inlined, so that the code for sRGB codes
+/// stays small.
+#[inline(never)]
+pub(super) fn finish_light<S: Simd>(simd: S, shader: &DrawShader<'_>, rows: FilledRows<'_>, pixels: &mut [Rgba8]) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let plan = ShadingPlan { mipmapped: false, blended: false, ..shader.plan.of_space(ColorSpace::Linear) };
+            let shader = &{ *shader };
+            with_known_plan!(plan, plan => Finisher::new(shader, *plan).finish_all(simd, rows, pixels));
+        },
+    );
 }
 
 /// Finishes pairs of rows of a blended draw.
@@ -59,22 +68,27 @@ pub(super) fn finish_mipmapped<S: Simd>(
     simd.vectorize(
         #[inline(always)]
         || {
-            let plan = ShadingPlan { mipmapped: true, ..shader.plan };
-            let finisher = Finisher::new(shader, plan);
-            let mut samples = 0;
+            let (shader, of_one_level) = (&{ *shader }, ShadingPlan { mipmapped: false, ..shader.plan });
+            with_known_plan!(of_one_level, plan => {
+                let finisher = Finisher::new(shader, ShadingPlan { mipmapped: true, ..*plan });
+                for ((pair, fine), coarse) in rows.pairs.iter().zip(rows.taps).zip(rows.coarse) {
+                    finisher.finish(simd, pair, LevelTaps { fine, coarse: Some(coarse) }, pixels);
+                }
+            });
             // The anisotropic filter counts the texels of both levels with the samples.
-            let counts_coarse = shader.texture.is_some_and(|texture| !texture.is_anisotropic());
-            for ((pair, fine), coarse) in rows.pairs.iter().zip(rows.taps).zip(rows.coarse) {
-                let [upper, lower] = &pair.rows;
-                samples += if counts_coarse && coarse.is_read { upper.written() + lower.written() } else { 0 };
-                finisher.finish(simd, pair, LevelTaps { fine, coarse: Some(coarse) }, pixels);
+            if shader.texture.is_none_or(|texture| texture.is_anisotropic()) {
+                return 0;
             }
-            u64::from(samples) * TEXELS_AROUND
+            let reading = rows.pairs.iter().zip(rows.coarse).filter(|(_, coarse)| coarse.is_read);
+            reading.map(|(pair, _)| pair.rows.iter().map(|row| u64::from(row.written())).sum::<u64>()).sum::<u64>()
+                * TEXELS_AROUND
         },
     )
 }
 
-/// Shader, texture and plan with which the colours of queued samples are finished.
+/// Shader, texture and plan with which the colours of queued samples are finished. If shader and texture are local
+/// copies, no store to a picture can change them, and they are loaded only once for all pairs.
+#[derive(Clone, Copy)]
 struct Finisher<'a> {
     shader: &'a DrawShader<'a>,
     /// Texture of the shader.

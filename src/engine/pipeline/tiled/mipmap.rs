@@ -154,21 +154,20 @@ impl TextureReader<'_> {
         let longest = longest.simd_gt(least).select(longest, least);
         let level = log2_lanes(longest) * 0.5 + self.mip_bias;
         let zero = f32x16::splat(simd, 0.0);
-        level.simd_gt(zero).select(level, zero).min((self.levels.len() - 1) as f32)
+        level.simd_gt(zero).select(level, zero).min((self.levels.count - 1) as f32)
     }
 
     /// Returns the mip levels below and above each level of detail. The coarsest level is its own successor.
     #[inline(always)]
     pub(super) fn two_levels<S: Simd>(&self, simd: S, level: f32x16<S>) -> TwoLevels<S> {
-        let finer: i32x16<S> = level.to_int();
-        let share = level - finer.to_float::<f32x16<S>>();
-        let finer = finer.to_array();
-        let places = each!(lane in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => {
-            let level = &self.levels[finer[lane] as usize];
-            u32x4::load_array_ref(simd, &level.numbers).bitcast::<f32x4<S>>()
+        let finer = whole_part(level);
+        let share = level - float_of(finer);
+        let [first, next] = each!(level in [finer, finer + 1] => {
+            entries_of_32(simd, &self.levels.first, level).bitcast::<i32x16<S>>()
         });
-        let columns = transpose_wide(places);
-        let [first, next, width, height] = each!(column in [0, 1, 2, 3] => columns[column].bitcast::<i32x16<S>>());
+        let [width, height] = each!(side in [self.size.0, self.size.1] => {
+            (u32x16::splat(simd, side) >> finer).max(1).bitcast::<i32x16<S>>()
+        });
         let halved = each!(side in [width, height] => (side >> 1).max(1));
         TwoLevels {
             finer: LevelOfEach { first, size: [width, height] },

@@ -66,8 +66,13 @@ impl ShadingPlan {
     };
 
     /// Plan of the least work for textured surfaces that are lit.
-    pub(super) const GOURAUD: Self =
-        Self { shading: Shading::Gouraud, light: LightSource::Vertices, space: ColorSpace::Bytes, ..Self::LAMBERT };
+    pub(super) const GOURAUD: Self = Self { shading: Shading::Gouraud, light: LightSource::Vertices, ..Self::LAMBERT };
+
+    /// Returns the plan in another colour space.
+    #[inline(always)]
+    pub(super) const fn of_space(self, space: ColorSpace) -> Self {
+        Self { space, ..self }
+    }
 }
 
 /// Number of texels that bilinear filtering reads in one mip level.
@@ -100,25 +105,26 @@ pub(super) struct PlannedShader<'a> {
 
 impl<'a> PlannedShader<'a> {}
 
-/// Evaluates an expression with a plan and the name of a constant or variable that equals it. The most common plans are
-/// constants, so that the expression is compiled for each of them without branches.
+/// Evaluates an expression with an equal plan, which is a constant except for the colour space if it is one of the most
+/// common plans. The expression is then compiled for each of them without branches.
 macro_rules! with_known_plan {
-    ($plan:expr, $known:ident => $body:expr) => {
-        match $plan {
+    ($plan:expr, $known:ident => $body:expr) => {{
+        let (plan, space) = ($plan, $plan.space);
+        match plan.of_space(ShadingPlan::LAMBERT.space) {
             ShadingPlan::LAMBERT => {
-                let $known = &ShadingPlan::LAMBERT;
+                let $known = &ShadingPlan::LAMBERT.of_space(space);
                 $body
             }
             ShadingPlan::GOURAUD => {
-                let $known = &ShadingPlan::GOURAUD;
+                let $known = &ShadingPlan::GOURAUD.of_space(space);
                 $body
             }
             _ => {
-                let $known = &$plan;
+                let $known = &plan;
                 $body
             }
         }
-    };
+    }};
 }
 pub(super) use with_known_plan;
 

@@ -7,7 +7,7 @@ use crate::math::prefetch::prefetch;
 use crate::pipeline::footprint::MipFilter;
 use crate::pipeline::sample::Sampler;
 use crate::pipeline::settings::{AddressMode, ColorSpace, Settings, TexelFilter};
-use crate::scene::{LevelLocation, Texture};
+use crate::scene::{LevelPlaces, Texture};
 
 /// Memory layout of the texels that a sample reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -31,11 +31,11 @@ pub(super) struct TextureReader<'a> {
     /// Texels in linear light, of all levels if the texture is mip-mapped. Empty unless filtering is done in linear
     /// light.
     pub(super) linear: TexelRows<'a, [f32; 4]>,
-    /// Location of each mip level in the texel array; empty without mip-mapping.
-    pub(super) levels: &'a [LevelLocation],
+    /// Places of the mip levels in the texel array; a single one without mip-mapping.
+    pub(super) levels: &'a LevelPlaces,
     /// Distance between adjacent rows, in texels.
     stride: i32,
-    size: (u32, u32),
+    pub(super) size: (u32, u32),
     /// Width and height of the texture in texels, as floats.
     pub(super) extent: [f32; 2],
     pub(super) sampler: Sampler,
@@ -103,15 +103,19 @@ impl<'a> TextureReader<'a> {
             (_, AddressMode::Repeat) if width.is_power_of_two() && height.is_power_of_two() => Layout::PowerOfTwoQuads,
             (_, AddressMode::Repeat) => Layout::Quads,
         };
-        let (texels, linear, levels): (&[_], &[_], &[_]) = match (sampler.filter, settings.color_space) {
+        let (texels, linear, levels): (&[_], &[_], _) = match (sampler.filter, settings.color_space) {
             (TexelFilter::Trilinear | TexelFilter::Anisotropic, ColorSpace::Bytes) => {
-                (&texture.levels().texels, &[], &texture.levels().locations)
+                (&texture.levels().texels, &[], &texture.levels().places)
             }
             (TexelFilter::Trilinear | TexelFilter::Anisotropic, ColorSpace::Linear) => {
-                (&[], &texture.levels_linear().texels, &texture.levels_linear().locations)
+                (&[], &texture.levels_linear().texels, &texture.levels_linear().places)
             }
-            (TexelFilter::Point | TexelFilter::Bilinear, ColorSpace::Bytes) => (texture.wrapped(), &[], &[]),
-            (TexelFilter::Point | TexelFilter::Bilinear, ColorSpace::Linear) => (&[], texture.wrapped_linear(), &[]),
+            (TexelFilter::Point | TexelFilter::Bilinear, ColorSpace::Bytes) => {
+                (texture.wrapped(), &[], &LevelPlaces::SINGLE)
+            }
+            (TexelFilter::Point | TexelFilter::Bilinear, ColorSpace::Linear) => {
+                (&[], texture.wrapped_linear(), &LevelPlaces::SINGLE)
+            }
         };
         let extent = [width as f32, height as f32];
         let stride = width as usize + 1;
