@@ -13,6 +13,7 @@ use super::record::{One, ShadedTriangle, TriangleSource};
 use super::shader::{DrawShader, LightSource, PlannedShader, ShadingPlan, with_known_plan};
 use super::weights::{AttributeWeights, StoredWeights, corner_weights};
 use crate::math::lanes::*;
+use crate::pipeline::settings::ColorSpace;
 use crate::pipeline::shading::LightInputs;
 
 /// Shades samples that all belong to one triangle and lie exactly on the points of the tile's lattice.
@@ -140,7 +141,11 @@ pub(super) fn locate_texels<S: Simd, O: TriangleSource>(
             texture.locate(simd, layout, [u.at(weights.of_corners), v.at(weights.of_corners)], fine);
         }
     }
-    if let Some(step) = O::PREFETCH_STEP {
+    let step = match plan.space {
+        ColorSpace::Bytes => O::PREFETCH_STEP,
+        ColorSpace::Linear => O::PREFETCH_STEP_IN_LIGHT,
+    };
+    if let Some(step) = step {
         texture.prefetch(fine, step);
     }
 }

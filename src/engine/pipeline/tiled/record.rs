@@ -184,6 +184,9 @@ pub(super) trait TriangleSource: Copy {
     /// prefetching takes longer than the cache misses that it avoids.
     const PREFETCH_STEP: Option<usize>;
 
+    /// Step between the samples whose texels in linear light are prefetched. These texels are four times as large.
+    const PREFETCH_STEP_IN_LIGHT: Option<usize> = Self::PREFETCH_STEP;
+
     /// Returns the quad with index `quad` in the [`Record`] of each sample's triangle.
     fn quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4];
 
@@ -271,6 +274,7 @@ pub(super) struct One<'a> {
 
 impl TriangleSource for One<'_> {
     const PREFETCH_STEP: Option<usize> = None;
+    const PREFETCH_STEP_IN_LIGHT: Option<usize> = Some(LANES);
 
     #[inline(always)]
     fn quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4] {
