@@ -64,7 +64,7 @@ impl Playback {
         while self.warm_up(shot, number) {}
         match &mut self.history {
             Some(run) => run.draw(shot, &self.recipe, number, look),
-            None => drawn(shot, number, (&self.recipe, shared), look),
+            None => drawn(shot, number, &self.recipe, shared, look),
         }
     }
 
@@ -89,7 +89,7 @@ impl RenderRun {
 
     fn draw<T>(&mut self, shot: &FrameSequence<'_>, recipe: &Recipe, number: i64, look: impl FnOnce(&Frame) -> T) -> T {
         self.frames.end += 1;
-        drawn(shot, number, (recipe, &mut self.renderer), look)
+        drawn(shot, number, recipe, &mut self.renderer, look)
     }
 }
 
@@ -97,7 +97,8 @@ impl RenderRun {
 fn drawn<T>(
     shot: &FrameSequence<'_>,
     number: i64,
-    (recipe, renderer): (&Recipe, &mut Renderer),
+    recipe: &Recipe,
+    renderer: &mut Renderer,
     look: impl FnOnce(&Frame) -> T,
 ) -> T {
     let (scene, camera) = shot.view(number);
