@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::{FrameSequence, Turn};
-use crate::chain::{Frame, KeepDepth, Recipe, Renderer};
+use crate::chain::{Frame, KeepDepth, Recipe, RenderInputs, Renderer};
 use crate::math::lanes::Lanes;
 
 /// Playback of a sequence with one recipe. Before a frame is drawn, the earlier frames that its temporal history
@@ -102,7 +102,8 @@ fn drawn<T>(
     look: impl FnOnce(&Frame) -> T,
 ) -> T {
     let (scene, camera) = shot.view(number);
-    let frame = renderer.render(&scene, &camera, recipe, shot.viewport, KeepDepth::No);
+    let frame = renderer
+        .render(RenderInputs { scene: &scene, camera: &camera, recipe, viewport: shot.viewport }, KeepDepth::No);
     let seen = look(&frame);
     renderer.recycle(frame);
     seen

@@ -121,8 +121,8 @@ impl MixedPixels {
         }
     }
 
-    /// Shades the fragments and combines them into the colours of the pixels. `job` is used for the fragments only, and
-    /// does not draw into its canvas. Returns the number of samples shaded and texels read.
+    /// Shades the fragments and combines them into the colours of the pixels. `job` shades the fragments; their colours
+    /// are stored in a list instead of its picture. Returns the number of samples shaded and texels read.
     #[inline(always)]
     pub(super) fn shade<S: Simd>(
         &mut self,
@@ -254,9 +254,9 @@ impl SixteenFragments {
 }
 
 impl ShadingJob<'_, &TileLattice> {
-    /// Shades sixteen fragments, or all that are left after the first sixteen times `number`. Writes their colours to
-    /// the list of colours. Each fragment is shaded at the first candidate position in its pixel that its triangle
-    /// covers. The candidates `offsets` are relative to the pixel centre, in steps of 1/256 px.
+    /// Shades the group of sixteen fragments with index `number`; the last group may be incomplete. Each fragment is
+    /// shaded at the first candidate position in its pixel that its triangle covers. The candidates `offsets` are
+    /// relative to the pixel centre, in steps of 1/256 px.
     #[inline(always)]
     fn fragments<S: Simd>(&mut self, simd: S, all: &Fragments, number: usize, offsets: &[[i32; 2]]) {
         let (fragments, first) = (&all.list[number], number * WIDE);
