@@ -114,7 +114,8 @@ impl Neighbourhood<'_> {
         }
     }
 
-    /// Follows edges in both directions. `along` and `across` are the distances between neighbours along and across the edge, in elements of the luma buffer.
+    /// Follows edges in both directions. `along` and `across` are the distances between neighbours along and across the
+    /// edge, in elements of the luma buffer.
     #[inline(always)]
     fn search<S: Simd>(
         &self,

@@ -125,8 +125,8 @@ impl Binning<'_> {
     }
 
     /// Culls eight triangles, given by the positions of their corners. Those that `whole` does not select are always
-    /// culled. Returns the bit mask of the triangles that pass face culling, the bit mask of the triangles that also may
-    /// cover a sample, and the tile range of each triangle.
+    /// culled. Returns the bit mask of the triangles that pass face culling, the bit mask of the triangles that also
+    /// may cover a sample, and the tile range of each triangle.
     #[inline(always)]
     fn cull_lanes<S: Simd>(
         &self,

@@ -135,6 +135,7 @@ impl MixedPixels {
         colors.clear();
         colors.resize(FIRST + fragments.list.len() * WIDE, background);
         let size = TileSize { columns: 0, rows: 0 };
+        // The new binding has the shorter lifetime of `colors`.
         let mut job = job;
         job.canvas.picture = TileRows { values: colors, stride: 0, left: 0, size };
         for number in 0..fragments.list.len() {
