@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use rasterscope::chain::{Recipe, Renderer};
+use rasterscope::chain::{Recipe, RenderInputs, Renderer};
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::measure::error::compare;
 use rasterscope::measure::metric::Metric;
@@ -98,12 +98,18 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scene = Arc::new(builtin::ALL[0].build());
     let viewport = Viewport { width: 640, height: 360 };
     let mut renderer = Renderer::default();
-    let reference = renderer.render_converged(&scene, &scene.home, &Recipe::default(), viewport);
+    let reference = renderer.render_converged(RenderInputs {
+        scene: &scene,
+        camera: &scene.home,
+        recipe: &Recipe::default(),
+        viewport,
+    });
     let mut upscalers = Vec::new();
     for method in ["nearest", "epx"] {
         let mut recipe = Recipe::default();
         recipe.set_all(&[&format!("upscaler.method={method}"), "upscaler.scale=2", "upscaler.anchor=centre"])?;
-        let frame = renderer.render_converged(&scene, &scene.home, &recipe, viewport);
+        let frame =
+            renderer.render_converged(RenderInputs { scene: &scene, camera: &scene.home, recipe: &recipe, viewport });
         let error = compare(frame.image(), reference.image()).ok_or("pictures of different sizes")?;
         println!("{:8} PSNR {:.2} dB, SSIM {:.4}", recipe.upscaler.upscaler().name(), error.psnr_db, error.ssim);
         upscalers.push(recipe.upscaler);

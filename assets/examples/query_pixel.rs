@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use rasterscope::chain::{Recipe, Renderer};
+use rasterscope::chain::{Recipe, RenderInputs, Renderer};
 use rasterscope::inspect::inspect;
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::builtin;
@@ -15,7 +15,12 @@ fn main() {
     let scene = builtin::ALL.iter().find(|scene| scene.id == "interpenetrating").expect("it is built in");
     let scene = Arc::new(scene.build());
     let (recipe, viewport) = (Recipe::default(), Viewport { width: 320, height: 180 });
-    let frame = Renderer::default().render_converged(&scene, &scene.home, &recipe, viewport);
+    let frame = Renderer::default().render_converged(RenderInputs {
+        scene: &scene,
+        camera: &scene.home,
+        recipe: &recipe,
+        viewport,
+    });
 
     // Nothing was recorded while the frame was drawn. The inspector draws this one pixel again, with the same
     // arithmetic and an observer, so the result has the same bits.

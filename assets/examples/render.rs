@@ -7,7 +7,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use rasterscope::chain::{Recipe, Renderer};
+use rasterscope::chain::{Recipe, RenderInputs, Renderer};
 use rasterscope::image::file::write_png;
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::builtin;
@@ -27,7 +27,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // same bits for any number of them.
     let viewport = Viewport { width: 640, height: 360 };
     let mut renderer = Renderer::default();
-    let frame = renderer.render_converged(&scene, &scene.home, &recipe, viewport);
+    let frame =
+        renderer.render_converged(RenderInputs { scene: &scene, camera: &scene.home, recipe: &recipe, viewport });
 
     let path = Path::new("chess.png");
     write_png(path, frame.image())?;

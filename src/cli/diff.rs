@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use crate::chain::{Frame, Recipe, Renderer};
+use crate::chain::{Frame, Recipe, RenderInputs, Renderer};
 use crate::image::file::write_png;
 use crate::image::{Image, Rgba8};
 use crate::inspect::fields::changes;
@@ -89,7 +89,14 @@ pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
     let view = args.frame.view()?;
     let size = args.frame.size()?;
     let (a, b) = (view.against(&args.against)?, view.recipe);
-    let frame = |recipe: &Recipe| Renderer::default().render_converged(&view.scene, &view.camera, recipe, size);
+    let frame = |recipe: &Recipe| {
+        Renderer::default().render_converged(RenderInputs {
+            scene: &view.scene,
+            camera: &view.camera,
+            recipe,
+            viewport: size,
+        })
+    };
     let (before, after) = (frame(&a), frame(&b));
     let (changed, marked) = compared(args.buffer, &view, (&a, &before), (&b, &after))?;
     let shot = FrameSequence { scene: &view.scene, camera: &view.camera, viewport: size, turn: Turn::by(args.turn) };

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use crate::chain::{Recipe, execution};
+use crate::chain::{Recipe, RenderInputs, execution};
 use crate::measure::noise;
 use crate::measure::skipped_work::{Saving, Savings, savings};
 use crate::pipeline::plan::PipelinePart;
@@ -78,10 +78,7 @@ pub(crate) fn run(args: &PlanArgs) -> Result<(), Failure> {
         let line = ProgressLine::new();
         // The flag is never set: the only way to cancel is to end the process.
         savings(
-            &scene,
-            &camera,
-            &recipe,
-            viewport,
+            RenderInputs { scene: &scene, camera: &camera, recipe: &recipe, viewport },
             args.rounds as usize,
             &|share| line.show_share("measuring", share),
             &AtomicBool::new(false),
@@ -109,8 +106,8 @@ fn table_of_scenes(args: &PlanArgs, recipe: &Recipe, viewport: Viewport) -> Resu
         let report_progress = |share: f32| line.show_share("measuring", (number as f32 + share) / count);
         // The flag is never set: the only way to cancel is to end the process.
         let never = AtomicBool::new(false);
-        let savings =
-            savings(&Arc::new(scene), &camera, recipe, viewport, args.rounds as usize, &report_progress, &never)?;
+        let inputs = RenderInputs { scene: &Arc::new(scene), camera: &camera, recipe, viewport };
+        let savings = savings(inputs, args.rounds as usize, &report_progress, &never)?;
         Some(SceneSavings { scene: name, savings })
     };
     let rows: Vec<SceneSavings> = views.into_iter().enumerate().filter_map(measure).collect();

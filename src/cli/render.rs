@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use crate::chain::{Frame, KeepDepth, Recipe, Renderer};
+use crate::chain::{Frame, KeepDepth, Recipe, RenderInputs, Renderer};
 use crate::disk;
 use crate::image::file::write_png;
 use crate::image::pfm::{Floats, write_pfm};
@@ -299,7 +299,7 @@ fn print_times(args: &RenderArgs, DrawnFrame { scene, camera, recipe, frame }: &
     let Some(frames) = args.times else { return Ok(()) };
     let mut renderer = Renderer::default();
     let times = (0..frames).map(|_| {
-        let frame = renderer.render(scene, camera, recipe, frame.viewport, KeepDepth::Yes);
+        let frame = renderer.render(RenderInputs { scene, camera, recipe, viewport: frame.viewport }, KeepDepth::Yes);
         let times = stage_times(scene, camera, recipe, &frame).named();
         renderer.recycle(frame);
         times

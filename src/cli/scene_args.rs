@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
-use crate::chain::{Frame, PrecedingView, Recipe, Renderer, SettingKey, run};
+use crate::chain::{Frame, PrecedingView, Recipe, RenderInputs, Renderer, SettingKey, run};
 use crate::inspect::project::{LoadedProject, Project};
 use crate::inspect::scrub::{Moment, Scrubber};
 use crate::pipeline::settings::{Arithmetic, Choice as _, Rasterizer};
@@ -371,7 +371,12 @@ impl DrawnFrame {
         moment: Option<Moment>,
     ) -> Self {
         let frame = match moment {
-            None => Renderer::default().render_converged(&scene, &camera, &recipe, size),
+            None => Renderer::default().render_converged(RenderInputs {
+                scene: &scene,
+                camera: &camera,
+                recipe: &recipe,
+                viewport: size,
+            }),
             Some(moment) => {
                 let frame = run(&scene, &camera, &recipe, size, &mut ());
                 let mut scrubber = Scrubber::new(&scene, &recipe, &frame, NO_CHECKPOINTS);

@@ -9,14 +9,15 @@
 //! ```
 //! use std::sync::Arc;
 //!
-//! use rasterscope_engine::chain::{Recipe, Renderer};
+//! use rasterscope_engine::chain::{Recipe, RenderInputs, Renderer};
 //! use rasterscope_engine::inspect::inspect;
 //! use rasterscope_engine::pipeline::viewport::Viewport;
 //! use rasterscope_engine::scene::builtin;
 //!
 //! let scene = Arc::new(builtin::by_id("interpenetrating").unwrap().build());
 //! let (recipe, viewport) = (Recipe::default(), Viewport { width: 64, height: 36 });
-//! let frame = Renderer::default().render_converged(&scene, &scene.home, &recipe, viewport);
+//! let inputs = RenderInputs { scene: &scene, camera: &scene.home, recipe: &recipe, viewport };
+//! let frame = Renderer::default().render_converged(inputs);
 //!
 //! let report = inspect(&scene, &recipe, &frame, 32, 18).unwrap();
 //! assert_eq!(report.color, frame.image().at(32, 18));

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rasterscope_engine::antialias::settings::{Antialiasing, PostFilter, PostFilterKind};
-use rasterscope_engine::chain::{KeepDepth, Recipe, Renderer};
+use rasterscope_engine::chain::{KeepDepth, Recipe, RenderInputs, Renderer};
 use rasterscope_engine::image::{Image, Rgba8};
 use rasterscope_engine::pipeline::background::Background;
 use rasterscope_engine::pipeline::settings::Shading;
@@ -85,7 +85,10 @@ impl Setup {
         let reads_around = self.recipe.post.filter != PostFilterKind::None || self.recipe.upscaler != Upscaling::NATIVE;
         let shown = if reads_around { window.extended(self.viewport) } else { window };
         let (camera, viewport) = self.view_of(self.source(shown));
-        let frame = renderer.render(&self.scene, &camera, &self.recipe_with_background(), viewport, KeepDepth::No);
+        let frame = renderer.render(
+            RenderInputs { scene: &self.scene, camera: &camera, recipe: &self.recipe_with_background(), viewport },
+            KeepDepth::No,
+        );
         let mut picture = frame.image().clone();
         renderer.recycle(frame);
         for change in &self.output {
@@ -100,7 +103,9 @@ impl Setup {
         let (antialias, upscaler, post) = (Antialiasing::default(), Upscaling::NATIVE, PostFilter::default());
         let mut plain = Recipe { antialias, upscaler, post, ..self.recipe };
         let (camera, viewport) = self.view_of(self.source(window));
-        let mut drawn = |recipe: &Recipe| renderer.render(&self.scene, &camera, recipe, viewport, KeepDepth::Yes);
+        let mut drawn = |recipe: &Recipe| {
+            renderer.render(RenderInputs { scene: &self.scene, camera: &camera, recipe, viewport }, KeepDepth::Yes)
+        };
         let mut ours = OurBuffers::default();
         if target.has_depths() {
             let frame = drawn(&plain);

@@ -25,7 +25,7 @@ use reel::{Reel, timeline_of};
 use replay::ReplayedFrame;
 
 use super::seam_search::SeamSearch;
-use crate::chain::{Frame, KeepDepth, Recipe, Renderer};
+use crate::chain::{Frame, KeepDepth, Recipe, RenderInputs, Renderer};
 use crate::image::{Image, Rgba8};
 use crate::inspect::bad_fragments::BadFragments;
 use crate::inspect::buffers::{Buffer, Buffers, capture};
@@ -242,7 +242,8 @@ impl Engine {
         let replayed = request.replayed_frame().zip(request.shot_inputs());
         let continues = replayed.as_ref().is_some_and(|(number, inputs)| self.continue_history(*number, inputs));
         self.continued = continues.then(|| request.clone());
-        let mut frame = self.renderer.render(scene, camera, recipe, *viewport, KeepDepth::Yes);
+        let mut frame =
+            self.renderer.render(RenderInputs { scene, camera, recipe, viewport: *viewport }, KeepDepth::Yes);
         frame.before = request.sequence.as_ref().map(ShotFrame::before);
         if let Some((number, inputs)) = replayed.as_ref().filter(|_| continues) {
             self.checkpoints.save_spaced(inputs, number + 1, self.renderer.history());

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use divan::Bencher;
-use rasterscope::chain::{Recipe, Renderer};
+use rasterscope::chain::{Recipe, RenderInputs, Renderer};
 use rasterscope::image::Image;
 use rasterscope::inspect::inspect;
 use rasterscope::pipeline::viewport::Viewport;
@@ -25,7 +25,12 @@ fn scene(id: &str) -> Arc<Scene> {
 fn frame(bencher: Bencher<'_, '_>, id: &str) {
     let (scene, recipe, mut renderer) = (scene(id), Recipe::default(), Renderer::default());
     bencher.bench_local(move || {
-        let frame = renderer.render_converged(&scene, &scene.home, &recipe, VIEWPORT);
+        let frame = renderer.render_converged(RenderInputs {
+            scene: &scene,
+            camera: &scene.home,
+            recipe: &recipe,
+            viewport: VIEWPORT,
+        });
         renderer.recycle(frame);
     });
 }
@@ -36,7 +41,12 @@ fn upscale(bencher: Bencher<'_, '_>, method: &str) {
     let how = Upscaling::new(method, 2).expect("the method offers scale 2");
     let recipe = Recipe { upscaler: how, ..Recipe::default() };
     let scene = scene("chess");
-    let frame = Renderer::default().render_converged(&scene, &scene.home, &recipe, VIEWPORT);
+    let frame = Renderer::default().render_converged(RenderInputs {
+        scene: &scene,
+        camera: &scene.home,
+        recipe: &recipe,
+        viewport: VIEWPORT,
+    });
     let mut full = Image::filled(VIEWPORT.width, VIEWPORT.height, [0; 4]);
     bencher.bench_local(move || how.upscaler().upscale(how, &UpscaleInputs::from(&frame.drawn.color), &mut full));
 }
@@ -45,6 +55,11 @@ fn upscale(bencher: Bencher<'_, '_>, method: &str) {
 #[divan::bench]
 fn inspect_pixel(bencher: Bencher<'_, '_>) {
     let (scene, recipe) = (scene("chess"), Recipe::default());
-    let frame = Renderer::default().render_converged(&scene, &scene.home, &recipe, VIEWPORT);
+    let frame = Renderer::default().render_converged(RenderInputs {
+        scene: &scene,
+        camera: &scene.home,
+        recipe: &recipe,
+        viewport: VIEWPORT,
+    });
     bencher.bench_local(|| inspect(&scene, &recipe, &frame, 700, 300));
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rasterscope::chain::{KeepDepth, Recipe, Renderer, run};
+use rasterscope::chain::{KeepDepth, Recipe, RenderInputs, Renderer, run};
 use rasterscope::inspect::inspect;
 use rasterscope::measure::equality::verify;
 use rasterscope::pipeline::settings::Execution;
@@ -37,9 +37,10 @@ pub(crate) fn check_second_frame(
     let draw = |execution| {
         let mut renderer = Renderer::default();
         let recipe = Recipe { execution, ..*recipe };
-        let first = renderer.render(scene, cameras[0], &recipe, size, KeepDepth::Yes);
+        let first = renderer
+            .render(RenderInputs { scene, camera: cameras[0], recipe: &recipe, viewport: size }, KeepDepth::Yes);
         renderer.recycle(first);
-        renderer.render(scene, cameras[1], &recipe, size, KeepDepth::Yes)
+        renderer.render(RenderInputs { scene, camera: cameras[1], recipe: &recipe, viewport: size }, KeepDepth::Yes)
     };
     let [classic, tiled] = [Execution::Classic, Execution::Tiled].map(|execution| pool.install(|| draw(execution)));
     let pixels = classic.image().pixels().iter().zip(tiled.image().pixels());

@@ -4,7 +4,7 @@ use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
 
 use glam::{Mat4, Vec3};
-use rasterscope::chain::{KeepDepth, Recipe, Renderer};
+use rasterscope::chain::{KeepDepth, Recipe, RenderInputs, Renderer};
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::pipeline::clip_space::ClipVertex;
 use rasterscope::pipeline::from_clip_space;
@@ -187,7 +187,7 @@ pub(crate) fn picture_in_motion(scene: &Arc<Scene>, recipe: &Recipe, size: Viewp
     let pictures = (0..frames).rev().map(|frames_left| {
         let mut camera = scene.home;
         camera.orbit(TURN * f32::from(frames_left), 0.0);
-        renderer.render(scene, &camera, recipe, size, KeepDepth::Yes).image().clone()
+        renderer.render(RenderInputs { scene, camera: &camera, recipe, viewport: size }, KeepDepth::Yes).image().clone()
     });
     pictures.last().expect("at least one frame")
 }

@@ -17,7 +17,7 @@ use std::sync::Arc;
 use crate::internal::common::{picture_in_motion, recipe, render};
 use crate::internal::switches::{WITHOUT_EFFECT, switches_of};
 use glam::Quat;
-use rasterscope::chain::{Frame, KeepDepth, Recipe, Renderer, SettingKey};
+use rasterscope::chain::{Frame, KeepDepth, Recipe, RenderInputs, Renderer, SettingKey};
 use rasterscope::image::{Image, Rgba8, file};
 use rasterscope::inspect::buffers::{Buffer, capture};
 use rasterscope::inspect::stages::{self, Stage};
@@ -190,7 +190,7 @@ fn image_with_history(scene: &Arc<Scene>, recipe: &Recipe) -> Image<Rgba8> {
         let angle = (-DEGREES_PER_FRAME * f32::from(frames_left)).to_radians();
         let mut camera = scene.home;
         camera.eye = camera.target + Quat::from_rotation_y(angle) * (camera.eye - camera.target);
-        last = Some(renderer.render(scene, &camera, recipe, viewport, KeepDepth::Yes));
+        last = Some(renderer.render(RenderInputs { scene, camera: &camera, recipe, viewport }, KeepDepth::Yes));
     }
     last.expect("at least one frame").image().clone()
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::internal::common::{cube, noise_texture, recipe, render, sphere, with_alpha};
 use glam::{DVec2, DVec3, Mat4, Vec2, Vec3};
-use rasterscope::chain::{Frame, KeepDepth, Recipe, Renderer};
+use rasterscope::chain::{Frame, KeepDepth, Recipe, RenderInputs, Renderer};
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::inspect::overlays::{Overlay, OverlayContext};
 use rasterscope::inspect::view::Value;
@@ -64,10 +64,12 @@ fn classic(recipe: &Recipe) -> Recipe {
 fn picture(scene: &Scene, recipe: &Recipe) -> Image<Rgba8> {
     let drawn = render(scene, &classic(recipe), SIZE);
     let tiled = Renderer::default().render(
-        &Arc::new(scene.clone()),
-        &scene.home,
-        recipe,
-        Viewport { width: SIZE.0, height: SIZE.1 },
+        RenderInputs {
+            scene: &Arc::new(scene.clone()),
+            camera: &scene.home,
+            recipe,
+            viewport: Viewport { width: SIZE.0, height: SIZE.1 },
+        },
         KeepDepth::No,
     );
     assert_eq!(drawn.image(), tiled.image());

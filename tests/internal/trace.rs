@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use crate::internal::common::{coplanar_scene, ground_and_cube, recipe, transparency_scene};
 use crate::internal::switches::assignments_of;
 use rasterscope::antialias::settings::{AntialiasMethod, PostFilterKind as PostChoice};
-use rasterscope::chain::{Frame, KeepDepth, Recipe, Renderer, SettingKey, SettingStage, execution};
+use rasterscope::chain::{Frame, KeepDepth, Recipe, RenderInputs, Renderer, SettingKey, SettingStage, execution};
 use rasterscope::image::Rgba8;
 use rasterscope::inspect::trace::TraceLine;
 use rasterscope::inspect::{PixelReport, Trace, inspect};
@@ -152,7 +152,8 @@ fn frames(scene: &Arc<Scene>, recipe: &Recipe, size: Viewport) -> Vec<(Recipe, F
     let ways = Execution::ALL.iter().map(|execution| Recipe { execution: *execution, ..*recipe });
     let ways = ways.filter(|recipe| execution(scene, recipe).0 == recipe.execution);
     ways.map(|recipe| {
-        let frame = Renderer::default().render(scene, &scene.home, &recipe, size, KeepDepth::Yes);
+        let frame = Renderer::default()
+            .render(RenderInputs { scene, camera: &scene.home, recipe: &recipe, viewport: size }, KeepDepth::Yes);
         assert_eq!(frame.execution, recipe.execution);
         (recipe, frame)
     })

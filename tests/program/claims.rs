@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use rasterscope::antialias::pattern::Pattern;
 use rasterscope::antialias::settings::{AntialiasMethod, Antialiasing, PostFilterKind, SampleCount};
-use rasterscope::chain::{Recipe, Renderer};
+use rasterscope::chain::{Recipe, RenderInputs, Renderer};
 use rasterscope::image::color::decode_byte;
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::measure::difference::Difference;
@@ -568,7 +568,10 @@ fn regular_grid_is_closer_on_edges_in_random_directions() {
 fn drawn(scene: &Arc<Scene>, size: (u32, u32), antialias: Antialiasing) -> Image<Rgba8> {
     let recipe = Recipe { antialias, ..Recipe::default() };
     let viewport = Viewport { width: size.0, height: size.1 };
-    Renderer::default().render_converged(scene, &scene.home, &recipe, viewport).image().clone()
+    Renderer::default()
+        .render_converged(RenderInputs { scene, camera: &scene.home, recipe: &recipe, viewport })
+        .image()
+        .clone()
 }
 
 /// Asserts that `closer` has a smaller squared error than `farther` on a scene, in linear light, for each number of

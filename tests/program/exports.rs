@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use rasterscope::chain::{Frame, Recipe, Renderer};
+use rasterscope::chain::{Frame, Recipe, RenderInputs, Renderer};
 use rasterscope::image::picture::{Picture, Sample};
 use rasterscope::inspect::buffers::BufferChannels;
 use rasterscope::inspect::view::{Value, value};
@@ -40,7 +40,12 @@ fn drawn(settings: &[&str]) -> (Arc<Scene>, Recipe, Frame) {
     let scene = Arc::new(SceneSource::named("chess".into()).load().unwrap().scene);
     let mut recipe = Recipe::default();
     settings.iter().for_each(|setting| recipe.set(setting).unwrap());
-    let frame = Renderer::default().render_converged(&scene, &scene.home, &recipe, VIEWPORT);
+    let frame = Renderer::default().render_converged(RenderInputs {
+        scene: &scene,
+        camera: &scene.home,
+        recipe: &recipe,
+        viewport: VIEWPORT,
+    });
     (scene, recipe, frame)
 }
 

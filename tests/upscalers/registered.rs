@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rasterscope::chain::{Recipe, Renderer};
+use rasterscope::chain::{Recipe, RenderInputs, Renderer};
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::inspect::inspect;
 use rasterscope::measure::motion::Turn;
@@ -110,7 +110,12 @@ fn a_registered_upscaler_is_drawn_explained_and_measured_like_a_built_in_one() {
     let scene = Arc::new(builtin::by_id("cubes").unwrap().build());
     let mut recipe = Recipe::default();
     recipe.set_all(&["upscaler.method=flat-measured", "upscaler.scale=4"]).unwrap();
-    let frame = Renderer::default().render_converged(&scene, &scene.home, &recipe, SIZE);
+    let frame = Renderer::default().render_converged(RenderInputs {
+        scene: &scene,
+        camera: &scene.home,
+        recipe: &recipe,
+        viewport: SIZE,
+    });
     let first = frame.drawn.color.at(0, 0);
     assert!(frame.image().pixels().iter().all(|pixel| *pixel == first));
     let report = inspect(&scene, &recipe, &frame, 31, 17).unwrap();

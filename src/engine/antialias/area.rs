@@ -164,19 +164,28 @@ fn cut(polygon: &[PixelPoint], edge: &HalfPlane, at_corner: DoubleDouble) -> Vec
             inside.push(*from);
         }
         if from_inside != to_inside {
-            inside.push(crossing((*from, value_from.abs()), (*to, value_to.abs())));
+            let [from, to] = [(from, value_from), (to, value_to)]
+                .map(|(place, value)| PointOffEdge { place: *place, magnitude: value.abs() });
+            inside.push(crossing(from, to));
         }
     }
     inside
 }
 
-/// Returns the zero of a linear function on the segment between two positions. The function has opposite signs at the
-/// two positions; each position is given with the magnitude of the function's value there. Interpolation starts at the
-/// position with the smaller magnitude, so a zero close to either position keeps all its digits.
-fn crossing(a: (PixelPoint, DoubleDouble), b: (PixelPoint, DoubleDouble)) -> PixelPoint {
-    let ((near, small), (far, large)) = if a.1.rounded() <= b.1.rounded() { (a, b) } else { (b, a) };
-    let share = small / (small + large);
-    std::array::from_fn(|axis| near[axis] + share * (far[axis] - near[axis]))
+/// Position in a pixel, with the magnitude of an edge function there.
+#[derive(Clone, Copy)]
+struct PointOffEdge {
+    place: PixelPoint,
+    magnitude: DoubleDouble,
+}
+
+/// Returns the zero of an edge function on the segment between two positions, where it has opposite signs.
+/// Interpolation starts at the position with the smaller magnitude, so a zero close to either position keeps all its
+/// digits.
+fn crossing(a: PointOffEdge, b: PointOffEdge) -> PixelPoint {
+    let (near, far) = if a.magnitude.rounded() <= b.magnitude.rounded() { (a, b) } else { (b, a) };
+    let share = near.magnitude / (near.magnitude + far.magnitude);
+    std::array::from_fn(|axis| near.place[axis] + share * (far.place[axis] - near.place[axis]))
 }
 
 /// Returns the area of a polygon in px², by the shoelace formula relative to its first corner.

@@ -100,7 +100,7 @@ pub(crate) fn jitter(x: u32, y: u32, sample: u32, seed: u32) -> usize {
 }
 
 /// Computes [`jitter`] of one sample for the pixels at `columns` of row `y`, and stores the results in `places`.
-pub(crate) fn jitter_row((columns, y): (&[u32], u32), sample: u32, seed: u32, places: &mut [u8]) {
+pub(crate) fn jitter_row(columns: &[u32], y: u32, sample: u32, seed: u32, places: &mut [u8]) {
     for (place, x) in places.iter_mut().zip(columns) {
         *place = jitter(*x, y, sample, seed) as u8;
     }

@@ -11,6 +11,7 @@ use super::view::{Surfaces, raster_camera, sampling_after};
 use crate::antialias::settings::Antialiasing;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::Geometry;
+use crate::pipeline::area::DrawnArea;
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::plan::DrawPlan;
@@ -201,6 +202,11 @@ impl Frame {
             frames: self.history.as_ref().map_or(0, |past| past.frames.wrapping_add(1)),
             still_frames: self.still_frames_before() + 1,
         })
+    }
+
+    /// Returns the pixels of the rasterized picture that were drawn.
+    pub fn drawn_area(&self) -> DrawnArea {
+        DrawnArea { grid: self.sampling.grid(), raster: self.raster }
     }
 
     /// Returns the fraction of the picture's pixels that were drawn, in [0, 1].

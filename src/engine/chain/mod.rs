@@ -34,6 +34,7 @@ pub use recipe::SettingStage;
 pub use recipe::ValueForm;
 pub use recipe::Values;
 pub use recipe::Word;
+pub use renderer::RenderInputs;
 pub use renderer::Renderer;
 pub use renderer::SavedHistory;
 pub use renderer::execution;

@@ -117,7 +117,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::chain::{KeepDepth, PrecedingView, Renderer};
+    use crate::chain::{KeepDepth, PrecedingView, RenderInputs, Renderer};
     use crate::pipeline::settings::{Choice as _, Execution};
     use crate::scene::builtin;
     use crate::upscale::{Scale, Upscaling};
@@ -138,8 +138,14 @@ mod tests {
             let upscaler = Upscaling::new("taa", Scale::from(scale)).unwrap();
             let recipe = Recipe { upscaler, execution: *execution, ..Recipe::default() };
             let mut renderer = Renderer::default();
-            let _ = renderer.render(&first, &scene.home, &recipe, ODD, KeepDepth::No);
-            let frame = renderer.render(&second, &camera, &recipe, ODD, KeepDepth::No);
+            let _ = renderer.render(
+                RenderInputs { scene: &first, camera: &scene.home, recipe: &recipe, viewport: ODD },
+                KeepDepth::No,
+            );
+            let frame = renderer.render(
+                RenderInputs { scene: &second, camera: &camera, recipe: &recipe, viewport: ODD },
+                KeepDepth::No,
+            );
             let cameras = [&camera, &scene.home].map(|camera| raster_camera(camera, frame.sampling, ODD, CENTRE));
             let now = FrameView { scene: &second, camera: &cameras[0] };
             let before = FrameView { scene: &first, camera: &cameras[1] };
@@ -162,7 +168,10 @@ mod tests {
         let recipe = Recipe { upscaler: Upscaling::new("taa", 2).unwrap(), ..Recipe::default() };
         let mut renderer = Renderer::default();
         for _ in 0..3 {
-            let mut frame = renderer.render(&scene, &scene.home, &recipe, SIZE, KeepDepth::No);
+            let mut frame = renderer.render(
+                RenderInputs { scene: &scene, camera: &scene.home, recipe: &recipe, viewport: SIZE },
+                KeepDepth::No,
+            );
             assert!(frame.motion(&scene, &recipe).is_none());
             frame.before = Some(PrecedingView { scene: Arc::clone(&scene), camera: scene.home });
             let motion = frame.motion(&scene, &recipe).unwrap();

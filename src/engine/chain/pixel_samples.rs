@@ -27,8 +27,8 @@ pub(super) fn with_pixel_samples<T>(
         AntialiasMethod::Jittered => {
             let places: Vec<_> = places.iter().map(|places| std::array::from_fn(|place| places[place])).collect();
             let samples = places.len() as u32;
-            let chosen = |sample: usize, pixels: (&[u32], u32), places: &mut [u8]| {
-                jitter_row(pixels, sample as u32, seed, places);
+            let chosen = |sample: usize, columns: &[u32], row: u32, places: &mut [u8]| {
+                jitter_row(columns, row, sample as u32, seed, places);
             };
             let add = |colors: &[Rgba8], sums: &mut [Sums]| add_samples(lanes, colors, light, sums);
             let mean = |sums: &[Sums], out: &mut [Rgba8]| means_of_sums(lanes, sums, samples, light, out);

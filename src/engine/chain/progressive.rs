@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::view::raster_camera;
-use super::{KeepDepth, Recipe, Renderer};
+use super::{KeepDepth, Recipe, RenderInputs, Renderer};
 use crate::antialias::pattern::Pattern;
 use crate::antialias::resolve::Mean;
 use crate::image::{Image, Rgba8};
@@ -50,7 +50,10 @@ impl ProgressiveRender {
     pub fn step(&mut self) -> bool {
         let Some(place) = self.places.get(self.mean.samples() as usize) else { return false };
         let seen = raster_camera(&self.camera, Sampling::Grid(SampleGrid::FULL), self.viewport, *place);
-        let frame = self.renderer.render(&self.scene, &seen, &self.recipe, self.viewport, KeepDepth::No);
+        let frame = self.renderer.render(
+            RenderInputs { scene: &self.scene, camera: &seen, recipe: &self.recipe, viewport: self.viewport },
+            KeepDepth::No,
+        );
         self.mean.add(std::slice::from_ref(frame.image()));
         self.renderer.recycle(frame);
         true

@@ -14,6 +14,19 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 use crate::upscale::History;
 
+/// Inputs that determine a frame, except for its history.
+#[derive(Clone, Copy, Debug)]
+pub struct RenderInputs<'a> {
+    /// Scene at the time of the frame.
+    pub scene: &'a Arc<Scene>,
+    /// Camera of the frame.
+    pub camera: &'a Camera,
+    /// Recipe of the frame.
+    pub recipe: &'a Recipe,
+    /// Size of the frame, in pixels.
+    pub viewport: Viewport,
+}
+
 /// Renderer that draws frames according to recipes and reuses buffers from frame to frame. With the tiled execution, it
 /// uses all threads.
 ///
@@ -21,19 +34,20 @@ use crate::upscale::History;
 /// ```
 /// use std::sync::Arc;
 ///
-/// use rasterscope_engine::chain::{KeepDepth, Recipe, Renderer};
+/// use rasterscope_engine::chain::{KeepDepth, Recipe, RenderInputs, Renderer};
 /// # use rasterscope_engine::pipeline::viewport::Viewport;
 /// # use rasterscope_engine::scene::builtin;
 ///
 /// let scene = Arc::new(builtin::by_id("cubes").unwrap().build());
 /// let (recipe, viewport) = (Recipe::default(), Viewport { width: 64, height: 36 });
+/// let inputs = RenderInputs { scene: &scene, camera: &scene.home, recipe: &recipe, viewport };
 /// let mut renderer = Renderer::default();
-/// let first = renderer.render(&scene, &scene.home, &recipe, viewport, KeepDepth::Yes);
+/// let first = renderer.render(inputs, KeepDepth::Yes);
 /// let picture = first.image().clone();
 ///
 /// // The second frame is drawn into the buffers of the first one.
 /// renderer.recycle(first);
-/// let second = renderer.render(&scene, &scene.home, &recipe, viewport, KeepDepth::Yes);
+/// let second = renderer.render(inputs, KeepDepth::Yes);
 /// assert_eq!(*second.image(), picture);
 /// ```
 #[derive(Debug)]
@@ -76,14 +90,8 @@ impl Renderer {
     }
 
     /// Draws one frame of the viewport's size, on the threads of the current rayon pool.
-    pub fn render(
-        &mut self,
-        scene: &Arc<Scene>,
-        camera: &Camera,
-        recipe: &Recipe,
-        viewport: Viewport,
-        keep_depth: KeepDepth,
-    ) -> Frame {
+    pub fn render(&mut self, inputs: RenderInputs<'_>, keep_depth: KeepDepth) -> Frame {
+        let RenderInputs { scene, camera, recipe, viewport } = inputs;
         let same = |past: &SavedHistory| {
             scene.is_pose_of(&past.history.scene) && past.recipe == *recipe && past.viewport == viewport
         };
@@ -127,16 +135,10 @@ impl Renderer {
 
     /// Draws a view repeatedly until the upscaler's history has converged, and returns the last frame. Draws only one
     /// frame if the upscaler reads no history.
-    pub fn render_converged(
-        &mut self,
-        scene: &Arc<Scene>,
-        camera: &Camera,
-        recipe: &Recipe,
-        viewport: Viewport,
-    ) -> Frame {
-        let mut frame = self.render(scene, camera, recipe, viewport, KeepDepth::Yes);
-        while frame.is_converging(recipe) {
-            frame = self.render(scene, camera, recipe, viewport, KeepDepth::Yes);
+    pub fn render_converged(&mut self, inputs: RenderInputs<'_>) -> Frame {
+        let mut frame = self.render(inputs, KeepDepth::Yes);
+        while frame.is_converging(inputs.recipe) {
+            frame = self.render(inputs, KeepDepth::Yes);
         }
         frame
     }

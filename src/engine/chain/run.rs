@@ -5,7 +5,6 @@ use super::executor::{ClassicExecutor, Drawing};
 use super::pool::BufferPool;
 use super::{Frame, KeepDepth, Recipe};
 use crate::math::lanes::Lanes;
-use crate::pipeline::area::DrawnArea;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::observe::Observer;
 use crate::pipeline::viewport::Viewport;
@@ -59,7 +58,7 @@ pub(crate) fn redraw<O: Observer>(
     until: LastStage,
     observer: &mut O,
 ) -> Framebuffer {
-    let area = DrawnArea { grid: frame.sampling.grid(), raster: frame.raster };
+    let area = frame.drawn_area();
     Drawing { scene, settings: &recipe.pipeline, geometry: frame.geometry(), area }.draw(until, observer)
 }
 

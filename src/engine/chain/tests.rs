@@ -21,7 +21,10 @@ fn frames(
     let upscaler = Upscaling::new(method, scale).unwrap();
     let recipe = Recipe { upscaler, execution, ..Recipe::default() };
     let mut renderer = Renderer::default();
-    cameras.iter().map(|camera| renderer.render(scene, camera, &recipe, SIZE, KeepDepth::Yes)).collect()
+    cameras
+        .iter()
+        .map(|camera| renderer.render(RenderInputs { scene, camera, recipe: &recipe, viewport: SIZE }, KeepDepth::Yes))
+        .collect()
 }
 
 const SIZE: Viewport = Viewport { width: 131, height: 77 };
@@ -109,7 +112,8 @@ fn every_pixel_of_a_frame_with_a_past_is_replayed() {
         let size = Viewport { width: 37, height: 29 };
         let mut renderer = Renderer::default();
         for camera in &cameras {
-            let frame = renderer.render(&scene, camera, &recipe, size, KeepDepth::Yes);
+            let frame = renderer
+                .render(RenderInputs { scene: &scene, camera, recipe: &recipe, viewport: size }, KeepDepth::Yes);
             let how = recipe.upscaler;
             for (x, y) in (0..size.height).flat_map(|y| (0..size.width).map(move |x| (x, y))) {
                 let taps =
@@ -159,7 +163,10 @@ fn another_scene_recipe_or_size_has_no_past() {
     let recipe = Recipe { upscaler: Upscaling::new("checkerboard-temporal", 1).unwrap(), ..Recipe::default() };
     let mut renderer = Renderer::default();
     let mut draw = |scene: &Arc<Scene>, recipe: &Recipe, size| {
-        renderer.render(scene, &scene.home, recipe, size, KeepDepth::Yes).history.is_some()
+        renderer
+            .render(RenderInputs { scene, camera: &scene.home, recipe, viewport: size }, KeepDepth::Yes)
+            .history
+            .is_some()
     };
     let lines = Recipe { wireframe: true, ..recipe };
     let smaller = Viewport { width: 40, height: 30 };
@@ -175,7 +182,12 @@ fn a_frame_reuses_the_buffers_of_a_recycled_one() {
     for execution in Execution::ALL {
         let recipe = Recipe { upscaler, execution: *execution, ..Recipe::default() };
         let mut renderer = Renderer::default();
-        let draw = |renderer: &mut Renderer| renderer.render(&scene, &scene.home, &recipe, SIZE, KeepDepth::Yes);
+        let draw = |renderer: &mut Renderer| {
+            renderer.render(
+                RenderInputs { scene: &scene, camera: &scene.home, recipe: &recipe, viewport: SIZE },
+                KeepDepth::Yes,
+            )
+        };
         let first = draw(&mut renderer);
         let (picture, memory) = (first.image().clone(), first.image().pixels().as_ptr());
         renderer.recycle(first);
@@ -212,7 +224,10 @@ fn the_blending_with_history_reproduces_every_pixel() {
             let (mut camera, mut blended, mut rejected) = (scene.home, 0, 0);
             for (number, first) in (0..10).zip(0..) {
                 let posed = scene.at(f64::from(number) / 30.0);
-                let frame = renderer.render(&posed, &camera, &recipe, SIZE, KeepDepth::No);
+                let frame = renderer.render(
+                    RenderInputs { scene: &posed, camera: &camera, recipe: &recipe, viewport: SIZE },
+                    KeepDepth::No,
+                );
                 let inputs = frame.as_drawn(&frame.drawn.color);
                 let steps = upscaler.upscaler().history_steps(upscaler, &inputs);
                 // Every pixel is compared in one of the frames.

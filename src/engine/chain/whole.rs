@@ -110,7 +110,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::chain::Renderer;
+    use crate::chain::{RenderInputs, Renderer};
     use crate::pipeline::gbuffer::GBuffer;
     use crate::scene::builtin;
     use crate::scene::builtin::workload::layers;
@@ -125,7 +125,10 @@ mod tests {
         let scene = Arc::new(layers(1));
         for upscaler in Upscaling::every() {
             let recipe = Recipe { upscaler, ..Recipe::default() };
-            let frame = Renderer::default().render(&scene, &scene.home, &recipe, SIZE, KeepDepth::No);
+            let frame = Renderer::default().render(
+                RenderInputs { scene: &scene, camera: &scene.home, recipe: &recipe, viewport: SIZE },
+                KeepDepth::No,
+            );
             let shaded = frame.tiled.as_ref().unwrap().counts.shaded;
             assert_eq!(shaded, rasterized_pixels(&recipe, SIZE), "{upscaler:?}");
             let all = FramePart::EveryPixel.step(&scene, &recipe, KeepDepth::No, frame.view_change()).runs();
@@ -146,7 +149,8 @@ mod tests {
         ] {
             let mut recipe = Recipe::default();
             recipe.set_all(settings).unwrap();
-            let frame = Renderer::default().render(&scene, &scene.home, &recipe, SIZE, keep);
+            let frame = Renderer::default()
+                .render(RenderInputs { scene: &scene, camera: &scene.home, recipe: &recipe, viewport: SIZE }, keep);
             let runs = |part: FramePart| part.step(&scene, &recipe, keep, frame.view_change()).runs();
             assert_eq!(runs(FramePart::KeptDepths), frame.drawn.depth.is_some(), "{settings:?}");
             assert_eq!(runs(FramePart::Surfaces), frame.surfaces.is_some(), "{settings:?}");
@@ -167,7 +171,10 @@ mod tests {
             let mut renderer = Renderer::default();
             let mut before: Option<Arc<GBuffer>> = None;
             let changes = [scene.home, moved, moved].map(|camera| {
-                let frame = renderer.render(&scene, &camera, &recipe, SIZE, KeepDepth::No);
+                let frame = renderer.render(
+                    RenderInputs { scene: &scene, camera: &camera, recipe: &recipe, viewport: SIZE },
+                    KeepDepth::No,
+                );
                 let since = frame.view_change();
                 let runs = |part: FramePart| part.step(&scene, &recipe, KeepDepth::No, since).runs();
                 let surfaces = frame.surfaces.clone();

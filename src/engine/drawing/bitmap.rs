@@ -30,13 +30,13 @@ pub(crate) fn bitmap(drawing: &Drawing, scale: f64) -> Image<Rgba8> {
     for shape in &drawing.shapes {
         match shape {
             Shape::Polygon { corners, fill, stroke } => {
-                closed(&mut image, std::slice::from_ref(corners), corners, (*fill, *stroke), scale);
+                closed(&mut image, corners, *fill, *stroke, scale);
             }
             Shape::Line { from, to, stroke } => line(&mut image, *from, *to, *stroke, scale),
             Shape::Ellipse { center, radii, fill, stroke } => {
                 let at = |i: u32| *center + *radii * DVec2::from_angle(f64::from(i) / f64::from(CORNERS) * TAU);
                 let corners: Vec<_> = (0..CORNERS).map(at).collect();
-                closed(&mut image, std::slice::from_ref(&corners), &corners, (*fill, *stroke), scale);
+                closed(&mut image, &corners, *fill, *stroke, scale);
             }
             Shape::Text { .. } => {}
             Shape::Partition(regions) => partition(&mut image, regions, scale),
@@ -45,18 +45,13 @@ pub(crate) fn bitmap(drawing: &Drawing, scale: f64) -> Image<Rgba8> {
     image
 }
 
-fn closed(
-    image: &mut Image<Rgba8>,
-    contours: &[Vec<DVec2>],
-    outline: &[DVec2],
-    (inside, stroke): (Option<Rgb>, Option<Stroke>),
-    scale: f64,
-) {
-    if let Some(color) = inside {
-        cover(image, contours, color, scale);
+/// Draws a polygon, with or without a fill colour and a stroke.
+fn closed(image: &mut Image<Rgba8>, corners: &[DVec2], fill: Option<Rgb>, stroke: Option<Stroke>, scale: f64) {
+    if let Some(color) = fill {
+        cover(image, &[corners], color, scale);
     }
     if let Some(stroke) = stroke {
-        let sides = outline.iter().zip(outline.iter().cycle().skip(1));
+        let sides = corners.iter().zip(corners.iter().cycle().skip(1));
         sides.for_each(|(from, to)| line(image, *from, *to, stroke, scale));
     }
 }
@@ -68,14 +63,19 @@ fn line(image: &mut Image<Rgba8>, from: DVec2, to: DVec2, Stroke { color, width 
         let turn = |side: u32| DVec2::from_angle(f64::from(side) / f64::from(CAP_SIDES) * PI - FRAC_PI_2);
         (0..=CAP_SIDES).map(move |side| end + outwards.rotate(turn(side)))
     };
-    cover(image, &[cap(to, along).chain(cap(from, -along)).collect()], color, scale);
+    let outline: Vec<_> = cap(to, along).chain(cap(from, -along)).collect();
+    cover(image, &[&outline], color, scale);
 }
 
 /// Returns the spans of samples inside the contours, by the even-odd rule. Spans are in units of samples, [`SAMPLES`]
 /// per pixel and axis.
-fn samples_inside(contours: &[Vec<DVec2>], (width, height): (u32, u32), scale: f64) -> impl Iterator<Item = PixelSpan> {
+fn samples_inside<C: AsRef<[DVec2]>>(
+    contours: &[C],
+    (width, height): (u32, u32),
+    scale: f64,
+) -> impl Iterator<Item = PixelSpan> + use<C> {
     let scaled = |corner: &DVec2| *corner * scale * f64::from(SAMPLES);
-    let contours: Vec<Vec<_>> = contours.iter().map(|contour| contour.iter().map(scaled).collect()).collect();
+    let contours: Vec<Vec<_>> = contours.iter().map(|contour| contour.as_ref().iter().map(scaled).collect()).collect();
     let (width, height) = (width * SAMPLES, height * SAMPLES);
     let filling = FillParameters {
         rule: InsideRule::EvenOdd,
@@ -119,7 +119,7 @@ fn partition(image: &mut Image<Rgba8>, regions: &[PartitionRegion], scale: f64) 
 }
 
 /// Blends a colour into each pixel, weighted by the fraction of its samples inside the contours.
-fn cover(image: &mut Image<Rgba8>, contours: &[Vec<DVec2>], color: Rgb, scale: f64) {
+fn cover(image: &mut Image<Rgba8>, contours: &[&[DVec2]], color: Rgb, scale: f64) {
     let samples = samples_inside(contours, image.size(), scale);
     let mut counts = vec![0_u32; image.width() as usize];
     let mut row = None;

@@ -91,7 +91,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::chain::{KeepDepth, Renderer, run};
+    use crate::chain::{KeepDepth, RenderInputs, Renderer, run};
     use crate::inspect::{Survey, explain};
     use crate::pipeline::settings::Shading;
     use crate::pipeline::viewport::Viewport;
@@ -104,7 +104,10 @@ mod tests {
         for shading in [Shading::Lambert, Shading::Gouraud, Shading::Normals, Shading::Cel] {
             let mut recipe = Recipe::default();
             recipe.pipeline.shading = shading;
-            let tiled = Renderer::default().render(&scene, &scene.home, &recipe, view, KeepDepth::Yes);
+            let tiled = Renderer::default().render(
+                RenderInputs { scene: &scene, camera: &scene.home, recipe: &recipe, viewport: view },
+                KeepDepth::Yes,
+            );
             let classic = run(&scene, &scene.home, &recipe, view, &mut ());
             assert_eq!(tiled.image(), classic.image(), "{shading:?}");
         }

@@ -23,7 +23,7 @@ pub use control::OutlineControl;
 use crossing::Surfaces;
 use visible::Visibility;
 
-use crate::chain::{Frame, KeepDepth, Recipe, Renderer};
+use crate::chain::{Frame, KeepDepth, Recipe, RenderInputs, Renderer};
 use crate::drawing::{Drawing, PartitionRegion, Rgb, Shape, Stroke};
 use crate::flat2d::line::part_inside;
 use crate::image::Image;
@@ -71,7 +71,8 @@ pub struct OutlineRequest<'a> {
 pub fn outline(request: &OutlineRequest<'_>, control: OutlineControl<'_>) -> Option<Drawing> {
     let OutlineRequest { scene, camera, recipe, viewport, kind } = *request;
     let size = DVec2::new(viewport.width.into(), viewport.height.into());
-    let frame = || Renderer::default().render(scene, camera, &plain(recipe), viewport, KeepDepth::Yes);
+    let frame =
+        || Renderer::default().render(RenderInputs { scene, camera, recipe: &plain(recipe), viewport }, KeepDepth::Yes);
     let (background, shapes) = match kind {
         OutlineKind::Wireframe => (PAPER, edges(&frame()).map(whole).collect()),
         OutlineKind::HiddenLine => {

@@ -8,7 +8,7 @@ use super::pixel::{Cause, PixelReport};
 use super::remedy::Remedy;
 use super::verdict::{is_blended_wrongly, is_depth_contested};
 use super::{Survey, explain};
-use crate::chain::{Frame, Recipe, Renderer};
+use crate::chain::{Frame, Recipe, RenderInputs, Renderer};
 use crate::pipeline::depth::DepthComparison;
 use crate::scene::{Camera, Scene};
 
@@ -81,7 +81,12 @@ pub fn remedies(scene: &Arc<Scene>, recipe: &Recipe, frame: &Frame, report: &Pix
     let helps = |remedy: &Remedy| {
         let (mut changed, mut camera) = (*recipe, frame.camera);
         remedy.apply(&mut changed, &mut camera);
-        let again = Renderer::default().render_converged(scene, &camera, &changed, frame.viewport);
+        let again = Renderer::default().render_converged(RenderInputs {
+            scene,
+            camera: &camera,
+            recipe: &changed,
+            viewport: frame.viewport,
+        });
         let survey = Survey::of(scene, &changed, &again);
         let after = explain(scene, &changed, &again, &survey, (report.x, report.y));
         after.is_some_and(|after| self::helps(*remedy, report, &after, &changed))

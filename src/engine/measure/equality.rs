@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
 use serde::Serialize;
 
-use crate::chain::{Frame, KeepDepth, Recipe, Renderer, execution};
+use crate::chain::{Frame, KeepDepth, Recipe, RenderInputs, Renderer, execution};
 use crate::image::Image;
 use crate::math::lanes::Lanes;
 use crate::pipeline::settings::Execution;
@@ -89,12 +89,14 @@ pub fn verify(
     if let (Execution::Classic, obstacle) = execution(scene, &tiled) {
         return Ok(Equality { ways: Vec::new(), obstacle });
     }
-    let expected = Renderer::default().render(scene, camera, &classic, viewport, KeepDepth::Yes);
+    let expected =
+        Renderer::default().render(RenderInputs { scene, camera, recipe: &classic, viewport }, KeepDepth::Yes);
     let mut ways = Vec::new();
     for &count in threads {
         let pool = ThreadPoolBuilder::new().num_threads(count).stack_size(STACK_BYTES).build()?;
         for lanes in Lanes::all() {
-            let draw = || Renderer::on(lanes).render(scene, camera, &tiled, viewport, KeepDepth::Yes);
+            let draw =
+                || Renderer::on(lanes).render(RenderInputs { scene, camera, recipe: &tiled, viewport }, KeepDepth::Yes);
             let difference = difference(&expected, &pool.install(draw));
             ways.push(ExecutionVariant { lanes: lanes.name(), threads: count, difference });
         }
@@ -160,7 +162,10 @@ mod tests {
         let scene = Arc::new(builtin::by_id("triangle").unwrap().build());
         let mut recipe = Recipe::default();
         recipe.set(settings).unwrap();
-        Renderer::default().render(&scene, &scene.home, &recipe, SIZE, KeepDepth::Yes)
+        Renderer::default().render(
+            RenderInputs { scene: &scene, camera: &scene.home, recipe: &recipe, viewport: SIZE },
+            KeepDepth::Yes,
+        )
     }
 
     #[test]

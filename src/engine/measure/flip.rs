@@ -73,7 +73,7 @@ impl Perceived {
         let finished = lab.pixels_mut().par_chunks_mut((width as usize).max(1));
         finished.zip(features.pixels_mut().par_chunks_mut((width as usize).max(1))).enumerate().for_each(
             |(y, (lab, features))| {
-                filters.along_columns(&rows, (width as usize, height as usize), y, (lab, features));
+                filters.along_columns(&rows, y, lab, features);
             },
         );
         Self { lab, features }

@@ -259,6 +259,7 @@ pub fn between(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chain::RenderInputs;
     use crate::measure::error::compare;
     use crate::scene::builtin;
     use crate::upscale::Upscaling;
@@ -304,7 +305,14 @@ mod tests {
         let mean_mse = (0..3).map(|frame| {
             let mut camera = scene.home;
             camera.orbit((2.0 * (frame as f32 - 2.0)).to_radians(), 0.0);
-            let draw = |recipe| Renderer::default().render_converged(&scene, &camera, recipe, SIZE);
+            let draw = |recipe| {
+                Renderer::default().render_converged(RenderInputs {
+                    scene: &scene,
+                    camera: &camera,
+                    recipe,
+                    viewport: SIZE,
+                })
+            };
             compare(draw(&bilinear).image(), draw(&Recipe::default()).image()).unwrap().mse
         });
         let mean_mse = mean_mse.sum::<f64>() / 3.0;
@@ -355,7 +363,12 @@ mod tests {
         let scene = Arc::new(builtin::by_id("chess").unwrap().build());
         let shot = FrameSequence { scene: &scene, camera: &scene.home, viewport: SIZE, turn: Turn::STILL };
         let recipe = Recipe { upscaler: Upscaling::new("accumulation", 2).unwrap(), ..Recipe::default() };
-        let settled = Renderer::default().render_converged(&scene, &scene.home, &recipe, SIZE);
+        let settled = Renderer::default().render_converged(RenderInputs {
+            scene: &scene,
+            camera: &scene.home,
+            recipe: &recipe,
+            viewport: SIZE,
+        });
         let (mut playback, mut shared) = (Playback::new(recipe), Renderer::default());
         for _ in 0..2 {
             assert!(playback.draw(&shot, 0, &mut shared, |frame| frame.image() == settled.image()));

@@ -8,7 +8,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::timing::{Summary, summarize};
-use crate::chain::{KeepDepth, Recipe, Renderer};
+use crate::chain::{KeepDepth, Recipe, RenderInputs, Renderer};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::Scene;
 use crate::scene::builtin::workload::{layers, sheet};
@@ -254,7 +254,9 @@ impl ScalingRun<'_> {
     /// Draws a frame and returns its time in milliseconds.
     fn draw(&mut self, recipe: &Recipe) -> f64 {
         let Self { scene, viewport, pool, renderer, bytes, .. } = self;
-        let frame = pool.install(|| renderer.render(scene, &scene.home, recipe, *viewport, KeepDepth::No));
+        let frame = pool.install(|| {
+            renderer.render(RenderInputs { scene, camera: &scene.home, recipe, viewport: *viewport }, KeepDepth::No)
+        });
         let ms = frame.times.total.as_secs_f64() * 1e3;
         *bytes = frame.image().bytes() + renderer.bytes() + scene.memory().shared_bytes;
         renderer.recycle(frame);
@@ -282,7 +284,10 @@ mod tests {
 
     fn drawn(scene: Scene) -> crate::chain::Frame {
         let home = scene.home;
-        Renderer::default().render(&Arc::new(scene), &home, &Recipe::default(), SIZE, KeepDepth::No)
+        Renderer::default().render(
+            RenderInputs { scene: &Arc::new(scene), camera: &home, recipe: &Recipe::default(), viewport: SIZE },
+            KeepDepth::No,
+        )
     }
 
     #[test]

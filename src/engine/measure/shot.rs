@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::chain::{Frame, KeepDepth, PrecedingView, Recipe, Renderer, SavedHistory};
+use crate::chain::{Frame, KeepDepth, PrecedingView, Recipe, RenderInputs, Renderer, SavedHistory};
 use crate::pipeline::settings::DepthTest;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, CameraPath, Scene};
@@ -242,7 +242,7 @@ impl ShotRenderer {
         let ShotInputs { shot, recipe, viewport } = &self.inputs;
         let (scene, camera) = shot.view(number.into());
         self.next = number + 1;
-        self.renderer.render(&scene, &camera, recipe, *viewport, keep_depth)
+        self.renderer.render(RenderInputs { scene: &scene, camera: &camera, recipe, viewport: *viewport }, keep_depth)
     }
 }
 
@@ -283,7 +283,13 @@ mod tests {
             let consecutive: Vec<_> = (0..4)
                 .map(|number| {
                     let (scene, camera) = shot.view(number);
-                    renderer.render(&scene, &camera, &recipe, SIZE, KeepDepth::No).image().clone()
+                    renderer
+                        .render(
+                            RenderInputs { scene: &scene, camera: &camera, recipe: &recipe, viewport: SIZE },
+                            KeepDepth::No,
+                        )
+                        .image()
+                        .clone()
                 })
                 .collect();
             let mut jumping = ShotRenderer::new(ShotInputs { shot: shot.clone(), recipe, viewport: SIZE });

@@ -2,7 +2,6 @@
 //! with every such skip enabled and with skips disabled.
 
 use std::hint::black_box;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -10,7 +9,7 @@ use serde::Serialize;
 
 use super::noise::{Noise, Pairs};
 use super::timing::{Summary, summarize};
-use crate::chain::{KeepDepth, Recipe, Renderer};
+use crate::chain::{KeepDepth, RenderInputs, Renderer};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::plan::{DrawPlan, PipelinePart};
 use crate::pipeline::settings::{DisabledOptimisation, Settings};
@@ -68,18 +67,16 @@ struct PlanVariant {
 /// `rounds` ≥ 1 rounds on the current rayon pool. `progress` receives the completed fraction in [0, 1]. Returns `None`
 /// if cancelled.
 pub fn savings(
-    scene: &Arc<Scene>,
-    camera: &Camera,
-    recipe: &Recipe,
-    viewport: Viewport,
+    inputs: RenderInputs<'_>,
     rounds: usize,
     progress: &dyn Fn(f32),
     cancel: &AtomicBool,
 ) -> Option<Savings> {
+    let RenderInputs { scene, camera, recipe, viewport } = inputs;
     let plans = |force: DisabledOptimisation| {
         let mut recipe = *recipe;
         recipe.pipeline.force = force;
-        Renderer::default().render(scene, camera, &recipe, viewport, KeepDepth::No).plans
+        Renderer::default().render(RenderInputs { recipe: &recipe, ..inputs }, KeepDepth::No).plans
     };
     let first_plans = plans(DisabledOptimisation::Nothing);
     let way = |part: Option<PipelinePart>, force, draws| {
@@ -116,7 +113,7 @@ pub fn savings(
             }
             let mut recipe = *recipe;
             recipe.pipeline.force = way.force;
-            let frame = way.renderer.render(scene, camera, &recipe, viewport, KeepDepth::No);
+            let frame = way.renderer.render(RenderInputs { recipe: &recipe, ..inputs }, KeepDepth::No);
             if round >= WARM_UP_ROUNDS {
                 way.ms.push(frame.times.total.as_secs_f64() * 1e3);
             } else {
@@ -183,7 +180,10 @@ fn differing(some: &[DrawPlan], others: &[DrawPlan]) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
+    use crate::chain::Recipe;
     use crate::scene::builtin;
 
     #[test]
@@ -191,10 +191,11 @@ mod tests {
         let scene = Arc::new(builtin::by_id("chess").unwrap().build());
         let mut recipe = Recipe::default();
         recipe.set("shading=checker").unwrap();
-        let size = Viewport { width: 64, height: 48 };
+        let viewport = Viewport { width: 64, height: 48 };
+        let inputs = RenderInputs { scene: &scene, camera: &scene.home, recipe: &recipe, viewport };
         let cancel = AtomicBool::new(false);
         let reported = std::cell::Cell::new(0.0);
-        let found = savings(&scene, &scene.home, &recipe, size, 3, &|share| reported.set(share), &cancel).unwrap();
+        let found = savings(inputs, 3, &|share| reported.set(share), &cancel).unwrap();
         assert_eq!((found.planned_ms.n, found.noise.pairs, reported.get()), (3, 1, 1.0));
         for saving in &found.savings {
             let is_small = saving.saved_ms.median.abs() <= found.noise.p90 * found.planned_ms.median;
@@ -210,6 +211,6 @@ mod tests {
         );
         assert_eq!(found.planning_ms.n, 3);
         cancel.store(true, Ordering::Relaxed);
-        assert!(savings(&scene, &scene.home, &recipe, size, 3, &|_| {}, &cancel).is_none());
+        assert!(savings(inputs, 3, &|_| {}, &cancel).is_none());
     }
 }

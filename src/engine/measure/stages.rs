@@ -19,7 +19,7 @@ use serde::Serialize;
 
 use super::timing::summarize;
 use crate::antialias::settings::AntialiasMethod;
-use crate::chain::{Frame, FrameTimes, KeepDepth, Recipe, Renderer, ViewChange, redraw};
+use crate::chain::{Frame, FrameTimes, KeepDepth, Recipe, RenderInputs, Renderer, ViewChange, redraw};
 use crate::pipeline::LastStage;
 use crate::pipeline::settings::{DepthTest, Execution};
 use crate::scene::{Camera, Scene};
@@ -208,7 +208,8 @@ impl StageTimer {
         } else if self.reads_recorded(frame) {
             self.frames.push(StageTimes::recorded(recipe, frame));
         } else {
-            let again = self.renderer.render(scene, camera, recipe, frame.viewport, KeepDepth::Yes);
+            let again =
+                self.renderer.render(RenderInputs { scene, camera, recipe, viewport: frame.viewport }, KeepDepth::Yes);
             self.frames.push(StageTimes::recorded(recipe, &again));
             self.renderer.recycle(again);
         }
@@ -348,7 +349,10 @@ mod tests {
             for execution in Execution::ALL {
                 let mut recipe = Recipe { execution: *execution, ..Recipe::default() };
                 recipe.set_all(settings).unwrap();
-                let frame = Renderer::default().render(&scene, &scene.home, &recipe, size, KeepDepth::Yes);
+                let frame = Renderer::default().render(
+                    RenderInputs { scene: &scene, camera: &scene.home, recipe: &recipe, viewport: size },
+                    KeepDepth::Yes,
+                );
                 let recorded = StageTimes::recorded(&recipe, &frame).frame;
                 // Stage shares are rounded to nanoseconds.
                 assert!(recorded.abs_diff(frame.times.total) < Duration::from_nanos(10), "{execution:?} {settings:?}");
@@ -375,8 +379,14 @@ mod tests {
             let mut recipe = Recipe { execution: *execution, ..Recipe::default() };
             recipe.set("upscaler.method=taa").unwrap();
             let mut renderer = Renderer::default();
-            let _ = renderer.render(&scene, &scene.home, &recipe, size, KeepDepth::Yes);
-            let frame = renderer.render(&scene, &moved, &recipe, size, KeepDepth::Yes);
+            let _ = renderer.render(
+                RenderInputs { scene: &scene, camera: &scene.home, recipe: &recipe, viewport: size },
+                KeepDepth::Yes,
+            );
+            let frame = renderer.render(
+                RenderInputs { scene: &scene, camera: &moved, recipe: &recipe, viewport: size },
+                KeepDepth::Yes,
+            );
             let times = stage_times(&scene, &moved, &recipe, &frame);
             assert_eq!(times.surfaces, Some(frame.times.surfaces), "{execution:?}");
         }

@@ -5,11 +5,11 @@ use super::viewport::Viewport;
 
 /// Pixels that are drawn.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct DrawnArea {
+pub struct DrawnArea {
     /// Grid that selects the drawn pixels of the rasterized picture.
-    pub(crate) grid: SampleGrid,
+    pub grid: SampleGrid,
     /// Size of the rasterized picture.
-    pub(crate) raster: Viewport,
+    pub raster: Viewport,
 }
 
 impl DrawnArea {

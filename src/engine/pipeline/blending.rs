@@ -11,8 +11,8 @@ use super::framebuffer::Framebuffer;
 use super::interpolate::{Fragment, interpolate};
 use super::observe::{DepthOutcome, Observer};
 use super::raster::numbers::Numbers;
-use super::raster::{RasterSample, RasterTriangle, SampleArea, Scissor, Span, cover_samples};
-use super::samples::EdgedTriangle;
+use super::raster::{RasterSample, RasterTriangle, SampleArea, Scissor, cover_samples};
+use super::samples::RasterizedTriangle;
 use super::screen_triangle::{ScreenTriangle, depth_at, unquantised_depth_at};
 use super::settings::Settings;
 use super::shade::Shader;
@@ -118,7 +118,8 @@ impl Sorting<'_> {
                     _ => cover_samples(self.settings.rasterizer, &edges, corners_px, area, &mut spans),
                 };
                 list.begin(place);
-                self.collect(EdgedTriangle { triangle, edges: &edges }, &spans, frame, &mut list, observer);
+                let rasterized = RasterizedTriangle { triangle, edges: &edges, spans: &spans };
+                self.collect(rasterized, frame, &mut list, observer);
                 observer.visited(visited);
             }
             self.blend(&mut list, std::slice::from_mut(frame), observer);
@@ -128,8 +129,7 @@ impl Sorting<'_> {
     /// Collects the samples of a blended triangle that pass the depth test. Reports the others to the observer.
     pub(super) fn collect<N: Numbers, O: Observer>(
         &self,
-        EdgedTriangle { triangle, edges }: EdgedTriangle<'_, N>,
-        spans: &[Span],
+        RasterizedTriangle { triangle, edges, spans }: RasterizedTriangle<'_, N>,
         frame: &Framebuffer,
         list: &mut FragmentList,
         observer: &mut O,

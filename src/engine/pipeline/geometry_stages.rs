@@ -27,10 +27,11 @@ pub fn prepare<O: Observer>(
 ) -> Geometry {
     let mut geometry =
         Geometry { depth_scale: DepthScale::of(settings, camera), blending: settings.blending, ..Geometry::default() };
-    let clip_from_world = DrawnView { scene, camera, settings, viewport }.clip_from_world();
+    let view = DrawnView { scene, camera, settings, viewport };
+    let clip_from_world = view.clip_from_world();
     let mut stages = GeometryStages { settings, viewport, out: &mut geometry, observer };
     for (index, first) in scene.first_triangles().into_iter().enumerate() {
-        stages.prepare_draw(scene, camera, clip_from_world, index, first);
+        stages.prepare_draw(&view, clip_from_world, index, first);
     }
     geometry.draw_blended_last();
     geometry.triangles.find_boxes();
@@ -70,15 +71,9 @@ pub(super) struct GeometryStages<'a, O> {
 
 impl<O: Observer> GeometryStages<'_, O> {
     /// Runs the stages of the instance with index `index`. `first` is the identifier of its first triangle.
-    fn prepare_draw(
-        &mut self,
-        scene: &Scene,
-        camera: &Camera,
-        clip_from_world: DMat4,
-        index: usize,
-        first: TriangleId,
-    ) {
-        let Self { settings, ref mut out, ref mut observer, .. } = *self;
+    fn prepare_draw(&mut self, view: &DrawnView<'_>, clip_from_world: DMat4, index: usize, first: TriangleId) {
+        let Self { ref mut out, ref mut observer, .. } = *self;
+        let DrawnView { scene, camera, settings, .. } = *view;
         let instance = &scene.instances[index];
         let mesh = scene.library.mesh(instance.mesh);
         out.triangles_in += mesh.triangles.len();

@@ -100,7 +100,7 @@ use observe::Observer;
 use plan::DrawPlan;
 use raster::numbers::Numbers;
 use raster::{RasterTriangle, SampleArea, Scissor, Span, cover_samples, with_arithmetic};
-use samples::{EdgedTriangle, SampleStages};
+use samples::{RasterizedTriangle, SampleStages};
 use screen_triangle::ScreenTriangle;
 use settings::{Blending, BlendingOrder, Settings};
 use shade::Shader;
@@ -301,7 +301,8 @@ impl<'a> DrawCall<'a> {
                 Some(samples) if place + 1 == geometry.triangles.len() => partial::within(samples, area, &mut spans),
                 _ => cover_samples(settings.rasterizer, &edges, corners_px, area, &mut spans),
             };
-            stages.draw(EdgedTriangle { triangle, edges: &edges }, &spans, shader, frame, observer);
+            let rasterized = RasterizedTriangle { triangle, edges: &edges, spans: &spans };
+            stages.draw(rasterized, shader, frame, observer);
             observer.visited(visited);
         }
         if !to_sort.is_empty() {
@@ -319,7 +320,7 @@ impl<'a> DrawCall<'a> {
         let stages = SampleStages { comparison: DepthComparison::of(settings), until };
         with_arithmetic!(settings.arithmetic, N => {
             if let Some(edges) = RasterTriangle::<N>::new(triangle.corners_px(), settings.fill_rule) {
-                stages.draw(EdgedTriangle { triangle, edges: &edges }, spans, shader, frame, &mut ());
+                stages.draw(RasterizedTriangle { triangle, edges: &edges, spans }, shader, frame, &mut ());
             }
         });
     }

@@ -18,7 +18,7 @@ use super::grid::SampleGrid;
 use super::interpolate::{Fragment, interpolate};
 use super::raster::numbers::Numbers;
 use super::raster::{RasterSample, RasterTriangle, SampleArea, Span, cover_samples, doubled_area, with_arithmetic};
-use super::samples::{EdgedTriangle, SampleStages};
+use super::samples::{RasterizedTriangle, SampleStages};
 use super::screen_triangle::{ScreenTriangle, depth_at};
 use super::screen_vertex::ScreenVertex;
 use super::settings::Settings;
@@ -64,6 +64,15 @@ struct DrawContext<'a> {
     shaders: Vec<Shader<'a>>,
 }
 
+/// Candidate position of a sample in its pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct CandidatePosition {
+    /// Index of the sample within its pixel.
+    sample: usize,
+    /// Index of the candidate position of the sample.
+    place: usize,
+}
+
 /// Covered sample. The order is that of the rows of the packed picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct CandidateSample {
@@ -71,10 +80,8 @@ struct CandidateSample {
     row: u32,
     /// Column in the packed picture.
     column: u32,
-    /// Index of the sample within its pixel.
-    sample: usize,
-    /// Index of the candidate position of the sample.
-    place: usize,
+    /// Position of the sample.
+    position: CandidatePosition,
 }
 
 /// Triangle displaced for one candidate position, with its edges.
@@ -84,8 +91,9 @@ struct DisplacedTriangle<N: Numbers> {
 }
 
 impl<N: Numbers> DisplacedTriangle<N> {
-    fn edged(&self) -> EdgedTriangle<'_, N> {
-        EdgedTriangle { triangle: &self.triangle, edges: &self.edges }
+    /// Returns the triangle with the samples that it covers.
+    fn covering<'a>(&'a self, spans: &'a [Span]) -> RasterizedTriangle<'a, N> {
+        RasterizedTriangle { triangle: &self.triangle, edges: &self.edges, spans }
     }
 }
 
@@ -103,7 +111,7 @@ impl<'t, N: Numbers> CoveredPixel<'t, N> {
     /// Returns a covered sample, and the triangle displaced for that sample's position. `pixel` is the column and row of
     /// the pixel in the full picture.
     fn displaced(&self, at: CandidateSample, pixel: (u32, u32)) -> Option<(&'t ScreenTriangle, RasterSample)> {
-        let DisplacedTriangle { triangle, edges } = self.moved[at.sample][at.place].as_ref()?;
+        let DisplacedTriangle { triangle, edges } = self.moved[at.position.sample][at.position.place].as_ref()?;
         Some((triangle, edges.sample((at.column, at.row), pixel)))
     }
 }
@@ -148,13 +156,12 @@ impl<'a> DrawContext<'a> {
         out.extend(self.places.candidates.iter().map(|places| self.displaced_to(triangle, places)));
     }
 
-    /// Finds the pixels in which a displaced triangle covers the sample with index `sample`. Pixels for which this
-    /// sample has another candidate position than `place` are left out.
+    /// Finds the pixels in which a displaced triangle covers a sample. Pixels for which this sample has another
+    /// candidate position are left out.
     fn cover<N: Numbers>(
         &self,
         DisplacedTriangle { triangle, edges }: &DisplacedTriangle<N>,
-        sample: usize,
-        place: usize,
+        CandidatePosition { sample, place }: CandidatePosition,
         grid: SampleGrid,
         spans: &mut Vec<Span>,
     ) {
@@ -181,9 +188,9 @@ impl<'a> DrawContext<'a> {
             for ((sample, frame), places) in frames.iter_mut().enumerate().zip(&moved) {
                 for (place, seen) in places.iter().enumerate() {
                     let Some(moved) = seen else { continue };
-                    self.cover(moved, sample, place, frame.grid, &mut spans);
+                    self.cover(moved, CandidatePosition { sample, place }, frame.grid, &mut spans);
                     let stages = SampleStages { comparison: self.comparison, until: LastStage::Shade };
-                    stages.draw(moved.edged(), &spans, shader, frame, &mut ());
+                    stages.draw(moved.covering(&spans), shader, frame, &mut ());
                 }
             }
         }
@@ -201,9 +208,9 @@ impl<'a> DrawContext<'a> {
             for (index, triangle, _) in self.triangles(triangles.clone()) {
                 for (place, seen) in self.displaced_to::<N>(triangle, candidates).iter().enumerate() {
                     let Some(moved) = seen else { continue };
-                    self.cover(moved, sample, place, frame.grid, &mut spans);
+                    self.cover(moved, CandidatePosition { sample, place }, frame.grid, &mut spans);
                     list.begin(index);
-                    self.sorting().collect(moved.edged(), &spans, frame, &mut list, &mut ());
+                    self.sorting().collect(moved.covering(&spans), frame, &mut list, &mut ());
                 }
             }
             self.sorting().blend(&mut list, std::slice::from_mut(frame), &mut ());
@@ -220,9 +227,10 @@ impl<'a> DrawContext<'a> {
             for ((sample, frame), places) in frames.iter().enumerate().zip(&moved) {
                 for (place, seen) in places.iter().enumerate() {
                     let Some(moved) = seen else { continue };
-                    self.cover(moved, sample, place, frame.grid, &mut spans);
+                    let position = CandidatePosition { sample, place };
+                    self.cover(moved, position, frame.grid, &mut spans);
                     for Span { row, left, right } in spans.iter().copied() {
-                        covered.extend((left..right).map(|column| CandidateSample { row, column, sample, place }));
+                        covered.extend((left..right).map(|column| CandidateSample { row, column, position }));
                     }
                 }
             }
@@ -254,8 +262,8 @@ impl<'a> DrawContext<'a> {
         covered: &CoveredPixel<'t, N>,
         frames: &[Framebuffer],
     ) -> Option<(&'t ScreenTriangle, Fragment)> {
-        let first @ CandidateSample { row, column, sample, .. } = *covered.samples.first()?;
-        let pixel = frames[sample].grid.pixel(column, row);
+        let first @ CandidateSample { row, column, position } = *covered.samples.first()?;
+        let pixel = frames[position.sample].grid.pixel(column, row);
         let centre = centre.filter(|edges| edges.contains(pixel.0.into(), pixel.1.into()));
         let in_the_middle = centre.map(|edges| (triangle, edges.sample((column, row), pixel)));
         let (seen, shaded_at) = in_the_middle.or_else(|| covered.displaced(first, pixel))?;
@@ -275,7 +283,7 @@ impl<'a> DrawContext<'a> {
         let pixel = (fragment.sample.x, fragment.sample.y);
         for covered_sample in covered.samples {
             let Some((moved, at)) = covered.displaced(*covered_sample, pixel) else { continue };
-            let CandidateSample { row, column, sample, .. } = *covered_sample;
+            let CandidateSample { row, column, position: CandidatePosition { sample, .. } } = *covered_sample;
             let frame = &frames[sample];
             let (x, y) = (column - frame.origin.0, row - frame.origin.1);
             if let Some(depths) = &frame.depth
@@ -308,7 +316,7 @@ impl<'a> DrawContext<'a> {
         let opaque = (transparency != Transparency::Blended).then(|| shader.shade(fragment, seen));
         for sample in covered.samples {
             let Some((moved, at)) = covered.displaced(*sample, pixel) else { continue };
-            let frame = &mut frames[sample.sample];
+            let frame = &mut frames[sample.position.sample];
             let (x, y) = (column - frame.origin.0, row - frame.origin.1);
             if let Some(depths) = &mut frame.depth {
                 let new = depth_at(moved, &at);

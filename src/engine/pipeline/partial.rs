@@ -1,14 +1,13 @@
 //! Partial drawing of the last triangle in a list: only its first fragments are drawn, in the order in which the
 //! rasterizer finds them.
 
-use super::grid::SampleGrid;
+use super::area::DrawnArea;
 use super::raster::{SampleArea, Span};
 use super::screen_triangle::ScreenTriangle;
 use super::settings::Settings;
-use super::viewport::Viewport;
 
 /// Returns the samples that a triangle covers, in drawing order.
-pub fn samples_of(triangle: &ScreenTriangle, settings: &Settings, (grid, raster): (SampleGrid, Viewport)) -> Vec<Span> {
+pub fn samples_of(triangle: &ScreenTriangle, settings: &Settings, DrawnArea { grid, raster }: DrawnArea) -> Vec<Span> {
     let rules = settings.coverage_rules();
     let mut spans = Vec::new();
     rules.cover_within(triangle.corners_px(), SampleArea::full(grid, raster), &mut spans);

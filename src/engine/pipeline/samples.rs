@@ -18,10 +18,11 @@ use super::shade::Shader;
 use crate::image::Image;
 use crate::scene::Transparency;
 
-/// Triangle with the edges that decide which samples it covers.
-pub(super) struct EdgedTriangle<'a, N: Numbers> {
+/// Triangle with its edges and the samples that it covers.
+pub(super) struct RasterizedTriangle<'a, N: Numbers> {
     pub(super) triangle: &'a ScreenTriangle,
     pub(super) edges: &'a RasterTriangle<N>,
+    pub(super) spans: &'a [Span],
 }
 
 /// Stages that process the samples of a triangle.
@@ -33,27 +34,25 @@ pub(super) struct SampleStages {
 }
 
 impl SampleStages {
-    /// Processes the samples of `spans`, which a triangle covers. All samples must lie within `frame`.
+    /// Processes the samples that a triangle covers. All samples must lie within `frame`.
     pub(super) fn draw<N: Numbers, O: Observer>(
         self,
-        what: EdgedTriangle<'_, N>,
-        spans: &[Span],
+        what: RasterizedTriangle<'_, N>,
         shader: &Shader<'_>,
         frame: &mut Framebuffer,
         observer: &mut O,
     ) {
         match shader.transparency() {
-            Transparency::Opaque => self.draw_as::<N, O, false, false>(what, spans, shader, frame, observer),
-            Transparency::AlphaTested => self.draw_as::<N, O, true, false>(what, spans, shader, frame, observer),
-            Transparency::Blended => self.draw_as::<N, O, false, true>(what, spans, shader, frame, observer),
+            Transparency::Opaque => self.draw_as::<N, O, false, false>(what, shader, frame, observer),
+            Transparency::AlphaTested => self.draw_as::<N, O, true, false>(what, shader, frame, observer),
+            Transparency::Blended => self.draw_as::<N, O, false, true>(what, shader, frame, observer),
         }
     }
 
     /// Implements [`SampleStages::draw`] for one [`Transparency`], which is known at compile time.
     fn draw_as<N: Numbers, O: Observer, const CUT_OUT: bool, const BLENDED: bool>(
         self,
-        EdgedTriangle { triangle, edges }: EdgedTriangle<'_, N>,
-        spans: &[Span],
+        RasterizedTriangle { triangle, edges, spans }: RasterizedTriangle<'_, N>,
         shader: &Shader<'_>,
         frame: &mut Framebuffer,
         observer: &mut O,

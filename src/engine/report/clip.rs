@@ -13,7 +13,7 @@ use glam::DMat4;
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 
-use crate::chain::{Frame, KeepDepth, PrecedingView, Recipe, Renderer};
+use crate::chain::{Frame, KeepDepth, PrecedingView, Recipe, RenderInputs, Renderer};
 use crate::image::Image;
 use crate::image::color::Tables;
 use crate::image::picture::{Channel, DataWindow, Picture, Samples, encode_exr};
@@ -122,7 +122,9 @@ impl Clip {
         }
         let (scene, camera) = self.plan.shot.view(number.into());
         let (recipe, viewport) = (self.plan.recipe, self.plan.viewport);
-        let mut frame = self.renderer.render(&scene, &camera, &recipe, viewport, KeepDepth::No);
+        let mut frame = self
+            .renderer
+            .render(RenderInputs { scene: &scene, camera: &camera, recipe: &recipe, viewport }, KeepDepth::No);
         // The first frame has no motion, as if the preceding frame were equal.
         let view = PrecedingView { scene: Arc::clone(&scene), camera };
         frame.before = Some(self.before.replace(view.clone()).unwrap_or(view));

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use eframe::egui::Ui;
 
 use super::Workbench;
+use crate::chain::RenderInputs;
 use crate::measure::scaling::{self, ScalingQuantity};
 use crate::measure::skipped_work::savings;
 use crate::report::stability::sweep::{self, StabilityPlan, StabilityProgress, SweepStage};
@@ -38,7 +39,8 @@ impl Workbench {
         self.session.features.tasks.savings.task =
             Some(BackgroundTask::start(ui.ctx().clone(), move |report_progress, stop| {
                 let Request { scene, camera, recipe, viewport, .. } = &request;
-                let found = savings(scene, camera, recipe, *viewport, ROUNDS, report_progress, stop)?;
+                let inputs = RenderInputs { scene, camera, recipe, viewport: *viewport };
+                let found = savings(inputs, ROUNDS, report_progress, stop)?;
                 Some((found, request))
             }));
     }

@@ -80,7 +80,8 @@ pub(crate) fn timeline_of(request: &Request, frame: &Frame, pixel: Option<(u32, 
     let Request { scene, recipe, .. } = request;
     let area = (frame.sampling.grid(), frame.raster);
     let last = frame.geometry().triangles.last();
-    let samples = last.map_or_else(Vec::new, |triangle| partial::samples_of(triangle, &recipe.pipeline, area));
+    let samples =
+        last.map_or_else(Vec::new, |triangle| partial::samples_of(triangle, &recipe.pipeline, frame.drawn_area()));
     Timeline {
         fragments: [partial::count(&samples), 0],
         touches: pixel.map_or_else(Vec::new, |pixel| {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{Mat4, Vec2, Vec3};
 use rasterscope::antialias::settings::SampleCount;
-use rasterscope::chain::{KeepDepth, Recipe, Renderer, execution};
+use rasterscope::chain::{KeepDepth, Recipe, RenderInputs, Renderer, execution};
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::pipeline::settings::{
     AddressMode, Choice, ColorSpace, Culling, DisabledOptimisation, Execution, Interpolation, Shading, TexelFilter,
@@ -152,7 +152,12 @@ fn the_number_of_threads_changes_nothing() {
     let scene = Arc::new(board(noise((256, 128), &mut fastrand::Rng::with_seed(3)), Vec2::splat(9.0)));
     let drawn_by = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let render = || Renderer::default().render(&scene, &scene.home, &mipmapped(), SMALL, KeepDepth::Yes);
+        let render = || {
+            Renderer::default().render(
+                RenderInputs { scene: &scene, camera: &scene.home, recipe: &mipmapped(), viewport: SMALL },
+                KeepDepth::Yes,
+            )
+        };
         pool.install(render).drawn
     };
     assert_eq!(drawn_by(3), drawn_by(1));
@@ -164,7 +169,10 @@ fn the_second_mip_level_is_not_read_where_its_weight_is_zero() {
     let texels = |repeats: f32| {
         let texture = noise((512, 512), &mut fastrand::Rng::with_seed(4));
         let scene = Arc::new(board(texture, Vec2::splat(repeats)));
-        let frame = Renderer::default().render(&scene, &scene.home, &mipmapped(), SMALL, KeepDepth::No);
+        let frame = Renderer::default().render(
+            RenderInputs { scene: &scene, camera: &scene.home, recipe: &mipmapped(), viewport: SMALL },
+            KeepDepth::No,
+        );
         let counts = frame.tiled.as_ref().unwrap().counts;
         assert!(counts.shaded > 1000);
         counts.texels as f64 / counts.shaded as f64

@@ -11,7 +11,7 @@ use crate::internal::common::{DEPTH_BIASES, SceneBuilder, scenes};
 use crate::internal::switches::{distinct, single_switches};
 use glam::{Mat4, Vec3, Vec4};
 use rasterscope::antialias::settings::{AntialiasMethod, SampleCount};
-use rasterscope::chain::{KeepDepth, Recipe, Renderer, execution, run};
+use rasterscope::chain::{KeepDepth, Recipe, RenderInputs, Renderer, execution, run};
 use rasterscope::image::Image;
 use rasterscope::math::lanes::Lanes;
 use rasterscope::pipeline::plan::{CullStats, DrawPlan, PipelinePart};
@@ -131,7 +131,7 @@ impl Renderers {
         let (first, count) = if scene.triangle_count() > FEW_TRIANGLES { (self.checks % kinds, 1) } else { (0, kinds) };
         self.checks += 1;
         for (lanes, renderer) in self.of_lanes.iter_mut().skip(first).take(count) {
-            let frame = renderer.render(scene, camera, recipe, self.size, KeepDepth::Yes);
+            let frame = renderer.render(RenderInputs { scene, camera, recipe, viewport: self.size }, KeepDepth::Yes);
             let context = || format!("{name} {lanes} {recipe:?}");
             assert_eq!(frame.rasterized(), expected.geometry().triangles.len(), "{}", context());
             let (drawn, grid) = (&frame.drawn, frame.drawn.grid);
@@ -564,7 +564,10 @@ fn disabling_optimisations_changes_no_picture() {
             let drawn = |force| {
                 let mut recipe = recipe;
                 recipe.pipeline.force = force;
-                Renderer::default().render(&scene, &scene.home, &recipe, SIZE, KeepDepth::Yes)
+                Renderer::default().render(
+                    RenderInputs { scene: &scene, camera: &scene.home, recipe: &recipe, viewport: SIZE },
+                    KeepDepth::Yes,
+                )
             };
             let (planned, forced) = (drawn(DisabledOptimisation::Nothing), drawn(DisabledOptimisation::Everything));
             assert_eq!(planned.drawn, forced.drawn, "{} {:?}", builtin.id, recipe.execution);
@@ -589,7 +592,11 @@ fn the_number_of_threads_changes_nothing() {
     for id in ["chess", "stained-glass", "missing-texture"] {
         let scene = Arc::new(builtin::by_id(id).unwrap().build());
         for (recipe, size) in recipes.iter().flat_map(|recipe| sizes.map(|size| (recipe, size))) {
-            let drawn = |keep_depth| Renderer::default().render(&scene, &scene.home, recipe, size, keep_depth).drawn;
+            let drawn = |keep_depth| {
+                Renderer::default()
+                    .render(RenderInputs { scene: &scene, camera: &scene.home, recipe, viewport: size }, keep_depth)
+                    .drawn
+            };
             let expected = alone.install(|| drawn(KeepDepth::Yes));
             for pool in &others {
                 let context = || format!("{id} {recipe:?}, {} threads", pool.current_num_threads());

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{Mat4, Vec3};
 use rasterscope::antialias::settings::SampleCount;
-use rasterscope::chain::{KeepDepth, Recipe, Renderer};
+use rasterscope::chain::{KeepDepth, Recipe, RenderInputs, Renderer};
 use rasterscope::pipeline::settings::{
     BlendingOrder, Choice, ColorSpace, Culling, DepthFormat, DepthTest, FillRule, Shading, TexelFilter,
 };
@@ -118,7 +118,10 @@ fn blended_samples_are_counted_one_by_one() {
         for shading in [Shading::Gouraud, Shading::Cel] {
             let mut recipe = recipe;
             (recipe.pipeline.shading, recipe.pipeline.filter) = (shading, TexelFilter::Bilinear);
-            let frame = Renderer::default().render(&scene, &scene.home, &recipe, SMALL, KeepDepth::Yes);
+            let frame = Renderer::default().render(
+                RenderInputs { scene: &scene, camera: &scene.home, recipe: &recipe, viewport: SMALL },
+                KeepDepth::Yes,
+            );
             let counts = frame.tiled.as_ref().unwrap().counts;
             assert_eq!(counts.shaded, pixels * samples, "{shading:?}");
             assert_eq!(counts.texels, counts.shaded * 4, "{shading:?}");

@@ -7,7 +7,7 @@ use eframe::egui::{
     Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2, Rect, Role, TouchPhase, Vec2,
 };
 use egui_kittest::{Harness, kittest::Queryable as _};
-use rasterscope::chain::{Frame, KeepDepth, Renderer, run};
+use rasterscope::chain::{Frame, KeepDepth, RenderInputs, Renderer, run};
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::inspect::Stage;
 use rasterscope::measure::motion::Turn;
@@ -92,7 +92,8 @@ impl Bench {
         let mut frame = run(&scene, &camera, &recipe, viewport, &mut ());
         let mut renderer = Renderer::default();
         while frame.is_converging(&recipe) {
-            frame = renderer.render(&scene, &camera, &recipe, viewport, KeepDepth::Yes);
+            frame = renderer
+                .render(RenderInputs { scene: &scene, camera: &camera, recipe: &recipe, viewport }, KeepDepth::Yes);
         }
         frame
     }

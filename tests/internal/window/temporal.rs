@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rasterscope::chain::{KeepDepth, Renderer};
+use rasterscope::chain::{KeepDepth, RenderInputs, Renderer};
 use rasterscope::ui::session::command::Command;
 use rasterscope::ui::session::scene_time::SceneTimeChange;
 use rasterscope::ui::session::temporal::TemporalChange;
@@ -36,7 +36,10 @@ fn earlier_frames_are_those_of_the_sequence_however_the_frame_is_reached() {
     let mut renderer = Renderer::default();
     for (number, shown) in (0..).zip(&direct.pixel_frames) {
         let posed = scene.at(f64::from(number) / 30.0);
-        let frame = renderer.render(&posed, &state.camera, &state.recipe, size, KeepDepth::No);
+        let frame = renderer.render(
+            RenderInputs { scene: &posed, camera: &state.camera, recipe: &state.recipe, viewport: size },
+            KeepDepth::No,
+        );
         let [r, g, b, _] = frame.image().at(PIXEL.0, PIXEL.1);
         assert_eq!((shown.frame, shown.result), (number, [r, g, b]));
     }

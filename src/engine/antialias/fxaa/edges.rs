@@ -16,6 +16,8 @@ pub(super) struct Neighbourhood<'a> {
 
 /// Edges through [`BLOCK`] pixels, one edge per SIMD lane.
 struct ContrastEdges<S: Simd> {
+    /// Mask of the pixels with an edge.
+    found: mask16x32<S>,
     /// Mask of the pixels whose neighbour across the edge lies above or to the left.
     towards_before: mask16x32<S>,
     /// Luma of each pixel plus the luma of its neighbour across the edge.
@@ -79,11 +81,12 @@ impl Neighbourhood<'_> {
         let gradient = (beyond - middle).abs();
         let found = found & gradient.simd_gt(0);
 
-        let edges = ContrastEdges { towards_before, line: middle + beyond, ends_at: (gradient + 1) >> 1 };
+        let (line, ends_at) = (middle + beyond, (gradient + 1) >> 1);
+        let edges = ContrastEdges { found: found & horizontal, towards_before, line, ends_at };
         let zero = i16x32::splat(simd, 0);
         let mut ends = [EdgeDistances { step: i16x32::splat(simd, 1), change: zero }; 2];
-        self.search(simd, [1, self.stride], &edges, found & horizontal, &mut ends);
-        self.search(simd, [self.stride, 1], &edges, found & !horizontal, &mut ends);
+        self.search(simd, [1, self.stride], &edges, &mut ends);
+        self.search(simd, [self.stride, 1], &ContrastEdges { found: found & !horizontal, ..edges }, &mut ends);
         let [back, ahead] = ends;
         let nearest = back.step.simd_le(ahead.step).select(back.change, ahead.change);
         // The line cuts into a pixel if, at the nearer endpoint, the luma changes towards that of the neighbour
@@ -111,18 +114,17 @@ impl Neighbourhood<'_> {
         }
     }
 
-    /// Follows the edges through the pixels in the mask `found` in both directions. `along` and `across` are the
-    /// distances between neighbours along and across the edge, in elements of the luma buffer.
+    /// Follows edges in both directions. `along` and `across` are the distances between neighbours along and across the
+    /// edge, in elements of the luma buffer.
     #[inline(always)]
     fn search<S: Simd>(
         &self,
         simd: S,
         [along, across]: [usize; 2],
         edges: &ContrastEdges<S>,
-        found: mask16x32<S>,
         [back, ahead]: &mut [EdgeDistances<S>; 2],
     ) {
-        let [mut going_back, mut going_ahead] = [found; 2];
+        let [mut going_back, mut going_ahead] = [edges.found; 2];
         for step in 1..=MARGIN {
             if !(going_back | going_ahead).any_true() {
                 break;

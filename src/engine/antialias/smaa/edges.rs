@@ -128,7 +128,7 @@ impl Edges {
         let bands = bands.zip(left.bits[skipped..][..used].par_chunks_mut(BAND * words)).enumerate();
         bands.for_each_init(Vec::new, |luma, (band, (top, left))| {
             let first = (band * BAND) as i64 - AROUND as i64;
-            on_lanes!(lanes, simd => find_in_band(simd, (picture, first), luma, top.chunks_exact_mut(words).zip(left.chunks_exact_mut(words))));
+            on_lanes!(lanes, simd => find_in_band(simd, picture, first, luma, top.chunks_exact_mut(words).zip(left.chunks_exact_mut(words))));
         });
         rayon::join(|| top_columns.transpose(top, width, height), || left_columns.transpose(left, width, height));
     }
@@ -138,7 +138,8 @@ impl Edges {
 #[inline(always)]
 fn find_in_band<'a, S: Simd>(
     simd: S,
-    (picture, first): (&Image<Rgba8>, i64),
+    picture: &Image<Rgba8>,
+    first: i64,
     luma: &mut Vec<i16>,
     rows: impl ExactSizeIterator<Item = (&'a mut [u64], &'a mut [u64])>,
 ) {

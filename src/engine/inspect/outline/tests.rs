@@ -131,7 +131,7 @@ const FINE: u32 = 5;
 
 fn rendered(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, zoom: u32) -> Image<Rgba8> {
     let size = Viewport { width: SIZE.width * zoom, height: SIZE.height * zoom };
-    Renderer::default().render(scene, camera, recipe, size, KeepDepth::No).image().clone()
+    Renderer::default().render(RenderInputs { scene, camera, recipe, viewport: size }, KeepDepth::No).image().clone()
 }
 
 /// Returns two pixel counts of the magnified drawing: pixels that differ from the rendered image, and all pixels. Both
@@ -233,7 +233,8 @@ fn a_triangle_keeps_its_exact_corners_and_leaves_a_hole_in_the_background() {
     let recipe = flat("triangle-id");
     let drawing = outline(&scene, &scene.home, &recipe, SIZE, OutlineKind::Polygons);
     let [background, triangle] = regions(&drawing) else { panic!("{:?}", drawing.shapes) };
-    let frame = Renderer::default().render(&scene, &scene.home, &recipe, SIZE, KeepDepth::No);
+    let frame = Renderer::default()
+        .render(RenderInputs { scene: &scene, camera: &scene.home, recipe: &recipe, viewport: SIZE }, KeepDepth::No);
     let [corner] = triangle.contours.as_slice() else { panic!("{triangle:?}") };
     assert_eq!(corner.len(), 3);
     for vertex in &frame.geometry().triangles[0].vertices {

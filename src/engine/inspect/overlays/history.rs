@@ -42,7 +42,7 @@ mod tests {
     use std::sync::{Arc, OnceLock};
 
     use super::*;
-    use crate::chain::{KeepDepth, MotionBuffers, Recipe, Renderer};
+    use crate::chain::{KeepDepth, MotionBuffers, Recipe, RenderInputs, Renderer};
     use crate::inspect::view::Value;
     use crate::pipeline::motion::FrameView;
     use crate::pipeline::viewport::Viewport;
@@ -56,7 +56,15 @@ mod tests {
         let (mut renderer, mut camera) = (Renderer::default(), scene.home);
         let mut frames = Vec::new();
         for _ in 0..2 {
-            frames.push(renderer.render(&scene, &camera, &recipe, Viewport { width: 64, height: 36 }, KeepDepth::Yes));
+            frames.push(renderer.render(
+                RenderInputs {
+                    scene: &scene,
+                    camera: &camera,
+                    recipe: &recipe,
+                    viewport: Viewport { width: 64, height: 36 },
+                },
+                KeepDepth::Yes,
+            ));
             camera.orbit(0.05, 0.0);
         }
         let sheet = |frame: usize, overlay: Overlay| {

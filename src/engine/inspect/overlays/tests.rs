@@ -1,5 +1,5 @@
 use super::*;
-use crate::chain::{KeepDepth, Renderer, run};
+use crate::chain::{KeepDepth, RenderInputs, Renderer, run};
 use crate::image::Rgba8;
 use crate::inspect::explain;
 use crate::inspect::history::Survey;
@@ -315,10 +315,12 @@ fn tile_loads_match_the_bins_of_the_tiled_renderer() {
 fn assert_tile_loads_match_the_bins(recipe: Recipe) {
     let mut bench = OverlayBench::new("cubes", recipe, (200, 150));
     bench.frame = Renderer::default().render(
-        &bench.scene,
-        &bench.scene.home,
-        &bench.recipe,
-        bench.frame.viewport,
+        RenderInputs {
+            scene: &bench.scene,
+            camera: &bench.scene.home,
+            recipe: &bench.recipe,
+            viewport: bench.frame.viewport,
+        },
         KeepDepth::Yes,
     );
     let sheet = bench.sheet(Overlay::TileLoad);

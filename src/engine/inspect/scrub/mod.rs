@@ -24,6 +24,7 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use crate::chain::{Frame, Recipe, prepare_again};
+use crate::pipeline::area::DrawnArea;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::raster::{Scissor, Span};
@@ -165,7 +166,8 @@ impl Scrubber {
 
     fn samples_of(&self, place: usize) -> Vec<Span> {
         let triangle = self.geometry.triangles.get(place);
-        triangle.map_or_else(Vec::new, |t| partial::samples_of(t, &self.recipe.pipeline, (self.grid, self.raster)))
+        let area = DrawnArea { grid: self.grid, raster: self.raster };
+        triangle.map_or_else(Vec::new, |t| partial::samples_of(t, &self.recipe.pipeline, area))
     }
 
     /// Returns the drawn samples of the last triangle at a playback position; `None` if all of its samples are drawn.

@@ -3,6 +3,7 @@
 use super::Moment;
 use crate::chain::Recipe;
 use crate::image::Rgba8;
+use crate::pipeline::area::DrawnArea;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::interpolate::Fragment;
@@ -61,7 +62,7 @@ pub fn touches(
         if count == TouchPrecision::Triangles || counted > MAX_FRAGMENTS {
             break;
         }
-        let samples = partial::samples_of(triangle, settings, (grid, raster));
+        let samples = partial::samples_of(triangle, settings, DrawnArea { grid, raster });
         counted += partial::count(&samples);
         touch.moment.fragments = partial::index_of(&samples, sample).map(|place| place + 1);
     }

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::chain::{Chain, PastFrames};
 use super::masks::{HistoryMasks, MaskScore};
-use crate::chain::{Frame, KeepDepth, Recipe, Renderer};
+use crate::chain::{Frame, KeepDepth, Recipe, RenderInputs, Renderer};
 use crate::measure::shot::Shot;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
@@ -66,7 +66,10 @@ impl HistoryClip {
     /// Draws a frame, after all frames before it.
     pub(super) fn draw(&self, renderer: &mut Renderer, number: u32) -> Frame {
         let (scene, camera) = self.view.at(number.into());
-        renderer.render(&scene, &camera, &self.recipe, self.viewport, KeepDepth::No)
+        renderer.render(
+            RenderInputs { scene: &scene, camera: &camera, recipe: &self.recipe, viewport: self.viewport },
+            KeepDepth::No,
+        )
     }
 }
 

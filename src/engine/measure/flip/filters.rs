@@ -73,14 +73,11 @@ impl Filters {
         }
     }
 
-    /// Filters row `y` along columns and finishes its pixels. `rows` holds [`FILTERED`] rows for each image row.
-    pub(super) fn along_columns(
-        &self,
-        rows: &[f32],
-        (width, height): (usize, usize),
-        y: usize,
-        (lab, features): (&mut [[f32; 3]], &mut [[f32; 2]]),
-    ) {
+    /// Filters row `y` along columns and finishes its pixels, of which there is at least one. `rows` holds [`FILTERED`]
+    /// rows for each image row.
+    pub(super) fn along_columns(&self, rows: &[f32], y: usize, lab: &mut [[f32; 3]], features: &mut [[f32; 2]]) {
+        let width = lab.len();
+        let height = rows.len() / (FILTERED * width);
         let [smooth_rows, slope_rows, bend_rows] = [4, 5, 6];
         let passes = [
             (0, &self.blurs[0]),

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::{FrameSequence, Turn};
-use crate::chain::{Frame, KeepDepth, Recipe, Renderer};
+use crate::chain::{Frame, KeepDepth, Recipe, RenderInputs, Renderer};
 use crate::math::lanes::Lanes;
 
 /// Playback of a sequence with one recipe. Before a frame is drawn, the earlier frames that its temporal history
@@ -64,7 +64,7 @@ impl Playback {
         while self.warm_up(shot, number) {}
         match &mut self.history {
             Some(run) => run.draw(shot, &self.recipe, number, look),
-            None => drawn(shot, number, (&self.recipe, shared), look),
+            None => drawn(shot, number, &self.recipe, shared, look),
         }
     }
 
@@ -89,7 +89,7 @@ impl RenderRun {
 
     fn draw<T>(&mut self, shot: &FrameSequence<'_>, recipe: &Recipe, number: i64, look: impl FnOnce(&Frame) -> T) -> T {
         self.frames.end += 1;
-        drawn(shot, number, (recipe, &mut self.renderer), look)
+        drawn(shot, number, recipe, &mut self.renderer, look)
     }
 }
 
@@ -97,11 +97,13 @@ impl RenderRun {
 fn drawn<T>(
     shot: &FrameSequence<'_>,
     number: i64,
-    (recipe, renderer): (&Recipe, &mut Renderer),
+    recipe: &Recipe,
+    renderer: &mut Renderer,
     look: impl FnOnce(&Frame) -> T,
 ) -> T {
     let (scene, camera) = shot.view(number);
-    let frame = renderer.render(&scene, &camera, recipe, shot.viewport, KeepDepth::No);
+    let frame = renderer
+        .render(RenderInputs { scene: &scene, camera: &camera, recipe, viewport: shot.viewport }, KeepDepth::No);
     let seen = look(&frame);
     renderer.recycle(frame);
     seen

@@ -47,6 +47,14 @@ pub(super) struct TriangleBatch {
     boxes: [[[f32; LANES]; 2]; 2],
 }
 
+/// Vertices of the triangles in a batch.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BatchVertices<'a> {
+    pub(super) triangles: &'a [[&'a PackedVertex; 3]; LANES],
+    /// Bit mask of the triangles with perspective division.
+    pub(super) divides_by_w: u64,
+}
+
 /// Number of triangle batches whose vertices are fetched together.
 pub(super) const BATCHES: usize = 4;
 
@@ -121,7 +129,6 @@ impl<B: Triangles> BinnedTriangle<'_, B> {
 
 impl TriangleBatch {
     /// Sets up eight triangles like [`Setup::new`], with edge functions in f64 and in i32, and fills their records.
-    /// `divides_by_w` selects the triangles with perspective division.
     ///
     /// Returns two bit masks. The first selects the triangles that may cover a sample of the tile. The second selects
     /// those among them whose edge values may exceed 32 bits, either at a sample that they cover or at another sample
@@ -130,9 +137,8 @@ impl TriangleBatch {
     pub(super) fn set_up<S: Simd>(
         &mut self,
         simd: S,
-        triangles: &[[&PackedVertex; 3]; LANES],
+        BatchVertices { triangles, divides_by_w }: BatchVertices<'_>,
         records: &mut [Record; LANES],
-        divides_by_w: u64,
         context: &SetupContext<'_>,
     ) -> (u64, u64) {
         simd.vectorize(

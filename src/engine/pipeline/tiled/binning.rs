@@ -40,10 +40,10 @@ impl Binning<'_> {
     /// Culls and bins all triangles into `chunks`, whose memory is reused.
     pub(super) fn run(&self, lanes: Lanes, chunks: &mut Vec<Chunk>) {
         self.split_into_chunks(chunks);
-        chunks.par_iter_mut().enumerate().with_max_len(1).for_each(|(number, chunk)| {
+        chunks.par_iter_mut().with_max_len(1).for_each(|chunk| {
             for part in 0..chunk.parts.len() {
                 let ChunkPart { draw, ids } = chunk.parts[part].clone();
-                on_lanes!(lanes, simd => self.cull(simd, draw, ids, number, chunk));
+                on_lanes!(lanes, simd => self.cull(simd, draw, ids, chunk));
             }
             chunk.sort(self.tiles);
         });
@@ -60,7 +60,7 @@ impl Binning<'_> {
             let (mut first, end) = (draw.first.0 + own.start as u32, draw.first.0 + own.end as u32);
             while first < end {
                 if chunks.len() <= number {
-                    chunks.push(Chunk::default());
+                    chunks.push(Chunk::new(number));
                 }
                 let take = room.min(end - first);
                 chunks[number].parts.push(ChunkPart { draw: index, ids: first..first + take });
@@ -76,7 +76,7 @@ impl Binning<'_> {
 
     /// Culls a range of triangles of one draw, and appends those that may be visible to a chunk.
     #[inline(always)]
-    fn cull<S: Simd>(&self, simd: S, draw: usize, ids: Range<u32>, chunk_number: usize, chunk: &mut Chunk) {
+    fn cull<S: Simd>(&self, simd: S, draw: usize, ids: Range<u32>, chunk: &mut Chunk) {
         let leaves_frustum = self.arrays.leaves_frustum[draw];
         let draw = &self.draws[draw];
         let offset = (ids.start - draw.first.0) as usize;
@@ -103,7 +103,8 @@ impl Binning<'_> {
             // Excludes the padding lanes. All three vertices of a padding lane are vertex 0 of the draw, so its area is
             // zero, or NaN if the screen position of that vertex is NaN.
             whole &= u64::from(u32::MAX) >> (u32::BITS as usize - group.len());
-            let (shown, alive, tiles) = self.cull_lanes(simd, vertices, corners, whole, draw.plan.culling());
+            let positions = corner_positions(simd, vertices, corners);
+            let (shown, alive, tiles) = self.cull_lanes(simd, positions, whole, draw.plan.culling());
             chunk.rasterized += shown.count_ones() as usize;
             let count = alive.count_ones();
             if cut != 0 {
@@ -111,7 +112,7 @@ impl Binning<'_> {
                 for (lane, corners) in group.iter().enumerate() {
                     let id = first_id + lane as u32;
                     if cut >> lane & 1 != 0 {
-                        self.cut(draw, id, *corners, chunk_number, chunk);
+                        self.cut(draw, id, *corners, chunk);
                     } else if alive >> lane & 1 != 0 {
                         chunk.survivors.push(TriangleKey(id), TileRange(tiles[lane] as u32));
                     }
@@ -123,26 +124,17 @@ impl Binning<'_> {
         }
     }
 
-    /// Culls eight triangles, given by the indices of their vertices. Those that `whole` does not select are always
-    /// culled. Returns the bit mask of the
-    /// triangles that pass face culling, the bit mask of the triangles that also may cover a sample, and the tile range
-    /// of each triangle.
+    /// Culls eight triangles, given by the positions of their corners. Those that `whole` does not select are always
+    /// culled. Returns the bit mask of the triangles that pass face culling, the bit mask of the triangles that also
+    /// may cover a sample, and the tile range of each triangle.
     #[inline(always)]
     fn cull_lanes<S: Simd>(
         &self,
         simd: S,
-        vertices: &[PackedVertex],
-        corners: &[[u32; 3]; LANES],
+        positions: [[F32<S>; 2]; 3],
         whole: u64,
         culling: Culling,
     ) -> (u64, u64, i32x8<S>) {
-        let nowhere = PackedVertex::default();
-        let positions = each!(corner in [0, 1, 2] => {
-            let (x, y) = halves(simd, each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
-                vertices.get(corners[lane][corner] as usize).unwrap_or(&nowhere).position_bits()
-            }));
-            [x.bitcast::<F32<S>>(), y.bitcast::<F32<S>>()]
-        });
         let [dx, dy] = each!(axis in [0, 1] => each!(corner in [0, 1, 2] => widen(simd, positions[corner][axis])));
         let area = (dx[1] - dx[0]) * (dy[2] - dy[0]) - (dx[2] - dx[0]) * (dy[1] - dy[0]);
         let shown = match culling {
@@ -167,7 +159,7 @@ impl Binning<'_> {
     }
 
     /// Clips one triangle with the code of the classic (scalar) path, and bins its pieces.
-    fn cut(&self, draw: &InstanceDraw<'_>, id: u32, corners: [u32; 3], chunk_number: usize, chunk: &mut Chunk) {
+    fn cut(&self, draw: &InstanceDraw<'_>, id: u32, corners: [u32; 3], chunk: &mut Chunk) {
         let vertices = corners.map(|corner| draw.clip_vertex(draw.first_vertex + corner as usize, self.arrays));
         let one = ClipSpaceDraw {
             instance: draw.instance,
@@ -192,7 +184,7 @@ impl Binning<'_> {
             let columns = axis(piece.vertices.each_ref().map(|v| v.x), 0, self.packed.0);
             let rows = axis(piece.vertices.each_ref().map(|v| v.y), 1, self.packed.1);
             if let Some(([x0, x1], [y0, y1])) = columns.zip(rows) {
-                let key = TriangleKey::piece(chunk_number, chunk.pieces.len());
+                let key = chunk.next_piece();
                 chunk.corners.push(piece.vertices.each_ref().map(|vertex| {
                     let Varyings { normal, uv, color, light, .. } = vertex.varyings;
                     let position = [vertex.x as f32, vertex.y as f32];
@@ -206,6 +198,18 @@ impl Binning<'_> {
             }
         }
     }
+}
+
+/// Returns the positions of the corners of eight triangles, given by the indices of their vertices.
+#[inline(always)]
+fn corner_positions<S: Simd>(simd: S, vertices: &[PackedVertex], corners: &[[u32; 3]; LANES]) -> [[F32<S>; 2]; 3] {
+    let nowhere = PackedVertex::default();
+    each!(corner in [0, 1, 2] => {
+        let (x, y) = halves(simd, each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
+            vertices.get(corners[lane][corner] as usize).unwrap_or(&nowhere).position_bits()
+        }));
+        [x.bitcast::<F32<S>>(), y.bitcast::<F32<S>>()]
+    })
 }
 
 /// Returns two bit masks: the triangles that need no clipping, and those that must be clipped. Triangles that are

@@ -20,7 +20,7 @@ impl TriangleKey {
     /// Number of bits for the index of a piece within its chunk. Clipping makes at most eight pieces per triangle.
     const PIECE_BITS: u32 = 17;
 
-    pub(super) fn piece(chunk: usize, index: usize) -> Self {
+    fn piece(chunk: usize, index: usize) -> Self {
         Self(Self::PIECE | (chunk as u32) << Self::PIECE_BITS | index as u32)
     }
 
@@ -46,6 +46,8 @@ pub(super) const MAX_TRIANGLES: usize = CHUNK * ((1 << (31 - TriangleKey::PIECE_
 /// Chunk of triangles in submission order, and its potentially visible triangles sorted by tile.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chunk {
+    /// Index of the chunk in the frame.
+    number: usize,
     pub(super) parts: Vec<ChunkPart>,
     pub(super) survivors: Survivors,
     /// For each tile, the index of its first entry in `keys`. One more value at the end is the number of all entries.
@@ -156,6 +158,11 @@ impl Survivors {
 }
 
 impl Chunk {
+    /// Returns an empty chunk with an index in the frame.
+    pub(super) fn new(number: usize) -> Self {
+        Self { number, ..Self::default() }
+    }
+
     /// Removes all triangles, but keeps the memory.
     pub(super) fn clear(&mut self) {
         self.parts.clear();
@@ -163,6 +170,11 @@ impl Chunk {
         self.pieces.clear();
         self.corners.clear();
         self.rasterized = 0;
+    }
+
+    /// Returns the key of the next piece that is added to the chunk.
+    pub(super) fn next_piece(&self) -> TriangleKey {
+        TriangleKey::piece(self.number, self.pieces.len())
     }
 
     /// Sorts the survivors by tile, keeping the submission order within each tile.

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use super::batch::{BinnedTriangle, GROUP};
 use super::canvas::Canvas;
-use super::counters::{FrameCounters, TileWork};
+use super::counters::TileWork;
 use super::pass::TilePass;
 use super::shade::ShadingJob;
 use super::target::Target;
@@ -14,13 +14,7 @@ use crate::math::lanes::*;
 impl TiledFrame<'_> {
     /// Draws and shades a tile.
     #[inline(always)]
-    pub(super) fn draw_tile<S: Simd>(
-        &self,
-        simd: S,
-        workspace: &mut Workspace,
-        mut target: Target<'_>,
-        work: &FrameCounters,
-    ) {
+    pub(super) fn draw_tile<S: Simd>(&self, simd: S, workspace: &mut Workspace, mut target: Target<'_>) {
         let start = Instant::now();
         let Workspace { tile, bin, group, pending, queue, transparency, .. } = workspace;
         let blended = &mut transparency.blended;
@@ -28,10 +22,10 @@ impl TiledFrame<'_> {
         if bin.len() == 0 {
             return target.clear_depths(self.rules.clear);
         }
-        let setup = self.setup_context(target.place);
+        let setup = self.tile_setup(target.place);
         blended.clear();
         for first in (0..bin.len()).step_by(GROUP) {
-            self.set_up_group(simd, &setup, bin, first, group);
+            setup.set_up_group(simd, bin, first, group);
             if first == 0 {
                 tile.clear(&self.rules, group.uses_hiz(bin.len()));
             }
@@ -57,6 +51,6 @@ impl TiledFrame<'_> {
             shading += pass.blend(simd, tile, blended, &mut canvas);
         }
         let coverage = tile.counts;
-        work.add(TileWork { rasterize: rasterized - start, shade: rasterized.elapsed(), coverage, shading });
+        self.work.add(TileWork { rasterize: rasterized - start, shade: rasterized.elapsed(), coverage, shading });
     }
 }

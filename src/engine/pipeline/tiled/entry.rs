@@ -1,7 +1,7 @@
 //! Gathering and setup of the triangles in a tile's bin.
 
 use super::TiledFrame;
-use super::batch::{GROUP, TriangleGroup};
+use super::batch::{BatchVertices, GROUP, TriangleGroup};
 use super::layout::TilePlace;
 use super::packed::{PackedSurface, PackedVertex};
 use super::record::{BinEntry, SurfacePart, SurfaceRecord, TileBin};
@@ -30,47 +30,16 @@ impl TiledFrame<'_> {
         }
     }
 
-    /// Returns the data that the setup of all triangles in a tile shares, for the lattice of the frame.
+    /// Returns the setup of the triangles in a tile, on the lattice of the frame.
     #[inline(always)]
-    pub(super) fn setup_context(&self, place: TilePlace) -> SetupContext<'_> {
-        SetupContext {
+    pub(super) fn tile_setup(&self, place: TilePlace) -> TileSetup<'_> {
+        let context = SetupContext {
             rule: self.settings.fill_rule,
             scale: &self.scale,
             lattice: &self.lattice,
             origin: self.lattice.origin(place),
-        }
-    }
-
-    /// Sets up a group of a tile's triangles, starting at index `first`, before the first of them is drawn. This hides
-    /// the latency of the setup.
-    #[inline(always)]
-    pub(super) fn set_up_group<S: Simd>(
-        &self,
-        simd: S,
-        context: &SetupContext<'_>,
-        entrants: &mut TileBin,
-        first: usize,
-        out: &mut TriangleGroup,
-    ) {
-        let nowhere = PackedVertex::default();
-        let (mut triangles, mut divides_by_w) = ([[&nowhere; 3]; GROUP], 0);
-        self.find_vertices(entrants, first, &mut triangles, &mut divides_by_w);
-        let TriangleGroup { first: place, batches, alive, large } = out;
-        (*place, *alive, *large) = (first, Default::default(), Default::default());
-        for (number, triangles) in triangles.as_chunks::<LANES>().0.iter().enumerate() {
-            let first = first + number * LANES;
-            let count = entrants.len().saturating_sub(first).min(LANES);
-            if count == 0 {
-                break;
-            }
-            let Some(records) = entrants.eight_records(first) else { break };
-            let divide_by_w = divides_by_w >> (number * LANES);
-            (alive[number], large[number]) = batches[number].set_up(simd, triangles, records, divide_by_w, context);
-            alive[number] &= u64::from(u32::MAX) >> (u32::BITS as usize - count);
-            if alive[number] != 0 && !self.arrays.surfaces.is_empty() {
-                self.fill_surfaces(simd, entrants, first, count);
-            }
-        }
+        };
+        TileSetup { frame: self, context }
     }
 
     /// Looks up the vertices of a group of a tile's triangles, and sets a bit in `divides_by_w` for each triangle with
@@ -124,6 +93,40 @@ impl TiledFrame<'_> {
         }
         let Some(records) = entrants.eight_surfaces(first) else { return };
         fill_parts(simd, records, &triangles, self.reads_normals, self.reads_colors);
+    }
+}
+
+/// Setup of the triangles in a tile.
+pub(super) struct TileSetup<'a> {
+    frame: &'a TiledFrame<'a>,
+    pub(super) context: SetupContext<'a>,
+}
+
+impl TileSetup<'_> {
+    /// Sets up a group of a tile's triangles, starting at index `first`, before the first of them is drawn. This hides
+    /// the latency of the setup.
+    #[inline(always)]
+    pub(super) fn set_up_group<S: Simd>(&self, simd: S, entrants: &mut TileBin, first: usize, out: &mut TriangleGroup) {
+        let Self { frame, context } = self;
+        let nowhere = PackedVertex::default();
+        let (mut triangles, mut divides_by_w) = ([[&nowhere; 3]; GROUP], 0);
+        frame.find_vertices(entrants, first, &mut triangles, &mut divides_by_w);
+        let TriangleGroup { first: place, batches, alive, large } = out;
+        (*place, *alive, *large) = (first, Default::default(), Default::default());
+        for (number, triangles) in triangles.as_chunks::<LANES>().0.iter().enumerate() {
+            let first = first + number * LANES;
+            let count = entrants.len().saturating_sub(first).min(LANES);
+            if count == 0 {
+                break;
+            }
+            let Some(records) = entrants.eight_records(first) else { break };
+            let vertices = BatchVertices { triangles, divides_by_w: divides_by_w >> (number * LANES) };
+            (alive[number], large[number]) = batches[number].set_up(simd, vertices, records, context);
+            alive[number] &= u64::from(u32::MAX) >> (u32::BITS as usize - count);
+            if alive[number] != 0 && !frame.arrays.surfaces.is_empty() {
+                frame.fill_surfaces(simd, entrants, first, count);
+            }
+        }
     }
 }
 

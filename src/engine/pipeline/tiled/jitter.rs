@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use super::batch::{BinnedTriangle, GROUP, TriangleGroup};
 use super::canvas::Canvas;
-use super::counters::{FrameCounters, TileWork};
+use super::counters::TileWork;
 use super::lattice::TileLattice;
 use super::layout::{SamplePlace, TILE, TilePlace};
 use super::pass::TilePass;
@@ -29,9 +29,9 @@ pub(crate) type Sums = [[f32; WIDE]; 3];
 
 /// Function that chooses the position of a sample in each pixel.
 ///
-/// It receives the number of the sample, and the columns and the row of the pixels in the full picture. For each pixel,
-/// it writes the index of the chosen candidate position.
-pub(crate) type JitterChoice<'a> = &'a (dyn Fn(usize, (&[u32], u32), &mut [u8]) + Sync);
+/// Its arguments are the number of the sample, and the columns and the row of the pixels in the full picture. For each
+/// pixel, it writes the index of the chosen candidate position to the last argument.
+pub(crate) type JitterChoice<'a> = &'a (dyn Fn(usize, &[u32], u32, &mut [u8]) + Sync);
 
 /// Functions that combine the samples of pixels into colours, sixteen pixels at a time.
 #[derive(Clone, Copy)]
@@ -93,7 +93,7 @@ impl<'a> TileJitter<'a> {
         for row in 0..TILE {
             let (first_column, packed_row) = tile.packed(SamplePlace { column: 0, row });
             let columns: [u32; TILE] = std::array::from_fn(|i| grid.pixel(first_column + i as u32, packed_row).0);
-            (self.jittering.chosen)(number, (&columns, grid.pixel(0, packed_row).1), &mut chosen);
+            (self.jittering.chosen)(number, &columns, grid.pixel(0, packed_row).1, &mut chosen);
             let [right, below] = offsets.row_mut(row);
             for ((right, below), place) in right.iter_mut().zip(below).zip(chosen) {
                 let place = usize::from(place) % JITTER_POSITIONS;
@@ -133,7 +133,6 @@ impl TiledFrame<'_> {
         jittered: &TileJitter<'_>,
         workspace: &mut Workspace,
         mut target: Target<'_>,
-        work: &FrameCounters,
     ) {
         let mut start = Instant::now();
         let Workspace { tile, bin, pending, queue, transparency, jitter, .. } = workspace;
@@ -145,9 +144,9 @@ impl TiledFrame<'_> {
             return target.clear_depths(self.rules.clear);
         }
         groups.resize_with(bin.len().div_ceil(GROUP), TriangleGroup::default);
-        let setup = self.setup_context(place);
+        let setup = self.tile_setup(place);
         for (number, group) in groups.iter_mut().enumerate() {
-            self.set_up_group(simd, &setup, bin, number * GROUP, group);
+            setup.set_up_group(simd, bin, number * GROUP, group);
         }
         let mut done = TileWork::default();
         if target.depths.is_some() {
@@ -182,7 +181,7 @@ impl TiledFrame<'_> {
             (jittered.jittering.sum.mean)(sums, row);
         }
         done.shade += start.elapsed();
-        work.add(done);
+        self.work.add(done);
     }
 }
 

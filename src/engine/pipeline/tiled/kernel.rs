@@ -9,7 +9,7 @@ use super::layout::BLOCK;
 use super::mipmap::{Coordinates, LevelTapsMut};
 use super::patch::Patch;
 use super::queue::{Reserved, ReservedPair, RowTargets};
-use super::record::{One, ShadedTriangle, TriangleSource};
+use super::record::{ShadedTriangle, TriangleSource};
 use super::shader::{DrawShader, LightSource, PlannedShader, ShadingPlan, with_known_plan};
 use super::weights::{AttributeWeights, StoredWeights, corner_weights};
 use crate::math::lanes::*;
@@ -81,7 +81,7 @@ impl<E> ShadedRows<'_, E> {
             self.edges.begin(simd, &block);
             let targets = RowTargets::new(&block, &canvas.picture);
             let room = canvas.reserve(simd, number, pairs);
-            self.interpolate(simd, self.subject.one, shader, targets, room);
+            self.interpolate(simd, shader, targets, room);
         }
     }
 
@@ -90,14 +90,13 @@ impl<E> ShadedRows<'_, E> {
     fn interpolate<S: Simd>(
         &mut self,
         simd: S,
-        one: One<'_>,
         shader: PlannedShader<'_>,
         mut targets: RowTargets,
         Reserved { pairs, taps, coarse }: Reserved<'_>,
     ) where
         E: EdgeRows<S>,
     {
-        let plan = shader.plan;
+        let (plan, one) = (shader.plan, self.subject.one);
         let relative_inv_w = one.relative_inv_w(simd);
         for (i, (pair, weights)) in pairs.iter_mut().zip(self.ahead.iter_mut()).enumerate() {
             // If the number of rows is odd, the last one is computed twice and written once.

@@ -10,16 +10,15 @@ use super::layout::{BLOCK, Block, SamplePlace, TILE_SAMPLES, TileSize};
 use super::multisample::{Picks, SamplePlanes};
 use super::pass::TilePass;
 use super::patch::ALL;
-use super::pending::{LargeTriangle, MixedSamples, Pending, Scattered};
+use super::pending::{LargeTriangle, MixedSamples, Scattered};
 use super::record::{BinEntry, Many, TriangleSource as _};
-use super::setup::inside_thresholds;
+use super::setup::{ShadingCandidates, inside_thresholds};
 use super::shade::{ShadingJob, ShadingWork};
 use super::slot::Slot;
 use super::target::{ColorRows, TileRows};
 use super::tile::Tile;
 use crate::image::Rgba8;
 use crate::math::lanes::*;
-use crate::pipeline::settings::FillRule;
 
 /// Mixed pixels of a tile. The memory is reused from tile to tile.
 #[derive(Clone, Debug, Default)]
@@ -56,14 +55,8 @@ impl MixedPixels {
     /// Finds the mixed pixels of a tile. If all samples of a pixel show the same triangle, stores it in `agreed`.
     /// Otherwise stores no triangle there and adds the pixel to the list of mixed pixels.
     #[inline(always)]
-    pub(super) fn find<S: Simd>(
-        &mut self,
-        simd: S,
-        lattice: &TileLattice,
-        samples: &[Tile],
-        agreed: &mut Tile,
-        TileSize { columns, rows }: TileSize,
-    ) {
+    pub(super) fn find<S: Simd>(&mut self, simd: S, samples: &[Tile], agreed: &mut Tile, canvas: &Canvas<'_>) {
+        let (lattice, TileSize { columns, rows }) = (&canvas.frame.lattice, canvas.picture.size);
         self.places.clear();
         self.picks.clear();
         self.fragments.clear();
@@ -128,28 +121,25 @@ impl MixedPixels {
         }
     }
 
-    /// Shades the fragments and combines them into the colours of the pixels. Returns the number of samples shaded and
-    /// texels read.
+    /// Shades the fragments and combines them into the colours of the pixels. `job` shades the fragments; their colours
+    /// are stored in a list instead of its picture. Returns the number of samples shaded and texels read.
     #[inline(always)]
     pub(super) fn shade<S: Simd>(
         &mut self,
         simd: S,
         planes: &SamplePlanes<'_>,
-        pass: TilePass<'_, &TileLattice>,
-        pending: &mut Pending,
-        canvas: Canvas<'_>,
+        job: ShadingJob<'_, &TileLattice>,
     ) -> ShadingWork {
         let Self { places, picks, fragments, colors, means, .. } = self;
-        let background = pass.frame.background;
+        let background = job.pass.frame.background;
         colors.clear();
         colors.resize(FIRST + fragments.list.len() * WIDE, background);
         let size = TileSize { columns: 0, rows: 0 };
-        let picture = TileRows { values: colors, stride: 0, left: 0, size };
-        let mut job = ShadingJob::new(pass, pending, Canvas { picture, ..canvas });
-        for (number, sixteen) in fragments.list.iter().enumerate() {
-            let count = (fragments.len - number * WIDE).min(WIDE);
-            let open = u32::MAX >> (u32::BITS as usize - count);
-            job.fragments(simd, sixteen, open, &planes.shading_places, FIRST + number * WIDE);
+        // The new binding has the shorter lifetime of `colors`.
+        let mut job = job;
+        job.canvas.picture = TileRows { values: colors, stride: 0, left: 0, size };
+        for number in 0..fragments.list.len() {
+            job.fragments(simd, fragments, number, &planes.shading_places);
         }
         let shaded = job.finish(simd);
         means.clear();
@@ -234,8 +224,7 @@ impl SixteenFragments {
         simd: S,
         many: Many<'_>,
         mut open: u32,
-        offsets: &[[i32; 2]],
-        rule: FillRule,
+        ShadingCandidates { offsets, rule }: ShadingCandidates<'_>,
     ) -> [[i32; WIDE]; 2] {
         let ([[a0, b0, c0], [a1, b1, c1]], area) = many.integer_edges(simd);
         let centres = each!(axis in [0, 1] => i32x16::load_array_ref(simd, &self.centres[axis]));
@@ -266,23 +255,19 @@ impl SixteenFragments {
 }
 
 impl ShadingJob<'_, &TileLattice> {
-    /// Shades the fragments selected by `open`, and writes their colours from index `start` on. Each fragment is shaded
-    /// at the first candidate position in its pixel that its triangle covers. The candidates `offsets` are relative to
-    /// the pixel centre, in steps of 1/256 px.
+    /// Shades the group of sixteen fragments with index `number`; the last group may be incomplete. Each fragment is
+    /// shaded at the first candidate position in its pixel that its triangle covers. The candidates `offsets` are
+    /// relative to the pixel centre, in steps of 1/256 px.
     #[inline(always)]
-    fn fragments<S: Simd>(
-        &mut self,
-        simd: S,
-        fragments: &SixteenFragments,
-        mut open: u32,
-        offsets: &[[i32; 2]],
-        start: usize,
-    ) {
+    fn fragments<S: Simd>(&mut self, simd: S, all: &Fragments, number: usize, offsets: &[[i32; 2]]) {
+        let (fragments, first) = (&all.list[number], number * WIDE);
+        let mut open = u32::MAX >> (u32::BITS as usize - (all.len - first).min(WIDE));
+        let start = FIRST + first;
         let slots = &fragments.slots;
         let [x, y] = self.shading_places(simd, fragments, open, offsets);
         let targets = Scattered { places: [&x, &y], start };
         if self.alike {
-            self.together(simd, 0, MixedSamples { slots, mine: open, targets });
+            self.together(simd, MixedSamples { shader: 0, slots, mine: open, targets });
             return;
         }
         let TilePass { frame, bin, .. } = self.pass;
@@ -290,10 +275,10 @@ impl ShadingJob<'_, &TileLattice> {
             let lane = open.trailing_zeros() as usize;
             let draw = bin.get(Slot(slots[lane])).draw as usize;
             if frame.shader(draw).on_lanes {
-                let number = frame.shader_of_draw[draw];
-                let mine = self.shaded_by(number, open, slots);
+                let shader = frame.shader_of_draw[draw];
+                let mine = self.shaded_by(shader, open, slots);
                 open &= !mine;
-                self.together(simd, number, MixedSamples { slots, mine, targets });
+                self.together(simd, MixedSamples { shader, slots, mine, targets });
             } else {
                 open &= open - 1;
                 let pixel = SamplePlace::of(fragments.pixels[lane].into());
@@ -313,14 +298,14 @@ impl ShadingJob<'_, &TileLattice> {
         open: u32,
         offsets: &[[i32; 2]],
     ) -> [[i32; WIDE]; 2] {
-        let rule = self.pass.frame.settings.fill_rule;
+        let candidates = ShadingCandidates { offsets, rule: self.pass.frame.settings.fill_rule };
         self.find_large(simd, open, &fragments.slots);
         let of_large = self.large.iter().fold(0, |all, triangle| all | triangle.lanes);
         let many = self.pass.bin.many(&fragments.slots);
-        let mut places = fragments.first_covered(simd, many, open & !of_large, offsets, rule);
+        let mut places = fragments.first_covered(simd, many, open & !of_large, candidates);
         for LargeTriangle { lanes, edges } in &self.large {
             for lane in (0..WIDE).filter(|lane| lanes >> lane & 1 != 0) {
-                let place = edges.first_covered(fragments.centres.map(|along| along[lane]), offsets, rule);
+                let place = edges.first_covered(fragments.centres.map(|along| along[lane]), candidates);
                 (places[0][lane], places[1][lane]) = (place[0], place[1]);
             }
         }

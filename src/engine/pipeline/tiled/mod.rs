@@ -70,6 +70,7 @@ mod tile;
 mod transparency;
 mod weights;
 
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
@@ -217,6 +218,8 @@ struct TiledFrame<'a> {
     /// For each draw, the index of the first draw with equivalent shading. Samples of both can be shaded together.
     shader_of_draw: Vec<usize>,
     samples: PreparedSamples<'a>,
+    /// Counters that each tile adds its work to.
+    work: &'a FrameCounters,
 }
 
 /// Draws a scene into a framebuffer, overwriting all of its contents.
@@ -248,6 +251,7 @@ pub(crate) fn draw(
     let Framebuffer { grid, color, depth, .. } = framebuffer;
     let rules = DepthRules::new(settings, &scale, depth.is_some());
     let shaders = shaders(scene, settings, &draws);
+    let work = FrameCounters::default();
     let frame = TiledFrame {
         settings,
         grid: *grid,
@@ -265,9 +269,9 @@ pub(crate) fn draw(
         shader_of_draw: DrawShader::first_alike(&shaders),
         shaders,
         samples,
+        work: &work,
     };
-    let work = FrameCounters::default();
-    frame.draw_tiles(lanes, &picture_rows(color, depth.as_mut()), workspaces, &work);
+    frame.draw_tiles(lanes, &picture_rows(color, depth.as_mut()), workspaces);
     let tiles_time = binned.elapsed();
     let times = TiledTimes {
         transform: transformed - start,
@@ -275,7 +279,7 @@ pub(crate) fn draw(
         rasterize: work.share_of_rasterizing(tiles_time),
         shade: tiles_time - work.share_of_rasterizing(tiles_time),
     };
-    let counts = frame.counts(scene.triangle_count() as u64, work);
+    let counts = frame.counts(scene.triangle_count() as u64);
     TiledReport { plans: Arc::new(plans), times, counts }
 }
 
@@ -310,17 +314,18 @@ pub fn plans(scene: &Scene, camera: &Camera, settings: &Settings, viewport: View
 
 impl TiledFrame<'_> {
     /// Returns the work counts of the frame. `triangles_in` is the number of triangles in the scene.
-    fn counts(&self, triangles_in: u64, work: FrameCounters) -> TiledCounts {
+    fn counts(&self, triangles_in: u64) -> TiledCounts {
+        let count = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
         TiledCounts {
             triangles_in,
             considered: self.draws.iter().map(|draw| draw.mesh.triangles.len() as u64).sum(),
             rasterized: self.chunks.iter().map(|chunk| chunk.rasterized as u64).sum(),
             kept: self.chunks.iter().map(|chunk| chunk.kept() as u64).sum(),
             binned: self.chunks.iter().map(|chunk| chunk.binned() as u64).sum(),
-            visited: work.visited.into_inner(),
-            uniform: work.uniform.into_inner(),
-            shaded: work.shaded.into_inner(),
-            texels: work.texels.into_inner(),
+            visited: count(&self.work.visited),
+            uniform: count(&self.work.uniform),
+            shaded: count(&self.work.shaded),
+            texels: count(&self.work.texels),
             vertices: self.draws.iter().map(|draw| draw.kept.vertices.count() as u64).sum(),
         }
     }

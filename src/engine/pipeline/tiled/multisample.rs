@@ -9,14 +9,13 @@
 
 use std::time::Instant;
 
-use super::batch::{BinnedTriangle, GROUP, TriangleGroup};
+use super::batch::{BinnedTriangle, GROUP};
 use super::canvas::Canvas;
-use super::counters::{FrameCounters, TileWork};
+use super::counters::TileWork;
 use super::lattice::TileLattice;
 use super::pass::TilePass;
 use super::record::TileBin;
 use super::shade::ShadingJob;
-use super::slot::Slot;
 use super::target::Target;
 use super::tested::set_bits;
 use super::tile::{Tile, TileCounts};
@@ -67,10 +66,12 @@ impl<'a> SamplePlanes<'a> {
     }
 }
 
-/// Tiles of the sample planes, one for each lattice.
+/// Tiles of the sample planes, one for each sample of a pixel.
 pub(super) struct PlaneTiles<'a> {
     pub(super) planes: &'a SamplePlanes<'a>,
     pub(super) tiles: &'a mut [Tile],
+    /// Bin with the triangles of the tile.
+    pub(super) bin: &'a TileBin,
 }
 
 impl TiledFrame<'_> {
@@ -82,16 +83,14 @@ impl TiledFrame<'_> {
         planes: &SamplePlanes<'_>,
         workspace: &mut Workspace,
         mut target: Target<'_>,
-        work: &FrameCounters,
     ) {
         let start = Instant::now();
-        let Workspace { tile, planes: tiles, mixed, transparency, bin, group, pending, queue, .. } = workspace;
-        self.gather_bin(target.place, bin);
-        if bin.len() == 0 {
+        self.gather_bin(target.place, &mut workspace.bin);
+        if workspace.bin.len() == 0 {
             return target.clear_depths(self.rules.clear);
         }
-        tiles.resize_with(planes.lattices.len(), Tile::new);
-        self.draw_planes(simd, PlaneTiles { planes, tiles }, bin, group, &mut transparency.blended);
+        self.draw_planes(simd, planes, workspace);
+        let Workspace { tile, planes: tiles, mixed, transparency, bin, pending, queue, .. } = workspace;
         let pass = TilePass::new(self, bin, &self.lattice);
         let (samples, centres) = tiles.split_at_mut(planes.samples.offsets.len());
         if let [centres] = centres {
@@ -99,33 +98,29 @@ impl TiledFrame<'_> {
         }
         let rasterized = Instant::now();
         let mut canvas = Canvas { frame: self, place: target.place, queue, picture: target.picture };
-        mixed.find(simd, &self.lattice, samples, tile, canvas.picture.size);
+        mixed.find(simd, samples, tile, &canvas);
         let mut shading = ShadingJob::new(pass, pending, canvas.reborrow()).shade_tile(simd, tile);
-        shading += mixed.shade(simd, planes, pass, pending, canvas.reborrow());
+        shading += mixed.shade(simd, planes, ShadingJob::new(pass, pending, canvas.reborrow()));
         mixed.write(&mut canvas.picture);
         if !transparency.blended.is_empty() {
-            let planes = PlaneTiles { planes, tiles: samples };
-            shading += transparency.blend(simd, planes, bin, mixed, &mut canvas);
+            let planes = PlaneTiles { planes, tiles: samples, bin };
+            shading += transparency.blend(simd, planes, mixed, &mut canvas);
         }
         let mut coverage = TileCounts::default();
         tiles.iter().for_each(|tile| coverage += tile.counts);
-        work.add(TileWork { rasterize: rasterized - start, shade: rasterized.elapsed(), coverage, shading });
+        self.work.add(TileWork { rasterize: rasterized - start, shade: rasterized.elapsed(), coverage, shading });
     }
 
-    /// Draws the triangles of a tile into the tiles of all samples, and appends those that are blended to `blended`.
+    /// Draws the triangles in the bin of the workspace into the tiles of all samples, and lists those that are blended.
     #[inline(always)]
-    fn draw_planes<S: Simd>(
-        &self,
-        simd: S,
-        PlaneTiles { planes, tiles }: PlaneTiles<'_>,
-        bin: &mut TileBin,
-        group: &mut TriangleGroup,
-        blended: &mut Vec<Slot>,
-    ) {
+    fn draw_planes<S: Simd>(&self, simd: S, planes: &SamplePlanes<'_>, workspace: &mut Workspace) {
+        let Workspace { planes: tiles, transparency, bin, group, .. } = workspace;
+        let blended = &mut transparency.blended;
+        tiles.resize_with(planes.lattices.len(), Tile::new);
         blended.clear();
-        let setup = self.setup_context(bin.place);
+        let setup = self.tile_setup(bin.place);
         for first in (0..bin.len()).step_by(GROUP) {
-            self.set_up_group(simd, &setup, bin, first, group);
+            setup.set_up_group(simd, bin, first, group);
             if first == 0 {
                 let bounded = group.uses_hiz(bin.len());
                 tiles.iter_mut().for_each(|tile| tile.clear(&self.rules, bounded));
@@ -145,7 +140,7 @@ impl TiledFrame<'_> {
                     continue;
                 }
                 for (tile, lattice) in tiles.iter_mut().zip(&planes.lattices) {
-                    let (within, moved) = batch.moved(simd, lattice, setup.origin.packed);
+                    let (within, moved) = batch.moved(simd, lattice, setup.context.origin.packed);
                     let pass = TilePass::new(self, bin, lattice);
                     let mut alive = alive & within;
                     while alive != 0 {

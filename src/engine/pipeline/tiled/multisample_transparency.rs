@@ -12,7 +12,6 @@ use super::layout::{SamplePlace, TILE, TILE_SAMPLES, TileSize};
 use super::mixed::MixedPixels;
 use super::multisample::{MeanOfSamples, Picks, PlaneTiles, SamplePlanes};
 use super::pass::TilePass;
-use super::record::TileBin;
 use super::setup::Setup;
 use super::shade::ShadingWork;
 use super::slot::Slot;
@@ -78,17 +77,16 @@ impl TransparencyMemory {
         &mut self,
         simd: S,
         mut planes: PlaneTiles<'_>,
-        entrants: &TileBin,
         mixed: &MixedPixels,
         canvas: &mut Canvas<'_>,
     ) -> ShadingWork {
         self.begin(planes.planes, mixed, canvas);
         let frame = canvas.frame;
-        let triangles = frame.in_order(entrants, &self.blended);
+        let triangles = frame.in_order(planes.bin, &self.blended);
         let shaded = if frame.settings.blending.order == BlendingOrder::Exact {
-            self.blend_sorted(simd, &mut planes, entrants, &triangles, canvas)
+            self.blend_sorted(simd, &mut planes, &triangles, canvas)
         } else {
-            self.blend_in_order(simd, &mut planes, entrants, &triangles, canvas)
+            self.blend_in_order(simd, &mut planes, &triangles, canvas)
         };
         self.resolve(planes.planes.samples.mean, &mut canvas.picture);
         shaded
@@ -100,8 +98,7 @@ impl TransparencyMemory {
     fn blend_in_order<S: Simd>(
         &mut self,
         simd: S,
-        PlaneTiles { planes, tiles }: &mut PlaneTiles<'_>,
-        entrants: &TileBin,
+        PlaneTiles { planes, tiles, bin }: &mut PlaneTiles<'_>,
         triangles: &[BlendedTriangle<'_>],
         canvas: &mut Canvas<'_>,
     ) -> ShadingWork {
@@ -111,10 +108,10 @@ impl TransparencyMemory {
         let picture = TileRows { values: &mut self.colors[..], stride: TILE, left: 0, size: tall };
         let mut canvas = Canvas { picture, ..canvas.reborrow() };
         for BlendedTriangle { slot, draw, classic } in triangles {
-            let (subject, shader) = (entrants.subject(*slot), frame.shader(*draw));
+            let (subject, shader) = (bin.subject(*slot), frame.shader(*draw));
             let mut samples = 0;
             for (number, (tile, lattice)) in tiles.iter_mut().zip(&planes.lattices).enumerate() {
-                let pass = TilePass::new(frame, entrants, lattice);
+                let pass = TilePass::new(frame, bin, lattice);
                 let Some(setup) = pass.set_up(*slot) else { continue };
                 tile.draw_kept(simd, &setup, &pass, |tested| {
                     let mut tested = tested.at_first_covered(simd, &setup, lattice.offset(), &planes.shading_places);
@@ -143,22 +140,21 @@ impl TransparencyMemory {
     fn blend_sorted<S: Simd>(
         &mut self,
         simd: S,
-        PlaneTiles { planes, tiles }: &mut PlaneTiles<'_>,
-        entrants: &TileBin,
+        PlaneTiles { planes, tiles, bin }: &mut PlaneTiles<'_>,
         triangles: &[BlendedTriangle<'_>],
         canvas: &Canvas<'_>,
     ) -> ShadingWork {
         let (frame, size) = (canvas.frame, canvas.picture.size);
-        let (mut shaded, mut list) = (ShadingWork::default(), SortedFragments::new(frame.settings));
-        for (number, BlendedTriangle { slot, draw, classic }) in triangles.iter().enumerate() {
+        let (mut shaded, mut list) = (ShadingWork::default(), SortedFragments::new(frame.settings, triangles));
+        for (number, BlendedTriangle { slot, draw, .. }) in triangles.iter().enumerate() {
             let before = list.len();
             for (sample, (tile, lattice)) in tiles.iter_mut().zip(&planes.lattices).enumerate() {
-                let pass = TilePass::new(frame, entrants, lattice);
+                let pass = TilePass::new(frame, bin, lattice);
                 let Some(setup) = pass.set_up(*slot) else { continue };
                 tile.draw_kept(simd, &setup, &pass, |tested| {
                     let mut shading = tested.at_first_covered(simd, &setup, lattice.offset(), &planes.shading_places);
                     shading.passed = shading.within(size);
-                    list.add(number, &classic.triangle, sample * TILE_SAMPLES, tested, &shading);
+                    list.add(number, sample * TILE_SAMPLES, tested, &shading);
                     // Blended fragments do not occlude anything, so none is stored.
                     0
                 });

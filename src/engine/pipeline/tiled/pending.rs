@@ -77,6 +77,8 @@ impl SampleTargets for Scattered<'_> {
 /// Sixteen samples that may belong to different triangles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MixedSamples<'a, T> {
+    /// Index of the samples' shader in the frame's list of shaders.
+    pub(super) shader: usize,
     /// Slot of each sample's triangle.
     pub(super) slots: &'a [u32; WIDE],
     /// Bit mask of the samples to shade.
@@ -132,18 +134,16 @@ impl Pending {
         self.len == CAPACITY || self.len > 0 && self.shader != shader
     }
 
-    /// Adds sixteen samples that use the shader with index `shader`. `large` has the triangles of these samples whose
-    /// edge values exceed 32 bits.
+    /// Adds sixteen samples. `large` has the triangles of these samples whose edge values exceed 32 bits.
     #[inline(always)]
     pub(super) fn push<S: Simd>(
         &mut self,
         simd: S,
-        shader: usize,
         samples: MixedSamples<'_, impl SampleTargets>,
         large: &[LargeTriangle],
         picture: &ColorRows<'_>,
     ) {
-        let MixedSamples { slots, mine, targets } = samples;
+        let MixedSamples { shader, slots, mine, targets } = samples;
         let places = targets.positions(simd);
         let sixteen = &mut self.sixteens[self.len];
         (sixteen.slots, sixteen.mine, sixteen.rows) = (*slots, mine, targets.rows(mine, picture));

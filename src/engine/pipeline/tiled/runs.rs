@@ -10,7 +10,6 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::bins::Chunk;
-use super::counters::FrameCounters;
 use super::layout::{TileGrid, TilePlace};
 use super::pixel_samples::PreparedSamples;
 use super::target::{PictureRows, Target, TileMemory, lock};
@@ -60,13 +59,7 @@ pub(super) fn load(chunks: &[Chunk], tile: TilePlace) -> usize {
 
 impl TiledFrame<'_> {
     /// Draws all tiles into the picture, on all threads. `rows` holds the picture, split into rows of tiles.
-    pub(super) fn draw_tiles(
-        &self,
-        lanes: Lanes,
-        rows: &[Mutex<PictureRows<'_>>],
-        workspaces: &Mutex<Vec<Workspace>>,
-        work: &FrameCounters,
-    ) {
+    pub(super) fn draw_tiles(&self, lanes: Lanes, rows: &[Mutex<PictureRows<'_>>], workspaces: &Mutex<Vec<Workspace>>) {
         let threads = rayon::current_num_threads();
         let runs = split_into_runs(self.chunks, self.tiles, threads);
         let next_run = AtomicUsize::new(0);
@@ -74,7 +67,7 @@ impl TiledFrame<'_> {
             let taken = workspaces.lock().ok().and_then(|mut all| all.pop());
             let mut workspace = taken.unwrap_or_else(Workspace::new);
             while let Some(run) = runs.get(next_run.fetch_add(1, Ordering::Relaxed)) {
-                self.draw_run(lanes, run, &rows[run.row], &mut workspace, work);
+                self.draw_run(lanes, run, &rows[run.row], &mut workspace);
             }
             if let Ok(mut all) = workspaces.lock() {
                 all.push(workspace);
@@ -88,14 +81,7 @@ impl TiledFrame<'_> {
     }
 
     /// Draws a run of tiles into its row of the picture.
-    fn draw_run(
-        &self,
-        lanes: Lanes,
-        run: &TileRun,
-        rows: &Mutex<PictureRows<'_>>,
-        workspace: &mut Workspace,
-        work: &FrameCounters,
-    ) {
+    fn draw_run(&self, lanes: Lanes, run: &TileRun, rows: &Mutex<PictureRows<'_>>, workspace: &mut Workspace) {
         let tiles = run.columns.clone().map(|column| self.tiles.place(column, run.row));
         if run.load == 0 {
             let (background, depth) = (self.background, self.rules.clear);
@@ -104,27 +90,27 @@ impl TiledFrame<'_> {
             let mut rows = lock(rows);
             on_lanes!(lanes, simd => rows.fill(simd, self.background));
             for tile in tiles {
-                self.draw_target(lanes, workspace, rows.target(tile), work);
+                self.draw_target(lanes, workspace, rows.target(tile));
             }
         } else {
             let mut memory = workspace.memory.take().unwrap_or_else(TileMemory::new);
             for tile in tiles {
-                let draw = |target: Target<'_>| self.draw_target(lanes, workspace, target, work);
-                memory.draw(lanes, tile, rows, self.background, draw);
+                memory.fill(lanes, self.background);
+                memory.draw(lanes, tile, rows, |target| self.draw_target(lanes, workspace, target));
             }
             workspace.memory = Some(memory);
         }
     }
 
     /// Draws and shades one tile in the sampling mode of the frame.
-    fn draw_target(&self, lanes: Lanes, workspace: &mut Workspace, target: Target<'_>, work: &FrameCounters) {
+    fn draw_target(&self, lanes: Lanes, workspace: &mut Workspace, target: Target<'_>) {
         match &self.samples {
-            PreparedSamples::Centre => on_lanes!(lanes, simd => self.draw_tile(simd, workspace, target, work)),
+            PreparedSamples::Centre => on_lanes!(lanes, simd => self.draw_tile(simd, workspace, target)),
             PreparedSamples::Multisampled(planes) => {
-                on_lanes!(lanes, simd => self.draw_samples(simd, planes, workspace, target, work));
+                on_lanes!(lanes, simd => self.draw_samples(simd, planes, workspace, target));
             }
             PreparedSamples::Jittered(samples) => {
-                on_lanes!(lanes, simd => self.draw_jittered(simd, samples, workspace, target, work));
+                on_lanes!(lanes, simd => self.draw_jittered(simd, samples, workspace, target));
             }
         }
     }

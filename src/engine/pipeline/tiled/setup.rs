@@ -56,6 +56,15 @@ pub(super) struct SetupContext<'a> {
     pub(super) origin: TileOrigin,
 }
 
+/// Candidate shading positions of a triangle in a pixel, in order of preference.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ShadingCandidates<'a> {
+    /// Candidates, as offsets from the pixel centre in steps of 1/256 px.
+    pub(super) offsets: &'a [[i32; 2]],
+    /// Fill rule, which decides whether the triangle covers a candidate on one of its edges.
+    pub(super) rule: FillRule,
+}
+
 /// Edge functions of a triangle, each belonging to the opposite vertex: e(x, y) = a·x + b·y + c.
 ///
 /// x and y are in steps of 1/256 px from an origin, and e is in units of 1/2¹⁶ px². Edges in f64 are in the order of
@@ -97,9 +106,12 @@ impl EdgeFunctions {
     /// Returns the first candidate position in a pixel that the triangle covers. The triangle must cover at least one
     /// candidate.
     ///
-    /// `offsets` are the candidates, relative to the pixel centre. The centre and the result are relative to the
-    /// origin. All are in steps of 1/256 px.
-    pub(super) fn first_covered(&self, [x, y]: [i32; 2], offsets: &[[i32; 2]], rule: FillRule) -> [i32; 2] {
+    /// The pixel centre (x, y) and the result are relative to the origin, in steps of 1/256 px.
+    pub(super) fn first_covered(
+        &self,
+        [x, y]: [i32; 2],
+        ShadingCandidates { offsets, rule }: ShadingCandidates<'_>,
+    ) -> [i32; 2] {
         let inside = self.inside(rule);
         let covers = |place: &[i32; 2]| self.at(*place).iter().zip(inside).all(|(value, least)| *value >= least);
         let moved = |[right, down]: &[i32; 2]| [x + right, y + down];

@@ -196,7 +196,7 @@ impl<'a, L: SamplePositions> ShadingJob<'a, L> {
         let slots = &seen.select(slots, u32x16::splat(simd, 0)).to_array();
         let mut open = seen.to_bitmask() as u32 & within;
         if self.alike {
-            self.together(simd, 0, MixedSamples { slots, mine: open, targets });
+            self.together(simd, MixedSamples { shader: 0, slots, mine: open, targets });
             return;
         }
         while open != 0 {
@@ -207,7 +207,7 @@ impl<'a, L: SamplePositions> ShadingJob<'a, L> {
                 if shader.on_lanes { self.shaded_by(number, open, slots) } else { open & same(simd, slots, leader) };
             open &= !mine;
             if shader.on_lanes {
-                self.together(simd, number, MixedSamples { slots, mine, targets });
+                self.together(simd, MixedSamples { shader: number, slots, mine, targets });
                 continue;
             }
             for (half, mine) in halves_of(mine).into_iter().enumerate().filter(|(_, mine)| *mine != 0) {
@@ -219,16 +219,16 @@ impl<'a, L: SamplePositions> ShadingJob<'a, L> {
         }
     }
 
-    /// Adds samples to the pending samples of the shader with index `shader`.
+    /// Adds samples to the pending samples of their shader.
     #[inline(always)]
-    pub(super) fn together<S: Simd>(&mut self, simd: S, shader: usize, samples: MixedSamples<'_, impl SampleTargets>) {
-        let MixedSamples { slots, mine, .. } = samples;
+    pub(super) fn together<S: Simd>(&mut self, simd: S, samples: MixedSamples<'_, impl SampleTargets>) {
+        let MixedSamples { shader, slots, mine, .. } = samples;
         self.shaded.add(&self.pass.frame.shaders[shader], mine.count_ones() as usize);
         self.find_large(simd, mine, slots);
         if self.pending.is_full(shader) {
             self.pending.shade(simd, self.pass.bin, &mut self.canvas);
         }
-        self.pending.push(simd, shader, samples, &self.large, &self.canvas.picture);
+        self.pending.push(simd, samples, &self.large, &self.canvas.picture);
     }
 
     /// Returns the bit mask of the samples in `open` that use the shader with index `shader`.

@@ -1,9 +1,9 @@
 //! Blended fragments of a tile, sorted by sample and depth before they are blended.
 
 use super::tested::{TestedRows, TestedSample};
+use super::transparency::BlendedTriangle;
 use crate::pipeline::blending::nearness;
 use crate::pipeline::raster::RasterSample;
-use crate::pipeline::screen_triangle::ScreenTriangle;
 use crate::pipeline::settings::Settings;
 
 /// Fragment that passed the depth test and is not yet blended.
@@ -21,12 +21,13 @@ pub(super) struct SortedFragment {
 /// List of the blended fragments of a tile.
 pub(super) struct SortedFragments<'a> {
     settings: &'a Settings,
+    triangles: &'a [BlendedTriangle<'a>],
     fragments: Vec<SortedFragment>,
 }
 
 impl<'a> SortedFragments<'a> {
-    pub(super) fn new(settings: &'a Settings) -> Self {
-        Self { settings, fragments: Vec::new() }
+    pub(super) fn new(settings: &'a Settings, triangles: &'a [BlendedTriangle<'a>]) -> Self {
+        Self { settings, triangles, fragments: Vec::new() }
     }
 
     /// Returns the number of fragments.
@@ -34,18 +35,12 @@ impl<'a> SortedFragments<'a> {
         self.fragments.len()
     }
 
-    /// Adds the fragments of a triangle, one for each sample selected by `shading.passed`.
+    /// Adds the fragments of a blended triangle, one for each sample selected by `shading.passed`.
     ///
     /// `shading` has the edge values at the shading positions, and `tested` has the edge values at the samples
     /// themselves. `number` is the index of the triangle, and `first` the index of the tile's first sample.
-    pub(super) fn add(
-        &mut self,
-        number: usize,
-        triangle: &ScreenTriangle,
-        first: usize,
-        tested: &TestedRows,
-        shading: &TestedRows,
-    ) {
+    pub(super) fn add(&mut self, number: usize, first: usize, tested: &TestedRows, shading: &TestedRows) {
+        let triangle = &self.triangles[number].classic.triangle;
         let own = TestedRows { passed: shading.passed, ..*tested };
         for (TestedSample { place, edges, .. }, shaded) in own.samples().zip(shading.samples()) {
             // Column, row and position can all be zero, because depth depends only on the edge values.

@@ -168,16 +168,19 @@ impl TileMemory {
         Box::new(Self { colors: [[0; 4]; TILE_SAMPLES], depths: [0.0; TILE_SAMPLES] })
     }
 
-    /// Draws a tile into private memory and copies it into the picture.
+    /// Fills all colours with the background.
+    pub(super) fn fill(&mut self, lanes: Lanes, background: Rgba8) {
+        on_lanes!(lanes, simd => fill(simd, &mut self.colors, background));
+    }
+
+    /// Draws a tile into private memory, which must be filled with the background, and copies it into the picture.
     pub(super) fn draw(
         &mut self,
         lanes: Lanes,
         place: TilePlace,
         rows: &Mutex<PictureRows<'_>>,
-        background: Rgba8,
         draw: impl FnOnce(Target<'_>),
     ) {
-        on_lanes!(lanes, simd => fill(simd, &mut self.colors, background));
         let (size, keeps_depths) = {
             let rows = lock(rows);
             (rows.size(place.column), rows.depths.is_some())
@@ -241,7 +244,8 @@ mod tests {
                         places.for_each(|place| draw(lock(rows).target(place), &mut drawn));
                     } else {
                         places.for_each(|tile| {
-                            memory.draw(Lanes::best(), tile, rows, background, |target| draw(target, &mut drawn));
+                            memory.fill(Lanes::best(), background);
+                            memory.draw(Lanes::best(), tile, rows, |target| draw(target, &mut drawn));
                         });
                     }
                 }

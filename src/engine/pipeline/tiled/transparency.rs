@@ -118,14 +118,14 @@ impl<L: SamplePositions> TilePass<'_, L> {
         picture: &mut ColorRows<'_>,
     ) -> ShadingWork {
         let frame = self.frame;
-        let (mut shaded, mut list) = (ShadingWork::default(), SortedFragments::new(frame.settings));
-        for (number, BlendedTriangle { slot, draw, classic }) in triangles.iter().enumerate() {
+        let (mut shaded, mut list) = (ShadingWork::default(), SortedFragments::new(frame.settings, triangles));
+        for (number, BlendedTriangle { slot, draw, .. }) in triangles.iter().enumerate() {
             let Some(setup) = self.set_up(*slot) else { continue };
             let before = list.len();
             // Blended fragments do not occlude anything, so none is stored.
             tile.draw_kept(simd, &setup, self, |tested| {
                 let within = TestedRows { passed: tested.within(picture.size), ..*tested };
-                list.add(number, &classic.triangle, 0, &within, &within);
+                list.add(number, 0, &within, &within);
                 0
             });
             shaded.add(frame.shader(*draw), list.len() - before);

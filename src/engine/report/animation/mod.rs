@@ -5,7 +5,7 @@ mod letters;
 
 use std::io;
 
-use crate::chain::{KeepDepth, Recipe, Renderer};
+use crate::chain::{KeepDepth, Recipe, RenderInputs, Renderer};
 use crate::image::{Image, Rgba8};
 use crate::measure::motion::Turn;
 use crate::measure::shot::Shot;
@@ -150,7 +150,10 @@ impl<'a> Player<'a> {
     fn draw(&mut self, plan: &AnimationPlan, number: i64) -> Image<Rgba8> {
         loop {
             let (scene, camera) = plan.shot.view(self.next);
-            let frame = self.renderer.render(&scene, &camera, &self.method.recipe, plan.viewport, KeepDepth::No);
+            let frame = self.renderer.render(
+                RenderInputs { scene: &scene, camera: &camera, recipe: &self.method.recipe, viewport: plan.viewport },
+                KeepDepth::No,
+            );
             self.next += 1;
             let named = (self.next > number).then(|| named(frame.image(), &self.method.label));
             self.renderer.recycle(frame);
@@ -232,7 +235,10 @@ mod tests {
         let mut picture = None;
         for frame in first..=number {
             let (scene, camera) = plan.shot.view(frame);
-            let frame = renderer.render(&scene, &camera, &recipe, plan.viewport, KeepDepth::No);
+            let frame = renderer.render(
+                RenderInputs { scene: &scene, camera: &camera, recipe: &recipe, viewport: plan.viewport },
+                KeepDepth::No,
+            );
             picture = Some(frame.image().clone());
             renderer.recycle(frame);
         }

@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use crate::chain::{Frame, FrameView, KeepDepth, MotionBuffers, Recipe, Renderer};
+use crate::chain::{Frame, FrameView, KeepDepth, MotionBuffers, Recipe, RenderInputs, Renderer};
 use crate::image::{Image, Rgba8};
 use crate::inspect::temporal::MaskScore;
 use crate::measure::against::{ErrorMetrics, PreparedReference};
@@ -304,7 +304,7 @@ impl Method {
 
     /// Draws the next frame.
     fn draw(&mut self, scene: &Arc<Scene>, camera: &Camera, viewport: Viewport) -> Frame {
-        let frame = self.renderer.render(scene, camera, &self.recipe, viewport, KeepDepth::No);
+        let frame = self.renderer.render(RenderInputs { scene, camera, recipe: &self.recipe, viewport }, KeepDepth::No);
         self.times_ms.push(frame.times.total.as_secs_f64() * 1e3);
         frame
     }

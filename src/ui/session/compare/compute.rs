@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::files::{OpenedPicture, is_same};
 use super::moving::{MovingPicture, MovingStep, MovingTiles};
 pub use super::request::CompareRequest;
-use crate::chain::{Recipe, Renderer};
+use crate::chain::{Recipe, RenderInputs, Renderer};
 use crate::image::{Image, Rgba8};
 use crate::inspect::what_if::Changes;
 use crate::measure::against::{ErrorMetrics, figures, figures_within};
@@ -221,7 +221,8 @@ impl Comparer {
             };
         }
         let CompareRequest { scene, camera, viewport, .. } = request;
-        let frame = self.renderer.render_converged(scene, camera, &recipe, *viewport);
+        let frame =
+            self.renderer.render_converged(RenderInputs { scene, camera, recipe: &recipe, viewport: *viewport });
         let tile = TileResult {
             recipe,
             file: None,

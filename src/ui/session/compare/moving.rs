@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::request::CompareRequest;
-use crate::chain::{Frame, KeepDepth, Recipe, Renderer};
+use crate::chain::{Frame, KeepDepth, Recipe, RenderInputs, Renderer};
 use crate::image::{Image, Rgba8};
 use crate::measure::checkpoints::Checkpoints;
 use crate::measure::shot::{ShotInputs, ShotRenderer};
@@ -118,7 +118,10 @@ impl MovingTile {
             self.renderer.history().into_iter().for_each(|history| renderer.restore_history(history));
             renderer
         });
-        let frame = shown.render(&request.scene, &request.camera, recipe, request.viewport, KeepDepth::No);
+        let frame = shown.render(
+            RenderInputs { scene: &request.scene, camera: &request.camera, recipe, viewport: request.viewport },
+            KeepDepth::No,
+        );
         let picture = MovingPicture::of(&frame, Some(progress));
         shown.recycle(frame);
         picture
@@ -288,7 +291,12 @@ mod tests {
         let scene = shot.scene.at(0.51 / 30.0);
         let between = CompareRequest { scene, ..request(&shot, 1, &["taa"]) };
         let compared = complete(&mut comparer, between.clone());
-        let still = Renderer::default().render_converged(&between.scene, &between.camera, &between.recipes[0], SIZE);
+        let still = Renderer::default().render_converged(RenderInputs {
+            scene: &between.scene,
+            camera: &between.camera,
+            recipe: &between.recipes[0],
+            viewport: SIZE,
+        });
         assert!(compared.tiles[0].picture.as_ref() == still.image());
     }
 }

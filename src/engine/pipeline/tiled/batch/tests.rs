@@ -51,7 +51,8 @@ fn integer_edges_fit_and_equal_the_double_edges_up_to_rotation() {
             let (mut batch, mut records) = (TriangleBatch::default(), [Record::default(); LANES]);
             let (rule, (scale, is_linear)) = (FillRule::ALL[round % FillRule::ALL.len()], &scales[round / 22 % 2]);
             let context = SetupContext { rule, scale, lattice: &lattice, origin };
-            let (alive, _) = on_lanes!(lanes, simd => batch.set_up(simd, &triangles, &mut records, 0, &context));
+            let vertices = BatchVertices { triangles: &triangles, divides_by_w: 0 };
+            let (alive, _) = on_lanes!(lanes, simd => batch.set_up(simd, vertices, &mut records, &context));
             let (_, moved) = on_lanes!(lanes, simd => batch.moved(simd, &sample, origin.packed));
             for lane in (0..LANES).filter(|lane| alive >> lane & 1 != 0) {
                 if !batch.fits(lane) {
@@ -109,7 +110,8 @@ fn triangles_that_miss_or_cover_the_tile_are_detected() {
                 let (mut batch, mut records) = (TriangleBatch::default(), [Record::default(); LANES]);
                 let (rule, scale) = (FillRule::ALL[round % FillRule::ALL.len()], DepthScale::default());
                 let context = SetupContext { rule, scale: &scale, lattice: &lattice, origin };
-                let (alive, _) = on_lanes!(lanes, simd => batch.set_up(simd, &triangles, &mut records, 0, &context));
+                let batched = BatchVertices { triangles: &triangles, divides_by_w: 0 };
+                let (alive, _) = on_lanes!(lanes, simd => batch.set_up(simd, batched, &mut records, &context));
                 for (lane, vertices) in vertices.iter().enumerate() {
                     let corners = vertices.each_ref().map(SnappedVertex::from);
                     let boxed = Setup::new(Slot::NONE, &corners, &context);

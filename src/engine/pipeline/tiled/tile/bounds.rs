@@ -5,8 +5,10 @@ use super::super::depths::{DepthPlane, DepthRules, EightPositions, compare_bound
 use super::super::edge_number::EdgeNumber;
 use super::super::lattice::TileLattice;
 use super::super::layout::{BLOCK, BLOCKS, Block, STRIDE, TILE};
+use super::super::sample_positions::SamplePositions;
 use super::super::setup::Setup;
 use super::Tile;
+use super::samples::TileDepthTest;
 use crate::math::lanes::*;
 use crate::pipeline::depth::DepthComparison;
 
@@ -32,9 +34,9 @@ impl Tile {
         simd: S,
         triangle: &Setup<E>,
         plane: &DepthPlane,
-        lattice: &TileLattice,
-        rules: &DepthRules,
+        TileDepthTest { locations, rules }: TileDepthTest<'_, impl SamplePositions>,
     ) -> bool {
+        let lattice = locations.lattice();
         let Some(backdrop) = self.occluder else { return false };
         let bounds = plane.bounds(simd, EightPositions::first(simd), lattice.tile_extent(), rules);
         let stored = each!(bound in [backdrop.min_depth, backdrop.max_depth] => F32::splat(simd, bound));

@@ -1,13 +1,13 @@
 //! Drawing of opaque triangles into a tile.
 
-use super::super::depths::{DepthPlane, DepthRules, EightPositions, compare_bounds};
+use super::super::depths::{DepthPlane, EightPositions, compare_bounds};
 use super::super::edge_number::EdgeNumber;
 use super::super::layout::{BLOCK, BLOCKS, Block, SamplePlace};
 use super::super::pass::TilePass;
 use super::super::sample_positions::{EdgeValueRows, SamplePositions};
 use super::super::setup::{EdgeFunctions, Setup};
 use super::Tile;
-use super::samples::{CoveredSamples, rows_in};
+use super::samples::{CoveredSamples, TileDepthTest, rows_in};
 use crate::math::lanes::*;
 
 impl Tile {
@@ -72,7 +72,7 @@ impl Tile {
                 let (Setup { edges, .. }, lattice) = (triangle, locations.lattice());
                 let steps = E::steps(lattice);
                 if steps.are_straight && last < start + LANES / 2 {
-                    self.draw_narrow(simd, triangle, start, locations, rules);
+                    self.draw_narrow(simd, triangle, start, TileDepthTest { locations, rules });
                     return;
                 }
                 let least_inside = triangle.inside_thresholds(simd);
@@ -102,8 +102,7 @@ impl Tile {
         simd: S,
         triangle: &Setup<E>,
         start: usize,
-        locations: impl SamplePositions,
-        rules: &DepthRules,
+        TileDepthTest { locations, rules }: TileDepthTest<'_, impl SamplePositions>,
     ) {
         let Setup { edges: edges @ EdgeFunctions { a, b, c }, rows: [top, bottom], .. } = triangle;
         let lattice = locations.lattice();
@@ -140,9 +139,8 @@ impl Tile {
                 let (rules, locations) = (&pass.rules().known::<COMMON>(), pass.locations);
                 let lattice = locations.lattice();
                 let plane = DepthPlane::new(triangle, lattice.tile_extent(), rules);
-                if self.test_occluder(simd, triangle, &plane, lattice, rules)
-                    || self.hides(simd, &plane, lattice, rules)
-                {
+                let test = TileDepthTest { locations, rules };
+                if self.test_occluder(simd, triangle, &plane, test) || self.hides(simd, &plane, lattice, rules) {
                     return;
                 }
                 let Setup { edges, columns, rows, .. } = triangle;
@@ -191,7 +189,7 @@ impl Tile {
                         partial &= partial - 1;
                         let block = Block { column: bx, row: by };
                         self.expand_block(simd, block, pass);
-                        self.draw_block(simd, triangle, block, locations, rules);
+                        self.draw_block(simd, triangle, block, test);
                     }
                 }
             },
@@ -205,8 +203,7 @@ impl Tile {
         simd: S,
         triangle: &Setup<E>,
         block: Block,
-        locations: impl SamplePositions,
-        rules: &DepthRules,
+        TileDepthTest { locations, rules }: TileDepthTest<'_, impl SamplePositions>,
     ) {
         let (Setup { edges, .. }, lattice) = (triangle, locations.lattice());
         let (steps, least_inside) = (E::steps(lattice), triangle.inside_thresholds(simd));

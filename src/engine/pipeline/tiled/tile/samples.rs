@@ -30,6 +30,13 @@ impl<S: Simd, E: EdgeNumber> CoveredSamples<S, E> {
     }
 }
 
+/// Depth test of the samples of a tile.
+#[derive(Clone, Copy)]
+pub(super) struct TileDepthTest<'a, L> {
+    pub(super) locations: L,
+    pub(super) rules: &'a DepthRules,
+}
+
 impl Tile {
     /// Depth-tests the covered samples in a group of four samples of a row and the four below, and stores those that
     /// pass.

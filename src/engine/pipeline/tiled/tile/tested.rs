@@ -32,13 +32,10 @@ impl Tile {
                         continue;
                     }
                     self.expand_block(simd, block, pass);
-                    let rows = rows_in(triangle, block);
-                    for row in rows.clone().step_by(2) {
+                    for row in rows_in(triangle, block).step_by(2) {
                         let place = SamplePlace { column: block.first_column(), row };
                         let mut tested = TestedRows { place, ..TestedRows::default() };
-                        for below in 0..(rows.end - row).min(2) {
-                            self.test(simd, triangle, pass, below, &mut tested);
-                        }
+                        self.test(simd, triangle, pass, &mut tested);
                         let kept = if tested.passed == 0 { 0 } else { keep(&tested) };
                         for (below, edges) in tested.edges.iter().enumerate() {
                             let kept = kept >> (below * LANES) & 0xFF;
@@ -59,29 +56,32 @@ impl Tile {
         );
     }
 
-    /// Tests the coverage and the depth of eight samples: those of the upper row of `tested`, or those of the lower one
-    /// if `below` is 1. Stores their edge values in `tested`, and selects those that pass.
+    /// Tests the coverage and the depth of the samples of `tested`. Skips the lower row if it lies outside the block or
+    /// below the triangle. Stores the edge values in `tested`, and selects the samples that pass.
     #[inline(never)]
     fn test<S: Simd>(
         &self,
         simd: S,
         triangle: &Setup,
         pass: &TilePass<'_, impl SamplePositions>,
-        below: usize,
         tested: &mut TestedRows,
     ) {
         simd.vectorize(
             #[inline(always)]
             || {
-                let (rules, place) = (pass.rules(), SamplePlace { row: tested.place.row + below, ..tested.place });
-                let e = edge_values(simd, &triangle.edges, place, pass.locations);
-                let mut passed = f64::inside_bits(e, triangle.inside_thresholds(simd));
-                if rules.stored {
-                    let stored = F32::from_slice(simd, &self.depths[place.memory_index()..][..LANES]);
-                    passed &= passes(depth(simd, triangle, e, rules), stored, rules.comparison).to_bitmask();
+                let (rules, first) = (pass.rules(), tested.place);
+                let rows_left = rows_in(triangle, Block::around(first)).end - first.row;
+                for below in 0..rows_left.min(2) {
+                    let place = SamplePlace { row: first.row + below, ..first };
+                    let e = edge_values(simd, &triangle.edges, place, pass.locations);
+                    let mut passed = f64::inside_bits(e, triangle.inside_thresholds(simd));
+                    if rules.stored {
+                        let stored = F32::from_slice(simd, &self.depths[place.memory_index()..][..LANES]);
+                        passed &= passes(depth(simd, triangle, e, rules), stored, rules.comparison).to_bitmask();
+                    }
+                    tested.edges[below] = each!(i in [0, 1, 2] => e[i].to_array());
+                    tested.passed |= passed << (below * LANES);
                 }
-                tested.edges[below] = each!(i in [0, 1, 2] => e[i].to_array());
-                tested.passed |= passed << (below * LANES);
             },
         );
     }
