@@ -44,8 +44,8 @@ impl TextureReader<'_> {
         let mut fine = Taps::default();
         for probe in 0..most {
             let uv = probes.position(simd, at.uv, probe);
-            self.locate_in_level(simd, layout, uv, &levels.finer, &mut fine);
-            self.locate_in_coarser(simd, layout, uv, &levels, out);
+            self.locate_in_level(simd, uv, &levels.finer, &mut fine);
+            self.locate_in_coarser(simd, uv, &levels, out);
             let is_taken = probes.count.simd_gt(f32x16::splat(simd, probe as f32));
             let read = self.read_sixteen(simd, layout, LevelTaps { fine: &fine, coarse: Some(out) });
             for (stored, read) in out.filtered.iter_mut().zip(read) {

@@ -130,7 +130,7 @@ pub(super) fn locate_texels<S: Simd, O: TriangleSource>(
             return;
         }
         Some(coarse) if plan.mipmapped => {
-            texture.locate_in_levels(simd, layout, &Coordinates::new(simd, source, weights), fine, coarse);
+            texture.locate_in_levels(simd, &Coordinates::new(simd, source, weights), fine, coarse);
             if let Some(step) = O::PREFETCH_STEP {
                 coarse.prefetch(texture, step);
             }

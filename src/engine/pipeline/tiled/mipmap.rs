@@ -106,7 +106,6 @@ impl TextureReader<'_> {
     pub(super) fn locate_in_levels<S: Simd>(
         &self,
         simd: S,
-        layout: Layout,
         at: &Coordinates<S>,
         fine: &mut Taps,
         coarse: &mut CoarseTaps,
@@ -115,8 +114,8 @@ impl TextureReader<'_> {
             #[inline(always)]
             || {
                 let levels = self.two_levels(simd, self.level(simd, longest_squared(self.in_texels(at.gradient))));
-                self.locate_in_level(simd, layout, at.uv, &levels.finer, fine);
-                self.locate_in_coarser(simd, layout, at.uv, &levels, coarse);
+                self.locate_in_level(simd, at.uv, &levels.finer, fine);
+                self.locate_in_coarser(simd, at.uv, &levels, coarse);
             },
         );
     }
@@ -126,7 +125,6 @@ impl TextureReader<'_> {
     pub(super) fn locate_in_coarser<S: Simd>(
         &self,
         simd: S,
-        layout: Layout,
         uv: [f32x16<S>; 2],
         TwoLevels { coarser, share, .. }: &TwoLevels<S>,
         coarse: &mut CoarseTaps,
@@ -136,7 +134,7 @@ impl TextureReader<'_> {
         coarse.is_read = !share.simd_eq(0.0).all_true();
         if coarse.is_read {
             share.store_array(&mut coarse.share);
-            self.locate_in_level(simd, layout, uv, coarser, &mut coarse.taps);
+            self.locate_in_level(simd, uv, coarser, &mut coarse.taps);
         }
     }
 
@@ -181,13 +179,12 @@ impl TextureReader<'_> {
     pub(super) fn locate_in_level<S: Simd>(
         &self,
         simd: S,
-        layout: Layout,
         uv: [f32x16<S>; 2],
         level: &LevelOfEach<S>,
         taps: &mut Taps,
     ) {
         let [width, height] = level.size;
-        if layout == Layout::PowerOfTwoQuads
+        if self.layout == Layout::PowerOfTwoQuads
             && let Some([(x, right), (y, down)]) = below_repeated(each!(axis in [0, 1] => {
                 uv[axis] * level.size[axis].to_float::<f32x16<S>>()
             }))
@@ -206,7 +203,7 @@ impl TextureReader<'_> {
         {
             let axes = each!(length in [width, height] => TexelAxis::of(simd, length));
             let images = Images { first, axes };
-            self.locate_eight(simd, &images, uv).store(layout, taps, lane);
+            self.locate_eight(simd, &images, uv).store(self.layout, taps, lane);
         }
     }
 
