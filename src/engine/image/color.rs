@@ -402,7 +402,7 @@ mod tests {
         {
             for first in 0..=255_u8 {
                 let pixels: [[u8; 4]; WIDE] = std::array::from_fn(|lane| {
-                    [0, 59, 151, 7].map(|step| first.wrapping_add(37 * lane as u8).wrapping_add(step))
+                    [0, 59, 151, 7].map(|step| first.wrapping_add(37_u8.wrapping_mul(lane as u8)).wrapping_add(step))
                 });
                 let found = on_lanes!(lanes, simd => {
                     let words = u32x16::load_array(simd, pixels.map(u32::from_le_bytes));

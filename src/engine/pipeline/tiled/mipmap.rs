@@ -113,7 +113,14 @@ impl TextureReader<'_> {
         simd.vectorize(
             #[inline(always)]
             || {
-                let levels = self.two_levels(simd, self.level(simd, longest_squared(self.in_texels(at.gradient))));
+                let longest = longest_squared(self.in_texels(at.gradient));
+                // Footprints of up to one texel read only the largest level.
+                if self.mip_bias <= 0.0 && longest.simd_le(1.0).all_true() {
+                    coarse.is_read = false;
+                    self.locate(simd, self.layout, at.uv, fine);
+                    return;
+                }
+                let levels = self.two_levels(simd, self.level(simd, longest));
                 self.locate_in_level(simd, at.uv, &levels.finer, fine);
                 self.locate_in_coarser(simd, at.uv, &levels, coarse);
             },
