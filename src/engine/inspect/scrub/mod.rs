@@ -17,7 +17,7 @@ pub use timeline::Timeline;
 pub use timeline::Unit;
 pub(crate) use touches::Touch;
 pub use touches::TouchPrecision;
-pub use touches::touches;
+pub use touches::TouchedDrawing;
 
 use std::sync::Arc;
 
@@ -95,6 +95,12 @@ impl Scrubber {
     /// Returns all rasterized triangles of the frame, in drawing order.
     pub fn geometry(&self) -> &Geometry {
         &self.geometry
+    }
+
+    /// Returns the drawing of the whole frame.
+    pub fn drawing(&self) -> TouchedDrawing<'_> {
+        let Self { scene, recipe, geometry, grid, raster, .. } = self;
+        TouchedDrawing { scene, recipe, geometry, grid: *grid, raster: *raster }
     }
 
     /// Draws the frame as it was at a playback position. Positions past the end give the complete frame.
