@@ -1,8 +1,7 @@
 //! `rasterscope check`: checks assertions on every fragment of a frame. The exit code is 1 if one is violated.
 
-use std::sync::atomic::AtomicBool;
-
 use crate::inspect::assertions::{Assertion, AssertionReport, Finding, check};
+use crate::inspect::control::TaskControl;
 use crate::pipeline::settings::Choice as _;
 use clap::Args;
 
@@ -30,8 +29,8 @@ pub(crate) struct CheckArgs {
 pub(crate) fn run(args: &CheckArgs) -> Result<(), Failure> {
     let DrawnFrame { scene, recipe, frame, .. } = args.frame.draw(None)?;
     let wanted = if args.assert.is_empty() { Assertion::ALL } else { &args.assert };
-    // The flag is never set: the only way to cancel is to end the process.
-    let Some(report) = check(&scene, &recipe, &frame, wanted, &|_| {}, &AtomicBool::new(false)) else { return Ok(()) };
+    // The only way to cancel is to end the process.
+    let Some(report) = check(&scene, &recipe, &frame, wanted, TaskControl::quiet()) else { return Ok(()) };
     if args.json {
         output::print_json(&report)?;
     } else {

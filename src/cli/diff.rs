@@ -9,7 +9,7 @@ use crate::chain::{Frame, Recipe, RenderInputs, Renderer};
 use crate::image::file::write_png;
 use crate::image::{Image, Rgba8};
 use crate::inspect::fields::changes;
-use crate::inspect::what_if::Changes;
+use crate::inspect::what_if::{Changes, values_of_buffer};
 use crate::inspect::{Buffer, capture, view};
 use crate::measure::error::{ImageError, compare};
 use crate::measure::machine::Machine;
@@ -98,7 +98,8 @@ pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
         })
     };
     let (before, after) = (frame(&a), frame(&b));
-    let (changed, marked) = compared(args.buffer, &view, (&a, &before), (&b, &after))?;
+    let [of_a, of_b] = [(&a, &before), (&b, &after)].map(|(recipe, frame)| ComparedFrame { recipe, frame });
+    let (changed, marked) = compared(args.buffer, &view, of_a, of_b)?;
     let shot = FrameSequence { scene: &view.scene, camera: &view.camera, viewport: size, turn: Turn::by(args.turn) };
     let (machine, interrupted) = (Machine::at_start(), interrupt::flag());
     let line = ProgressLine::new();
@@ -119,7 +120,7 @@ pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
         picture_error: compare(before.image(), after.image()),
         turn: shot.turn,
         motion_error: between(&shot, [&a, &b], &mut go_on),
-        times: timed(args.rounds as usize, &shot, (a, b), &mut go_on),
+        times: timed(args.rounds as usize, &shot, [a, b], &mut go_on),
         machine: machine.at_end(),
         partial: interrupted.load(Ordering::Relaxed),
     };
@@ -145,22 +146,30 @@ pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
     interrupt::outcome(report.partial)
 }
 
+/// Frame A or B, and the recipe with which it was drawn.
+#[derive(Clone, Copy)]
+struct ComparedFrame<'a> {
+    recipe: &'a Recipe,
+    frame: &'a Frame,
+}
+
 /// Returns the pixels at which a buffer differs between A and B, and the picture of B with unchanged pixels dimmed.
 fn compared(
     buffer: Buffer,
     view: &RequestedView,
-    (a, before): (&Recipe, &Frame),
-    (b, after): (&Recipe, &Frame),
+    a: ComparedFrame<'_>,
+    b: ComparedFrame<'_>,
 ) -> Result<(Changes, Image<Rgba8>), Failure> {
-    let captured = |recipe: &Recipe, frame: &Frame| {
+    let captured = |ComparedFrame { recipe, frame }: ComparedFrame<'_>| {
         capture(&view.scene, recipe, frame).completed_for(buffer, &view.scene, recipe, frame)
     };
-    let buffers = (buffer != Buffer::Color).then(|| [captured(a, before), captured(b, after)]);
+    let buffers = (buffer != Buffer::Color).then(|| [captured(a), captured(b)]);
     let [of_a, of_b] = [0, 1].map(|which| buffers.as_ref().map(|both| &both[which]));
     // Both pictures have the same size.
-    let changed = Changes::of_buffer(buffer, (before, of_a), (after, of_b))
-        .ok_or_else(|| Failure::Usage("A and B have different sizes".to_owned()))?;
-    let picture = view::picture(buffer, after, of_b, view::range(buffer, after, of_b));
+    let changed =
+        Changes::of_values(&values_of_buffer(buffer, a.frame, of_a), &values_of_buffer(buffer, b.frame, of_b))
+            .ok_or_else(|| Failure::Usage("A and B have different sizes".to_owned()))?;
+    let picture = view::picture(buffer, b.frame, of_b, view::range(buffer, b.frame, of_b));
     let marked = changed.with_unchanged_dimmed(&picture);
     Ok((changed, marked))
 }
@@ -206,7 +215,7 @@ fn changed_line(report: &DiffReport) -> String {
 fn timed(
     rounds: usize,
     shot: &FrameSequence<'_>,
-    (a, b): (Recipe, Recipe),
+    [a, b]: [Recipe; 2],
     go_on: &mut dyn FnMut(f32) -> bool,
 ) -> Option<PairTimes> {
     let mut timer = (rounds > 0).then(|| PairTimer::new(a, b, rounds))?;

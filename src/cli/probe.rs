@@ -2,10 +2,10 @@
 //! triangles change.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 
 use crate::case::MinimalCase;
 use crate::image::file::{encode_png, write_png};
+use crate::inspect::control::TaskControl;
 use crate::inspect::probe::{
     Changed, Fragile, Heat, JitterTarget, Probe, ProbeCounts, ProbeFindings, ProbePlan, ProbeResult, ProbedView, count,
     picture, run as probe,
@@ -73,14 +73,13 @@ pub(crate) fn run(args: &ProbeArgs) -> Result<(), Failure> {
     let RequestedView { scene, recipe, camera, .. } = args.frame.view()?;
     let subject = ProbedView { scene, camera, settings: recipe.pipeline, viewport: args.frame.size()? };
     let what = Probe { what: args.what, ulps: args.ulps, runs: args.runs, seed: args.seed };
-    let never = AtomicBool::new(false);
     if let Some(shard) = args.shard.shard {
         let machine = Machine::at_start().with_host();
-        let Some(results) = count(&subject, what, shard, &|_| {}, &never) else { return Ok(()) };
+        let Some(results) = count(&subject, what, shard, TaskControl::quiet()) else { return Ok(()) };
         let run = ShardRun { shard, machine: machine.at_end(), partial: false, results };
         return write_part(args.output.as_deref(), Experiment::Probe, ProbePlan::new(&subject, what), run);
     }
-    let Some(found) = probe(&subject, what, &|_| {}, &never) else { return Ok(()) };
+    let Some(found) = probe(&subject, what, TaskControl::quiet()) else { return Ok(()) };
     if let Some(path) = &args.output {
         let (heat, _) = picture(&found.findings, args.heat)
             .ok_or_else(|| Failure::Usage("--heat depth: without a depth test the frame has no depth".to_owned()))?;

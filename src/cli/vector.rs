@@ -4,7 +4,8 @@ use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
 use crate::drawing::file;
-use crate::inspect::outline::{OutlineControl, OutlineKind, OutlineRequest, outline};
+use crate::inspect::control::TaskControl;
+use crate::inspect::outline::{OutlineKind, OutlineRequest, outline};
 use clap::Args;
 
 use super::failure::Failure;
@@ -41,7 +42,7 @@ pub(crate) fn run(args: &VectorArgs) -> Result<(), Failure> {
     };
     let interrupted = interrupt::flag();
     let line = ProgressLine::new();
-    let control = OutlineControl { progress: &|share| line.show_share("drawing", share), cancel: interrupted };
+    let control = TaskControl { progress: &|share| line.show_share("drawing", share), cancel: interrupted };
     let drawing = outline(&request, control).ok_or_else(interrupt::nothing)?;
     drop(line);
     let bytes = file::encode(&args.output, &drawing, 1.0)?;

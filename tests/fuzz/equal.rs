@@ -57,7 +57,8 @@ pub(crate) fn check_replay(
     scene: &Scene,
     camera: &Camera,
     recipe: &Recipe,
-    (size, step): (Viewport, usize),
+    size: Viewport,
+    step: usize,
 ) -> Result<(), Failure> {
     let frame = run(scene, camera, recipe, size, &mut ());
     let pixels = (0..size.height).flat_map(|y| (0..size.width).map(move |x| (x, y)));

@@ -62,7 +62,7 @@ impl Target for Recipes {
         equal::check(&scene, &first, &recipe, size)?;
         equal::check_second_frame(&scene, [&first, &second], &recipe, size)?;
         let step = (size.width * size.height).div_ceil(REPLAYED) as usize;
-        equal::check_replay(&scene, &first, &recipe, (size, step))
+        equal::check_replay(&scene, &first, &recipe, size, step)
     }
 }
 

@@ -188,9 +188,10 @@ fn compare_all(recipes: &[Recipe], size: Viewport, traces: Traces) {
             for (x, y) in (0..size.height).flat_map(|y| (0..size.width).map(move |x| (x, y))) {
                 let reported = || format!("{name} ({x}, {y}) {recipe:?}");
                 let report = inspect(scene, &recipe, &frame, x, y).expect("inside of the picture");
-                replay_is_the_frame(&report, &frame, &reported);
+                let drawn = CheckedFrame { scene, recipe: &recipe, frame: &frame };
+                drawn.equals_replay(&report, &reported);
                 if traces == Traces::Written {
-                    traces_are_the_frame(scene, &recipe, &frame, &report, &compared, &reported);
+                    drawn.equals_traces(&report, &compared, &reported);
                 }
                 compared.pixels.fetch_add(1, Ordering::Relaxed);
             }
@@ -207,12 +208,6 @@ fn compare_all(recipes: &[Recipe], size: Viewport, traces: Traces) {
     assert!(tiled > 0);
     // Every pixel that shows a surface is traced; backgrounds and translucent surfaces leave no depth.
     assert!(traces == Traces::Skipped || colors > pixels / 4 && depths > pixels / 8, "{pixels} {colors} {depths}");
-}
-
-/// Checks that the final colour and the stored depth of a replay equal those of the frame.
-fn replay_is_the_frame(report: &PixelReport, frame: &Frame, reported: &impl Fn() -> String) {
-    assert_eq!(report.color, frame.image().at(report.x, report.y), "{}", reported());
-    assert_eq!(report.final_depth.map(|depth| depth.value.to_bits()), stored(report, frame), "{}", reported());
 }
 
 /// Returns the bits of the depth that the frame holds at the drawn pixel of a report.
@@ -233,41 +228,51 @@ fn opaque([r, g, b, _]: Rgba8) -> [u8; 3] {
     [r, g, b]
 }
 
-/// Checks the results of traces: that of the last written fragment gives the drawn colour and the final pixel, and that
-/// of the last fragment that wrote depth gives the stored depth.
-fn traces_are_the_frame(
-    scene: &Scene,
-    recipe: &Recipe,
-    frame: &Frame,
-    report: &PixelReport,
-    compared: &Compared,
-    reported: &impl Fn() -> String,
-) {
-    let written = report.fragments.iter().rposition(|fragment| fragment.outcome.is_written());
-    let stores = report.fragments.iter().rposition(|fragment| {
-        fragment.outcome.is_written()
-            && fragment.transparency != Transparency::Blended
-            && fragment.stored_depth.is_some()
-    });
-    let [x, y] = report.drawn_at;
-    let (column, row) = frame.drawn.grid.sample_at(x, y).expect("reports describe drawn pixels");
-    let drawn = opaque(frame.drawn.color.at(column, row));
-    let trace = Trace::of(scene, recipe, frame, report, written);
-    let pixel = opaque(frame.image().at(report.x, report.y));
-    assert_eq!(codes(&trace, |channel| format!("pixel {channel}")), Some(pixel), "{}", reported());
-    if !frame.antialias.is_off() {
-        assert_eq!(codes(&trace, |channel| format!("mean {channel}")), Some(drawn), "{}", reported());
-        compared.colors.fetch_add(1, Ordering::Relaxed);
-    } else if written.is_some() {
-        assert_eq!(codes(&trace, |channel| format!("{channel} code")), Some(drawn), "{}", reported());
-        compared.colors.fetch_add(1, Ordering::Relaxed);
+/// Frame that is compared with its replays and traces.
+struct CheckedFrame<'a> {
+    scene: &'a Scene,
+    recipe: &'a Recipe,
+    frame: &'a Frame,
+}
+
+impl CheckedFrame<'_> {
+    /// Checks that the final colour and the stored depth of a replay equal those of the frame.
+    fn equals_replay(&self, report: &PixelReport, reported: &impl Fn() -> String) {
+        let frame = self.frame;
+        assert_eq!(report.color, frame.image().at(report.x, report.y), "{}", reported());
+        assert_eq!(report.final_depth.map(|depth| depth.value.to_bits()), stored(report, frame), "{}", reported());
     }
-    let Some(stores) = stores else { return };
-    let trace = if Some(stores) == written { trace } else { Trace::of(scene, recipe, frame, report, Some(stores)) };
-    let line = trace.lines.iter().find(|line| line.what == "depth as stored");
-    let depth = line.and_then(TraceLine::number).map(|number| (number.to_f64() as f32).to_bits());
-    assert_eq!(depth, stored(report, frame), "{}", reported());
-    compared.depths.fetch_add(1, Ordering::Relaxed);
+
+    /// Checks the results of traces: that of the last written fragment gives the drawn colour and the final pixel, and
+    /// that of the last fragment that wrote depth gives the stored depth.
+    fn equals_traces(&self, report: &PixelReport, compared: &Compared, reported: &impl Fn() -> String) {
+        let Self { scene, recipe, frame } = *self;
+        let written = report.fragments.iter().rposition(|fragment| fragment.outcome.is_written());
+        let stores = report.fragments.iter().rposition(|fragment| {
+            fragment.outcome.is_written()
+                && fragment.transparency != Transparency::Blended
+                && fragment.stored_depth.is_some()
+        });
+        let [x, y] = report.drawn_at;
+        let (column, row) = frame.drawn.grid.sample_at(x, y).expect("reports describe drawn pixels");
+        let drawn = opaque(frame.drawn.color.at(column, row));
+        let trace = Trace::of(scene, recipe, frame, report, written);
+        let pixel = opaque(frame.image().at(report.x, report.y));
+        assert_eq!(codes(&trace, |channel| format!("pixel {channel}")), Some(pixel), "{}", reported());
+        if !frame.antialias.is_off() {
+            assert_eq!(codes(&trace, |channel| format!("mean {channel}")), Some(drawn), "{}", reported());
+            compared.colors.fetch_add(1, Ordering::Relaxed);
+        } else if written.is_some() {
+            assert_eq!(codes(&trace, |channel| format!("{channel} code")), Some(drawn), "{}", reported());
+            compared.colors.fetch_add(1, Ordering::Relaxed);
+        }
+        let Some(stores) = stores else { return };
+        let trace = if Some(stores) == written { trace } else { Trace::of(scene, recipe, frame, report, Some(stores)) };
+        let line = trace.lines.iter().find(|line| line.what == "depth as stored");
+        let depth = line.and_then(TraceLine::number).map(|number| (number.to_f64() as f32).to_bits());
+        assert_eq!(depth, stored(report, frame), "{}", reported());
+        compared.depths.fetch_add(1, Ordering::Relaxed);
+    }
 }
 
 #[test]

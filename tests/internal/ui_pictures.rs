@@ -17,18 +17,28 @@ use rasterscope::ui::session::{PictureSize, Session};
 use rasterscope::ui::worker::Worker;
 use rasterscope::ui::{InitialView, ScreenshotRequest, Theme, WindowStart, screenshot};
 
-/// Window sizes: width and height in pixels, and pixels per point.
-const WINDOWS: [(f32, f32, f32); 6] = [
-    (1280.0, 800.0, 1.0),
-    (1920.0, 1080.0, 1.0),
-    (900.0, 560.0, 1.0),
-    (1920.0, 1080.0, 1.5),
-    (1280.0, 800.0, 1.25),
-    (2560.0, 1600.0, 2.0),
+/// Tested windows.
+const WINDOWS: [TestWindow; 6] = [
+    TestWindow { width: 1280.0, height: 800.0, pixels_per_point: 1.0 },
+    TestWindow { width: 1920.0, height: 1080.0, pixels_per_point: 1.0 },
+    TestWindow { width: 900.0, height: 560.0, pixels_per_point: 1.0 },
+    TestWindow { width: 1920.0, height: 1080.0, pixels_per_point: 1.5 },
+    TestWindow { width: 1280.0, height: 800.0, pixels_per_point: 1.25 },
+    TestWindow { width: 2560.0, height: 1600.0, pixels_per_point: 2.0 },
 ];
 
 /// Number of egui passes after which the layout has settled.
 const PASSES: usize = 6;
+
+/// Window without a display.
+#[derive(Clone, Copy, Debug)]
+struct TestWindow {
+    /// Width in screen pixels.
+    width: f32,
+    /// Height in screen pixels.
+    height: f32,
+    pixels_per_point: f32,
+}
 
 /// A workbench without a display, after the passes in which its layout settles.
 struct Shot {
@@ -39,7 +49,8 @@ struct Shot {
 }
 
 impl Shot {
-    fn new(scene: &str, (width, height, pixels_per_point): (f32, f32, f32), theme: egui::Theme) -> Self {
+    fn new(scene: &str, window: TestWindow, theme: egui::Theme) -> Self {
+        let TestWindow { width, height, pixels_per_point } = window;
         let source = SceneSource::named(scene.into());
         let scene = source.load().unwrap().scene;
         let camera = scene.home;
@@ -214,7 +225,8 @@ fn all_stages_stand_in_order_below_one_another() {
         }
         assert!(shot.window().contains_rect(rows[0]), "{window:?}");
     }
-    let large = Shot::new("triangle", (1920.0, 1080.0, 1.0), egui::Theme::Dark);
+    let large =
+        Shot::new("triangle", TestWindow { width: 1920.0, height: 1080.0, pixels_per_point: 1.0 }, egui::Theme::Dark);
     for stage in Stage::ALL {
         let row = large.place_of(Role::Button, &format!("{} stage", stage.name()));
         assert!(large.window().contains_rect(row), "{}", stage.name());
@@ -223,10 +235,9 @@ fn all_stages_stand_in_order_below_one_another() {
 
 #[test]
 fn the_rows_of_the_pipeline_fit_without_scrolling() {
-    let (width, height, pixels_per_point) = WINDOWS[0];
     // A narrow window has the narrowest panel.
-    for width in [width, 794.0] {
-        let shot = Shot::new("interpenetrating", (width, height, pixels_per_point), egui::Theme::Light);
+    for width in [WINDOWS[0].width, 794.0] {
+        let shot = Shot::new("interpenetrating", TestWindow { width, ..WINDOWS[0] }, egui::Theme::Light);
         let last = shot.place_of_text("Whole frame");
         assert!(shot.window().contains_rect(last), "{width}: {last:?}");
         let first = shot.place_of(Role::Button, "Assemble stage");

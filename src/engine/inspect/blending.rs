@@ -112,7 +112,7 @@ mod tests {
     use crate::chain::run;
     use crate::inspect::inspect;
     use crate::inspect::overlays::{Overlay, OverlayContext};
-    use crate::inspect::scrub::{TouchPrecision, touches};
+    use crate::inspect::scrub::{TouchPrecision, TouchedDrawing};
     use crate::inspect::view::Value;
     use crate::pipeline::settings::{Choice as _, Shading};
     use crate::pipeline::viewport::Viewport;
@@ -203,8 +203,8 @@ mod tests {
                     colors.next_back().map(|shading| shading.color),
                     report.visible().map(|_| frame.image().at(x, y))
                 );
-                let area = (frame.sampling.grid(), frame.raster);
-                let touches = touches(&scene, &recipe, frame.geometry(), area, (x, y), TouchPrecision::Fragments);
+                let drawing = TouchedDrawing::of_frame(&scene, &recipe, &frame);
+                let touches = drawing.touches((x, y), TouchPrecision::Fragments);
                 assert_eq!(touches.len(), depths.len());
                 assert!(touches.is_sorted_by_key(|touch| touch.moment.key()));
             }

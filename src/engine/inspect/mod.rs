@@ -14,6 +14,8 @@ pub mod buffer_file;
 
 pub mod buffers;
 
+pub mod control;
+
 pub(crate) mod depth;
 
 pub mod display;

@@ -5,9 +5,9 @@
 //! pixels ([`visible`]). Between the samples of this grid, boundaries follow the edges and intersections of triangles
 //! ([`crossing`], [`partition`]). No back-to-front sorting is needed, and triangles may intersect.
 
-mod control;
-
 mod crossing;
+
+mod parallel_step;
 
 mod partition;
 
@@ -18,8 +18,6 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-pub use control::OutlineControl;
-
 use crossing::Surfaces;
 use visible::Visibility;
 
@@ -27,6 +25,7 @@ use crate::chain::{Frame, KeepDepth, Recipe, RenderInputs, Renderer};
 use crate::drawing::{Drawing, PartitionRegion, Rgb, Shape, Stroke};
 use crate::flat2d::line::part_inside;
 use crate::image::Image;
+use crate::inspect::control::TaskControl;
 use crate::pipeline::prepare;
 use crate::pipeline::screen_triangle::ScreenTriangle;
 use crate::pipeline::screen_vertex::ScreenVertex;
@@ -68,7 +67,7 @@ pub struct OutlineRequest<'a> {
 }
 
 /// Draws a view of a scene as vector shapes; returns `None` if cancelled.
-pub fn outline(request: &OutlineRequest<'_>, control: OutlineControl<'_>) -> Option<Drawing> {
+pub fn outline(request: &OutlineRequest<'_>, control: TaskControl<'_>) -> Option<Drawing> {
     let OutlineRequest { scene, camera, recipe, viewport, kind } = *request;
     let size = DVec2::new(viewport.width.into(), viewport.height.into());
     let frame =
@@ -163,7 +162,7 @@ fn is_visible(depth: &Image<f32>, place: DVec2, z: f64) -> bool {
 
 /// Returns the visible parts of all triangles and of the background as regions that together fill the picture. Returns
 /// `None` if cancelled.
-fn polygons(request: &OutlineRequest<'_>, control: OutlineControl<'_>) -> Option<Vec<PartitionRegion>> {
+fn polygons(request: &OutlineRequest<'_>, control: TaskControl<'_>) -> Option<Vec<PartitionRegion>> {
     let OutlineRequest { scene, camera, recipe, viewport, .. } = *request;
     let settings = &recipe.pipeline;
     let magnified = |by: u32| Viewport { width: viewport.width * by, height: viewport.height * by };

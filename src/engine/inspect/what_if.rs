@@ -10,6 +10,15 @@ use crate::image::{Image, Rgba8};
 use super::buffers::{Buffer, Buffers};
 use super::view::{Value, value};
 
+/// Values of the pixels of a picture.
+#[derive(Clone, Copy, Debug)]
+pub struct PictureValues<F> {
+    /// Size of the picture, in pixels.
+    pub size: (u32, u32),
+    /// Function that returns the value of the pixel in a column and a row.
+    pub value: F,
+}
+
 /// Pixels that differ between two frames of the same size.
 #[derive(Clone, Debug)]
 pub struct Changes {
@@ -19,24 +28,24 @@ pub struct Changes {
     pub count: u64,
 }
 
-impl Changes {
-    /// Compares the values of a buffer in two frames. Returns `None` if the frames have different sizes.
-    pub fn of_buffer(
-        buffer: Buffer,
-        (a, a_buffers): (&Frame, Option<&Buffers>),
-        (b, b_buffers): (&Frame, Option<&Buffers>),
-    ) -> Option<Self> {
-        let a_value = |x, y| value(buffer, a, a_buffers, x, y);
-        Self::of_values((a.image().size(), a_value), (b.image().size(), |x, y| value(buffer, b, b_buffers, x, y)))
-    }
+/// Returns the values of a buffer of a frame. `buffers` are those that [`value`] needs.
+pub fn values_of_buffer<'a>(
+    buffer: Buffer,
+    frame: &'a Frame,
+    buffers: Option<&'a Buffers>,
+) -> PictureValues<impl Fn(u32, u32) -> Value + 'a> {
+    PictureValues { size: frame.image().size(), value: move |x, y| value(buffer, frame, buffers, x, y) }
+}
 
-    /// Compares two pictures, each given by its size and a function that returns the value of a pixel. Returns `None`
-    /// if the sizes differ.
+impl Changes {
+    /// Compares the values of two pictures. Returns `None` if the pictures have different sizes.
     pub fn of_values(
-        (a_size, a): ((u32, u32), impl Fn(u32, u32) -> Value),
-        (b_size, b): ((u32, u32), impl Fn(u32, u32) -> Value),
+        a: &PictureValues<impl Fn(u32, u32) -> Value>,
+        b: &PictureValues<impl Fn(u32, u32) -> Value>,
     ) -> Option<Self> {
-        (a_size == b_size).then(|| Self::of_mask(Image::from_fn(a_size.0, a_size.1, |x, y| !same(a(x, y), b(x, y)))))
+        let (width, height) = a.size;
+        let differs = |x, y| !same((a.value)(x, y), (b.value)(x, y));
+        (a.size == b.size).then(|| Self::of_mask(Image::from_fn(width, height, differs)))
     }
 
     /// Compares the colours of two pictures, ignoring alpha. Returns `None` if the pictures have different sizes.
@@ -120,21 +129,30 @@ mod tests {
         (frame, buffers)
     }
 
+    /// Returns the differences of a buffer between two frames.
+    fn differing(buffer: Buffer, a: &(Frame, Buffers), b: &(Frame, Buffers)) -> Changes {
+        let a = values_of_buffer(buffer, &a.0, Some(&a.1));
+        Changes::of_values(&a, &values_of_buffer(buffer, &b.0, Some(&b.1))).unwrap()
+    }
+
     #[test]
     fn equal_frames_have_no_changed_pixels_in_any_buffer() {
         let (a, b) = (frame("interpenetrating", &[]), frame("interpenetrating", &["execution=classic"]));
         for buffer in [Buffer::Color, Buffer::Depth, Buffer::TriangleId, Buffer::Lambda, Buffer::Overdraw] {
-            let changes = Changes::of_buffer(buffer, (&a.0, Some(&a.1)), (&b.0, Some(&b.1))).unwrap();
+            let changes = differing(buffer, &a, &b);
             assert_eq!((changes.count, changes.next_changed(None, true)), (0, None), "{buffer:?}");
         }
     }
 
     #[test]
     fn values_with_equal_display_colours_can_differ() {
-        let of = |number: f32| move |x: u32, _: u32| Value::Number(if x == 1 { number } else { f32::NAN });
-        let changes = |number| Changes::of_values(((3, 2), of(1.0)), ((3, 2), of(number))).unwrap().count;
+        let of = |size, number: f32| {
+            let value = move |x: u32, _: u32| Value::Number(if x == 1 { number } else { f32::NAN });
+            PictureValues { size, value }
+        };
+        let changes = |number| Changes::of_values(&of((3, 2), 1.0), &of((3, 2), number)).unwrap().count;
         assert_eq!((changes(1.0), changes(1.0_f32.next_up())), (0, 2));
-        assert!(Changes::of_values(((3, 2), of(1.0)), ((2, 3), of(1.0))).is_none());
+        assert!(Changes::of_values(&of((3, 2), 1.0), &of((2, 3), 1.0)).is_none());
     }
 
     #[test]
@@ -150,10 +168,10 @@ mod tests {
         }
         assert!(by_hand > 0);
         assert_eq!(changes.count, by_hand);
-        let same = Changes::of_buffer(Buffer::Color, (&a.0, None), (&b.0, None)).unwrap();
+        let same = differing(Buffer::Color, &a, &b);
         assert_eq!(same.mask, changes.mask);
         // Pixels on the edges are covered twice under the inclusive rule, so overdraw differs exactly there.
-        let overdraw = Changes::of_buffer(Buffer::Overdraw, (&a.0, Some(&a.1)), (&b.0, Some(&b.1))).unwrap();
+        let overdraw = differing(Buffer::Overdraw, &a, &b);
         let doubled = b.1.overdraw.pixels().iter().zip(a.1.overdraw.pixels()).filter(|(b, a)| b != a).count() as u64;
         assert_eq!(overdraw.count, doubled);
         assert!(doubled >= by_hand, "a pixel changes its colour only where another triangle won it");
@@ -162,7 +180,7 @@ mod tests {
     #[test]
     fn depths_are_compared_by_value_and_not_by_colour() {
         let (a, b) = (frame("interpenetrating", &[]), frame("interpenetrating", &["depth_format=unorm16"]));
-        let changes = Changes::of_buffer(Buffer::Depth, (&a.0, Some(&a.1)), (&b.0, Some(&b.1))).unwrap();
+        let changes = differing(Buffer::Depth, &a, &b);
         let values = |x, y| [&a, &b].map(|(frame, buffers)| value(Buffer::Depth, frame, Some(buffers), x, y));
         for y in 0..SIZE.height {
             for x in 0..SIZE.width {

@@ -113,7 +113,7 @@ impl Upscaler for Accumulation {
     /// Returns the samples of this frame only; history contributes no taps.
     fn taps(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
         let now = FrameContext::new(how, drawn, size);
-        let mut taps = now.present(at).0.to_vec();
+        let mut taps = now.present(at).taps.to_vec();
         if drawn.frame.is_some_and(|seen| seen.reproject(at).is_ok_and(|before| !before.is_still)) {
             let (columns, rows) = now.neighbourhood(at);
             for (x, y) in rows.flat_map(|y| columns.clone().map(move |x| (x as u32, y))) {
@@ -150,6 +150,14 @@ struct FrameContext<'a> {
     tables: &'static Tables,
 }
 
+/// Samples of this frame that contribute to an output pixel.
+struct PresentSamples {
+    /// Samples with normalised weights.
+    taps: ArrayVec<Tap, 4>,
+    /// Weight of their mean in the accumulation.
+    counts_for: f32,
+}
+
 impl<'a> FrameContext<'a> {
     fn new(how: Upscaling, drawn: &'a UpscaleInputs<'a>, size: (u32, u32)) -> Self {
         let Continuation { place, history, is_settled } = Continuation::new(drawn, jitter());
@@ -176,7 +184,7 @@ impl<'a> FrameContext<'a> {
         let present = self.present(at);
         let [r, g, b, _] = self.blend_history(at, &present);
         let [r, g, b] = BlendSpace::Rgb(self.light).encoded(self.tables, [r, g, b]);
-        let alpha = self.mean(&present.0)[3];
+        let alpha = self.mean(&present.taps)[3];
         [r, g, b, (alpha + 0.5) as u8]
     }
 
@@ -193,7 +201,7 @@ impl<'a> FrameContext<'a> {
 
     /// Blends this frame's samples, as returned by [`Self::present`], with the history. Returns the RGB mean and the
     /// sample count.
-    fn blend_history(&self, at: (u32, u32), present: &(ArrayVec<Tap, 4>, f32)) -> [f32; 4] {
+    fn blend_history(&self, at: (u32, u32), present: &PresentSamples) -> [f32; 4] {
         let (step, count) = self.step(at, present);
         let [r, g, b] = step.blended();
         [r, g, b, count]
@@ -201,9 +209,9 @@ impl<'a> FrameContext<'a> {
 
     /// Returns how this frame's samples, as returned by [`Self::present`], are blended with the history, and the new
     /// sample count.
-    fn step(&self, at: (u32, u32), (taps, counts_for): &(ArrayVec<Tap, 4>, f32)) -> (HistoryStep, f32) {
-        let counts_for = *counts_for;
-        let [r, g, b, _] = self.mean(taps);
+    fn step(&self, at: (u32, u32), present: &PresentSamples) -> (HistoryStep, f32) {
+        let counts_for = present.counts_for;
+        let [r, g, b, _] = self.mean(&present.taps);
         let of = |share, past| HistoryStep { space: BlendSpace::Rgb(self.light), present: [r, g, b], share, past };
         let history = self.history.as_ref().ok_or(Rejection::FirstFrame);
         let reproject = || self.drawn.frame.ok_or(Rejection::FirstFrame)?.reproject(at);
@@ -241,13 +249,15 @@ impl<'a> FrameContext<'a> {
         }
     }
 
-    /// Returns the samples of this frame that contribute to an output pixel, with normalised weights, and the weight of
-    /// their mean in the accumulation.
-    fn present(&self, (x, y): (u32, u32)) -> (ArrayVec<Tap, 4>, f32) {
+    /// Returns the samples of this frame that contribute to an output pixel.
+    fn present(&self, (x, y): (u32, u32)) -> PresentSamples {
         let Self { lattice, place, .. } = *self;
         let (width, height) = self.drawn.color.size();
         let inside = |index: i64, length: u32| index.clamp(0, i64::from(length) - 1) as u32;
-        let alone = |x: u32, y: u32| (ArrayVec::from_iter([Tap { x, y, weight: 1.0 }]), 1.0);
+        let alone = |x: u32, y: u32| {
+            let taps = ArrayVec::from_iter([Tap { x, y, weight: 1.0 }]);
+            PresentSamples { taps, counts_for: 1.0 }
+        };
         if lattice.scale == Scale::ONE {
             return alone(x, y);
         }
@@ -265,7 +275,7 @@ impl<'a> FrameContext<'a> {
                 }
             }
         }
-        (taps, INTERPOLATED)
+        PresentSamples { taps, counts_for: INTERPOLATED }
     }
 
     /// Returns the index of the sample that lies inside an output pixel along one axis, or `None` if there is no such

@@ -22,7 +22,7 @@ mod window;
 pub(super) use dilated::DilatedVectors;
 pub(super) use filter::FilterWeights;
 pub(super) use surface_grid::{Around, SurfaceGrid};
-pub(super) use wide::{NOT_VISIBLE, VectorLanes, same_surface};
+pub(super) use wide::{NOT_VISIBLE, SurfaceLanes, VectorLanes};
 pub(super) use window::{PastPlaces, centers};
 
 /// History that an upscaler stores for its next frame, at full resolution.

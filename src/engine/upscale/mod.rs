@@ -32,6 +32,7 @@ mod planes;
 pub mod process;
 mod quads;
 mod registry;
+mod row_parts;
 mod runs;
 mod sample_rows;
 mod scale;

@@ -113,11 +113,19 @@ pub(super) struct Runs<'a, T> {
     offset: isize,
 }
 
+/// A run of an output row.
+pub(super) struct Run<'a, T> {
+    /// Prepared data of the run.
+    pub(super) data: &'a T,
+    /// Number of samples before the period of the run.
+    pub(super) offset: isize,
+}
+
 impl<'a, T> Runs<'a, T> {
-    /// Returns the data of the next run, and the number of samples before its period.
+    /// Returns the next run.
     #[inline(always)]
-    pub(super) fn advance(&mut self) -> (&'a T, isize) {
-        let run = (&self.period[self.next], self.offset);
+    pub(super) fn advance(&mut self) -> Run<'a, T> {
+        let run = Run { data: &self.period[self.next], offset: self.offset };
         self.next += 1;
         if self.next == self.period.len() {
             (self.next, self.offset) = (0, self.offset + self.samples);

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::planes::{PAD, Planes, padded_row};
+use super::row_parts::RowSpan;
 use super::ycocg::YCoCg;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
@@ -12,9 +13,17 @@ pub(super) struct DecodedRows {
     rows: [DecodedRow; 3],
 }
 
-/// One decoded row, and what it holds: the index of the row, and the padded indices.
+/// Three adjacent rows of decoded samples, of which a range of padded indices is read.
+pub(super) struct ThreeRows<'a> {
+    /// Indices of the rows.
+    pub(super) index: [u32; 3],
+    pub(super) range: Range<usize>,
+    pub(super) planes: [&'a Planes; 3],
+}
+
+/// One decoded row, and the span that it holds, in padded indices.
 struct DecodedRow {
-    holds: Option<(u32, Range<usize>)>,
+    holds: Option<RowSpan>,
     planes: Planes,
 }
 
@@ -24,20 +33,15 @@ impl DecodedRows {
         Self { rows: [0, 1, 2].map(|_| DecodedRow { holds: None, planes: [0; 4].map(|_| padded_row(samples)) }) }
     }
 
-    /// Makes sure that a range of padded indices of sample row `index` is decoded.
+    /// Makes sure that a span of a sample row is decoded. Its columns are padded indices.
     #[inline(always)]
-    pub(super) fn fill<S: Simd>(
-        &mut self,
-        simd: S,
-        colors: YCoCg,
-        samples: &Image<Rgba8>,
-        (index, range): (u32, &Range<usize>),
-    ) {
-        let DecodedRow { holds, planes } = &mut self.rows[index as usize % 3];
-        if holds.as_ref().is_some_and(|(row, held)| (*row, held) == (index, range)) {
+    pub(super) fn fill<S: Simd>(&mut self, simd: S, colors: YCoCg, samples: &Image<Rgba8>, span: &RowSpan) {
+        let DecodedRow { holds, planes } = &mut self.rows[span.y as usize % 3];
+        if holds.as_ref() == Some(span) {
             return;
         }
-        let codes = samples.row(index);
+        let range = &span.columns;
+        let codes = samples.row(span.y);
         let inside = PAD..PAD + codes.len();
         let own = range.start.max(inside.start)..range.end.min(inside.end);
         colors.decode_row(simd, &codes[own.start - PAD..own.end - PAD], planes, own.start);
@@ -49,7 +53,13 @@ impl DecodedRows {
                 }
             }
         }
-        *holds = Some((index, range.clone()));
+        *holds = Some(span.clone());
+    }
+
+    /// Returns three padded rows, of which the range of padded indices must be decoded.
+    #[inline(always)]
+    pub(super) fn three(&self, index: [u32; 3], range: Range<usize>) -> ThreeRows<'_> {
+        ThreeRows { index, range, planes: index.map(|index| self.row(index)) }
     }
 
     /// Returns a padded row, of which the indices of the last [`Self::fill`] are decoded.

@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use super::Rectification;
-use super::planes::{Combination, Planes, SampleLanes, combine, padded_row};
+use super::planes::{Combination, SampleLanes, combine, padded_row};
+use super::sample_rows::ThreeRows;
 use crate::math::lanes::*;
 
 /// Statistics of 3 × 3 samples for every sample of a row. Rows are padded.
@@ -21,17 +22,11 @@ impl Statistics {
         Self { of: None, vertical: padded_row(samples), around: [0; 2].map(|_| [0; 3].map(|_| padded_row(samples))) }
     }
 
-    /// Computes the statistics that a rectification needs, from three decoded rows, given with their indices, for a range
-    /// of padded indices.
+    /// Computes the statistics that a rectification needs.
     #[inline(always)]
-    pub(super) fn fill<S: Simd>(
-        &mut self,
-        simd: S,
-        by: Rectification,
-        rows: [&Planes; 3],
-        (index, range): ([u32; 3], &Range<usize>),
-    ) {
-        if by == Rectification::None || self.of.as_ref().is_some_and(|(held, read)| (*held, read) == (index, range)) {
+    pub(super) fn fill<S: Simd>(&mut self, simd: S, by: Rectification, rows: ThreeRows<'_>) {
+        let ThreeRows { index, range, planes } = rows;
+        if by == Rectification::None || self.of.as_ref().is_some_and(|(held, read)| (held, read) == (&index, &range)) {
             return;
         }
         let (start, centers) = (range.start, range.start + 1..range.end - 1);
@@ -42,8 +37,8 @@ impl Statistics {
         };
         for (number, around) in self.around.iter_mut().enumerate() {
             for (channel, around) in around.iter_mut().enumerate() {
-                let rows = each!(row in [0, 1, 2] => &rows[row][channel][start..]);
-                combine(simd, rows, &mut self.vertical, range, of_rows[number]);
+                let rows = each!(row in [0, 1, 2] => &planes[row][channel][start..]);
+                combine(simd, rows, &mut self.vertical, &range, of_rows[number]);
                 let columns = each!(by in [0, 1, 2] => &self.vertical[start + by..]);
                 combine(simd, columns, around, &centers, of_columns[number]);
             }
@@ -56,7 +51,7 @@ impl Statistics {
                 find_boxes(simd, by, first, second);
             }
         }
-        self.of = Some((index, range.clone()));
+        self.of = Some((index, range));
     }
 }
 
@@ -130,6 +125,7 @@ fn clipped<S: Simd>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::upscale::planes::Planes;
 
     #[test]
     fn colours_outside_a_box_are_moved_to_its_border() {
@@ -153,7 +149,7 @@ mod tests {
             let [[middle, half], [co, _], [cg, _]] = [0, 1, 2].map(|channel| expected(by, channel));
             let mut statistics = Statistics::new(20);
             let found = on_lanes!(lanes, simd => {
-                statistics.fill(simd, by, rows.each_ref(), ([0, 1, 2], &(0..24)));
+                statistics.fill(simd, by, ThreeRows { index: [0, 1, 2], range: 0..24, planes: rows.each_ref() });
                 let past = each!(number in [4.0, co, cg] => f32x16::splat(simd, number as f32));
                 statistics.rectified(simd, past, by, &SampleLanes::Adjacent(AT)).map(|numbers| numbers.to_array()[0])
             });

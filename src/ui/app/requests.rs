@@ -208,14 +208,15 @@ impl Workbench {
             (wanted, found)
         };
         if self.widgets.is_synchronous {
-            self.handle_search_result(&look());
+            let (wanted, found) = look();
+            self.handle_search_result(&wanted, &found);
         } else {
             self.session.features.places.searching =
                 Some(BackgroundTask::start(ui.ctx().clone(), move |_, _| Some(look())));
         }
     }
 
-    pub(super) fn handle_search_result(&mut self, (wanted, found): &(SearchTarget, SearchResult)) {
+    pub(super) fn handle_search_result(&mut self, wanted: &SearchTarget, found: &SearchResult) {
         if let Some(pixel) = self.session.apply_search_result(wanted, found) {
             self.widgets.canvas.bring_into_view(pixel, self.widgets.visible_px);
         }

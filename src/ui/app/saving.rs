@@ -12,8 +12,9 @@ use crate::case::MinimalCase;
 use crate::image::file::encode_png;
 use crate::image::{Image, Rgba8};
 use crate::inspect::buffer_file::BufferSource;
+use crate::inspect::control::TaskControl;
 use crate::inspect::display::Display;
-use crate::inspect::outline::{OutlineControl, OutlineKind, OutlineRequest, outline};
+use crate::inspect::outline::{OutlineKind, OutlineRequest, outline};
 use crate::inspect::{Buffer, InspectionState, Trace};
 use crate::lab::Lesson;
 use crate::lab::drawing::encode_recording;
@@ -303,7 +304,7 @@ impl Workbench {
         let Request { scene, camera, recipe, viewport, .. } = self.session.request();
         self.save_cancellable(ui, file, move |progress, cancel| {
             let request = OutlineRequest { scene: &scene, camera: &camera, recipe: &recipe, viewport, kind };
-            let drawing = outline(&request, OutlineControl { progress, cancel })?;
+            let drawing = outline(&request, TaskControl { progress, cancel })?;
             let path = Path::new(kind.id()).with_extension(extension);
             let encoded = drawing::file::encode(&path, &drawing, 1.0).map_err(|error| error.to_string());
             (!cancel.load(Ordering::Relaxed)).then_some(encoded)

@@ -84,8 +84,9 @@ impl Workbench {
         if broke_off {
             self.session.report(Severity::Error, "Measurement stopped: internal error");
         }
-        if let Some(what) = found {
-            self.handle_search_result(&what);
+        if let Some(found) = found {
+            let (wanted, found) = *found;
+            self.handle_search_result(&wanted, &found);
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::chain::{Frame, run_unobserved};
-use crate::inspect::scrub::{BUDGET, Moment, Scrubber, Timeline, TouchPrecision, touches};
+use crate::inspect::scrub::{BUDGET, Moment, Scrubber, Timeline, TouchPrecision, TouchedDrawing};
 use crate::pipeline::partial;
 use crate::ui::engine::Request;
 
@@ -56,16 +56,14 @@ impl Reel {
     /// Returns the timeline for stepping from a moment. If `pixel` is given, the timeline lists all fragments at that
     /// pixel.
     pub(crate) fn timeline(&mut self, moment: Moment, pixel: Option<(u32, u32)>) -> Timeline {
-        let Self { request: of, complete_frame: whole, scrubber, timeline, touched } = self;
+        let Self { complete_frame: whole, scrubber, timeline, touched, .. } = self;
         let scale = [
             whole.viewport.width as f32 / whole.raster.width.max(1) as f32,
             whole.viewport.height as f32 / whole.raster.height.max(1) as f32,
         ];
         timeline.last = scrubber.last_triangle(moment, scale, timeline.last.take());
         if *touched != pixel {
-            let area = (whole.sampling.grid(), whole.raster);
-            let of_pixel =
-                |pixel| touches(&of.scene, &of.recipe, scrubber.geometry(), area, pixel, TouchPrecision::Fragments);
+            let of_pixel = |pixel| scrubber.drawing().touches(pixel, TouchPrecision::Fragments);
             (*touched, timeline.touches) = (pixel, pixel.map_or_else(Vec::new, of_pixel));
         }
         let fragments = |place: Option<usize>| place.map_or(0, |place| scrubber.fragments_of(place));
@@ -78,14 +76,13 @@ impl Reel {
 /// triangles that touch that pixel.
 pub(crate) fn timeline_of(request: &Request, frame: &Frame, pixel: Option<(u32, u32)>) -> Timeline {
     let Request { scene, recipe, .. } = request;
-    let area = (frame.sampling.grid(), frame.raster);
     let last = frame.geometry().triangles.last();
     let samples =
         last.map_or_else(Vec::new, |triangle| partial::samples_of(triangle, &recipe.pipeline, frame.drawn_area()));
     Timeline {
         fragments: [partial::count(&samples), 0],
         touches: pixel.map_or_else(Vec::new, |pixel| {
-            touches(scene, recipe, frame.geometry(), area, pixel, TouchPrecision::Triangles)
+            TouchedDrawing::of_frame(scene, recipe, frame).touches(pixel, TouchPrecision::Triangles)
         }),
         ..Timeline::new(frame.geometry())
     }

@@ -98,13 +98,11 @@ impl PickedFates<'_> {
         match column {
             0 => funnel(ui, "triangles", |ui| {
                 let counts = fates.triangle_counts();
-                let head = ("Triangles", "Every triangle of the scene has exactly one of these fates");
-                funnel::ui::<TriangleFate>(ui, head, view.bin, |fate| counts.of(fate), commands);
+                funnel::ui::<TriangleFate>(ui, view.bin, |fate| counts.of(fate), commands);
             }),
             1 => funnel(ui, "fragments", |ui| {
                 let counts = fates.fragment_counts();
-                let head = ("Fragments", "Every sample that a triangle covers has exactly one of these fates");
-                funnel::ui::<FragmentFate>(ui, head, view.bin, |fate| counts.of(fate), commands);
+                funnel::ui::<FragmentFate>(ui, view.bin, |fate| counts.of(fate), commands);
             }),
             2 => objects::ui(ui, &fates.objects, view.object, commands),
             _ => list::ui(ui, view, fates, picked, commands),

@@ -45,37 +45,48 @@ const WEIGHT_FROM: f32 = 30.0;
 /// Width of each plot and of the two zone plate pictures, in points.
 const PLOT: f32 = 190.0;
 
+/// Samples from which the picked pixel was reconstructed.
+struct PickedMixture<'a> {
+    view: &'a RenderedView,
+    how: Upscaling,
+    /// Picked pixel.
+    at: (u32, u32),
+    mixture: Mixture,
+    /// Height of the diagrams, in points.
+    height: f32,
+}
+
 /// Draws the panel “Filter taps” for the picked pixel.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    /// Height of the scroll bar at the bottom, in points.
+    const BAR: f32 = 14.0;
+    let height = (ui.available_height() - BAR).max(40.0);
     let picked = session.view.as_ref().and_then(|view| {
         let how = view.request.recipe.upscaler;
         let at = session.pick?;
-        Some((view, how, at, Mixture::of(&view.frame, how, at)?))
+        Some(PickedMixture { view, how, at, mixture: Mixture::of(&view.frame, how, at)?, height })
     });
-    let Some((view, how, at, mixture)) = picked else {
+    let Some(picked) = picked else {
         let how =
             "Click a pixel of the picture to list the samples that it was reconstructed from, with their weights.";
         ui.set_min_height(ui.available_height());
         empty_state(ui, Icon::ScanSearch, "No pixel picked", how);
         return;
     };
-    /// Height of the scroll bar at the bottom, in points.
-    const BAR: f32 = 14.0;
-    let height = (ui.available_height() - BAR).max(40.0);
     ScrollArea::both().auto_shrink(false).show(ui, |ui| {
         ui.horizontal_top(|ui| {
-            let hovered = ui.vertical(|ui| sources(ui, how, at, &mixture, height)).inner;
+            let hovered = ui.vertical(|ui| picked.sources(ui)).inner;
             ui.separator();
-            let sample = hovered.or_else(|| heaviest(&mixture));
+            let sample = hovered.or_else(|| heaviest(&picked.mixture));
             ui.vertical(|ui| {
                 if let Some(sample) = sample {
-                    feeds(ui, view, how, (sample, at), height, commands);
+                    picked.feeds(ui, sample, commands);
                 }
             });
             ui.separator();
-            ui.vertical(|ui| sums(ui, how, &mixture, height));
+            ui.vertical(|ui| picked.sums(ui));
             ui.separator();
-            responses(ui, how, height);
+            responses(ui, picked.how, height);
         });
     });
 }
@@ -100,121 +111,122 @@ fn cell_of(columns: usize, rows: usize, height: f32) -> f32 {
     room.min(260.0 / columns.max(1) as f32).clamp(CELL.0, CELL.1).floor()
 }
 
-/// Draws the samples from which the picked pixel was reconstructed, arranged by position. Returns the sample under the
-/// pointer.
-fn sources(ui: &mut Ui, how: Upscaling, at: (u32, u32), mixture: &Mixture, height: f32) -> Option<(u32, u32)> {
-    let title = format!("Pixel {}, {} · {} · {}", at.0, at.1, how.label(), counted(mixture.sources.len(), "sample"));
-    heading(ui, &title, "Drawn samples from which this pixel was reconstructed, with their weights");
-    let columns = ranks(mixture.sources.iter().map(|source| source.tap.x));
-    let rows = ranks(mixture.sources.iter().map(|source| source.tap.y));
-    let cell = cell_of(columns.len(), rows.len(), height);
-    let (area, _) = ui.allocate_exact_size(vec2(columns.len() as f32, rows.len() as f32) * cell, Sense::hover());
-    let mut hovered = None;
-    for source in &mixture.sources {
-        let place = |ranks: &[u32], value: u32| ranks.binary_search(&value).unwrap_or(0) as f32;
-        let min = area.min + vec2(place(&columns, source.tap.x), place(&rows, source.tap.y)) * cell;
-        let rect = Rect::from_min_size(min, egui::Vec2::splat(cell - 1.0));
-        let [r, g, b, _] = source.color;
-        ui.painter().rect_filled(rect, 1.0, Color32::from_rgb(r, g, b));
-        let ink = ON_PIXEL[usize::from(luma(source.color) >= 128.0)];
-        if cell >= WEIGHT_FROM {
-            let text = format::fixed(f64::from(source.tap.weight), 3);
-            ui.painter().text(rect.center(), Align2::CENTER_CENTER, text, FontId::monospace(10.0), ink);
+impl PickedMixture<'_> {
+    /// Draws the samples from which the picked pixel was reconstructed, arranged by position. Returns the sample under
+    /// the pointer.
+    fn sources(&self, ui: &mut Ui) -> Option<(u32, u32)> {
+        let Self { how, at, ref mixture, height, .. } = *self;
+        let title =
+            format!("Pixel {}, {} · {} · {}", at.0, at.1, how.label(), counted(mixture.sources.len(), "sample"));
+        heading(ui, &title, "Drawn samples from which this pixel was reconstructed, with their weights");
+        let columns = ranks(mixture.sources.iter().map(|source| source.tap.x));
+        let rows = ranks(mixture.sources.iter().map(|source| source.tap.y));
+        let cell = cell_of(columns.len(), rows.len(), height);
+        let (area, _) = ui.allocate_exact_size(vec2(columns.len() as f32, rows.len() as f32) * cell, Sense::hover());
+        let mut hovered = None;
+        for source in &mixture.sources {
+            let place = |ranks: &[u32], value: u32| ranks.binary_search(&value).unwrap_or(0) as f32;
+            let min = area.min + vec2(place(&columns, source.tap.x), place(&rows, source.tap.y)) * cell;
+            let rect = Rect::from_min_size(min, egui::Vec2::splat(cell - 1.0));
+            let [r, g, b, _] = source.color;
+            ui.painter().rect_filled(rect, 1.0, Color32::from_rgb(r, g, b));
+            let ink = ON_PIXEL[usize::from(luma(source.color) >= 128.0)];
+            if cell >= WEIGHT_FROM {
+                let text = format::fixed(f64::from(source.tap.weight), 3);
+                ui.painter().text(rect.center(), Align2::CENTER_CENTER, text, FontId::monospace(10.0), ink);
+            }
+            let id = ui.scope_id().with(("source", source.tap.x, source.tap.y));
+            let response = ui.interact(rect, id, Sense::hover());
+            let words = format!("Sample {}, {}: weight {}", source.tap.x, source.tap.y, source.tap.weight);
+            response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &words));
+            if response.hovered() {
+                hovered = Some((source.tap.x, source.tap.y));
+                ui.painter().rect_stroke(rect, 1.0, Stroke::new(2.0, tokens(ui).accent), StrokeKind::Inside);
+            }
+            response.on_hover_text(format!("{words}\nsRGB codes {r} {g} {b}"));
         }
-        let id = ui.scope_id().with(("source", source.tap.x, source.tap.y));
-        let response = ui.interact(rect, id, Sense::hover());
-        let words = format!("Sample {}, {}: weight {}", source.tap.x, source.tap.y, source.tap.weight);
-        response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &words));
-        if response.hovered() {
-            hovered = Some((source.tap.x, source.tap.y));
-            ui.painter().rect_stroke(rect, 1.0, Stroke::new(2.0, tokens(ui).accent), StrokeKind::Inside);
-        }
-        response.on_hover_text(format!("{words}\nsRGB codes {r} {g} {b}"));
+        hovered
     }
-    hovered
-}
 
-/// Draws the full-resolution pixels that a sample contributes to. A click picks one of them.
-fn feeds(
-    ui: &mut Ui,
-    view: &RenderedView,
-    how: Upscaling,
-    (sample, picked): ((u32, u32), (u32, u32)),
-    height: f32,
-    commands: &mut Vec<Command>,
-) {
-    let fed = known_fed(ui, view, how, sample);
-    let title = format!("Sample {}, {} contributes to {}", sample.0, sample.1, counted(fed.len(), "pixel"));
-    heading(
-        ui,
-        &title,
-        "Weight of this sample in each pixel: brighter is greater, and a dot marks a negative weight. Hover over \
-         another sample on the left to show its pixels",
-    );
-    let (columns, rows) = (ranks(fed.iter().map(|(at, _)| at.0)), ranks(fed.iter().map(|(at, _)| at.1)));
-    let room = (height - 24.0) / rows.len().max(1) as f32;
-    let cell = room.clamp(3.0, CELL.0);
-    let (area, response) = ui
-        .allocate_exact_size(vec2((columns.len() as f32 * cell).max(150.0), rows.len() as f32 * cell), Sense::click());
-    let most = fed.iter().map(|(_, weight)| weight.abs()).fold(f32::MIN_POSITIVE, f32::max);
-    let pointer = response.hover_pos();
-    for ((x, y), weight) in fed.iter() {
-        let place = |ranks: &[u32], value: u32| ranks.binary_search(&value).unwrap_or(0) as f32;
-        let min = area.min + vec2(place(&columns, *x), place(&rows, *y)) * cell;
-        let rect = Rect::from_min_size(min, egui::Vec2::splat(cell));
-        let [r, g, b, _] = magnitude_color(weight.abs() / most);
-        ui.painter().rect_filled(rect, 0.0, Color32::from_rgb(r, g, b));
-        if *weight < 0.0 {
-            ui.painter().circle_filled(rect.center(), cell * 0.18, tokens(ui).b);
-        }
-        if (*x, *y) == picked {
-            ui.painter().rect_stroke(rect, 0.0, Stroke::new(1.5, tokens(ui).accent), StrokeKind::Inside);
-        }
-        if pointer.is_some_and(|at| rect.contains(at)) {
-            let words = format!("Pixel {x}, {y}: weight {weight}");
-            response.clone().on_hover_text(words);
-            if response.clicked() {
-                commands.push(Command::Pick(Some((*x, *y))));
+    /// Draws the full-resolution pixels that a sample contributes to. A click picks one of them.
+    fn feeds(&self, ui: &mut Ui, sample: (u32, u32), commands: &mut Vec<Command>) {
+        let fed = known_fed(ui, self.view, self.how, sample);
+        let title = format!("Sample {}, {} contributes to {}", sample.0, sample.1, counted(fed.len(), "pixel"));
+        heading(
+            ui,
+            &title,
+            "Weight of this sample in each pixel: brighter is greater, and a dot marks a negative weight. Hover over \
+             another sample on the left to show its pixels",
+        );
+        let (columns, rows) = (ranks(fed.iter().map(|(at, _)| at.0)), ranks(fed.iter().map(|(at, _)| at.1)));
+        let room = (self.height - 24.0) / rows.len().max(1) as f32;
+        let cell = room.clamp(3.0, CELL.0);
+        let (area, response) = ui.allocate_exact_size(
+            vec2((columns.len() as f32 * cell).max(150.0), rows.len() as f32 * cell),
+            Sense::click(),
+        );
+        let most = fed.iter().map(|(_, weight)| weight.abs()).fold(f32::MIN_POSITIVE, f32::max);
+        let pointer = response.hover_pos();
+        for ((x, y), weight) in fed.iter() {
+            let place = |ranks: &[u32], value: u32| ranks.binary_search(&value).unwrap_or(0) as f32;
+            let min = area.min + vec2(place(&columns, *x), place(&rows, *y)) * cell;
+            let rect = Rect::from_min_size(min, egui::Vec2::splat(cell));
+            let [r, g, b, _] = magnitude_color(weight.abs() / most);
+            ui.painter().rect_filled(rect, 0.0, Color32::from_rgb(r, g, b));
+            if *weight < 0.0 {
+                ui.painter().circle_filled(rect.center(), cell * 0.18, tokens(ui).b);
+            }
+            if (*x, *y) == self.at {
+                ui.painter().rect_stroke(rect, 0.0, Stroke::new(1.5, tokens(ui).accent), StrokeKind::Inside);
+            }
+            if pointer.is_some_and(|at| rect.contains(at)) {
+                let words = format!("Pixel {x}, {y}: weight {weight}");
+                response.clone().on_hover_text(words);
+                if response.clicked() {
+                    commands.push(Command::Pick(Some((*x, *y))));
+                }
             }
         }
     }
-}
 
-/// Draws the sum of the weights, the weighted sum of the colours, and the effect of clamping and rounding.
-fn sums(ui: &mut Ui, how: Upscaling, mixture: &Mixture, height: f32) {
-    const COLUMN: f32 = 66.0;
-    let what = if how.light() == FilterSpace::Linear { "linear light" } else { "sRGB codes" };
-    heading(ui, &format!("Weighted sum of {what}"), "Weighted sum of all samples, for red, green and blue");
-    ScrollArea::vertical().id_salt("weights").max_height((height - 20.0).max(60.0)).show(ui, |ui| {
-        egui::Grid::new("sums").num_columns(4).spacing([6.0, 1.0]).show(ui, |ui| {
-            let mut line = |name: &str, values: [String; 3], strong: bool| {
-                let color = if strong { tokens(ui).text_strong } else { tokens(ui).text };
-                ui.label(RichText::new(name).small().color(tokens(ui).text_weak));
-                values.iter().for_each(|value| {
-                    figure(ui, value, COLUMN, color);
-                });
-                ui.end_row();
+    /// Draws the sum of the weights, the weighted sum of the colours, and the effect of clamping and rounding.
+    fn sums(&self, ui: &mut Ui) {
+        const COLUMN: f32 = 66.0;
+        let Self { how, ref mixture, height, .. } = *self;
+        let what = if how.light() == FilterSpace::Linear { "linear light" } else { "sRGB codes" };
+        heading(ui, &format!("Weighted sum of {what}"), "Weighted sum of all samples, for red, green and blue");
+        ScrollArea::vertical().id_salt("weights").max_height((height - 20.0).max(60.0)).show(ui, |ui| {
+            egui::Grid::new("sums").num_columns(4).spacing([6.0, 1.0]).show(ui, |ui| {
+                let mut line = |name: &str, values: [String; 3], strong: bool| {
+                    let color = if strong { tokens(ui).text_strong } else { tokens(ui).text };
+                    ui.label(RichText::new(name).small().color(tokens(ui).text_weak));
+                    values.iter().for_each(|value| {
+                        figure(ui, value, COLUMN, color);
+                    });
+                    ui.end_row();
+                };
+                let codes = |values: [f64; 3]| values.map(|value| format::fixed(value, 3));
+                line("Σ weights", [format::fixed(mixture.weight, 6), String::new(), String::new()], false);
+                line("Σ weight · colour", codes(mixture.sum), false);
+                line("clamped to 0…255", codes(mixture.clamped()), false);
+                let [r, g, b, _] = mixture.pixel;
+                line("pixel", [r, g, b].map(|code| code.to_string()), true);
+            });
+            let clamps = mixture.sum != mixture.clamped();
+            let differs = |(sum, code): (&f64, u8)| (sum - f64::from(code)).abs() > 2.0;
+            let far = mixture.clamped().iter().zip(mixture.pixel).any(differs);
+            let note = match (clamps, far) {
+                _ if mixture.uses_history => {
+                    "These are the samples of the current frame. The rest of the pixel comes from the history of \
+                     earlier frames."
+                }
+                (_, true) => "The upscaler also clamps the result to the range of the nearest samples, or sharpens it.",
+                (true, false) => "The sum was outside 0…255 and was clamped.",
+                (false, false) => "The sum was within 0…255, so it was not clamped.",
             };
-            let codes = |values: [f64; 3]| values.map(|value| format::fixed(value, 3));
-            line("Σ weights", [format::fixed(mixture.weight, 6), String::new(), String::new()], false);
-            line("Σ weight · colour", codes(mixture.sum), false);
-            line("clamped to 0…255", codes(mixture.clamped()), false);
-            let [r, g, b, _] = mixture.pixel;
-            line("pixel", [r, g, b].map(|code| code.to_string()), true);
+            ui.add(egui::Label::new(RichText::new(note).small().color(tokens(ui).text_weak)).wrap());
         });
-        let clamps = mixture.sum != mixture.clamped();
-        let far = mixture.clamped().iter().zip(mixture.pixel).any(|(sum, code)| (sum - f64::from(code)).abs() > 2.0);
-        let note = match (clamps, far) {
-            _ if mixture.uses_history => {
-                "These are the samples of the current frame. The rest of the pixel comes from the history of earlier \
-                 frames."
-            }
-            (_, true) => "The upscaler also clamps the result to the range of the nearest samples, or sharpens it.",
-            (true, false) => "The sum was outside 0…255 and was clamped.",
-            (false, false) => "The sum was within 0…255, so it was not clamped.",
-        };
-        ui.add(egui::Label::new(RichText::new(note).small().color(tokens(ui).text_weak)).wrap());
-    });
+    }
 }
 
 /// Formats a count with its noun, which is in the plural unless the count is 1.

@@ -108,7 +108,7 @@ impl MeshPane {
             commands.push(Command::Select(one));
         }
         legend(ui, &painter, rect, session);
-        caption(ui, &painter, rect, session, view, hovered);
+        caption(ui, &painter, rect, caption_text(session, view, hovered));
     }
 }
 
@@ -130,7 +130,7 @@ fn bar(ui: &mut Ui, session: &Session, aspect: f32, commands: &mut Vec<Command>)
             if style != mesh.style {
                 push(MeshViewChange::Style(style));
             }
-            marks_menu(ui, (mesh.culled, mesh.normals), &mut push);
+            marks_menu(ui, mesh.culled, mesh.normals, &mut push);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 if icon_button(ui, Icon::X, "Hide the mesh view  (M)").clicked() {
                     push(MeshViewChange::Toggle);
@@ -159,8 +159,9 @@ fn bar(ui: &mut Ui, session: &Session, aspect: f32, commands: &mut Vec<Command>)
 }
 
 /// Draws the menu of marks: outlines of culled triangles, and normals with their length.
-fn marks_menu(ui: &mut Ui, now: (bool, MeshNormals), push: &mut impl FnMut(MeshViewChange)) {
-    let (mut culled, mut normals) = now;
+fn marks_menu(ui: &mut Ui, culled: bool, normals: MeshNormals, push: &mut impl FnMut(MeshViewChange)) {
+    let (culled_before, normals_before) = (culled, normals);
+    let (mut culled, mut normals) = (culled, normals);
     // The menu holds several checkboxes and a slider, so clicks inside leave it open.
     let config = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     let (button, _) = MenuButton::new("Marks").config(config).ui(ui, |ui| {
@@ -177,10 +178,10 @@ fn marks_menu(ui: &mut Ui, now: (bool, MeshNormals), push: &mut impl FnMut(MeshV
         });
     });
     button.on_hover_text("Outlines of culled triangles, and vertex and face normals");
-    if culled != now.0 {
+    if culled != culled_before {
         push(MeshViewChange::Culled(culled));
     }
-    if normals != now.1 {
+    if normals != normals_before {
         push(MeshViewChange::Normals(normals));
     }
 }
@@ -235,17 +236,10 @@ fn legend(ui: &Ui, painter: &egui::Painter, rect: Rect, session: &Session) {
     }
 }
 
-/// Draws a caption over the picture: the triangle under the pointer, or the selected one, or a hint.
-fn caption(
-    ui: &Ui,
-    painter: &egui::Painter,
-    rect: Rect,
-    session: &Session,
-    view: &RenderedView,
-    hovered: Option<TriangleId>,
-) {
+/// Returns the caption of the picture: the triangle under the pointer, or the selected one, or a hint.
+fn caption_text(session: &Session, view: &RenderedView, hovered: Option<TriangleId>) -> String {
     let selected = session.features.mesh_view.selected(session.pick);
-    let text = match (hovered, selected) {
+    match (hovered, selected) {
         (Some(triangle), _) => format!("Triangle {}: click to select", triangle.0),
         (None, Some(triangle)) => {
             let seen = view.report.as_ref().and_then(|report| report.visible()).is_some_and(|f| f.triangle == triangle);
@@ -253,7 +247,11 @@ fn caption(
             format!("Triangle {}: {where_to}", triangle.0)
         }
         (None, None) => "Drag: orbit, Shift+drag: pan, wheel: dolly, W A S D Q E: fly".to_owned(),
-    };
+    }
+}
+
+/// Draws a caption over the picture.
+fn caption(ui: &Ui, painter: &egui::Painter, rect: Rect, text: String) {
     let font = FontId::proportional(font_size::SMALL);
     let galley = painter.layout(text, font, tokens(ui).text, (rect.width() - 4.0 * space::S).max(40.0));
     let place = Rect::from_min_size(rect.min + Vec2::splat(space::S), galley.size() + vec2(space::S, space::XS));

@@ -26,7 +26,13 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, 
         if let Some(error) = &session.features.messages.error {
             let tint = tokens(ui).error.gamma_multiply(ERROR_TINT);
             ui.painter().rect_filled(ui.max_rect().expand2(theme::space::S * Vec2::X), theme::RADIUS, tint);
-            line(ui, Icon::OctagonAlert, tokens(ui).error, error, Some(Command::Message(Dismissal::Error)), commands);
+            MessageLine {
+                icon: Icon::OctagonAlert,
+                color: tokens(ui).error,
+                text: error,
+                close: Some(Command::Message(Dismissal::Error)),
+            }
+            .ui(ui, commands);
         } else if let Some(path) = &session.features.messages.offered_picture {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             if ui.button("Open in the 2D lab").on_hover_text("Fill and sample the picture in the 2D lab").clicked() {
@@ -36,7 +42,13 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, 
                 commands.push(Command::File(FileCommand::OpenPicture(PictureRole::Tile(1), path.clone())));
             }
             let text = format!("{} is a picture, not a scene", text::clean(&name));
-            line(ui, Icon::Image, tokens(ui).accent, &text, Some(Command::Message(Dismissal::Offer)), commands);
+            MessageLine {
+                icon: Icon::Image,
+                color: tokens(ui).accent,
+                text: &text,
+                close: Some(Command::Message(Dismissal::Offer)),
+            }
+            .ui(ui, commands);
         } else if let Some((path, completed)) = loading {
             ui.spinner();
             if ui.button("Cancel").on_hover_text("Stop loading and keep the current scene").clicked() {
@@ -54,13 +66,15 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, 
         } else if let Some(notice) = &session.features.messages.notice {
             show_notice(ui, notice, commands);
         } else if session.features.lab.open {
-            line(ui, Icon::Lightbulb, tokens(ui).accent, LAB_HINT, None, commands);
+            MessageLine { icon: Icon::Lightbulb, color: tokens(ui).accent, text: LAB_HINT, close: None }
+                .ui(ui, commands);
         } else if let Some(words) = session.features.what_if.unseen_change(&session.state.recipe) {
             let text = format!("{words}.  Press X to show the effect of this change.");
-            line(ui, Icon::Diff, tokens(ui).accent, &text, None, commands);
+            MessageLine { icon: Icon::Diff, color: tokens(ui).accent, text: &text, close: None }.ui(ui, commands);
         } else {
             let (name, help) = (session.shown.name(), session.shown.help());
-            line(ui, Icon::Eye, tokens(ui).text_weak, &format!("{name}: {help}"), None, commands);
+            MessageLine { icon: Icon::Eye, color: tokens(ui).text_weak, text: &format!("{name}: {help}"), close: None }
+                .ui(ui, commands);
         }
     });
 }
@@ -73,7 +87,7 @@ fn show_notice(ui: &mut Ui, notice: &Notice, commands: &mut Vec<Command>) {
                 commands.push(Command::File(FileCommand::OpenFolder(path.clone())));
             }
             let text = format!("Saved {}", path.display());
-            line(ui, Icon::Check, tokens(ui).passed, &text, close, commands);
+            MessageLine { icon: Icon::Check, color: tokens(ui).passed, text: &text, close }.ui(ui, commands);
         }
         Notice::Warnings(count) => {
             if ui.button("Show log").on_hover_text("List all warnings, with file and line").clicked() {
@@ -81,23 +95,36 @@ fn show_notice(ui: &mut Ui, notice: &Notice, commands: &mut Vec<Command>) {
                 commands.push(Command::Message(Dismissal::Notice));
             }
             let text = format!("Opened with {count} {}", if *count == 1 { "warning" } else { "warnings" });
-            line(ui, Icon::TriangleAlert, tokens(ui).warning, &text, close, commands);
+            MessageLine { icon: Icon::TriangleAlert, color: tokens(ui).warning, text: &text, close }.ui(ui, commands);
         }
     }
 }
 
-/// Draws an icon in `color` and the text. If `close` is a command, also draws a close button that runs it.
-fn line(ui: &mut Ui, icon: Icon, color: Color32, text: &str, close: Option<Command>, commands: &mut Vec<Command>) {
-    let (place, _): (Rect, _) = ui.allocate_exact_size(Vec2::splat(theme::ICON_SIZE), Sense::hover());
-    theme::paint_icon(ui.painter(), place.center(), icon, theme::ICON_SIZE, color);
-    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        if let Some(close) = close
-            && icon_button(ui, Icon::X, "Close this message").clicked()
-        {
-            commands.push(close);
-        }
-        ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-            ui.add(Label::new(RichText::new(text).color(tokens(ui).text)).truncate().selectable(true));
+/// A message with an icon.
+struct MessageLine<'a> {
+    icon: Icon,
+    /// Colour of the icon.
+    color: Color32,
+    text: &'a str,
+    /// Command of the close button; `None` if the line has no close button.
+    close: Option<Command>,
+}
+
+impl MessageLine<'_> {
+    /// Draws the line.
+    fn ui(self, ui: &mut Ui, commands: &mut Vec<Command>) {
+        let Self { icon, color, text, close } = self;
+        let (place, _): (Rect, _) = ui.allocate_exact_size(Vec2::splat(theme::ICON_SIZE), Sense::hover());
+        theme::paint_icon(ui.painter(), place.center(), icon, theme::ICON_SIZE, color);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if let Some(close) = close
+                && icon_button(ui, Icon::X, "Close this message").clicked()
+            {
+                commands.push(close);
+            }
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                ui.add(Label::new(RichText::new(text).color(tokens(ui).text)).truncate().selectable(true));
+            });
         });
-    });
+    }
 }

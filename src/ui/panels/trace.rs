@@ -14,7 +14,7 @@ use crate::ui::session::command::Command;
 use crate::ui::session::trace::{TraceChange, TraceView};
 use crate::ui::theme::{Icon, font_size, space, tokens};
 use crate::ui::widgets::{combo, copy_button, empty_state, icon_button};
-use table::{ROW, TraceColumns, explain, headings, table_row};
+use table::{ROW, TraceColumns, TraceTable, explain};
 
 /// Description of the panel.
 pub(crate) const PANEL: PanelSpec = PanelSpec {
@@ -104,7 +104,8 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         current_formula(ui, trace, &session.features.trace);
     }
     let listed = listed(trace, &session.features.trace.filter);
-    headings(ui, &columns);
+    let table = TraceTable { trace, view: &session.features.trace, columns, shown: session.shown };
+    table.headings(ui);
     let stepped_to = row_after_step(ui, &session.features.trace, &listed);
     ui.spacing_mut().item_spacing.y = 0.0;
     ScrollArea::vertical().auto_shrink(false).id_salt("trace").show_rows(ui, ROW, listed.len(), |ui, rows| {
@@ -114,8 +115,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             ui.scroll_to_rect_animation(place, Some(Align::Center), ScrollAnimation::none());
         }
         for row in rows {
-            let place = listed[row];
-            table_row(ui, (trace, place), &session.features.trace, &columns, session.shown, commands);
+            table.row(ui, listed[row], commands);
         }
     });
 }

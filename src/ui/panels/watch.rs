@@ -113,7 +113,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             }
             ui.end_row();
             for (number, pixel) in session.features.watch.pixels.iter().copied().enumerate() {
-                ui.horizontal(|ui| name(ui, session, (number, pixel), commands));
+                ui.horizontal(|ui| name(ui, session, number, pixel, commands));
                 row(ui, session, pixel);
                 remove(ui, pixel, commands);
                 ui.end_row();
@@ -126,7 +126,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 fn blocks(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     for (number, pixel) in session.features.watch.pixels.iter().copied().enumerate() {
         ui.horizontal(|ui| {
-            name(ui, session, (number, pixel), commands);
+            name(ui, session, number, pixel, commands);
             remove(ui, pixel, commands);
         });
         Grid::new(("watch", pixel)).num_columns(2).striped(true).spacing([8.0, 2.0]).show(ui, |ui| {
@@ -150,7 +150,7 @@ fn heading(ui: &mut Ui, name: &str, help: &str) {
 }
 
 /// Draws the number, the position and the colour of a watched pixel.
-fn name(ui: &mut Ui, session: &Session, (number, (x, y)): (usize, (u32, u32)), commands: &mut Vec<Command>) {
+fn name(ui: &mut Ui, session: &Session, number: usize, (x, y): (u32, u32), commands: &mut Vec<Command>) {
     ui.label(RichText::new((number + 1).to_string()).monospace().color(tokens(ui).warning));
     let picked = session.pick == Some((x, y));
     let pixel = ui.add(Button::selectable(picked, RichText::new(format!("{x}, {y}")).monospace()));

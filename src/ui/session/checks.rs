@@ -11,6 +11,7 @@ use eframe::egui::Context;
 use super::{Session, Severity};
 use crate::chain::Frame;
 use crate::inspect::assertions::{Assertion, AssertionReport, Violation, check};
+use crate::inspect::control::TaskControl;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::engine::RenderedView;
 use crate::ui::session::feature::Feature;
@@ -108,17 +109,17 @@ impl Runner {
         let Some(view) = wanted.cloned() else { return };
         session.features.checks.wanted = false;
         if waits {
-            if let Some(report) = checked(&view, &|_| {}, &AtomicBool::new(false)) {
+            if let Some(report) = checked(&view, TaskControl::quiet()) {
                 found(session, report, view.frame);
             }
             return;
         }
         (session.features.checks.progress, session.features.checks.cancelled) = (Some(0.0), false);
         let frame = view.frame.clone();
-        self.running = Some((
-            BackgroundTask::start(context.clone(), move |report_progress, stop| checked(&view, report_progress, stop)),
-            frame,
-        ));
+        let work = move |progress: &(dyn Fn(f32) + Sync), cancel: &AtomicBool| {
+            checked(&view, TaskControl { progress, cancel })
+        };
+        self.running = Some((BackgroundTask::start(context.clone(), work), frame));
     }
 
     fn listen(&mut self, session: &mut Session) {
@@ -138,8 +139,8 @@ impl Runner {
 }
 
 /// Checks all assertions on the frame of `view`. Returns `None` if cancelled.
-fn checked(view: &RenderedView, report_progress: &dyn Fn(f32), stop: &AtomicBool) -> Option<AssertionReport> {
-    check(&view.request.scene, &view.request.recipe, &view.frame, Assertion::ALL, report_progress, stop)
+fn checked(view: &RenderedView, control: TaskControl<'_>) -> Option<AssertionReport> {
+    check(&view.request.scene, &view.request.recipe, &view.frame, Assertion::ALL, control)
 }
 
 /// Stores a report. If it contains a violation, stops checking and picks the pixel of the first violation.

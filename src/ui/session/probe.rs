@@ -2,6 +2,7 @@
 //! its result.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use eframe::egui::Context;
 
@@ -9,6 +10,7 @@ use super::{PictureSize, Session, Severity};
 use crate::case::MinimalCase;
 use crate::image::{Image, Rgba8};
 use crate::inspect::Buffer;
+use crate::inspect::control::TaskControl;
 use crate::inspect::probe::{self, Fragile, Heat, Probe, ProbeResult, ProbedView};
 use crate::ui::engine::{RenderedView, Request, Shown};
 use crate::ui::session::feature::Feature;
@@ -106,8 +108,7 @@ pub(crate) fn listen(session: &mut Session) {
 /// Runs the probe synchronously, for screenshots.
 pub(crate) fn probe_now(session: &mut Session) {
     let subject = subject_of(&session.request());
-    let never = std::sync::atomic::AtomicBool::new(false);
-    if let Some(found) = probe::run(&subject, session.features.probing.probe, &|_| {}, &never) {
+    if let Some(found) = probe::run(&subject, session.features.probing.probe, TaskControl::quiet()) {
         session.features.probing.set_result(found);
     }
 }
@@ -116,8 +117,8 @@ pub(crate) fn probe_now(session: &mut Session) {
 pub(crate) fn start(session: &mut Session, context: &Context) {
     let (subject, probe) = (subject_of(&session.request()), session.features.probing.probe);
     session.features.probing.progress = Some(0.0);
-    let work = BackgroundTask::start(context.clone(), move |report_progress: &(dyn Fn(f32) + Sync), stop| {
-        probe::run(&subject, probe, &|share| report_progress(share), stop)
+    let work = BackgroundTask::start(context.clone(), move |progress: &(dyn Fn(f32) + Sync), cancel: &AtomicBool| {
+        probe::run(&subject, probe, TaskControl { progress, cancel })
     });
     session.features.probing.task = Some(work);
 }

@@ -131,12 +131,12 @@ fn check(scene: &Scene, outline: &[Vec3], avoided: &[Vec3], settings: &[&str]) -
         assert_eq!(count < fault.due.len(), fault.kind == FaultKind::Crack, "{fault:?}");
         assert!(fault.junction.is_some(), "{fault:?}");
     }
-    alone(scene, &recipe, &frame, (&seams, &hits));
+    alone(scene, &recipe, &frame, &seams, &hits);
     [cracks.len(), doubles.len()]
 }
 
 /// Checks that pixels with faults, and pixels beside them, get the same result when they are examined alone.
-fn alone(scene: &Scene, recipe: &Recipe, frame: &Frame, (seams, hits): (&Seams, &Hits)) {
+fn alone(scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seams, hits: &Hits) {
     let mut survey = Survey::of(scene, recipe, frame);
     survey.set_seams(std::sync::Arc::new(seams.clone()));
     for (x, y) in hits.faults.iter().take(3).flat_map(|fault| [(fault.x, fault.y), (fault.x, fault.y + 1)]) {

@@ -13,12 +13,11 @@ mod junctions;
 
 mod watch;
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use serde::Serialize;
 
 use self::watch::AssertionObserver;
 use crate::chain::{Frame, Recipe};
+use crate::inspect::control::TaskControl;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::pixel_box::box_around;
 use crate::pipeline::raster::Scissor;
@@ -103,15 +102,14 @@ const PIXELS_AT_ONCE: u64 = 1 << 20;
 /// Number of rows drawn between two checks of the stop flag if fragments are sorted by depth.
 const ROWS_AT_ONCE: usize = 32;
 
-/// Checks assertions on every fragment of a frame, sampled at the centre of each drawn pixel. Calls `report_progress`
-/// with the progress, in [0, 1]. Returns `None` once `stop` is set.
+/// Checks assertions on every fragment of a frame, sampled at the centre of each drawn pixel. Returns `None` if
+/// cancelled.
 ///
 /// # Examples
 /// ```
-/// use std::sync::atomic::AtomicBool;
-///
 /// use rasterscope_engine::chain::{Recipe, run};
 /// use rasterscope_engine::inspect::assertions::{Assertion, check};
+/// use rasterscope_engine::inspect::control::TaskControl;
 /// # use rasterscope_engine::pipeline::viewport::Viewport;
 /// # use rasterscope_engine::scene::builtin;
 ///
@@ -122,8 +120,7 @@ const ROWS_AT_ONCE: usize = 32;
 /// let frame = run(&scene, &scene.home, &recipe, viewport, &mut ());
 ///
 /// // The inclusive fill rule draws samples on shared edges twice.
-/// let stop = AtomicBool::new(false);
-/// let report = check(&scene, &recipe, &frame, &[Assertion::Owner], &|_| {}, &stop).unwrap();
+/// let report = check(&scene, &recipe, &frame, &[Assertion::Owner], TaskControl::quiet()).unwrap();
 /// let (assertion, violation) = report.first_violation().unwrap();
 /// assert_eq!(assertion, Assertion::Owner);
 /// assert!(violation.x < 64 && violation.y < 40);
@@ -134,8 +131,7 @@ pub fn check(
     recipe: &Recipe,
     frame: &Frame,
     wanted: &[Assertion],
-    report_progress: &dyn Fn(f32),
-    stop: &AtomicBool,
+    control: TaskControl<'_>,
 ) -> Option<AssertionReport> {
     let (raster, settings, geometry) = (frame.raster, &recipe.pipeline, frame.geometry());
     let grid = frame.sampling.grid();
@@ -145,10 +141,8 @@ pub fn check(
     let sorted_from = geometry.sorted_from(settings);
     let mut next = 0;
     while next < count {
-        if stop.load(Ordering::Relaxed) {
-            return None;
-        }
-        report_progress(next as f32 / count as f32);
+        control.check()?;
+        (control.progress)(next as f32 / count as f32);
         let whole = Scissor::full(raster.width, raster.height);
         if next < sorted_from {
             let end = next + drawn_at_once(&geometry.triangles[next..sorted_from], raster);
@@ -161,10 +155,8 @@ pub fn check(
         // Depth-sorted fragments cannot be drawn in batches of triangles, but rows are independent of each other.
         for top in (0..raster.height).step_by(ROWS_AT_ONCE) {
             let drawn = f64::from(top) / f64::from(raster.height) * (count - next) as f64;
-            report_progress((next as f64 + drawn) as f32 / count as f32);
-            if stop.load(Ordering::Relaxed) {
-                return None;
-            }
+            (control.progress)((next as f64 + drawn) as f32 / count as f32);
+            control.check()?;
             let scissor = Scissor { top, bottom: (top + ROWS_AT_ONCE as u32).min(raster.height), ..whole };
             let extent = Extent { triangles: next..count, scissor };
             DrawCall::new(scene, geometry, settings, &extent).draw(&mut framebuffer, &mut watch);
@@ -173,7 +165,7 @@ pub fn check(
     }
     let mut report = watch.report();
     if let Some(finding) = report.findings.iter_mut().find(|finding| finding.assertion == Assertion::Junctions) {
-        *finding = junctions::check(scene, recipe, frame, &Seams::find(scene, stop)?);
+        *finding = junctions::check(scene, recipe, frame, &Seams::find(scene, control.cancel)?);
     }
     Some(report)
 }

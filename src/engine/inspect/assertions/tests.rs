@@ -1,3 +1,6 @@
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use super::*;
 use glam::{Mat4, Vec3};
 
@@ -14,7 +17,7 @@ fn report(id: &str, settings: &[&str]) -> AssertionReport {
     let mut recipe = Recipe::default();
     recipe.set_all(settings).unwrap();
     let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
-    check(&scene, &recipe, &frame, Assertion::ALL, &|_| {}, &AtomicBool::new(false)).unwrap()
+    check(&scene, &recipe, &frame, Assertion::ALL, TaskControl::quiet()).unwrap()
 }
 
 #[test]
@@ -86,7 +89,7 @@ fn t_junctions_in_the_picture_are_counted_and_the_first_open_pixel_is_reported()
     let recipe = Recipe::default();
     let found = |scene: &Scene, width: u32| {
         let frame = run(scene, &scene.home, &recipe, Viewport { width, height: 100 }, &mut ());
-        let found = check(scene, &recipe, &frame, &[Assertion::Junctions], &|_| {}, &AtomicBool::new(false));
+        let found = check(scene, &recipe, &frame, &[Assertion::Junctions], TaskControl::quiet());
         let hits = Hits::of(&frame, &recipe.pipeline).with_seams(scene, &recipe, &frame, &Seams::of(scene));
         (found.unwrap().findings.remove(0), hits.faults)
     };
@@ -118,8 +121,9 @@ fn only_requested_assertions_are_checked_and_the_check_can_be_stopped() {
     let scene = builtin::by_id("triangle").unwrap().build();
     let recipe = Recipe::default();
     let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
-    let check =
-        |wanted: &[Assertion], stop: bool| check(&scene, &recipe, &frame, wanted, &|_| {}, &AtomicBool::new(stop));
+    let check = |wanted: &[Assertion], stop: bool| {
+        check(&scene, &recipe, &frame, wanted, TaskControl { cancel: &AtomicBool::new(stop), ..TaskControl::quiet() })
+    };
     let found = check(&[Assertion::Finite], false).unwrap();
     assert_eq!(found.findings.len(), 1);
     let covered = (0..VIEW.width * VIEW.height)
@@ -155,9 +159,10 @@ fn blended_triangles_are_checked_in_rows_and_stopped_between_them() {
     let mut recipe = Recipe::default();
     recipe.set_all(&["blending.order=exact".to_owned()]).unwrap();
     let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
-    let (shares, stop) = (std::cell::RefCell::new(Vec::new()), AtomicBool::new(false));
-    check(&scene, &recipe, &frame, Assertion::ALL, &|share| shares.borrow_mut().push(share), &stop).unwrap();
-    let shares = shares.into_inner();
+    let (shares, stop) = (Mutex::new(Vec::new()), AtomicBool::new(false));
+    let record = |share| shares.lock().unwrap().push(share);
+    check(&scene, &recipe, &frame, Assertion::ALL, TaskControl { progress: &record, cancel: &stop }).unwrap();
+    let shares = shares.into_inner().unwrap();
     assert!(shares.is_sorted(), "{shares:?}");
     let last = shares[shares.len() - 1];
     // Stopping before the last rows gives no report.
@@ -167,5 +172,6 @@ fn blended_triangles_are_checked_in_rows_and_stopped_between_them() {
     };
     let rows = VIEW.height.div_ceil(ROWS_AT_ONCE as u32) as usize;
     assert!(rows > 1 && shares.len() > rows, "{shares:?}");
-    assert_eq!(check(&scene, &recipe, &frame, Assertion::ALL, &report_progress, &stop), None);
+    let control = TaskControl { progress: &report_progress, cancel: &stop };
+    assert_eq!(check(&scene, &recipe, &frame, Assertion::ALL, control), None);
 }

@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use glam::{DVec2, Vec3, Vec4};
+use glam::{DMat4, DVec2, Vec3, Vec4};
 use rayon::prelude::*;
 
 use super::clipped::{Meeting, meeting};
@@ -18,7 +18,7 @@ use crate::pipeline::clip::{clip, guard_band_widening};
 use crate::pipeline::clip_space::{ClipPlane, ClipVertex};
 use crate::pipeline::cull::{Facing, cull, facing};
 use crate::pipeline::observe::{Fate, Observer};
-use crate::pipeline::plan::{PipelinePart, culling};
+use crate::pipeline::plan::{DrawPlan, PipelinePart, culling};
 use crate::pipeline::raster::{SampleArea, Scissor, Span, doubled_area};
 use crate::pipeline::settings::{Choice as _, Culling, Settings};
 use crate::pipeline::vertex::DrawMatrices;
@@ -81,11 +81,18 @@ struct CrossingTriangle {
     corners: [Vec4; 3],
 }
 
-/// One draw of a frame whose triangles are surveyed.
-struct SurveyedDraw<'a> {
+/// View of a frame whose triangles are surveyed.
+struct SurveyedView<'a> {
     settings: &'a Settings,
     raster: Viewport,
+    /// Factor by which the guard band is wider than the picture.
     widening: f32,
+    clip_from_world: DMat4,
+}
+
+/// One draw of a frame whose triangles are surveyed.
+struct SurveyedDraw<'a> {
+    view: &'a SurveyedView<'a>,
     instance: u32,
     first: TriangleId,
     triangles: &'a [[u32; 3]],
@@ -98,26 +105,17 @@ struct SurveyedDraw<'a> {
 }
 
 impl<'a> SurveyedDraw<'a> {
-    fn new(
-        scene: &'a Scene,
-        recipe: &'a Recipe,
-        frame: &Frame,
-        camera: &Camera,
-        index: usize,
-        first: TriangleId,
-    ) -> Self {
-        let (settings, raster) = (&recipe.pipeline, frame.raster);
-        let (instance, plan) = (&scene.instances[index], &frame.plans[index]);
+    /// Transforms the vertices of the instance with this index, whose first triangle in the scene is `first`.
+    fn new(view: &'a SurveyedView<'a>, scene: &'a Scene, plan: &DrawPlan, index: usize, first: TriangleId) -> Self {
+        let instance = &scene.instances[index];
         let mesh = scene.library.mesh(instance.mesh);
-        let matrices =
-            DrawMatrices::new(instance, camera.clip_from_world_f64(raster.aspect(), settings.depth_format.mapping()));
+        let matrices = DrawMatrices::new(instance, view.clip_from_world);
         let vertex = |p: &Vec3| ClipVertex::at(matrices.clip_from_model * p.extend(1.0));
         let vertices: Vec<_> = mesh.positions.par_iter().with_min_len(CHUNK).map(vertex).collect();
-        let positions_px = vertices.par_iter().with_min_len(CHUNK).map(|vertex| position_px(raster, vertex)).collect();
+        let positions_px =
+            vertices.par_iter().with_min_len(CHUNK).map(|vertex| position_px(view.raster, vertex)).collect();
         Self {
-            settings,
-            raster,
-            widening: guard_band_widening(raster.width, raster.height),
+            view,
             instance: index as u32,
             first,
             triangles: &mesh.triangles,
@@ -169,14 +167,17 @@ impl<'a> SurveyedDraw<'a> {
         not_finite: &mut Vec<(TriangleId, u32)>,
     ) -> Vec<[[f32; 2]; 3]> {
         let mut not_finite = NotFinite { found: not_finite, instance: self.instance };
-        let pieces = clip(whole, &[[0, 1, 2]], id, self.widening, &mut not_finite);
-        pieces.iter().map(|piece| piece.vertices.each_ref().map(|corner| position_px(self.raster, corner))).collect()
+        let pieces = clip(whole, &[[0, 1, 2]], id, self.view.widening, &mut not_finite);
+        pieces
+            .iter()
+            .map(|piece| piece.vertices.each_ref().map(|corner| position_px(self.view.raster, corner)))
+            .collect()
     }
 
     /// Adds the pieces of one triangle to the rasterized or the dropped triangles, each with its cause.
     fn take_pieces(&self, pieces: &[[[f32; 2]; 3]], id: TriangleId, found: &mut SurveyedTriangles) {
         let causes = pieces.iter().map(|corners_px| {
-            let (area, _) = doubled_area(self.settings.arithmetic, *corners_px);
+            let (area, _) = doubled_area(self.view.settings.arithmetic, *corners_px);
             match cull(area, self.culling) {
                 None => Cause::NotDrawnYet,
                 Some(Fate::BackFacing) => Cause::BackFacing,
@@ -204,12 +205,18 @@ fn position_px(raster: Viewport, vertex: &ClipVertex) -> [f32; 2] {
 impl Survey {
     /// Surveys the triangles of `frame`, which was drawn from `scene` with `recipe`.
     pub fn of(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Self {
-        let camera = frame.drawn_from(recipe);
+        let (camera, settings, raster) = (frame.drawn_from(recipe), &recipe.pipeline, frame.raster);
+        let view = SurveyedView {
+            settings,
+            raster,
+            widening: guard_band_widening(raster.width, raster.height),
+            clip_from_world: camera.clip_from_world_f64(raster.aspect(), settings.depth_format.mapping()),
+        };
         let mut triangles = SurveyedTriangles::default();
         for (index, first) in scene.first_triangles().into_iter().enumerate() {
-            triangles.append(SurveyedDraw::new(scene, recipe, frame, &camera, index, first).survey());
+            triangles.append(SurveyedDraw::new(&view, scene, &frame.plans[index], index, first).survey());
         }
-        Self { triangles, camera, raster: frame.raster, seams: None }
+        Self { triangles, camera, raster, seams: None }
     }
 
     /// Whether the survey is also valid for another frame of the same recipe and scene. Camera and size must match, but

@@ -13,10 +13,11 @@ use std::ops::Range;
 use glam::{DMat2, DVec2};
 use rayon::prelude::*;
 
-use super::control::{OutlineControl, ParallelStep};
 use super::crossing::{BoundaryPoint, Surfaces};
+use super::parallel_step::ParallelStep;
 use super::visible::{RegionId, StackId};
 use crate::drawing::PartitionRegion;
+use crate::inspect::control::TaskControl;
 
 /// Maximum distance by which simplification may move a boundary, in px.
 const STRAIGHT_PX: f64 = 0.01;
@@ -50,7 +51,7 @@ struct BoundaryVertices {
 
 impl BoundaryVertices {
     /// Finds the vertices of all cells; `None` if cancelled.
-    fn find(surfaces: &Surfaces<'_>, control: OutlineControl<'_>) -> Option<Self> {
+    fn find(surfaces: &Surfaces<'_>, control: TaskControl<'_>) -> Option<Self> {
         let height = surfaces.visibility.height;
         let step = ParallelStep::new(control, VERTICES_PERCENT, height as usize + 1);
         let rows: Vec<Vec<BoundaryVertex>> = (0..=height)
@@ -79,7 +80,7 @@ impl BoundaryVertices {
 pub(super) fn partition(
     surfaces: &Surfaces<'_>,
     samples_per_px: u32,
-    control: OutlineControl<'_>,
+    control: TaskControl<'_>,
 ) -> Option<Vec<PartitionRegion>> {
     let per_px = f64::from(samples_per_px);
     let vertices = BoundaryVertices::find(surfaces, control)?;
@@ -235,7 +236,7 @@ impl SampleSide {
 impl Outlines<'_> {
     /// Returns all closed boundaries as vertex indices, each with the region inside. Boundaries that simplification
     /// reduces to fewer than three vertices are omitted. Returns `None` if cancelled.
-    fn all(&mut self, control: OutlineControl<'_>) -> Option<Vec<(RegionId, Vec<usize>)>> {
+    fn all(&mut self, control: TaskControl<'_>) -> Option<Vec<(RegionId, Vec<usize>)>> {
         let visibility = self.surfaces.visibility;
         let (width, height) = (visibility.width, visibility.height);
         let mut boundaries = Vec::new();

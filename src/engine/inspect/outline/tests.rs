@@ -16,7 +16,7 @@ const SIZE: Viewport = Viewport { width: 200, height: 150 };
 
 /// Draws a view as vector shapes, without progress reports or cancellation.
 fn outline(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, viewport: Viewport, kind: OutlineKind) -> Drawing {
-    let control = OutlineControl { progress: &|_| {}, cancel: &AtomicBool::new(false) };
+    let control = TaskControl::quiet();
     super::outline(&OutlineRequest { scene, camera, recipe, viewport, kind }, control).unwrap()
 }
 
@@ -33,8 +33,7 @@ fn progress_ends_at_one_and_cancelling_takes_effect_at_the_next_report() {
             reports.lock().unwrap().push(share);
             cancel.fetch_or(cancelled_at.is_some_and(|at| share >= at), Ordering::Relaxed);
         };
-        let drawing =
-            single.install(|| super::outline(&request, OutlineControl { progress: &progress, cancel: &cancel }));
+        let drawing = single.install(|| super::outline(&request, TaskControl { progress: &progress, cancel: &cancel }));
         let reports = reports.into_inner().unwrap();
         assert!(reports.is_sorted(), "{reports:?}");
         assert_eq!(drawing.is_none(), cancelled_at.is_some());

@@ -5,9 +5,10 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::control::{OutlineControl, ParallelStep};
+use super::parallel_step::ParallelStep;
 use crate::drawing::Rgb;
 use crate::image::Rgba8;
+use crate::inspect::control::TaskControl;
 use crate::pipeline::area::DrawnArea;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::interpolate::Fragment;
@@ -96,7 +97,7 @@ impl Visibility {
         geometry: &Geometry,
         settings: &Settings,
         size: Viewport,
-        control: OutlineControl<'_>,
+        control: TaskControl<'_>,
     ) -> Option<Self> {
         let firsts: Vec<u32> = (0..size.height).step_by(ROWS as usize).collect();
         let step = ParallelStep::new(control, VISIBILITY_PERCENT, firsts.len());
@@ -104,7 +105,7 @@ impl Visibility {
             .into_par_iter()
             .map(|first| {
                 let rows = first..size.height.min(first + ROWS);
-                let band = RowBand::draw(scene, geometry, settings, (size, rows));
+                let band = RowBand::draw(scene, geometry, settings, size, rows);
                 step.advance().map(|()| band)
             })
             .collect::<Option<_>>()?;
@@ -188,7 +189,7 @@ struct RowBand {
 }
 
 impl RowBand {
-    fn draw(scene: &Scene, geometry: &Geometry, settings: &Settings, (size, rows): (Viewport, Range<u32>)) -> Self {
+    fn draw(scene: &Scene, geometry: &Geometry, settings: &Settings, size: Viewport, rows: Range<u32>) -> Self {
         let Viewport { width, height } = size;
         let scissor = Scissor { top: rows.start, bottom: rows.end, ..Scissor::full(width, height) };
         let extent = Extent { triangles: 0..geometry.triangles.len(), scissor };

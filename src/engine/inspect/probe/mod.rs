@@ -16,13 +16,13 @@ mod heat;
 mod jitter;
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::image::{Image, Rgba8, png_text};
+use crate::inspect::control::TaskControl;
 use crate::measure::shard::Shard;
 use crate::pipeline::prepare;
 use crate::pipeline::raster::SampleArea;
@@ -153,36 +153,23 @@ fn covers(triangle: &ScreenTriangle, settings: &Settings, pixel: (u32, u32)) -> 
     !spans.is_empty()
 }
 
-/// Probes a view on the threads of the current rayon pool. Calls `report_progress` with the progress in [0, 1]. Returns
-/// `None` once `stop` is set. Equal probes of equal views give equal results on any number of threads.
-pub fn run(
-    subject: &ProbedView,
-    probe: Probe,
-    report_progress: &dyn Fn(f32),
-    stop: &AtomicBool,
-) -> Option<ProbeResult> {
-    let counts = count(subject, probe, Shard::WHOLE, report_progress, stop)?;
+/// Probes a view on the threads of the current rayon pool. Returns `None` if cancelled. Equal probes of equal views give
+/// equal results on any number of threads.
+pub fn run(subject: &ProbedView, probe: Probe, control: TaskControl<'_>) -> Option<ProbeResult> {
+    let counts = count(subject, probe, Shard::WHOLE, control)?;
     let picture = draw::draw_still(subject).color;
     Some(ProbeResult { subject: subject.clone(), findings: ProbeFindings::new(probe, picture, &counts) })
 }
 
 /// Counts the changes of the runs that belong to a shard, as [`run`] does for all runs.
-pub fn count(
-    subject: &ProbedView,
-    probe: Probe,
-    shard: Shard,
-    report_progress: &dyn Fn(f32),
-    stop: &AtomicBool,
-) -> Option<ProbeCounts> {
+pub fn count(subject: &ProbedView, probe: Probe, shard: Shard, control: TaskControl<'_>) -> Option<ProbeCounts> {
     let still = draw::draw_still(subject);
     let mut counts = ProbeCounts::new(still.depth.is_some());
     let at_once = rayon::current_num_threads().max(1);
     let runs: Vec<u16> = (0..probe.runs).filter(|run| shard.owns((*run).into())).collect();
     for (index, batch) in runs.chunks(at_once).enumerate() {
-        if stop.load(Ordering::Relaxed) {
-            return None;
-        }
-        report_progress((index * at_once) as f32 / runs.len() as f32);
+        control.check()?;
+        (control.progress)((index * at_once) as f32 / runs.len() as f32);
         let drawn: Vec<_> = batch.par_iter().map(|run| draw::jittered(subject, probe, *run)).collect();
         drawn.iter().for_each(|drawn| counts.add(&still, drawn));
     }

@@ -1,3 +1,5 @@
+use std::sync::atomic::AtomicBool;
+
 use super::*;
 use crate::pipeline::settings::DepthTest;
 use crate::scene::{TriangleId, builtin};
@@ -10,7 +12,7 @@ fn subject(id: &str) -> ProbedView {
 }
 
 fn found(subject: &ProbedView, probe: Probe) -> ProbeFindings {
-    run(subject, probe, &|_| {}, &AtomicBool::new(false)).unwrap().findings
+    run(subject, probe, TaskControl::quiet()).unwrap().findings
 }
 
 const FEW: Probe = Probe { what: JitterTarget::Camera, ulps: 32, runs: 8, seed: 7 };
@@ -58,7 +60,7 @@ fn equal_seeds_give_equal_results_on_any_number_of_threads() {
 
 #[test]
 fn the_ranking_adds_up_and_names_pixels_that_changed() {
-    let whole = run(&subject("z-fighting"), FEW, &|_| {}, &AtomicBool::new(false)).unwrap();
+    let whole = run(&subject("z-fighting"), FEW, TaskControl::quiet()).unwrap();
     let result = &whole.findings;
     assert!(result.ranking.is_sorted_by(|a, b| a.changes >= b.changes));
     // Each change of owner counts for both triangles, or for one triangle if the other side is the background.
@@ -89,7 +91,10 @@ fn the_heat_map_is_dark_exactly_where_nothing_changed() {
 
 #[test]
 fn a_cancelled_probe_finds_nothing() {
-    assert!(run(&subject("triangle"), FEW, &|_| {}, &AtomicBool::new(true)).is_none());
+    assert!(
+        run(&subject("triangle"), FEW, TaskControl { cancel: &AtomicBool::new(true), ..TaskControl::quiet() })
+            .is_none()
+    );
 }
 
 #[test]

@@ -17,7 +17,7 @@ pub use timeline::Timeline;
 pub use timeline::Unit;
 pub(crate) use touches::Touch;
 pub use touches::TouchPrecision;
-pub use touches::touches;
+pub use touches::TouchedDrawing;
 
 use std::sync::Arc;
 
@@ -26,9 +26,7 @@ use serde::Serialize;
 use crate::chain::{Frame, Recipe, prepare_again};
 use crate::pipeline::area::DrawnArea;
 use crate::pipeline::framebuffer::Framebuffer;
-use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::raster::{Scissor, Span};
-use crate::pipeline::viewport::Viewport;
 use crate::pipeline::{DrawCall, Extent, Geometry, partial};
 use crate::scene::Scene;
 use checkpoints::Checkpoints;
@@ -65,8 +63,8 @@ pub struct Scrubber {
     recipe: Recipe,
     /// All rasterized triangles of the frame.
     geometry: Geometry,
-    grid: SampleGrid,
-    raster: Viewport,
+    /// Pixels that are drawn.
+    area: DrawnArea,
     checkpoints: Checkpoints,
     /// Framebuffer after `completed_triangles` triangles.
     framebuffer: Framebuffer,
@@ -78,7 +76,7 @@ impl Scrubber {
     /// Checkpoints take at most `budget` bytes, or the size of two framebuffers if that is larger.
     pub fn new(scene: &Arc<Scene>, recipe: &Recipe, frame: &Frame, budget: usize) -> Self {
         let geometry = prepare_again(scene, recipe, frame, &mut ());
-        let (grid, raster) = (frame.sampling.grid(), frame.raster);
+        let area @ DrawnArea { grid, raster } = frame.drawn_area();
         let mut framebuffer = Framebuffer::new(grid, raster.width, raster.height, scene.background, &recipe.pipeline);
         framebuffer.depth_scale = geometry.depth_scale;
         Self {
@@ -86,8 +84,7 @@ impl Scrubber {
             scene: Arc::clone(scene),
             recipe: *recipe,
             geometry,
-            grid,
-            raster,
+            area,
             framebuffer,
             completed_triangles: 0,
         }
@@ -96,6 +93,12 @@ impl Scrubber {
     /// Returns all rasterized triangles of the frame, in drawing order.
     pub fn geometry(&self) -> &Geometry {
         &self.geometry
+    }
+
+    /// Returns the drawing of the whole frame.
+    pub fn drawing(&self) -> TouchedDrawing<'_> {
+        let Self { scene, recipe, geometry, area, .. } = self;
+        TouchedDrawing { scene, recipe, geometry, area: *area }
     }
 
     /// Draws the frame as it was at a playback position. Positions past the end give the complete frame.
@@ -112,7 +115,7 @@ impl Scrubber {
         };
         self.seek(triangles - 1);
         let mut drawn = self.framebuffer.clone();
-        let scissor = Scissor::full(self.raster.width, self.raster.height);
+        let scissor = Scissor::full(self.area.raster.width, self.area.raster.height);
         let extent = Extent { triangles: triangles - 1..triangles, scissor };
         DrawCall::new(&self.scene, &self.geometry, &self.recipe.pipeline, &extent).draw_samples(&samples, &mut drawn);
         drawn
@@ -124,7 +127,7 @@ impl Scrubber {
         self.seek(first);
         let mut drawn = self.framebuffer.clone();
         let geometry = self.geometry_at(moment);
-        let scissor = Scissor::full(self.raster.width, self.raster.height);
+        let scissor = Scissor::full(self.area.raster.width, self.area.raster.height);
         let extent = Extent { triangles: first..geometry.triangles.len(), scissor };
         DrawCall::new(&self.scene, &geometry, &self.recipe.pipeline, &extent).draw(&mut drawn, &mut ());
         drawn
@@ -166,8 +169,7 @@ impl Scrubber {
 
     fn samples_of(&self, place: usize) -> Vec<Span> {
         let triangle = self.geometry.triangles.get(place);
-        let area = DrawnArea { grid: self.grid, raster: self.raster };
-        triangle.map_or_else(Vec::new, |t| partial::samples_of(t, &self.recipe.pipeline, area))
+        triangle.map_or_else(Vec::new, |t| partial::samples_of(t, &self.recipe.pipeline, self.area))
     }
 
     /// Returns the drawn samples of the last triangle at a playback position; `None` if all of its samples are drawn.
@@ -184,7 +186,7 @@ impl Scrubber {
         }
         while self.completed_triangles < triangles {
             let end = self.checkpoints.next_after(self.completed_triangles).min(triangles);
-            let scissor = Scissor::full(self.raster.width, self.raster.height);
+            let scissor = Scissor::full(self.area.raster.width, self.area.raster.height);
             let extent = Extent { triangles: self.completed_triangles..end, scissor };
             let call = DrawCall::new(&self.scene, &self.geometry, &self.recipe.pipeline, &extent);
             call.draw(&mut self.framebuffer, &mut ());

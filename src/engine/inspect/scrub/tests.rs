@@ -119,9 +119,9 @@ fn each_touch_adds_one_fragment_to_the_replay() {
     let recipe = Recipe::default();
     let frame = run(&scene, &scene.home, &recipe, SIZE, &mut ());
     let scrubber = Scrubber::new(&scene, &recipe, &frame, BUDGET);
-    let area = (frame.sampling.grid(), frame.raster);
+    let whole = scrubber.drawing();
     for pixel in [(26, 18), (20, 20), (10, 30), (40, 12)] {
-        let found = touches(&scene, &recipe, scrubber.geometry(), area, pixel, TouchPrecision::Fragments);
+        let found = whole.touches(pixel, TouchPrecision::Fragments);
         let report = inspect(&scene, &recipe, &frame, pixel.0, pixel.1).unwrap();
         let expected: Vec<_> =
             report.fragments.iter().map(|f| (f.triangle, f.submission + 1, f.shading.is_some())).collect();
@@ -132,11 +132,8 @@ fn each_touch_adds_one_fragment_to_the_replay() {
             for (fragments, expected) in [(fragments - 1, count), (fragments, count + 1)] {
                 let moment = Moment { fragments: Some(fragments), ..touch.moment };
                 let geometry = scrubber.geometry_at(moment);
-                assert_eq!(
-                    touches(&scene, &recipe, &geometry, area, pixel, TouchPrecision::Fragments).len(),
-                    expected,
-                    "{moment:?}"
-                );
+                let drawing = TouchedDrawing { geometry: &geometry, ..whole };
+                assert_eq!(drawing.touches(pixel, TouchPrecision::Fragments).len(), expected, "{moment:?}");
             }
         }
     }

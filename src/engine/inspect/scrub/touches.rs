@@ -1,16 +1,14 @@
 //! Playback positions at which a triangle has a fragment at a given pixel.
 
 use super::Moment;
-use crate::chain::Recipe;
+use crate::chain::{Frame, Recipe};
 use crate::image::Rgba8;
 use crate::pipeline::area::DrawnArea;
 use crate::pipeline::framebuffer::Framebuffer;
-use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::interpolate::Fragment;
 use crate::pipeline::observe::Observer;
 use crate::pipeline::raster::{RasterSample, Scissor};
 use crate::pipeline::screen_triangle::ScreenTriangle;
-use crate::pipeline::viewport::Viewport;
 use crate::pipeline::{DrawCall, Extent, Geometry, partial};
 use crate::scene::{Scene, TriangleId};
 
@@ -38,35 +36,49 @@ pub struct Touch {
     pub written: bool,
 }
 
-/// Returns every fragment at a drawn pixel, in order of submission; empty if the pixel is not drawn.
-pub fn touches(
-    scene: &Scene,
-    recipe: &Recipe,
-    geometry: &Geometry,
-    (grid, raster): (SampleGrid, Viewport),
-    (x, y): (u32, u32),
-    count: TouchPrecision,
-) -> Vec<Touch> {
-    let Some(sample) = grid.sample_at(x, y) else { return Vec::new() };
-    let settings = &recipe.pipeline;
-    let mut one = Framebuffer::one_sample(grid, sample, scene.background, settings);
-    let extent = Extent { triangles: 0..geometry.triangles.len(), scissor: Scissor::pixel(x, y) };
-    let mut watch = TouchObserver { geometry, touches: Vec::new() };
-    DrawCall::new(scene, geometry, settings, &extent).draw(&mut one, &mut watch);
-    let mut touches = watch.touches;
-    // Depth-sorted fragments are not drawn in the order of their triangles.
-    touches.sort_by_key(|touch| touch.moment.key());
-    let mut counted = 0;
-    for touch in &mut touches {
-        let Some(triangle) = geometry.triangles.get(touch.moment.triangles - 1) else { continue };
-        if count == TouchPrecision::Triangles || counted > MAX_FRAGMENTS {
-            break;
-        }
-        let samples = partial::samples_of(triangle, settings, DrawnArea { grid, raster });
-        counted += partial::count(&samples);
-        touch.moment.fragments = partial::index_of(&samples, sample).map(|place| place + 1);
+/// Drawing of a frame, or of its first triangles, whose fragments at a pixel are located.
+#[derive(Clone, Copy, Debug)]
+pub struct TouchedDrawing<'a> {
+    /// Scene of the frame.
+    pub scene: &'a Scene,
+    /// Recipe of the frame.
+    pub recipe: &'a Recipe,
+    /// Rasterized triangles.
+    pub geometry: &'a Geometry,
+    /// Pixels that are drawn.
+    pub area: DrawnArea,
+}
+
+impl<'a> TouchedDrawing<'a> {
+    /// Returns the drawing of a frame, which was drawn from `scene` with `recipe`.
+    pub fn of_frame(scene: &'a Scene, recipe: &'a Recipe, frame: &'a Frame) -> Self {
+        Self { scene, recipe, geometry: frame.geometry(), area: frame.drawn_area() }
     }
-    touches
+
+    /// Returns every fragment at a drawn pixel, in order of submission; empty if the pixel is not drawn.
+    pub fn touches(&self, (x, y): (u32, u32), precision: TouchPrecision) -> Vec<Touch> {
+        let Self { scene, recipe, geometry, area } = *self;
+        let Some(sample) = area.grid.sample_at(x, y) else { return Vec::new() };
+        let settings = &recipe.pipeline;
+        let mut one = Framebuffer::one_sample(area.grid, sample, scene.background, settings);
+        let extent = Extent { triangles: 0..geometry.triangles.len(), scissor: Scissor::pixel(x, y) };
+        let mut watch = TouchObserver { geometry, touches: Vec::new() };
+        DrawCall::new(scene, geometry, settings, &extent).draw(&mut one, &mut watch);
+        let mut touches = watch.touches;
+        // Depth-sorted fragments are not drawn in the order of their triangles.
+        touches.sort_by_key(|touch| touch.moment.key());
+        let mut counted = 0;
+        for touch in &mut touches {
+            let Some(triangle) = geometry.triangles.get(touch.moment.triangles - 1) else { continue };
+            if precision == TouchPrecision::Triangles || counted > MAX_FRAGMENTS {
+                break;
+            }
+            let samples = partial::samples_of(triangle, settings, area);
+            counted += partial::count(&samples);
+            touch.moment.fragments = partial::index_of(&samples, sample).map(|place| place + 1);
+        }
+        touches
+    }
 }
 
 struct TouchObserver<'a> {

@@ -204,7 +204,8 @@ fn clip(subject: &TracedFragment<'_>, corners: Vec<NamedVertex>, scribe: &mut Tr
     let outcome = polygon.clip_watched(&triangle, widening, &mut |cut| cuts.push(*cut));
     for plane in ClipPlane::ALL {
         if triangle.iter().any(|vertex| plane.distance(vertex.position, widening) < 0.0) {
-            distances((plane, plane_name(subject.plane_of_view(plane))), widening, &corners, scribe);
+            let name = plane_name(subject.plane_of_view(plane));
+            distances(plane, name, widening, &corners, scribe);
         }
     }
     if outcome != Ok(Cut::Pieces) {
@@ -235,12 +236,7 @@ fn clip(subject: &TracedFragment<'_>, corners: Vec<NamedVertex>, scribe: &mut Tr
 }
 
 /// Writes the distances of all corners from a plane that the triangle crosses.
-fn distances(
-    (plane, plane_name): (ClipPlane, &str),
-    widening: f32,
-    corners: &[NamedVertex],
-    scribe: &mut TraceRecorder,
-) {
+fn distances(plane: ClipPlane, plane_name: &str, widening: f32, corners: &[NamedVertex], scribe: &mut TraceRecorder) {
     for NamedVertex { name, vertex } in corners {
         let formula = distance_formula(plane, vertex.position, widening);
         let distance = plane.distance(vertex.position, widening);

@@ -16,8 +16,8 @@ use crate::pipeline::settings::Arithmetic;
 /// Writes the trace lines for projecting all corners of the triangle.
 pub(super) fn write(subject: &TracedFragment<'_>, corners: &[NamedVertex], scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Project);
-    for (corner, NamedVertex { name, vertex }) in corners.iter().enumerate() {
-        position(subject, (name, vertex), &subject.triangle.vertices[corner], scribe);
+    for (corner, screen) in corners.iter().zip(&subject.triangle.vertices) {
+        position(subject, corner, screen, scribe);
     }
     for (corner, NamedVertex { name, vertex }) in corners.iter().enumerate() {
         let screen = &subject.triangle.vertices[corner];
@@ -29,7 +29,7 @@ pub(super) fn write(subject: &TracedFragment<'_>, corners: &[NamedVertex], scrib
 
 fn position(
     subject: &TracedFragment<'_>,
-    (name, vertex): (&str, &ClipVertex),
+    NamedVertex { name, vertex }: &NamedVertex,
     screen: &ScreenVertex,
     scribe: &mut TraceRecorder,
 ) {

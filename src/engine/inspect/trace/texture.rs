@@ -89,7 +89,7 @@ fn read(subject: &TracedFragment<'_>, traced: &TracedRead<'_>, scribe: &mut Trac
     }
     let (taps, count) = sampler.taps(size, uv);
     if sampler.filter == TexelFilter::Point {
-        nearest(&taps[0], (unit, lengths), name, scribe);
+        nearest(&taps[0], unit, lengths, name, scribe);
     }
     let weights = bilinear_weights(whole("1", 1), [given("next column", shares[0]), given("next row", shares[1])]);
     for (tap, weight) in taps[..count].iter().zip(&weights) {
@@ -119,7 +119,7 @@ fn in_unit(coordinate: f32, part: &'static str, address: AddressMode) -> Formula
 }
 
 /// Writes the trace lines for the texel that the point filter selects.
-fn nearest(tap: &TexelTap, (unit, lengths): ([f64; 2], [u32; 2]), name: &str, scribe: &mut TraceRecorder) {
+fn nearest(tap: &TexelTap, unit: [f64; 2], lengths: [u32; 2], name: &str, scribe: &mut TraceRecorder) {
     for (axis, value) in [tap.x, tap.y].into_iter().enumerate() {
         let texels = given(["u", "v"][axis], unit[axis]) * given(["width", "height"][axis], lengths[axis]);
         let on_border = texels.evaluate().is_some_and(|exact| exact.value == exact.value.floor());

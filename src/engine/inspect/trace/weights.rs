@@ -33,13 +33,13 @@ pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     if subject.settings.interpolation == Interpolation::Published {
         published(subject, weights, scribe);
     } else {
-        in_space(subject, (edges, weights), scribe);
+        in_space(subject, edges, weights, scribe);
     }
     asides(subject, lambda, scribe);
 }
 
 /// Writes the trace lines for the attribute weights: edge values × relative 1/w, divided by their sum.
-fn in_space(subject: &TracedFragment<'_>, (edges, weights): ([f32; 3], [f32; 3]), scribe: &mut TraceRecorder) {
+fn in_space(subject: &TracedFragment<'_>, edges: [f32; 3], weights: [f32; 3], scribe: &mut TraceRecorder) {
     let WeightTerms { q, sum: total, inverse_sum } = weight_terms(subject.triangle, &subject.sample);
     let edges = CORNERS.map(|corner| given(format!("edge {corner}"), edges[corner]));
     let relative = subject.triangle.relative_inv_w.map(|relative| given("relative 1/w", relative));

@@ -162,7 +162,7 @@ pub fn measure(plan: &MotionPlan, go_on: Progress<'_>) -> io::Result<Option<Moti
             });
             continue;
         }
-        let reference = FrameReference::new(plan, (scene, camera), before.as_ref());
+        let reference = FrameReference::new(plan, scene, camera, before.as_ref());
         disoccluded_share += reference.disoccluded_share();
         let mut rows = plan.has_sheet(measured).then(|| vec![reference.row()]);
         for method in &mut methods {
@@ -224,7 +224,7 @@ struct FrameReference {
 }
 
 impl FrameReference {
-    fn new(plan: &MotionPlan, (scene, camera): (Arc<Scene>, Camera), before: Option<&Self>) -> Self {
+    fn new(plan: &MotionPlan, scene: Arc<Scene>, camera: Camera, before: Option<&Self>) -> Self {
         let mut render = ProgressiveRender::new(&scene, &camera, &plan.recipe, plan.viewport, plan.samples);
         while render.step() {}
         let picture = render.picture();

@@ -11,6 +11,7 @@ use crate::pipeline::motion::MotionVectors;
 use crate::upscale::history::PastPlaces;
 use crate::upscale::planes::SampleLanes;
 use crate::upscale::quads::{Quad, columns, store, window, with_spare};
+use crate::upscale::row_parts::{OutputRow, RowBlock};
 use crate::upscale::{FilterSpace, Scale, bands};
 
 /// Value for pixels without history, marked by a negative sample count.
@@ -46,9 +47,8 @@ pub(super) fn fill(lanes: Lanes, now: &FrameContext<'_>, full: &mut Image<Rgba8>
     };
     bands::fill_both(full, memory, |first, full, memory| {
         let mut scratch = RowScratch::new(width as usize, samples.0 as usize);
-        let rows = full.chunks_exact_mut(width as usize).zip(memory.chunks_exact_mut(width as usize));
-        for (y, (row, memory)) in (first..).zip(rows) {
-            on_lanes!(lanes, simd => frame.row(simd, y, &mut scratch, row, memory));
+        for row in OutputRow::split_band(first, width as usize, full, memory) {
+            on_lanes!(lanes, simd => frame.row(simd, &mut scratch, row));
         }
     });
 }
@@ -137,29 +137,33 @@ impl RowScratch {
     }
 }
 
-/// Output colours and history of 16 pixels.
-type HistoryBlock<'a> = (&'a mut [Rgba8; WIDE], &'a mut [Quad; WIDE]);
+/// Output colours of 16 pixels, and their history for the next frame.
+struct OutputBlock<'a> {
+    pixels: &'a mut [Rgba8; WIDE],
+    history: &'a mut [Quad; WIDE],
+}
 
 impl RowContext<'_> {
     #[inline(always)]
-    fn row<S: Simd>(&self, simd: S, y: u32, scratch: &mut RowScratch, row: &mut [Rgba8], memory: &mut [Quad]) {
+    fn row<S: Simd>(&self, simd: S, scratch: &mut RowScratch, OutputRow { y, pixels, history }: OutputRow<'_>) {
         self.present(simd, y, scratch);
         if let Some(vectors) = self.now.history.as_ref().and_then(|(motion, _)| motion.vectors) {
             self.bounds(simd, y, scratch);
             self.vectors(vectors, y, scratch);
         }
-        let (blocks, last) = row.as_chunks_mut::<WIDE>();
-        let (remembered, rest) = memory.as_chunks_mut::<WIDE>();
+        let (pixels, last_pixels) = pixels.as_chunks_mut::<WIDE>();
+        let (history, last_history) = history.as_chunks_mut::<WIDE>();
         let mut from = 0;
-        for block in blocks.iter_mut().zip(remembered) {
-            self.block(simd, (from, y), scratch, block);
+        for (pixels, history) in pixels.iter_mut().zip(history) {
+            self.block(simd, RowBlock { from, y }, scratch, OutputBlock { pixels, history });
             from += WIDE;
         }
-        if !last.is_empty() {
-            let mut block = ([[0; 4]; WIDE], [[0.0; 4]; WIDE]);
-            self.block(simd, (from, y), scratch, (&mut block.0, &mut block.1));
-            last.copy_from_slice(&block.0[..last.len()]);
-            rest.copy_from_slice(&block.1[..rest.len()]);
+        if !last_pixels.is_empty() {
+            let (mut pixels, mut history) = ([[0; 4]; WIDE], [[0.0; 4]; WIDE]);
+            let block = OutputBlock { pixels: &mut pixels, history: &mut history };
+            self.block(simd, RowBlock { from, y }, scratch, block);
+            last_pixels.copy_from_slice(&pixels[..last_pixels.len()]);
+            last_history.copy_from_slice(&history[..last_history.len()]);
         }
     }
 
@@ -196,7 +200,7 @@ impl RowContext<'_> {
             *counts_for = INTERPOLATED;
             let [left, right] = column.between.map(|column| column as usize);
             if left == right || row.between[0] == row.between[1] {
-                *pixel = self.now.mean(&self.now.present((x, y)).0);
+                *pixel = self.now.mean(&self.now.present((x, y)).taps);
                 continue;
             }
             let mut sum = f32x4::splat(simd, 0.0);
@@ -258,16 +262,18 @@ impl RowContext<'_> {
     }
 
     #[inline(always)]
-    fn block<S: Simd>(&self, simd: S, (from, y): (usize, u32), scratch: &RowScratch, (row, memory): HistoryBlock<'_>) {
+    fn block<S: Simd>(&self, simd: S, at: RowBlock, scratch: &RowScratch, output: OutputBlock<'_>) {
+        let RowBlock { from, y } = at;
+        let OutputBlock { pixels, history } = output;
         let present = columns(simd, &scratch.present.as_chunks().0[from / WIDE]);
         let counts_for = f32x16::load_array_ref(simd, &scratch.counts_for.as_chunks().0[from / WIDE]);
         let Some((motion, past)) = &self.now.history else {
             let [red, green, blue, alpha] = present;
-            store([red, green, blue, counts_for], memory);
-            return self.now.encode(simd, present, alpha, row);
+            store([red, green, blue, counts_for], history);
+            return self.now.encode(simd, present, alpha, pixels);
         };
         let past = if motion.vectors.is_some() {
-            self.gather(simd, past, (from, y), scratch)
+            self.gather(simd, past, at, scratch)
         } else {
             let past = &past.row(y)[from..];
             match past.first_chunk::<WIDE>() {
@@ -289,27 +295,21 @@ impl RowContext<'_> {
             known.select(past + (now - past) * share, now)
         });
         let mean = [red, green, blue, known.select(count + counts_for, counts_for)];
-        store(mean, memory);
-        self.now.encode(simd, mean, alpha, row);
+        store(mean, history);
+        self.now.encode(simd, mean, alpha, pixels);
     }
 
     /// Returns the history of 16 pixels at their reprojected positions, clamped to the range of the 3 × 3 nearest samples of
     /// this frame.
     #[inline(always)]
-    fn gather<S: Simd>(
-        &self,
-        simd: S,
-        past: &Image<Quad>,
-        at @ (from, _): (usize, u32),
-        scratch: &RowScratch,
-    ) -> [f32x16<S>; 4] {
-        let surfaces = SampleLanes::ascending(simd, window(&self.surfaces, from));
+    fn gather<S: Simd>(&self, simd: S, past: &Image<Quad>, at: RowBlock, scratch: &RowScratch) -> [f32x16<S>; 4] {
+        let surfaces = SampleLanes::ascending(simd, window(&self.surfaces, at.from));
         let vectors = each!(axis in [0, 1] => surfaces.read(simd, &scratch.vectors[axis]));
         let places = PastPlaces::new(simd, at, vectors, self.now.size);
         let mut block = [NO_HISTORY; WIDE];
         places.read_bilinear(simd, past, &mut block);
         let [red, green, blue, count] = columns(simd, &block);
-        let (past, nearest) = ([red, green, blue], SampleLanes::ascending(simd, window(&self.nearest, from)));
+        let (past, nearest) = ([red, green, blue], SampleLanes::ascending(simd, window(&self.nearest, at.from)));
         let [least, greatest] = each!(bound in [0, 1] => {
             each!(channel in [0, 1, 2] => nearest.read(simd, &scratch.bounds[bound][channel]))
         });

@@ -10,7 +10,7 @@ use crate::math::lanes::*;
 use crate::pipeline::gbuffer::GBuffer;
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::motion::MotionVectors;
-use crate::upscale::history::{VectorLanes, same_surface};
+use crate::upscale::history::{SurfaceLanes, VectorLanes};
 use crate::upscale::{Scale, bands};
 
 /// Kernel that computes missing pixels of a checkerboard.
@@ -44,19 +44,22 @@ impl MissingRun {
             let (even, odd) = words(simd, objects).deinterleave(words(simd, &objects[4 * WIDE..]));
             let distances = &distance.row(y)[self.before..];
             let [a, b] = each!(at in [0, WIDE] => f32x16::from_slice(simd, &distances[at..at + WIDE]));
-            ((even, odd), a.deinterleave(b))
+            let (even_far, odd_far) = a.deinterleave(b);
+            let [even, odd] = each!((object, distance) in [(even, even_far), (odd, odd_far)] => {
+                SurfaceLanes { object, distance }
+            });
+            (even, odd)
         });
         // Starting one column before a missing pair, the second and third of every four pixels are missing.
         let first = firsts(simd);
-        let missing = each!(of in [own, near, far] => {
-            let ((even, odd), (even_far, odd_far)) = of;
-            (first.select(odd, even), first.select(odd_far, even_far))
-        });
-        let ((even, odd), (even_far, odd_far)) = own;
-        let beside = (first.select(even, odd), first.select(even_far, odd_far));
-        let far_beside = (swap_pairs(beside.0), swap_pairs(beside.1.bitcast()).bitcast::<f32x16<S>>());
-        let [own, near, far] = missing;
-        each!(there in [beside, near, far_beside, far] => same_surface(own, there))
+        let (even, odd) = own;
+        let beside = even.select(odd, first);
+        let far_beside = SurfaceLanes {
+            object: swap_pairs(beside.object),
+            distance: swap_pairs(beside.distance.bitcast()).bitcast(),
+        };
+        let [own, near, far] = each!((even, odd) in [own, near, far] => odd.select(even, first));
+        each!(there in [beside, near, far_beside, far] => own.same_surface(there))
     }
 
     /// Loads the values of a full-width image row at the positions of the 16 missing pixels.

@@ -102,7 +102,7 @@ fn history_step(drawn: &UpscaleInputs<'_>, at: (u32, u32)) -> Option<HistoryStep
     let present = numbers(surfaces::filled(grid_of(drawn), drawn, size, at));
     let past = frame.reproject(at).and_then(|before| {
         let (read, clamped) = motion(drawn)
-            .and_then(|motion| reprojected_color(drawn, &motion, size, (at, &before)))
+            .and_then(|motion| reprojected_color(drawn, &motion, size, at, &before))
             .ok_or(Rejection::Outside)?;
         Ok(PastColor { position_px: before.place, read: numbers(read), rectified: numbers(clamped) })
     });
@@ -150,7 +150,7 @@ impl Fill for TemporalFill<'_> {
         let past = self.motion.as_ref().and_then(|motion| Some((motion, motion.history.picture.as_ref()?)));
         let Some((motion, picture)) = past else { return self.fallback.missing(simd, run, around) };
         let Some(vectors) = motion.vectors else { return run.own(simd, picture.row(run.y)) };
-        let (known, remembered) = reproject_pixels(simd, (vectors, picture), run, around);
+        let (known, remembered) = reproject_pixels(simd, vectors, picture, run, around);
         if known.all_true() {
             return remembered;
         }
@@ -169,7 +169,8 @@ impl<'a> TemporalFill<'a> {
 #[inline(always)]
 fn reproject_pixels<S: Simd>(
     simd: S,
-    (vectors, picture): (&MotionVectors, &Image<Rgba8>),
+    vectors: &MotionVectors,
+    picture: &Image<Rgba8>,
     run: &MissingRun,
     around: DrawnNeighbours<S>,
 ) -> (mask32x16<S>, u32x16<S>) {
@@ -210,7 +211,7 @@ fn gathered<S: Simd>(simd: S, of: &[Rgba8], at: u32x16<S>) -> u32x16<S> {
 /// Returns the reprojected colour of a missing pixel, if the previous frame shows the same surface.
 fn reproject_pixel(drawn: &UpscaleInputs<'_>, motion: &Motion<'_>, size: (u32, u32), at: (u32, u32)) -> Option<Rgba8> {
     let before = motion.reproject_by(at, at).ok()?;
-    Some(reprojected_color(drawn, motion, size, (at, &before))?.1)
+    Some(reprojected_color(drawn, motion, size, at, &before)?.1)
 }
 
 /// Returns the colour of the previous frame at the reprojected position of a missing pixel, and the same colour clamped
@@ -219,7 +220,8 @@ fn reprojected_color(
     drawn: &UpscaleInputs<'_>,
     motion: &Motion<'_>,
     size: (u32, u32),
-    (at, before): ((u32, u32), &Reprojected),
+    at: (u32, u32),
+    before: &Reprojected,
 ) -> Option<(Rgba8, Rgba8)> {
     let picture = motion.history.picture.as_ref()?;
     if before.is_still {

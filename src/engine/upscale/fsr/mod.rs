@@ -11,6 +11,9 @@ mod words;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
+use easu::EasuFrame;
+use rcas::Sharpening;
+
 use super::choice::MAX_SHARPENING;
 use super::{Anchor, FilterSpace, Offers, Sampling, Scale, Tap, UpscaleInputs, Upscaler, Upscaling, bands};
 use crate::image::{Image, Rgba8};
@@ -72,11 +75,12 @@ pub(super) fn sharpen(how: Upscaling, full: &mut Image<Rgba8>) {
     }
     let (width, height) = (full.width() as usize, full.height() as usize);
     let plain = full.clone();
+    let sharpening = Sharpening { lanes: Lanes::best(), strength: strength(how) };
     bands::fill(full, Scale::ONE, |first, count, rows| {
         let first = first as usize;
         let (above, below) = (usize::from(first > 0), usize::from(first + count < height));
         let plain = &plain.pixels()[(first - above) * width..(first + count + below) * width];
-        rcas::fill(Lanes::best(), (plain, width), above, strength(how), rows);
+        sharpening.fill(plain, width, above, rows);
     });
 }
 
@@ -161,7 +165,9 @@ thread_local! {
 
 fn fill(lanes: Lanes, how: Upscaling, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>) {
     let (width, height) = (full.width() as usize, full.height() as usize);
-    let job = FillJob { lanes, how, drawn, phases: easu::phases(lanes, how.lattice()), width, height };
+    let easu = EasuFrame { drawn, phases: easu::phases(lanes, how.lattice()), width };
+    let sharpening = (how.sharpening() > 0).then(|| Sharpening { lanes, strength: strength(how) });
+    let job = FillJob { easu, sharpening, height };
     bands::fill(full, Scale::ONE, |band, _, pixels| {
         SCRATCH.with_borrow_mut(|scratch| job.fill_band(band as usize, pixels, scratch));
     });
@@ -169,26 +175,25 @@ fn fill(lanes: Lanes, how: Upscaling, drawn: &Image<Rgba8>, full: &mut Image<Rgb
 
 /// Inputs of an image to fill, shared by its bands.
 struct FillJob<'a> {
-    lanes: Lanes,
-    how: Upscaling,
-    drawn: &'a Image<Rgba8>,
-    phases: easu::Phases,
-    /// Size of the image in pixels.
-    width: usize,
+    easu: EasuFrame<'a>,
+    /// `None` if the image is not sharpened.
+    sharpening: Option<Sharpening>,
+    /// Height of the image, in pixels.
     height: usize,
 }
 
 impl FillJob<'_> {
     /// Fills the rows of a band, strip by strip. The first of them is row `band` of the image.
-    fn fill_band(&self, band: usize, pixels: &mut [Rgba8], StripScratch { easu, enlarged }: &mut StripScratch) {
-        let Self { lanes, drawn, phases, width, .. } = self;
-        let (lanes, width) = (*lanes, *width);
-        if self.how.sharpening() == 0 {
+    fn fill_band(&self, band: usize, pixels: &mut [Rgba8], scratch: &mut StripScratch) {
+        let Self { easu, sharpening, height } = self;
+        let StripScratch { easu: scratch, enlarged } = scratch;
+        let width = easu.width;
+        let Some(sharpening) = sharpening else {
             for (strip, rows) in pixels.chunks_mut(STRIP * width).enumerate() {
-                easu::fill(drawn, phases, ((band + strip * STRIP) as u32, width), rows, easu);
+                easu.fill((band + strip * STRIP) as u32, rows, scratch);
             }
             return;
-        }
+        };
         if enlarged.len() < (STRIP + 2) * width {
             enlarged.resize((STRIP + 2) * width, [0; 4]);
         }
@@ -197,13 +202,12 @@ impl FillJob<'_> {
             let (first, count) = (band + strip * STRIP, rows.len() / width);
             // Sharpening also reads the row above and the row below each row. The previous strip has already computed
             // two of the rows needed here.
-            let (above, below) = (usize::from(first > 0), usize::from(first + count < self.height));
+            let (above, below) = (usize::from(first > 0), usize::from(first + count < *height));
             let known = if strip == 0 { 0 } else { above + 1 };
             enlarged.copy_within((made - known) * width..made * width, 0);
             made = above + count + below;
-            let place = ((first - above + known) as u32, width);
-            easu::fill(drawn, phases, place, &mut enlarged[known * width..made * width], easu);
-            rcas::fill(lanes, (&enlarged[..made * width], width), above, strength(self.how), rows);
+            easu.fill((first - above + known) as u32, &mut enlarged[known * width..made * width], scratch);
+            sharpening.fill(&enlarged[..made * width], width, above, rows);
         }
     }
 }

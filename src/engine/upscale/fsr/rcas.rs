@@ -85,18 +85,21 @@ pub(super) fn shares(cross: [Rgba8; 5], strength: f32) -> [f32; 5] {
     [-weight, -weight, 1.0 + 4.0 * weight, -weight, -weight]
 }
 
-/// Sharpens rows of `width` px. The first sharpened row is row `above` of the input. Border rows are repeated.
-pub(super) fn fill(
-    lanes: Lanes,
-    (rows, width): (&[Rgba8], usize),
-    above: usize,
-    strength: f32,
-    sharpened: &mut [Rgba8],
-) {
-    let last = rows.len() / width - 1;
-    for (row, y) in sharpened.chunks_exact_mut(width).zip(above..) {
-        let around = [y.saturating_sub(1), y, (y + 1).min(last)].map(|y| &rows[y * width..][..width]);
-        on_lanes!(lanes, simd => fill_row(simd, around, strength, row));
+/// Sharpening of rows.
+pub(super) struct Sharpening {
+    pub(super) lanes: Lanes,
+    /// Strength in [0, 1].
+    pub(super) strength: f32,
+}
+
+impl Sharpening {
+    /// Sharpens rows of `width` px. The first sharpened row is row `above` of the input. Border rows are repeated.
+    pub(super) fn fill(&self, rows: &[Rgba8], width: usize, above: usize, sharpened: &mut [Rgba8]) {
+        let last = rows.len() / width - 1;
+        for (row, y) in sharpened.chunks_exact_mut(width).zip(above..) {
+            let around = [y.saturating_sub(1), y, (y + 1).min(last)].map(|y| &rows[y * width..][..width]);
+            on_lanes!(self.lanes, simd => fill_row(simd, around, self.strength, row));
+        }
     }
 }
 

@@ -39,11 +39,12 @@ impl<S: Simd> Locks<S> {
     #[inline(always)]
     pub(super) fn next(
         self,
-        simd: S,
         lifetime_frames: u32,
-        (is_new, median): (mask32x16<S>, f32x16<S>),
+        is_new: mask32x16<S>,
+        median: f32x16<S>,
         contrast: Contrast,
     ) -> Self {
+        let simd = median.simd;
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
         let lifetime = self.lifetime - 1.0 / lifetime_frames as f32;
         let continues = lifetime.simd_gt(zero) & !contrast.differ(median, self.luminance);
@@ -193,9 +194,9 @@ mod tests {
             let number = |value: f32| f32x16::splat(simd, value);
             let (yes, no) = (number(0.0).simd_eq(number(0.0)), number(0.0).simd_eq(number(1.0)));
             let none = Locks::from_stored(simd, [number(0.0), number(0.0)]);
-            let mut lock = none.next(simd, 8, (yes, number(0.1)), CONTRAST);
+            let mut lock = none.next(8, yes, number(0.1), CONTRAST);
             for _ in 0..frames {
-                lock = Locks::from_stored(simd, lock.stored()).next(simd, 8, (no, number(median)), CONTRAST);
+                lock = Locks::from_stored(simd, lock.stored()).next(8, no, number(median), CONTRAST);
             }
             lock.stored().map(|numbers| numbers.to_array()[0])
         })

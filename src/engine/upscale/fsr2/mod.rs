@@ -34,7 +34,7 @@ use std::collections::BTreeMap;
 
 use self::frame::Fsr2Frame;
 use self::kernel::history_weights;
-use self::rows::HistoryRow;
+use super::row_parts::OutputRow;
 use super::spares::Spares;
 use super::{
     Accumulated, Anchor, FilterSpace, HistorySteps, HistoryTaps, Jitter, Offers, Reads, Sampling, Scale, Tap,
@@ -164,11 +164,10 @@ fn fill(
     let locks = locks.get_or_insert_with(|| Image::filled(size.0, size.1, [0.0; 2]));
     let frame = Fsr2Frame::new(how, drawn, size);
     bands::fill_three(full, color, locks, |first, full, color, locks| {
-        let history = color.chunks_exact_mut(width).zip(locks.chunks_exact_mut(width));
-        let rows = full.chunks_exact_mut(width).zip(history);
         let mut scratch = frame.scratch();
-        for (y, (row, (color, locks))) in (first..).zip(rows) {
-            on_lanes!(lanes, simd => frame.row(simd, y, &mut scratch, (row, HistoryRow { color, locks })));
+        let rows = OutputRow::split_band(first, width, full, color).zip(locks.chunks_exact_mut(width));
+        for (row, locks) in rows {
+            on_lanes!(lanes, simd => frame.row(simd, &mut scratch, row, locks));
         }
     });
 }

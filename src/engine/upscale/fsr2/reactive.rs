@@ -9,6 +9,7 @@ use std::ops::Range;
 use super::super::FrameInputs;
 use super::super::history::{Around, SurfaceGrid};
 use super::super::quads::window;
+use super::super::row_parts::RowSpan;
 use crate::math::lanes::*;
 use crate::pipeline::gbuffer::GBuffer;
 
@@ -27,13 +28,13 @@ impl ReactiveRow {
         Self { holds: None, grid: frame.surface_grid(), greatest: vec![0.0; frame.size.0 as usize + WIDE] }
     }
 
-    /// Reads the reactivities around a range of pixels of row `y`. `reactivity` holds one number per instance.
-    pub(super) fn fill(&mut self, gbuffer: &GBuffer, reactivity: &[f32], (pixels, y): (&Range<usize>, u32)) {
-        let rows = self.grid.rows(y);
-        if self.holds.as_ref().is_some_and(|(held, filled)| (held, filled) == (&rows, pixels)) {
+    /// Reads the reactivities around a range of pixels. `reactivity` holds one number per instance.
+    pub(super) fn fill(&mut self, gbuffer: &GBuffer, reactivity: &[f32], RowSpan { columns, y }: &RowSpan) {
+        let rows = self.grid.rows(*y);
+        if self.holds.as_ref().is_some_and(|(held, filled)| (held, filled) == (&rows, columns)) {
             return;
         }
-        for pixel in pixels.clone() {
+        for pixel in columns.clone() {
             let of_column = |column: u32| {
                 let of_row = |row: &u32| {
                     let instance = u32::from_le_bytes(gbuffer.object.at(column, *row));
@@ -43,7 +44,7 @@ impl ReactiveRow {
             };
             self.greatest[pixel] = self.grid.columns(pixel as u32).into_iter().map(of_column).fold(0.0, f32::max);
         }
-        self.holds = Some((rows, pixels.clone()));
+        self.holds = Some((rows, columns.clone()));
     }
 
     /// Returns 1 − reactivity of 16 pixels from column `from` on.
@@ -93,7 +94,7 @@ mod tests {
         };
         let mut row = ReactiveRow::new(&frame);
         for y in 0..size.1 {
-            row.fill(&gbuffer, &reactivity, (&(0..size.0 as usize), y));
+            row.fill(&gbuffer, &reactivity, &RowSpan { columns: 0..size.0 as usize, y });
             for x in 0..size.0 {
                 // An odd pixel lies behind the middle of its sample, an even one before it.
                 let [first_x, first_y] = [x, y].map(|at| i64::from(at / 2) - i64::from(at % 2 == 0));

@@ -1,10 +1,9 @@
 //! Blending of the samples of a frame with its history, sixteen pixels of a row at a time.
 
-use std::ops::Range;
-
 use super::super::history::{FilterWeights, PastPlaces, centers};
 use super::super::quads::{self, Quad};
-use super::super::{Accumulated, HistoryStep, Motion, PastColor, Rejection};
+use super::super::row_parts::{OutputRow, RowBlock, RowSpan};
+use super::super::{Accumulated, HistoryStep, PastColor, Rejection};
 use super::frame::{Fsr2Frame, RowScratch};
 use super::kernel::{Kernel, history_weights};
 use super::locks::Locks;
@@ -28,12 +27,6 @@ const FAST_PX: f32 = 20.0;
 
 /// Maximum size of the box of colours, in standard deviations to each side of the mean.
 const MOST_DEVIATIONS: f32 = 20.0;
-
-/// Rows of the history for the next frame.
-pub(super) struct HistoryRow<'a> {
-    pub(super) color: &'a mut [Quad],
-    pub(super) locks: &'a mut [[f32; 2]],
-}
 
 /// Colour codes and history of sixteen pixels.
 struct Blended {
@@ -98,20 +91,20 @@ struct Around<S: Simd> {
 }
 
 impl Fsr2Frame<'_> {
-    /// Computes a row of the picture without sharpening, and of the history for the next frame.
+    /// Computes a row of the picture without sharpening, and the colours and locks of the history for the next frame.
     #[inline(always)]
     pub(super) fn row<S: Simd>(
         &self,
         simd: S,
-        y: u32,
         scratch: &mut RowScratch,
-        (row, history): (&mut [Rgba8], HistoryRow<'_>),
+        OutputRow { y, pixels, history }: OutputRow<'_>,
+        locks: &mut [[f32; 2]],
     ) {
-        self.prepare(simd, (&(0..row.len()), y), scratch);
-        let history = history.color.chunks_mut(WIDE).zip(history.locks.chunks_mut(WIDE));
-        for (from, (row, (color, locks))) in (0..).step_by(WIDE).zip(row.chunks_mut(WIDE).zip(history)) {
-            let blended = self.finished(simd, &self.block(simd, (from, y), scratch));
-            store_in(row, &blended.codes);
+        self.prepare(simd, &RowSpan { columns: 0..pixels.len(), y }, scratch);
+        let history = history.chunks_mut(WIDE).zip(locks.chunks_mut(WIDE));
+        for (from, (pixels, (color, locks))) in (0..).step_by(WIDE).zip(pixels.chunks_mut(WIDE).zip(history)) {
+            let blended = self.finished(simd, &self.block(simd, RowBlock { from, y }, scratch));
+            store_in(pixels, &blended.codes);
             store_in(color, &blended.color);
             store_in(locks, &blended.locks);
         }
@@ -120,8 +113,8 @@ impl Fsr2Frame<'_> {
     /// Computes one pixel without sharpening, bit-identical to [`Self::row`].
     pub(super) fn pixel(&self, at @ (x, y): (u32, u32), scratch: &mut RowScratch) -> Fsr2Pixel {
         let (simd, from) = (baseline(), x as usize);
-        self.prepare(simd, (&(from..from + 1), y), scratch);
-        let blend = self.block(simd, (from, y), scratch);
+        self.prepare(simd, &RowSpan { columns: from..from + 1, y }, scratch);
+        let blend = self.block(simd, RowBlock { from, y }, scratch);
         let Blended { codes: [codes, ..], color: [color, ..], locks: [lock, ..] } = self.finished(simd, &blend);
         let weights = blend.weights.map(|row| row.map(|weights| weights.to_array()[0]));
         Fsr2Pixel { codes, color, lock, weights, step: self.step(&blend, at) }
@@ -144,42 +137,44 @@ impl Fsr2Frame<'_> {
         }
     }
 
-    /// Prepares all inputs of a range of pixels of row `y`.
+    /// Prepares all inputs of a range of pixels.
     #[inline(always)]
-    fn prepare<S: Simd>(&self, simd: S, (columns, y): (&Range<usize>, u32), scratch: &mut RowScratch) {
+    fn prepare<S: Simd>(&self, simd: S, span: &RowSpan, scratch: &mut RowScratch) {
         let RowScratch { samples, surroundings, vectors, reactive } = scratch;
-        let row = &self.rows[y as usize];
+        let RowSpan { columns, y } = span;
+        let row = &self.rows[*y as usize];
         let [first, last] = [columns.start, columns.end - 1].map(|column| self.columns[column].padded as usize);
         let read = first - 1..last + 2;
-        for index in row.index {
-            samples.fill(simd, self.colors, self.drawn.color, (index, &read));
+        for y in row.index {
+            samples.fill(simd, self.colors, self.drawn.color, &RowSpan { columns: read.clone(), y });
         }
-        surroundings.fill(simd, self.contrast, row.index.map(|index| samples.row(index)), (row.index, &read));
+        surroundings.fill(simd, self.contrast, samples.three(row.index, read));
         let motion = self.history.as_ref().and_then(|(motion, _)| motion.vectors);
         if let (Some(motion), Some(frame), Some(vectors)) = (motion, self.drawn.frame, vectors) {
-            vectors.fill(simd, frame.gbuffer, motion, (columns, y));
+            vectors.fill(simd, frame.gbuffer, motion, span);
         }
         if let (Some(reactivity), Some(frame), Some(reactive)) = (self.reactivity, self.drawn.frame, reactive) {
-            reactive.fill(frame.gbuffer, reactivity, (columns, y));
+            reactive.fill(frame.gbuffer, reactivity, span);
         }
     }
 
-    /// Blends sixteen pixels from pixel `from` of row `y` on, which must have been prepared.
+    /// Blends sixteen pixels, which must have been prepared.
     #[inline(always)]
-    fn block<S: Simd>(&self, simd: S, at: (usize, u32), scratch: &RowScratch) -> Blend<S> {
+    fn block<S: Simd>(&self, simd: S, at: RowBlock, scratch: &RowScratch) -> Blend<S> {
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
         let past = match &self.history {
-            Some((motion, history)) => self.past(simd, at, (motion, history), scratch),
             None => Past::none(simd),
+            Some((motion, history)) if motion.is_still() => self.past_of_still(simd, at, history),
+            Some((_, history)) => self.past_of_moving(simd, at, history, scratch),
         };
         let narrowing = past.is_known.select(self.narrowing(simd, &past), one);
-        let across = self.column_lanes.distance_squared(simd, at.0);
-        let kernel = Kernel::new(simd, across, self.rows[at.1 as usize].distance_squared, narrowing);
+        let across = self.column_lanes.distance_squared(simd, at.from);
+        let kernel = Kernel::new(simd, across, self.rows[at.y as usize].distance_squared, narrowing);
         let around = self.around(simd, at, &kernel, scratch);
         let [past_y, past_co, past_cg, past_weight] = past.color;
         let mut rectified = [past_y, past_co, past_cg];
         let kept = match &scratch.reactive {
-            Some(reactive) => reactive.kept(simd, at.0),
+            Some(reactive) => reactive.kept(simd, at.from),
             None => one,
         };
         let stored = each!(number in [0, 1] => past.is_known.select(past.locks[number] * kept, zero));
@@ -202,12 +197,12 @@ impl Fsr2Frame<'_> {
         Blend { present: around.present, weights: kernel.lanczos, past, rectified, share, weight, locks }
     }
 
-    /// Returns the 3 × 3 samples around sixteen pixels from pixel `from` of row `y` on.
+    /// Returns the 3 × 3 samples around sixteen pixels.
     #[inline(always)]
-    fn around<S: Simd>(&self, simd: S, (from, y): (usize, u32), kernel: &Kernel<S>, scratch: &RowScratch) -> Around<S> {
-        let (zero, nearest) = (f32x16::splat(simd, 0.0), self.column_lanes.samples(simd, from));
+    fn around<S: Simd>(&self, simd: S, at: RowBlock, kernel: &Kernel<S>, scratch: &RowScratch) -> Around<S> {
+        let (zero, nearest) = (f32x16::splat(simd, 0.0), self.column_lanes.samples(simd, at.from));
         let (mut present, mut mean, mut square) = ([zero; 4], [zero; 3], [zero; 3]);
-        for (row, index) in self.rows[y as usize].index.into_iter().enumerate() {
+        for (row, index) in self.rows[at.y as usize].index.into_iter().enumerate() {
             let samples = scratch.samples.row(index);
             for number in 0..3 {
                 let sample = each!(channel in [0, 1, 2, 3] => nearest.read_beside(simd, &samples[channel], number));
@@ -246,13 +241,13 @@ impl Fsr2Frame<'_> {
         (speed_px * (1.0 / FAST_PX)).min(1.0) * (1.0 - still) + still
     }
 
-    /// Returns the locks of sixteen pixels from pixel `from` of row `y` on after this frame, from the stored ones before it.
-    /// A lock is created where the middle sample lies inside the pixel and belongs to a thin feature.
+    /// Returns the locks of sixteen pixels after this frame, from the stored ones before it. A lock is created where
+    /// the middle sample lies inside the pixel and belongs to a thin feature.
     #[inline(always)]
     fn next_locks<S: Simd>(
         &self,
         simd: S,
-        (from, y): (usize, u32),
+        RowBlock { from, y }: RowBlock,
         stored: [f32x16<S>; 2],
         scratch: &RowScratch,
     ) -> Locks<S> {
@@ -264,41 +259,48 @@ impl Fsr2Frame<'_> {
             let is_thin = nearest.read(simd, &scratch.surroundings.thin).simd_gt(zero);
             is_new = is_thin & self.column_lanes.is_inside(simd, from);
         }
-        Locks::from_stored(simd, stored).next(simd, self.positions, (is_new, median), self.contrast)
+        Locks::from_stored(simd, stored).next(self.positions, is_new, median, self.contrast)
     }
 
-    /// Returns the history of sixteen pixels.
+    /// Returns the history of sixteen pixels in a still view.
     #[inline(always)]
-    fn past<S: Simd>(
+    fn past_of_still<S: Simd>(&self, simd: S, at: RowBlock, history: &Accumulated) -> Past<S> {
+        let RowBlock { from, y } = at;
+        let (mut quads, mut pairs) = ([[0.0; 4]; WIDE], [[0.0; 2]; WIDE]);
+        let read = from..self.size.0.min((from + WIDE) as u32) as usize;
+        quads[..read.len()].copy_from_slice(&history.color.row(y)[read.clone()]);
+        if let Some(locks) = &history.locks {
+            pairs[..read.len()].copy_from_slice(&locks.row(y)[read]);
+        }
+        let zero = f32x16::splat(simd, 0.0);
+        Past {
+            is_known: zero.simd_eq(zero),
+            color: quads::columns(simd, &quads),
+            locks: numbers_of_pairs(simd, &pairs),
+            place: centers(simd, at),
+            speed_px: zero,
+        }
+    }
+
+    /// Returns the history of sixteen pixels at the positions to which motion vectors lead.
+    #[inline(always)]
+    fn past_of_moving<S: Simd>(
         &self,
         simd: S,
-        at @ (from, y): (usize, u32),
-        (motion, history): (&Motion<'_>, &Accumulated),
+        at: RowBlock,
+        Accumulated { color, locks }: &Accumulated,
         scratch: &RowScratch,
     ) -> Past<S> {
-        let Accumulated { color, locks } = history;
-        let zero = f32x16::splat(simd, 0.0);
         let mut quads = [[0.0; 4]; WIDE];
-        if motion.is_still() {
-            let mut pairs = [[0.0; 2]; WIDE];
-            let read = from..self.size.0.min((from + WIDE) as u32) as usize;
-            quads[..read.len()].copy_from_slice(&color.row(y)[read.clone()]);
-            if let Some(locks) = locks {
-                pairs[..read.len()].copy_from_slice(&locks.row(y)[read]);
-            }
-            let is_known = zero.simd_eq(zero);
-            let (color, place) = (quads::columns(simd, &quads), centers(simd, at));
-            return Past { is_known, color, locks: numbers_of_pairs(simd, &pairs), place, speed_px: zero };
-        }
         let vectors @ [across, down] = match &scratch.vectors {
-            Some(vectors) => vectors.load(simd, from),
+            Some(vectors) => vectors.load(simd, at.from),
             None => [f32x16::splat(simd, f32::NAN); 2],
         };
         let places = PastPlaces::new(simd, at, vectors, self.size);
         let weights = each!(axis in [0, 1] => history_weights(places.fraction[axis]));
         let weights = FilterWeights { across: weights[0], down: weights[1] };
         places.read_filtered::<true>(simd, color, &weights, &mut quads);
-        let mut lock_numbers = [zero; 2];
+        let mut lock_numbers = [f32x16::splat(simd, 0.0); 2];
         if let Some(locks) = locks {
             lock_numbers = places.pairs_bilinear(simd, locks);
         }

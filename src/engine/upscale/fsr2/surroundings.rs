@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::super::planes::{Combination, Planes, combine, padded_row};
 use super::super::quads::window;
+use super::super::sample_rows::ThreeRows;
 use super::locks::{self, Contrast};
 use crate::math::lanes::*;
 
@@ -32,30 +33,25 @@ impl Surroundings {
         }
     }
 
-    /// Computes the properties from three decoded rows, given with their indices, for a range of padded indices.
+    /// Computes the properties of the middle one of three rows.
     #[inline(always)]
-    pub(super) fn fill<S: Simd>(
-        &mut self,
-        simd: S,
-        contrast: Contrast,
-        rows: [&Planes; 3],
-        (index, range): ([u32; 3], &Range<usize>),
-    ) {
-        if self.of.as_ref().is_some_and(|(held, read)| (*held, read) == (index, range)) {
+    pub(super) fn fill<S: Simd>(&mut self, simd: S, contrast: Contrast, rows: ThreeRows<'_>) {
+        let ThreeRows { index, range, planes } = rows;
+        if self.of.as_ref().is_some_and(|(held, read)| (held, read) == (&index, &range)) {
             return;
         }
         let (start, centers) = (range.start, range.start + 1..range.end - 1);
         for (by, around) in [Combination::Least, Combination::Greatest].into_iter().zip(&mut self.range) {
             for (channel, around) in around.iter_mut().enumerate() {
-                let rows = each!(row in [0, 1, 2] => &rows[row][channel][start..]);
-                combine(simd, rows, &mut self.vertical, range, by);
+                let rows = each!(row in [0, 1, 2] => &planes[row][channel][start..]);
+                combine(simd, rows, &mut self.vertical, &range, by);
                 let columns = each!(column in [0, 1, 2] => &self.vertical[start + column..]);
                 combine(simd, columns, around, &centers, by);
             }
         }
         for first in centers.step_by(WIDE) {
             let [above, at, below] = each!(row in [0, 1, 2] => each!(by in [0, 1, 2] => {
-                f32x16::load_array_ref(simd, window(&rows[row][0], first + by - 1))
+                f32x16::load_array_ref(simd, window(&planes[row][0], first + by - 1))
             }));
             let [[a, b, c], [d, e, f], [g, h, i]] = [above, at, below];
             let luminances = [a, b, c, d, e, f, g, h, i];
@@ -64,6 +60,6 @@ impl Surroundings {
             let (one, zero) = (f32x16::splat(simd, 1.0), f32x16::splat(simd, 0.0));
             is_thin.select(one, zero).store_slice(&mut self.thin[first..first + WIDE]);
         }
-        self.of = Some((index, range.clone()));
+        self.of = Some((index, range));
     }
 }

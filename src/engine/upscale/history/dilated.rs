@@ -9,6 +9,7 @@ use crate::pipeline::gbuffer::GBuffer;
 use crate::pipeline::motion::MotionVectors;
 use crate::upscale::planes::SampleLanes;
 use crate::upscale::quads::{window, with_spare};
+use crate::upscale::row_parts::{RowBlock, RowSpan};
 
 /// Motion vector of the nearest surface around every output pixel of a row. An anti-aliased edge thus moves with its object
 /// (Karis, 2014).
@@ -58,9 +59,9 @@ struct Surfaces<S: Simd> {
 }
 
 impl<S: Simd> Surfaces<S> {
-    /// Loads the pixels of row `y` that begin at column `from`. Those beyond its end are arbitrary.
+    /// Loads the pixels of a block. Those beyond the end of the row are arbitrary.
     #[inline(always)]
-    fn load(simd: S, gbuffer: &GBuffer, vectors: &MotionVectors, (from, y): (usize, u32)) -> Self {
+    fn load(simd: S, gbuffer: &GBuffer, vectors: &MotionVectors, RowBlock { from, y }: RowBlock) -> Self {
         let [distance, across_px, down_px] = each!(image in [&gbuffer.distance, &vectors.across_px, &vectors.down_px] => {
             f32x16::load_array(simd, padded(&image.row(y)[from..], 0.0))
         });
@@ -100,17 +101,17 @@ impl DilatedVectors {
         Self { grid, columns, holds: None, distance, across_px, down_px }
     }
 
-    /// Finds the nearest surfaces for a range of output pixels of row `y`.
+    /// Finds the nearest surfaces for a range of output pixels.
     #[inline(always)]
     pub(in crate::upscale) fn fill<S: Simd>(
         &mut self,
         simd: S,
         gbuffer: &GBuffer,
         vectors: &MotionVectors,
-        (pixels, y): (&Range<usize>, u32),
+        RowSpan { columns, y }: &RowSpan,
     ) {
-        let rows = self.grid.rows(y);
-        let [first, last] = [pixels.start, pixels.end - 1].map(|pixel| self.grid.columns(pixel as u32));
+        let rows = self.grid.rows(*y);
+        let [first, last] = [columns.start, columns.end - 1].map(|column| self.grid.columns(column as u32));
         let first = first.into_iter().min().unwrap_or_default() as usize;
         let last = last.into_iter().max().unwrap_or_default() as usize;
         let read = first..last + 1;
@@ -118,9 +119,9 @@ impl DilatedVectors {
             return;
         }
         for from in read.clone().step_by(WIDE) {
-            let mut nearest = Surfaces::load(simd, gbuffer, vectors, (from, rows[0]));
-            for row in &rows[1..] {
-                nearest = nearest.or_nearer(Surfaces::load(simd, gbuffer, vectors, (from, *row)));
+            let mut nearest = Surfaces::load(simd, gbuffer, vectors, RowBlock { from, y: rows[0] });
+            for y in rows[1..].iter().copied() {
+                nearest = nearest.or_nearer(Surfaces::load(simd, gbuffer, vectors, RowBlock { from, y }));
             }
             nearest.distance.store_slice(&mut self.distance[from + 1..][..WIDE]);
             nearest.across_px.store_slice(&mut self.across_px[from + 1..][..WIDE]);

@@ -21,15 +21,27 @@ pub(in crate::upscale) struct ReprojectedLanes<S: Simd> {
     pub(crate) down: F32<S>,
 }
 
-/// Returns a mask of the 16 pixel pairs that show the same object at about the same distance, bit-identical to
-/// [`crate::pipeline::gbuffer::GBuffer::same_surface`].
-#[inline(always)]
-pub(in crate::upscale) fn same_surface<S: Simd>(
-    (object, distance): (u32x16<S>, f32x16<S>),
-    (other, there): (u32x16<S>, f32x16<S>),
-) -> mask32x16<S> {
-    let near = (there - distance).abs().simd_le(distance.abs() * SAME_DISTANCE);
-    other.simd_eq(object) & (near | there.simd_eq(distance))
+/// Visible surfaces of 16 pixels.
+#[derive(Clone, Copy)]
+pub(in crate::upscale) struct SurfaceLanes<S: Simd> {
+    pub(in crate::upscale) object: u32x16<S>,
+    pub(in crate::upscale) distance: f32x16<S>,
+}
+
+impl<S: Simd> SurfaceLanes<S> {
+    /// Returns a mask of the 16 pixel pairs that show the same object at about the same distance, bit-identical to
+    /// [`crate::pipeline::gbuffer::GBuffer::same_surface`].
+    #[inline(always)]
+    pub(in crate::upscale) fn same_surface(self, other: Self) -> mask32x16<S> {
+        let near = (other.distance - self.distance).abs().simd_le(self.distance.abs() * SAME_DISTANCE);
+        other.object.simd_eq(self.object) & (near | other.distance.simd_eq(self.distance))
+    }
+
+    /// Returns the surfaces of `self` selected by a mask, and of `other` elsewhere.
+    #[inline(always)]
+    pub(in crate::upscale) fn select(self, other: Self, mask: mask32x16<S>) -> Self {
+        Self { object: mask.select(self.object, other.object), distance: mask.select(self.distance, other.distance) }
+    }
 }
 
 /// Motion vectors of a group of pixels, and whether the previous frame shows them.

@@ -3,6 +3,7 @@
 use crate::image::Image;
 use crate::math::lanes::*;
 use crate::upscale::quads::Quad;
+use crate::upscale::row_parts::RowBlock;
 
 /// Positions of sixteen pixels in the previous frame.
 pub(in crate::upscale) struct PastPlaces<S: Simd> {
@@ -47,17 +48,17 @@ fn continues_row<S: Simd>([columns, rows]: [i32x16<S>; 2]) -> u64 {
     is_right.to_bitmask() | FIRST
 }
 
-/// Returns the centres of sixteen pixels from pixel `from` of row `y` on.
+/// Returns the centres of sixteen pixels.
 #[inline(always)]
-pub(in crate::upscale) fn centers<S: Simd>(simd: S, (from, y): (usize, u32)) -> [f32x16<S>; 2] {
+pub(in crate::upscale) fn centers<S: Simd>(simd: S, RowBlock { from, y }: RowBlock) -> [f32x16<S>; 2] {
     [f32x16::load_array(simd, LANE_NUMBERS) + from as f32 + 0.5, f32x16::splat(simd, y as f32 + 0.5)]
 }
 
 impl<S: Simd> PastPlaces<S> {
-    /// Finds where sixteen pixels from pixel `at` on were in a previous frame of `size` px. A vector that is not a number
+    /// Finds where sixteen pixels were in a previous frame of `size` px. A vector that is not a number
     /// leads nowhere.
     #[inline(always)]
-    pub(in crate::upscale) fn new(simd: S, at: (usize, u32), vectors: [f32x16<S>; 2], size: (u32, u32)) -> Self {
+    pub(in crate::upscale) fn new(simd: S, at: RowBlock, vectors: [f32x16<S>; 2], size: (u32, u32)) -> Self {
         let center = centers(simd, at);
         let place = each!(axis in [0, 1] => center[axis] + vectors[axis]);
         let length = each!(length in [size.0, size.1] => length as f32);

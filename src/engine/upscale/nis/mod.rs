@@ -23,7 +23,7 @@ use rows::{BEFORE, LUMA, Rows, SampleRow};
 
 use super::choice::MAX_SHARPENING;
 use super::fsr::SCALES;
-use super::runs::RunTable;
+use super::runs::{Run, RunTable};
 use super::{Anchor, FilterSpace, Offers, Sampling, Tap, UpscaleInputs, Upscaler, Upscaling, bands};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
@@ -85,7 +85,7 @@ impl Upscaler for Nis {
         let mut rows = Rows::new(drawn.color);
         on_lanes!(Lanes::best(), simd => {
             rows.advance(simd, cell);
-            RunInputs::new(&rows, cell, (&phase, 0)).pixels(simd, &sharpness(how))[0]
+            RunInputs::new(&rows, cell, Run { data: &phase, offset: 0 }).pixels(simd, &sharpness(how))[0]
         })
     }
 
@@ -114,7 +114,7 @@ fn weights(drawn: &Image<Rgba8>, phase: &RunPhase, cell: i32) -> [[f32; TAPS]; T
     let mut rows = Rows::new(drawn);
     on_lanes!(Lanes::best(), simd => {
         rows.advance(simd, cell);
-        let edges = RunInputs::new(&rows, cell, (phase, 0)).edges(simd);
+        let edges = RunInputs::new(&rows, cell, Run { data: phase, offset: 0 }).edges(simd);
         std::array::from_fn(|row| {
             std::array::from_fn(|column| {
                 let mut impulse = [[f32x16::splat(simd, 0.0); TAPS]; TAPS];
@@ -163,27 +163,25 @@ impl FillJob {
     }
 }
 
-/// Rows around a run of output pixels, and the position of the run.
+/// Rows around a run of output pixels.
 struct RunInputs<'a> {
     samples: [&'a SampleRow; TAPS],
     edges: [&'a [Vec<f32>; DIRECTIONS]; 2],
-    phase: &'a RunPhase,
-    /// Number of samples before the period of the run.
-    offset: isize,
+    run: Run<'a, RunPhase>,
 }
 
 impl<'a> RunInputs<'a> {
     #[inline(always)]
-    fn new(rows: &'a Rows<'_>, cell: i32, (phase, offset): (&'a RunPhase, isize)) -> Self {
-        Self { samples: rows.around(cell), edges: rows.edges(cell), phase, offset }
+    fn new(rows: &'a Rows<'_>, cell: i32, run: Run<'a, RunPhase>) -> Self {
+        Self { samples: rows.around(cell), edges: rows.edges(cell), run }
     }
 
     /// Interpolates bilinearly between the values at the four nearest samples: above left and right, below left and
     /// right.
     #[inline(always)]
     fn bilinear<S: Simd>(&self, simd: S, [a, b, c, d]: [f32x16<S>; 4]) -> f32x16<S> {
-        let x = f32x16::load_array_ref(simd, &self.phase.x);
-        lerp(lerp(a, b, x), lerp(c, d, x), f32x16::splat(simd, self.phase.y))
+        let x = f32x16::load_array_ref(simd, &self.run.data.x);
+        lerp(lerp(a, b, x), lerp(c, d, x), f32x16::splat(simd, self.run.data.y))
     }
 
     /// Returns the weights of the directional filters.
@@ -191,7 +189,7 @@ impl<'a> RunInputs<'a> {
     fn edges<S: Simd>(&self, simd: S) -> [f32x16<S>; DIRECTIONS] {
         each!(direction in [0, 1, 2, 3] => {
             let nearest = each!((row, column) in [(0, 0), (0, 1), (1, 0), (1, 1)] => {
-                self.phase.cells.pick(simd, &self.edges[row][direction], self.offset + column)
+                self.run.data.cells.pick(simd, &self.edges[row][direction], self.run.offset + column)
             });
             self.bilinear(simd, nearest)
         })
@@ -202,7 +200,7 @@ impl<'a> RunInputs<'a> {
     fn patch<S: Simd>(&self, simd: S) -> Patch<S> {
         each!(row in [0, 1, 2, 3, 4, 5] => {
             each!(column in [-2, -1, 0, 1, 2, 3] => {
-                self.phase.cells.pick(simd, &self.samples[row].luma, self.offset + column)
+                self.run.data.cells.pick(simd, &self.samples[row].luma, self.run.offset + column)
             })
         })
     }
@@ -212,7 +210,7 @@ impl<'a> RunInputs<'a> {
     fn color<S: Simd>(&self, simd: S) -> [f32x16<S>; 4] {
         let nearest = each!((row, column) in [(2, 0), (2, 1), (3, 0), (3, 1)] => {
             let [low, high] = each!(half in [0, 1] => {
-                self.phase.cells.pick_words(simd, half, &self.samples[row].packed, self.offset + column)
+                self.run.data.cells.pick_words(simd, half, &self.samples[row].packed, self.run.offset + column)
             });
             low.combine(high)
         });
@@ -224,7 +222,7 @@ impl<'a> RunInputs<'a> {
     /// Computes the pixels of the run.
     #[inline(always)]
     fn pixels<S: Simd>(&self, simd: S, sharpness: &Sharpness) -> [Rgba8; WIDE] {
-        let luma = luma(simd, &self.patch(simd), self.phase, self.edges(simd), sharpness);
+        let luma = luma(simd, &self.patch(simd), self.run.data, self.edges(simd), sharpness);
         let [red, green, blue, alpha] = self.color(simd);
         let change = luma * 255.0 - (red * LUMA[0] + green * LUMA[1] + blue * LUMA[2]);
         let [red, green, blue, alpha] =

@@ -9,7 +9,7 @@ use std::array;
 
 use crate::image::{Image, Rgba8};
 use crate::upscale::bands;
-use crate::upscale::lattice::Lattice;
+use crate::upscale::lattice::{Lattice, LatticePosition};
 
 /// Maximum number of taps along an axis.
 pub(in crate::upscale) const MAX_TAPS: usize = 6;
@@ -32,22 +32,17 @@ pub(super) trait Pass: Sync {
 
 /// Fills an image from samples; there must be at least one sample unless the image is empty.
 pub(super) fn fill<P: Pass>(pass: &P, drawn: &Image<Rgba8>, lattice: Lattice, full: &mut Image<Rgba8>) {
-    bands::fill(full, lattice.scale, |first, count, band| fill_band(pass, drawn, lattice, first, count, band));
+    bands::fill(full, lattice.scale, |first, count, band| {
+        let places: Vec<_> = lattice.places_from(first).take(count).collect();
+        fill_band(pass, drawn, &places, band);
+    });
 }
 
-/// Fills a band of `count` rows, starting at row `first` of the image.
-fn fill_band<P: Pass>(
-    pass: &P,
-    drawn: &Image<Rgba8>,
-    lattice: Lattice,
-    first: u32,
-    count: usize,
-    mut band: &mut [Rgba8],
-) {
+/// Fills a band of rows at the given positions on the lattice.
+fn fill_band<P: Pass>(pass: &P, drawn: &Image<Rgba8>, places: &[LatticePosition], mut band: &mut [Rgba8]) {
     let (before, taps) = (P::TAPS as i32 / 2 - 1, P::TAPS as i32);
     let last_sample = drawn.height() as i32 - 1;
-    let width = band.len() / count;
-    let places: Vec<_> = lattice.places_from(first).take(count).collect();
+    let width = band.len() / places.len();
     let phases: Vec<_> = places.iter().map(|place| place.phase).collect();
     let mut ring: [P::Row; MAX_TAPS] = array::from_fn(|_| P::Row::default());
     let mut next = places[0].cell - before;

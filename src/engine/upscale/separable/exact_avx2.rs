@@ -205,8 +205,7 @@ kernel! {
         let head = ((BLOCK - pass.skipped) % BLOCK).min(pass.width);
         let (first, blocks) = (usize::from(head > 0), (pass.width - head) / BLOCK);
         let SplitRows { heads, blocks: middles, tails } = SplitRows::new(rows, pass.width, head);
-        let [above, below] = around;
-        with_rows!(count, divide, (avx2, &above[first..], &below[first..], steps, rounding, middles));
+        with_rows!(count, divide, (avx2, around.map(|row| &row[first..]), steps, rounding, middles));
         let heads = heads.map(<[Rgba8]>::as_flattened_mut);
         for (block, skipped, ends) in [(0, pass.skipped, heads), (first + blocks, 0, tails)] {
             if ends[0].is_empty() {
@@ -214,7 +213,7 @@ kernel! {
             }
             let mut aside = [[[0; 32]; 1]; MAX_ROWS];
             let into = aside.each_mut().map(<[_; 1]>::as_mut_slice);
-            with_rows!(count, divide, (avx2, &above[block..], &below[block..], steps, rounding, into));
+            with_rows!(count, divide, (avx2, around.map(|row| &row[block..]), steps, rounding, into));
             for (row, codes) in ends.into_iter().zip(&aside) {
                 let length = row.len();
                 row.copy_from_slice(&codes[0][4 * skipped..][..length]);
@@ -223,13 +222,12 @@ kernel! {
     }
 }
 
-/// Computes all whole blocks in the `ROWS` output rows of a cell.
+/// Computes all whole blocks in the `ROWS` output rows of a cell from the widened rows above and below it.
 #[target_feature(enable = "avx2")]
 #[inline(never)]
 fn sweep<const ROWS: usize, const DIVIDE: bool>(
     avx2: Avx2,
-    above: &[ExactBlock],
-    below: &[ExactBlock],
+    around: [&[ExactBlock]; 2],
     steps: PhaseSteps,
     rounding: Rounding,
     rows: [Blocks<'_>; MAX_ROWS],
@@ -238,6 +236,7 @@ fn sweep<const ROWS: usize, const DIVIDE: bool>(
     const NINTH: i16 = 7282;
     let [row_0, row_1, row_2, row_3] = of_one_length(rows, ROWS);
     let blocks = row_0.len();
+    let [above, below] = around;
     let (above, below) = (&above[..blocks], &below[..blocks]);
     let (of_cell, first) = (_mm256_set1_epi16(steps.of_cell as i16), _mm256_set1_epi16(steps.first as i16));
     let (each, ninth) = (_mm256_set1_epi16(steps.each as i16), _mm256_set1_epi16(NINTH));

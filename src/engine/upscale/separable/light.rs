@@ -198,7 +198,8 @@ impl<const N: usize> Pass for Linear<N> {
         let Some(around) = around.first_chunk::<N>() else { return };
         for (row, phase) in rows.chunks_exact_mut(self.columns.len()).zip(phases) {
             let weights = &self.weights[*phase as usize];
-            on_lanes!(self.lanes, simd => blend(simd, weights, around, self.deringing, row));
+            let mix = RowMix::new(weights, around, self.deringing);
+            on_lanes!(self.lanes, simd => mix.fill(simd, row));
         }
     }
 }
@@ -216,53 +217,54 @@ fn weigh_one<const N: usize>(weights: &[f32; N], around: &[f32], deringing: bool
     sum
 }
 
-/// Computes an output row from the surrounding widened rows.
-#[inline(always)]
-fn blend<S: Simd, const N: usize>(
-    simd: S,
-    weights: &[f32; N],
-    around: &[&LinearRow; N],
+/// An output row, as the weighted sum of the surrounding widened rows.
+#[derive(Clone, Copy)]
+struct RowMix<'a, const N: usize> {
+    weights: &'a [f32; N],
+    around: &'a [&'a LinearRow; N],
     deringing: bool,
-    row: &mut [Rgba8],
-) {
-    let mut opaque = true;
-    for of in around {
-        opaque &= of.is_opaque;
-    }
-    let (runs, rest) = row.as_chunks_mut::<WIDE>();
-    let mut at = 0;
-    for run in runs {
-        let codes = codes(simd, weights, around, (deringing, opaque), at);
-        codes.bitcast::<u8x64<S>>().store_slice(run.as_flattened_mut());
-        at += WIDE;
-    }
-    if !rest.is_empty() {
-        let mut run = [[0; 4]; WIDE];
-        let codes = codes(simd, weights, around, (deringing, opaque), at);
-        codes.bitcast::<u8x64<S>>().store_slice(run.as_flattened_mut());
-        rest.copy_from_slice(&run[..rest.len()]);
-    }
+    /// Whether all surrounding rows are opaque.
+    is_opaque: bool,
 }
 
-/// Computes 16 pixels from column `at` on in packed RGBA, with red in the lowest byte.
-#[inline(always)]
-fn codes<S: Simd, const N: usize>(
-    simd: S,
-    weights: &[f32; N],
-    around: &[&LinearRow; N],
-    (deringing, opaque): (bool, bool),
-    at: usize,
-) -> u32x16<S> {
-    let [red, green, blue] = each!(channel in [0, 1, 2] => {
-        encode(simd, weigh(simd, weights, deringing, values(simd, around, channel, at)))
-    });
-    let color = (red & 255) | green << 8 | blue << 16;
-    if opaque {
-        return color | 0xff00_0000;
+impl<'a, const N: usize> RowMix<'a, N> {
+    fn new(weights: &'a [f32; N], around: &'a [&'a LinearRow; N], deringing: bool) -> Self {
+        Self { weights, around, deringing, is_opaque: around.iter().all(|row| row.is_opaque) }
     }
-    let alpha = weigh(simd, weights, deringing, alphas(simd, around, at));
-    let alpha = whole(alpha.max(0.0).min(BELOW_ONE) * 255.0);
-    (color & 0x00ff_ffff) | alpha << 24
+
+    /// Computes the pixels of the row.
+    #[inline(always)]
+    fn fill<S: Simd>(self, simd: S, row: &mut [Rgba8]) {
+        let (runs, rest) = row.as_chunks_mut::<WIDE>();
+        let mut at = 0;
+        for run in runs {
+            let codes = self.codes(simd, at);
+            codes.bitcast::<u8x64<S>>().store_slice(run.as_flattened_mut());
+            at += WIDE;
+        }
+        if !rest.is_empty() {
+            let mut run = [[0; 4]; WIDE];
+            let codes = self.codes(simd, at);
+            codes.bitcast::<u8x64<S>>().store_slice(run.as_flattened_mut());
+            rest.copy_from_slice(&run[..rest.len()]);
+        }
+    }
+
+    /// Computes 16 pixels from column `at` on in packed RGBA, with red in the lowest byte.
+    #[inline(always)]
+    fn codes<S: Simd>(self, simd: S, at: usize) -> u32x16<S> {
+        let Self { weights, around, deringing, is_opaque } = self;
+        let [red, green, blue] = each!(channel in [0, 1, 2] => {
+            encode(simd, weigh(simd, weights, deringing, values(simd, around, channel, at)))
+        });
+        let color = (red & 255) | green << 8 | blue << 16;
+        if is_opaque {
+            return color | 0xff00_0000;
+        }
+        let alpha = weigh(simd, weights, deringing, alphas(simd, around, at));
+        let alpha = whole(alpha.max(0.0).min(BELOW_ONE) * 255.0);
+        (color & 0x00ff_ffff) | alpha << 24
+    }
 }
 
 #[inline(always)]

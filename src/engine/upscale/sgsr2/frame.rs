@@ -3,6 +3,7 @@
 use super::super::jitter::Continuation;
 use super::super::planes::{PAD, SampleLanes};
 use super::super::quads::{self, Quad, window};
+use super::super::row_parts::{OutputRow, RowBlock, RowSpan};
 use super::super::sample_rows::DecodedRows;
 use super::super::statistics::Statistics;
 use super::super::ycocg::YCoCg;
@@ -161,7 +162,8 @@ impl RowBuffers {
             if held.replace(index) == Some(index) {
                 continue;
             }
-            self.decoded.fill(simd, frame.colors, frame.drawn.color, (index, &read));
+            let span = RowSpan { columns: read.clone(), y: index };
+            self.decoded.fill(simd, frame.colors, frame.drawn.color, &span);
             let decoded = self.decoded.row(index);
             for (from, padded) in (0..).step_by(WIDE).zip(padded.as_chunks().0) {
                 let samples = SampleLanes::ascending(simd, padded);
@@ -172,8 +174,7 @@ impl RowBuffers {
                 }
             }
         }
-        let rows = indices.map(|index| self.decoded.row(index));
-        self.statistics.fill(simd, Rectification::Clamp, rows, (indices, &read));
+        self.statistics.fill(simd, Rectification::Clamp, self.decoded.three(indices, read));
     }
 
     /// Makes sure that the first pass is done for a row of samples.
@@ -215,9 +216,8 @@ impl<'a> Sgsr2Frame<'a> {
     pub(super) fn row<S: Simd>(
         &self,
         simd: S,
-        y: u32,
         buffers: &mut RowBuffers,
-        (row, memory): (&mut [Rgba8], &mut [Quad]),
+        OutputRow { y, pixels, history }: OutputRow<'_>,
     ) {
         let indices = self.rows.index[y as usize];
         buffers.fill(simd, self, indices);
@@ -225,21 +225,22 @@ impl<'a> Sgsr2Frame<'a> {
         let stretched = indices.map(|index| &buffers.stretched[index as usize % 3].1);
         let [.., alphas] = buffers.decoded.row(indices[1]);
         let rows = self.rows.splat(simd, y as usize);
-        let groups = row.chunks_mut(WIDE).zip(memory.chunks_mut(WIDE));
-        for (first, (pixels, memory)) in (0..).step_by(WIDE).zip(groups) {
-            let nearest = SampleLanes::ascending(simd, window(&self.columns.padded, first));
+        let groups = pixels.chunks_mut(WIDE).zip(history.chunks_mut(WIDE));
+        for (from, (pixels, history)) in (0..).step_by(WIDE).zip(groups) {
+            let nearest = SampleLanes::ascending(simd, window(&self.columns.padded, from));
             let mut motion = MotionLanes::unknown(simd);
             if self.convert.is_some() {
                 motion = buffers.motion.1.read(simd, &nearest);
             }
-            let past = self.past(simd, (first, y), &motion);
-            let samples = RowSamples { simd, rows: stretched, first, range: buffers.statistics.range(simd, &nearest) };
-            let position = Position { columns: self.columns.load(simd, first), rows };
+            let past = self.past(simd, RowBlock { from, y }, &motion);
+            let range = buffers.statistics.range(simd, &nearest);
+            let samples = RowSamples { simd, rows: stretched, first: from, range };
+            let position = Position { columns: self.columns.load(simd, from), rows };
             let blend = self.blend(simd, &position, &past, &samples);
             let [y, co, cg] = blend.color;
             let mut quads = [[0.0; 4]; WIDE];
             quads::store([y, co, cg, blend.weight], &mut quads);
-            store_in(memory, &quads);
+            store_in(history, &quads);
             store_in(pixels, &self.colors.encode(simd, [y, co, cg], nearest.read(simd, alphas)));
         }
     }
@@ -330,12 +331,12 @@ impl<'a> Sgsr2Frame<'a> {
             motion.vector_px = each!(axis in [0, 1] => f32x16::splat(simd, vector_px[axis]));
             motion.depth_clip = f32x16::splat(simd, *depth_clip);
         }
-        self.past(simd, (at.0 as usize, at.1), &motion)
+        self.past(simd, RowBlock { from: at.0 as usize, y: at.1 }, &motion)
     }
 
-    /// Returns the history of sixteen pixels from pixel `at` on. `motion` is that of their nearest samples.
+    /// Returns the history of sixteen pixels. `motion` is that of their nearest samples.
     #[inline(always)]
-    fn past<S: Simd>(&self, simd: S, at: (usize, u32), motion: &MotionLanes<S>) -> Past<S> {
+    fn past<S: Simd>(&self, simd: S, at: RowBlock, motion: &MotionLanes<S>) -> Past<S> {
         match &self.history {
             None => Past::none(simd),
             Some((_, history)) if self.convert.is_none() => Past::still(simd, history, at),

@@ -30,6 +30,7 @@ mod tests;
 
 use self::frame::{RowBuffers, Sgsr2Frame};
 use super::quads::Quad;
+use super::row_parts::OutputRow;
 use super::spares::Spares;
 use super::{
     Accumulated, Anchor, FilterSpace, HistorySteps, Jitter, Offers, Reads, Sampling, Scale, Tap, UpscaleInputs,
@@ -133,10 +134,9 @@ fn fill(lanes: Lanes, how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Imag
     let width = full.width() as usize;
     let frame = Sgsr2Frame::new(how, drawn, full.size());
     bands::fill_both(full, memory, |first, full, memory| {
-        let rows = full.chunks_exact_mut(width).zip(memory.chunks_exact_mut(width));
         let mut buffers = RowBuffers::new(&frame);
-        for (y, (row, memory)) in (first..).zip(rows) {
-            on_lanes!(lanes, simd => frame.row(simd, y, &mut buffers, (row, memory)));
+        for row in OutputRow::split_band(first, width, full, memory) {
+            on_lanes!(lanes, simd => frame.row(simd, &mut buffers, row));
         }
     });
 }

@@ -2,6 +2,7 @@
 
 use super::super::history::{PastPlaces, centers};
 use super::super::quads::{self, Quad};
+use super::super::row_parts::RowBlock;
 use crate::image::Image;
 use crate::math::lanes::*;
 
@@ -49,10 +50,10 @@ impl<S: Simd> Past<S> {
         }
     }
 
-    /// Returns the history of sixteen pixels from pixel `at` on in a still view.
+    /// Returns the history of sixteen pixels in a still view.
     #[inline(always)]
-    pub(super) fn still(simd: S, history: &Image<Quad>, at: (usize, u32)) -> Self {
-        let [y, co, cg, weight] = quads::columns(simd, &padded(&history.row(at.1)[at.0..], [0.0; 4]));
+    pub(super) fn still(simd: S, history: &Image<Quad>, at: RowBlock) -> Self {
+        let [y, co, cg, weight] = quads::columns(simd, &padded(&history.row(at.y)[at.from..], [0.0; 4]));
         let zero = f32x16::splat(simd, 0.0);
         Self {
             color: [y, co, cg],
@@ -64,9 +65,9 @@ impl<S: Simd> Past<S> {
         }
     }
 
-    /// Returns the history of sixteen pixels from pixel `at` on.
+    /// Returns the history of sixteen pixels.
     #[inline(always)]
-    pub(super) fn moved(simd: S, history: &Image<Quad>, at: (usize, u32), motion: &MotionLanes<S>) -> Self {
+    pub(super) fn moved(simd: S, history: &Image<Quad>, at: RowBlock, motion: &MotionLanes<S>) -> Self {
         let places = PastPlaces::new(simd, at, motion.vector_px, history.size());
         let mut quads = [[0.0; 4]; WIDE];
         places.read_bilinear(simd, history, &mut quads);

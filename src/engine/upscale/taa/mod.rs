@@ -20,6 +20,7 @@ mod tests;
 
 use self::rows::{TaaFrame, catmull_rom};
 use super::quads::Quad;
+use super::row_parts::OutputRow;
 use super::spares::Spares;
 use super::{
     Accumulated, Anchor, FilterSpace, HistoryFilter, HistorySteps, HistoryTaps, Jitter, Offers, Reads, Sampling, Scale,
@@ -141,10 +142,9 @@ fn fill(lanes: Lanes, how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Imag
     let width = full.width() as usize;
     let frame = TaaFrame::new(how, drawn, full.size());
     bands::fill_both(full, memory, |first, full, memory| {
-        let rows = full.chunks_exact_mut(width).zip(memory.chunks_exact_mut(width));
         let mut scratch = frame.scratch();
-        for (y, (row, memory)) in (first..).zip(rows) {
-            on_lanes!(lanes, simd => frame.row(simd, y, &mut scratch, (row, memory)));
+        for row in OutputRow::split_band(first, width, full, memory) {
+            on_lanes!(lanes, simd => frame.row(simd, &mut scratch, row));
         }
     });
 }

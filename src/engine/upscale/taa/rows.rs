@@ -1,12 +1,11 @@
 //! Blending of the samples of a frame with its history, sixteen pixels of a row at a time.
 
-use std::ops::Range;
-
 use super::super::history::{DilatedVectors, FilterWeights, PastPlaces, centers};
 use super::super::jitter::Continuation;
 use super::super::lattice::ThreeSamples;
 use super::super::planes::{Combination, PAD, Planes, SampleLanes, combine, padded_row};
 use super::super::quads::{self, Quad, window, with_spare};
+use super::super::row_parts::{OutputRow, RowBlock, RowSpan};
 use super::super::sample_rows::DecodedRows;
 use super::super::statistics::Statistics;
 use super::super::ycocg::YCoCg;
@@ -153,24 +152,23 @@ impl<'a> TaaFrame<'a> {
     pub(super) fn row<S: Simd>(
         &self,
         simd: S,
-        y: u32,
         scratch: &mut RowScratch,
-        (row, memory): (&mut [Rgba8], &mut [Quad]),
+        OutputRow { y, pixels, history }: OutputRow<'_>,
     ) {
-        self.prepare(simd, (&(0..row.len()), y), scratch);
-        let blocks = row.chunks_mut(WIDE).zip(memory.chunks_mut(WIDE));
-        for (from, (row, memory)) in (0..).step_by(WIDE).zip(blocks) {
-            let (codes, quads) = self.finished(simd, &self.block(simd, (from, y), scratch));
-            store_in(row, &codes);
-            store_in(memory, &quads);
+        self.prepare(simd, &RowSpan { columns: 0..pixels.len(), y }, scratch);
+        let blocks = pixels.chunks_mut(WIDE).zip(history.chunks_mut(WIDE));
+        for (from, (pixels, history)) in (0..).step_by(WIDE).zip(blocks) {
+            let (codes, quads) = self.finished(simd, &self.block(simd, RowBlock { from, y }, scratch));
+            store_in(pixels, &codes);
+            store_in(history, &quads);
         }
     }
 
     /// Computes one pixel, bit-identical to [`Self::row`].
     pub(super) fn pixel(&self, at @ (x, y): (u32, u32), scratch: &mut RowScratch) -> TaaPixel {
         let (simd, from) = (baseline(), x as usize);
-        self.prepare(simd, (&(from..from + 1), y), scratch);
-        let blend = self.block(simd, (from, y), scratch);
+        self.prepare(simd, &RowSpan { columns: from..from + 1, y }, scratch);
+        let blend = self.block(simd, RowBlock { from, y }, scratch);
         let ([codes, ..], [memory, ..]) = self.finished(simd, &blend);
         TaaPixel { codes, memory, step: self.step(blend, at) }
     }
@@ -190,33 +188,34 @@ impl<'a> TaaFrame<'a> {
         HistoryStep { space: self.colors.space(), present: [y, co, cg].map(first), share, past }
     }
 
-    /// Prepares all inputs of a range of pixels of row `y`.
+    /// Prepares all inputs of a range of pixels.
     #[inline(always)]
-    fn prepare<S: Simd>(&self, simd: S, (columns, y): (&Range<usize>, u32), scratch: &mut RowScratch) {
+    fn prepare<S: Simd>(&self, simd: S, span: &RowSpan, scratch: &mut RowScratch) {
         let RowScratch { samples, vertical, statistics, vectors } = scratch;
-        let row = self.rows[y as usize];
+        let RowSpan { columns, y } = span;
+        let row = self.rows[*y as usize];
         let [first, last] = [columns.start, columns.end - 1].map(|column| self.columns[column].padded as usize);
         let read = first - 1..last + 2;
-        for index in row.index {
-            samples.fill(simd, self.colors, self.drawn.color, (index, &read));
+        for y in row.index {
+            samples.fill(simd, self.colors, self.drawn.color, &RowSpan { columns: read.clone(), y });
         }
-        let rows = row.index.map(|index| samples.row(index));
+        let rows = samples.three(row.index, read);
         if self.scale != Scale::ONE {
             for (channel, vertical) in vertical.iter_mut().enumerate() {
-                let rows = each!(i in [0, 1, 2] => &rows[i][channel][read.start..]);
-                combine(simd, rows, vertical, &read, Combination::Weighted(row.share));
+                let runs = each!(i in [0, 1, 2] => &rows.planes[i][channel][rows.range.start..]);
+                combine(simd, runs, vertical, &rows.range, Combination::Weighted(row.share));
             }
         }
         let motion = self.history.as_ref().and_then(|(motion, _)| motion.vectors);
         if let (Some(motion), Some(frame), Some(vectors)) = (motion, self.drawn.frame, vectors) {
-            statistics.fill(simd, self.options.rectification, rows, (row.index, &read));
-            vectors.fill(simd, frame.gbuffer, motion, (columns, y));
+            statistics.fill(simd, self.options.rectification, rows);
+            vectors.fill(simd, frame.gbuffer, motion, span);
         }
     }
 
-    /// Blends sixteen pixels from pixel `from` of row `y` on, which must have been prepared.
+    /// Blends sixteen pixels, which must have been prepared.
     #[inline(always)]
-    fn block<S: Simd>(&self, simd: S, at: (usize, u32), scratch: &RowScratch) -> Blend<S> {
+    fn block<S: Simd>(&self, simd: S, at: RowBlock, scratch: &RowScratch) -> Blend<S> {
         let present = self.present(simd, at, scratch);
         let past = match &self.history {
             None => Past::none(simd),
@@ -238,7 +237,7 @@ impl<'a> TaaFrame<'a> {
 
     /// Returns the colours of sixteen pixels from the samples of this frame alone.
     #[inline(always)]
-    fn present<S: Simd>(&self, simd: S, (from, y): (usize, u32), scratch: &RowScratch) -> Present<S> {
+    fn present<S: Simd>(&self, simd: S, RowBlock { from, y }: RowBlock, scratch: &RowScratch) -> Present<S> {
         let samples = self.nearest_samples(simd, from);
         if self.scale == Scale::ONE {
             let row = scratch.samples.row(self.rows[y as usize].index[1]);
@@ -257,18 +256,18 @@ impl<'a> TaaFrame<'a> {
 
     /// Returns the history of sixteen pixels in a still view.
     #[inline(always)]
-    fn past_of_still<S: Simd>(&self, simd: S, (from, y): (usize, u32), history: &Image<Quad>) -> Past<S> {
-        let row = &history.row(y)[from..];
+    fn past_of_still<S: Simd>(&self, simd: S, at: RowBlock, history: &Image<Quad>) -> Past<S> {
+        let row = &history.row(at.y)[at.from..];
         let mut block = [[0.0; 4]; WIDE];
         let read = row.len().min(WIDE);
         block[..read].copy_from_slice(&row[..read]);
         let zero = f32x16::splat(simd, 0.0);
-        let read @ [y_, co, cg, _] = quads::columns(simd, &block);
+        let read @ [y, co, cg, _] = quads::columns(simd, &block);
         Past {
             is_known: zero.simd_eq(zero),
-            place: centers(simd, (from, y)),
+            place: centers(simd, at),
             read,
-            rectified: [y_, co, cg],
+            rectified: [y, co, cg],
             weight: zero,
             share: zero,
         }
@@ -276,15 +275,9 @@ impl<'a> TaaFrame<'a> {
 
     /// Returns the history of sixteen pixels at the positions to which motion vectors lead.
     #[inline(always)]
-    fn past_of_moving<S: Simd>(
-        &self,
-        simd: S,
-        at: (usize, u32),
-        scratch: &RowScratch,
-        history: &Image<Quad>,
-    ) -> Past<S> {
+    fn past_of_moving<S: Simd>(&self, simd: S, at: RowBlock, scratch: &RowScratch, history: &Image<Quad>) -> Past<S> {
         let vectors = match &scratch.vectors {
-            Some(vectors) => vectors.load(simd, at.0),
+            Some(vectors) => vectors.load(simd, at.from),
             None => [f32x16::splat(simd, f32::NAN); 2],
         };
         let places = PastPlaces::new(simd, at, vectors, self.size);
@@ -298,7 +291,7 @@ impl<'a> TaaFrame<'a> {
         }
         let read = quads::columns(simd, &block);
         let [y, co, cg, _] = read;
-        let samples = self.nearest_samples(simd, at.0);
+        let samples = self.nearest_samples(simd, at.from);
         let rectified = scratch.statistics.rectified(simd, [y, co, cg], self.options.rectification, &samples);
         let zero = f32x16::splat(simd, 0.0);
         Past { is_known: places.is_known, place: places.place, read, rectified, weight: zero, share: zero }

@@ -49,11 +49,34 @@ struct Visible {
     texels: [usize; 2],
 }
 
+/// View of a picture in a rectangle of the window.
+#[derive(Clone, Copy)]
+struct PictureView {
+    /// Rectangle that shows the picture, in points.
+    rect: Rect,
+    /// Scale in points per pixel.
+    scale: f32,
+    /// Picture position at the centre of the rectangle, in pixels.
+    center: Vec2,
+}
+
+impl PictureView {
+    /// Converts a position in the window from points to picture pixels.
+    fn to_picture(self, point: Pos2) -> Vec2 {
+        (point - self.rect.center()) / self.scale + self.center
+    }
+
+    /// Converts a position in the picture from pixels to points in the window.
+    fn to_window(self, pixel: Vec2) -> Pos2 {
+        self.rect.center() + (pixel - self.center) * self.scale
+    }
+}
+
 impl Visible {
-    /// Returns the part of a picture that is visible in `rect`. `size` is the size of the picture in pixels, and
-    /// `pixel` maps a screen position in points to a picture position in pixels.
-    fn new(size: (u32, u32), rect: Rect, pixel: impl Fn(Pos2) -> Vec2, pixels_per_point: f32) -> Self {
-        let (least, greatest) = (pixel(rect.min), pixel(rect.max));
+    /// Returns the visible part of a picture. `size` is the size of the picture in pixels.
+    fn new(size: (u32, u32), view: PictureView, pixels_per_point: f32) -> Self {
+        let rect = view.rect;
+        let (least, greatest) = (view.to_picture(rect.min), view.to_picture(rect.max));
         let along = |least: f32, greatest: f32, size: u32, points: f32| {
             let first = (least.floor().max(0.0) as u32).min(size - 1);
             let end = (greatest.ceil().max(0.0) as u32).clamp(first + 1, size);
@@ -133,18 +156,17 @@ impl Pictures {
             let small = FontId::proportional(font_size::SMALL);
             let anchor = rect.left_top() - vec2(0.0, 4.0);
             ui.painter().text(anchor, Align2::LEFT_BOTTOM, title, small, tokens(ui).text_weak);
-            let pixel = |point: Pos2| (point - rect.center()) / scale + center;
-            let visible = Visible::new((width, height), rect, pixel, ui.pixels_per_point());
+            let view = PictureView { rect, scale, center };
+            let visible = Visible::new((width, height), view, ui.pixels_per_point());
             let known = self.tiles[index].take().filter(|(drawn, _)| *drawn == visible);
             let texture = known.map_or_else(
                 || ui.ctx().load_texture(title, visible.image(color), TextureOptions::NEAREST),
                 |(_, texture)| texture,
             );
-            let place = |p: Vec2| rect.center() + (p - center) * scale;
-            picture(ui, rect, (visible, &texture), comparison, (scale, &place));
+            picture(ui, view, visible, &texture, comparison);
             self.tiles[index] = Some((visible, texture));
             if let Some(pointer) = response.hover_pos().filter(|pointer| rect.contains(*pointer)) {
-                let place = pixel(pointer);
+                let place = view.to_picture(pointer);
                 hovered = Some((place.x.floor() as i64, place.y.floor() as i64));
             }
         }
@@ -161,18 +183,14 @@ impl Pictures {
     }
 }
 
-fn picture(
-    ui: &Ui,
-    rect: Rect,
-    (visible, texture): (Visible, &TextureHandle),
-    comparison: &PixelComparison,
-    (scale, place): (f32, &dyn Fn(Vec2) -> Pos2),
-) {
-    let painter = ui.painter().with_clip_rect(rect);
+/// Draws the visible part of a picture, a grid between large pixels, and the outlines of the case.
+fn picture(ui: &Ui, view: PictureView, visible: Visible, texture: &TextureHandle, comparison: &PixelComparison) {
+    let painter = ui.painter().with_clip_rect(view.rect);
+    let place = |pixel| view.to_window(pixel);
     let [first, end] = visible.corners();
     let part = Rect::from_min_max(place(first), place(end));
     painter.image(texture.id(), part, Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0)), Color32::WHITE);
-    if scale >= GRID_FROM {
+    if view.scale >= GRID_FROM {
         let stroke = Stroke::new(1.0, Color32::from_white_alpha(18));
         for x in visible.first[0]..=visible.end[0] {
             painter.vline(place(vec2(x as f32, 0.0)).x, part.y_range(), stroke);
@@ -206,7 +224,7 @@ mod tests {
     /// Returns the visible part of a picture of `size` pixels at `scale` points per pixel, with the picture position
     /// `center` in the middle.
     fn visible(size: (u32, u32), scale: f32, center: Vec2) -> Visible {
-        Visible::new(size, TILE, |point| (point - TILE.center()) / scale + center, 1.0)
+        Visible::new(size, PictureView { rect: TILE, scale, center }, 1.0)
     }
 
     #[test]

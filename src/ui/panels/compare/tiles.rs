@@ -12,8 +12,8 @@ mod layout;
 use std::sync::Arc;
 
 use eframe::egui::{
-    self, Align2, Color32, CursorIcon, FontId, Painter, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, Vec2,
-    WidgetInfo, pos2,
+    self, Align2, Color32, CursorIcon, FontId, Painter, Rect, Role, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo,
+    pos2,
 };
 
 use figures::{figures_of, figures_of_both};
@@ -46,6 +46,14 @@ enum TileDrag {
     Region((u32, u32), (u32, u32)),
     /// Moves the wipe line.
     Wipe,
+}
+
+/// Tile on the canvas.
+#[derive(Clone, Copy)]
+struct PlacedTile<'a> {
+    index: usize,
+    layout: TileLayout,
+    picture: PlacedPicture<'a>,
 }
 
 /// Textures and drag state of the compared pictures.
@@ -91,7 +99,8 @@ impl TilesView {
             let placement = zoom.placement(ui, place.picture, size);
             if compared.is_some() {
                 let picture = PlacedPicture { response: &response, placement, size_px: size, drag_is_free: true };
-                self.input(ui, picture, zoom, session, commands);
+                let drag_is_free = self.drag(ui, picture, session, commands);
+                navigate(ui, PlacedPicture { drag_is_free, ..picture }, zoom, session, commands);
                 hovered = hovered.or(response.hover_pos().and_then(|at| placement.pixel_at(at, size)));
                 pick(picture, index, session, commands);
             }
@@ -99,17 +108,17 @@ impl TilesView {
         }
         for (index, (place, response)) in places.iter().zip(&responses).enumerate() {
             let placement = zoom.placement(ui, place.picture, size);
-            let cross = hovered_before.filter(|_| !response.hovered());
+            let picture = PlacedPicture { response, placement, size_px: size, drag_is_free: true };
+            let tile = PlacedTile { index, layout: *place, picture };
             match compared {
-                Some(compared) => self.picture(ui, index, (*place, placement, response), compared, session),
+                Some(compared) => {
+                    self.picture(ui, tile, compared, session);
+                    self.marks(ui, picture, hovered_before.filter(|_| !response.hovered()), session);
+                }
                 None => waiting(ui, place.picture),
             }
-            if compared.is_some() {
-                let picture = PlacedPicture { response, placement, size_px: size, drag_is_free: true };
-                self.marks(ui, picture, cross, session);
-            }
             if let Some((compared, pixel)) = compared.zip(hovered_before.or(session.pick)) {
-                files::readout(ui, *place, index, pixel, (session, compared));
+                files::readout(ui, tile, pixel, session, compared);
             }
             frame(ui, index, *place, session);
         }
@@ -118,16 +127,9 @@ impl TilesView {
         hovered
     }
 
-    /// Handles pointer input on the tiles: dragging of regions and of the wipe line, and pan, zoom and camera movement
-    /// as in a single picture.
-    fn input(
-        &mut self,
-        ui: &Ui,
-        picture: PlacedPicture<'_>,
-        zoom: &mut Zoom,
-        session: &Session,
-        commands: &mut Vec<Command>,
-    ) {
+    /// Handles dragging of regions and of the wipe line. Returns whether drags with the primary button move picture or
+    /// camera.
+    fn drag(&mut self, ui: &Ui, picture: PlacedPicture<'_>, session: &Session, commands: &mut Vec<Command>) -> bool {
         let PlacedPicture { response, placement, size_px: size, .. } = picture;
         let comparison = &session.features.comparison;
         let rect = response.rect;
@@ -169,7 +171,7 @@ impl TilesView {
             commands.push(Command::Compare(CompareChange::Region(Some(between(from, to)))));
             commands.push(Command::Compare(CompareChange::DrawRegion(false)));
         }
-        navigate(ui, PlacedPicture { drag_is_free, ..picture }, zoom, session, commands);
+        drag_is_free
     }
 
     /// Draws the picked pixel, the region, and a cross at the pixel hovered in another tile.
@@ -202,14 +204,9 @@ impl TilesView {
         }
     }
 
-    fn picture(
-        &mut self,
-        ui: &Ui,
-        index: usize,
-        (place, placement, response): (TileLayout, Placement, &Response),
-        compared: &Compared,
-        session: &Session,
-    ) {
+    /// Draws the pictures and figures that a tile shows in the current mode.
+    fn picture(&mut self, ui: &Ui, tile: PlacedTile<'_>, compared: &Compared, session: &Session) {
+        let PlacedTile { index, layout, picture: PlacedPicture { response, placement, .. } } = tile;
         let (shift, ctrl) = ui.input(|i| (i.modifiers.shift, i.modifiers.ctrl || i.modifiers.command));
         let mode = session.features.comparison.mode;
         let name = match mode {
@@ -217,77 +214,77 @@ impl TilesView {
             Mode::Off | Mode::Wipe | Mode::Flip | Mode::Difference => "Compared pictures".to_owned(),
         };
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
-        let whole = place.picture;
+        let whole = layout.picture;
         match mode {
             Mode::Off | Mode::Tiles => {
                 let shown = if shift { 0 } else { index };
-                self.tile(ui, shown, placement, whole, compared);
+                self.tile(ui, shown, placement, compared);
                 if shift && index > 0 {
                     badge(ui, whole, 0, "A, while Shift is held");
                 }
-                figures_of(ui, index, place.footer, compared, session);
+                figures_of(ui, index, layout.footer, compared, session);
             }
             Mode::Flip => {
                 let shown = usize::from(shift);
-                self.tile(ui, shown, placement, whole, compared);
+                self.tile(ui, shown, placement, compared);
                 badge(ui, whole, shown, if shift { "B" } else { "A (hold Shift to show B)" });
-                figures_of_both(ui, place.footer, compared, session);
+                figures_of_both(ui, layout.footer, compared, session);
             }
             Mode::Wipe => {
                 let x = if shift { whole.left() } else { line_x(whole, session.features.comparison.wipe) };
-                self.tile(ui, 0, placement, whole.with_max_x(x), compared);
-                self.tile(ui, 1, placement, whole.with_min_x(x), compared);
+                self.tile(ui, 0, Placement { canvas: whole.with_max_x(x), ..placement }, compared);
+                self.tile(ui, 1, Placement { canvas: whole.with_min_x(x), ..placement }, compared);
                 if !shift {
                     let painter = ui.painter().with_clip_rect(whole);
                     painter.vline(x, whole.y_range(), Stroke::new(3.0, MARK_EDGE));
                     painter.vline(x, whole.y_range(), Stroke::new(1.0, tokens(ui).text_strong));
                     painter.circle(pos2(x, whole.center().y), 5.0, tokens(ui).text_strong, Stroke::new(2.0, MARK_EDGE));
                 }
-                figures_of_both(ui, place.footer, compared, session);
+                figures_of_both(ui, layout.footer, compared, session);
             }
             Mode::Difference => {
                 if shift || ctrl {
-                    self.tile(ui, usize::from(shift), placement, whole, compared);
+                    self.tile(ui, usize::from(shift), placement, compared);
                     badge(ui, whole, usize::from(shift), if shift { "B" } else { "A" });
                 } else if let Some((changes, b)) = changed_pixels(compared) {
-                    self.changed(ui, placement, whole, changes, b);
+                    self.changed(ui, placement, changes, b);
                 } else if let Some(differing) = &compared.difference {
-                    self.difference(ui, placement, whole, differing);
+                    self.difference(ui, placement, differing);
                 } else {
                     let why = "No difference to show: A and B have different sizes or are still being drawn";
                     ui.painter().text(whole.center(), Align2::CENTER_CENTER, why, small(), tokens(ui).text_weak);
                 }
-                figures_of_both(ui, place.footer, compared, session);
+                figures_of_both(ui, layout.footer, compared, session);
             }
         }
     }
 
-    /// Draws the picture of one tile, clipped to `clip`.
-    fn tile(&mut self, ui: &Ui, tile: usize, placement: Placement, clip: Rect, compared: &Compared) {
-        let Some(TileResult { picture, .. }) = compared.tiles.get(tile) else { return waiting(ui, clip) };
+    /// Draws the picture of one tile, clipped to the canvas of the placement.
+    fn tile(&mut self, ui: &Ui, tile: usize, placement: Placement, compared: &Compared) {
+        let Some(TileResult { picture, .. }) = compared.tiles.get(tile) else { return waiting(ui, placement.canvas) };
         while self.textures.len() <= tile {
             self.textures.push(PictureTexture::default());
         }
         let texture = self.textures[tile].show(ui, picture);
-        let painter = ui.painter().with_clip_rect(clip);
+        let painter = ui.painter().with_clip_rect(placement.canvas);
         paint(&painter, texture, placement, picture.size());
         numbers(&painter, placement, picture, ui.input(|i| i.modifiers.alt), |x, y| Value::Color(picture.at(x, y)));
     }
 
     /// Marks changed pixels over the dimmed picture B.
-    fn changed(&mut self, ui: &Ui, placement: Placement, clip: Rect, changes: &Arc<Changes>, b: &TileResult) {
+    fn changed(&mut self, ui: &Ui, placement: Placement, changes: &Arc<Changes>, b: &TileResult) {
         let texture = self.difference.show(ui, &b.picture);
-        let painter = ui.painter().with_clip_rect(clip);
+        let painter = ui.painter().with_clip_rect(placement.canvas);
         let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter.image(texture, placement.rect_of_all(b.picture.size()), uv, changed_layer::DIMMED);
         self.changed.paint(ui, &painter, placement, changes);
         grid(&painter, placement, b.picture.size());
     }
 
-    fn difference(&mut self, ui: &Ui, placement: Placement, clip: Rect, differing: &DifferenceImage) {
+    fn difference(&mut self, ui: &Ui, placement: Placement, differing: &DifferenceImage) {
         let picture: &Image<Rgba8> = &differing.picture;
         let texture = self.difference.show(ui, &differing.picture);
-        let painter = ui.painter().with_clip_rect(clip);
+        let painter = ui.painter().with_clip_rect(placement.canvas);
         paint(&painter, texture, placement, picture.size());
         let bits = ui.input(|i| i.modifiers.alt);
         numbers(&painter, placement, picture, bits, |x, y| Value::Number(differing.values.at(x, y)));

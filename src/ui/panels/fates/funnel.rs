@@ -25,6 +25,12 @@ const MIN_NAME: f32 = 80.0;
 
 /// Fate of a triangle or of a fragment. The funnel shows one bar for each fate.
 pub(crate) trait BinnedFate: Choice {
+    /// Name of what has the fates.
+    const NAME: &str;
+
+    /// Help text of the total count.
+    const TOTAL_HELP: &str;
+
     /// Returns the bin that a click on the bar selects: triangles with this fate or, if it is the fate of a fragment,
     /// triangles with at least one such fragment.
     fn bin(self) -> Bin;
@@ -34,6 +40,9 @@ pub(crate) trait BinnedFate: Choice {
 }
 
 impl BinnedFate for TriangleFate {
+    const NAME: &str = "Triangles";
+    const TOTAL_HELP: &str = "Every triangle of the scene has exactly one of these fates";
+
     fn bin(self) -> Bin {
         Bin::Triangles(self)
     }
@@ -52,6 +61,9 @@ impl BinnedFate for TriangleFate {
 }
 
 impl BinnedFate for FragmentFate {
+    const NAME: &str = "Fragments";
+    const TOTAL_HELP: &str = "Every sample that a triangle covers has exactly one of these fates";
+
     fn bin(self) -> Bin {
         Bin::Fragments(self)
     }
@@ -68,11 +80,11 @@ impl BinnedFate for FragmentFate {
 /// Draws the total count, and below it the bars of all fates that occur.
 pub(crate) fn ui<E: BinnedFate>(
     ui: &mut Ui,
-    (what, help): (&str, &str),
     chosen: Option<Bin>,
     count: impl Fn(E) -> u64,
     commands: &mut Vec<Command>,
 ) {
+    let what = E::NAME;
     let sum: u64 = E::ALL.iter().map(|ending| count(*ending)).sum();
     let weak = tokens(ui).text_weak;
     let (head, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
@@ -81,16 +93,17 @@ pub(crate) fn ui<E: BinnedFate>(
     let total = format::count(sum);
     ui.painter().text(head.right_center(), Align2::RIGHT_CENTER, &total, FontId::monospace(font_size::SMALL), weak);
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{what} {total}")));
-    response.on_hover_text(help);
+    response.on_hover_text(E::TOTAL_HELP);
     for ending in E::ALL.iter().copied().filter(|ending| count(*ending) > 0) {
-        if bar(ui, ending, (count(ending), sum), chosen == Some(ending.bin())) {
+        if bar(ui, ending, count(ending), sum, chosen == Some(ending.bin())) {
             commands.push(Command::Fates(FatesChange::Bin(ending.bin())));
         }
     }
 }
 
-/// Draws one bar with its text over it. Returns whether it was clicked.
-fn bar<E: BinnedFate>(ui: &mut Ui, ending: E, (count, sum): (u64, u64), chosen: bool) -> bool {
+/// Draws the bar of a fate that `count` of `sum` triangles or fragments have, with its text over it. Returns whether it
+/// was clicked.
+fn bar<E: BinnedFate>(ui: &mut Ui, ending: E, count: u64, sum: u64, chosen: bool) -> bool {
     let (row, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
     let share = count as f64 / sum.max(1) as f64;
     let name = ending.name();

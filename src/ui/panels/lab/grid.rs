@@ -32,24 +32,20 @@ pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
     let size = vec2(lab.recording.size.0 as f32, lab.recording.size.1 as f32).max(Vec2::splat(1.0));
     let fitted = ((area.size() - Vec2::splat(2.0 * space::L)) / size).min_elem().clamp(SCALES.0, SCALES.1);
     let (scale, center) = lab.view.unwrap_or((fitted, size / 2.0));
-    let (scale, center) = moved(ui, &response, area, (scale, center), lab, changes);
+    let before = (scale, center);
+    let (scale, center) = moved(ui, &response, lab, scale, center);
+    if (scale, center) != before {
+        changes.push(LabChange::View(Some((scale, center))));
+    }
     let view = GridView { scale, origin: (area.center() - center * scale).round_to_pixels(ui.pixels_per_point()) };
     paint(ui, area, view, lab);
     pointer::ui(ui, &response, view, lab, changes);
 }
 
-/// Applies wheel and drag input to the view. Returns its new scale, in points per pixel, and its new centre, in grid
-/// pixels.
-fn moved(
-    ui: &Ui,
-    response: &eframe::egui::Response,
-    area: Rect,
-    (scale, center): (f32, Vec2),
-    lab: &Lab,
-    changes: &mut Vec<LabChange>,
-) -> (f32, Vec2) {
-    let before = (scale, center);
-    let (mut scale, mut center) = before;
+/// Applies wheel and drag input to the view with a scale in points per pixel and a centre in grid pixels. Returns the
+/// new scale and centre.
+fn moved(ui: &Ui, response: &eframe::egui::Response, lab: &Lab, mut scale: f32, mut center: Vec2) -> (f32, Vec2) {
+    let middle = response.rect.center();
     if pointer::drags_view(ui, response, lab) {
         center -= response.drag_delta() / scale;
     }
@@ -57,13 +53,10 @@ fn moved(
     if wheel != 0.0
         && let Some(at) = response.hover_pos()
     {
-        let below = (at - area.center()) / scale + center;
+        let below = (at - middle) / scale + center;
         scale = (scale * (wheel * 0.005).exp()).clamp(SCALES.0, SCALES.1);
         // The point under the pointer stays fixed.
-        center = below - (at - area.center()) / scale;
-    }
-    if (scale, center) != before {
-        changes.push(LabChange::View(Some((scale, center))));
+        center = below - (at - middle) / scale;
     }
     (scale, center)
 }

@@ -37,9 +37,7 @@ pub(super) fn ui(ui: &Ui, response: &Response, view: GridView, lab: &Lab, change
     {
         ui.data_mut(|data| data.insert_temp(grabbed_id(), handle));
     }
-    if let Some(at) = response.interact_pointer_pos() {
-        act(ui, response, (view, at), &mut lesson, lab.brush, under(at));
-    }
+    act(ui, response, view, &mut lesson, lab.brush);
     if !response.dragged_by(PointerButton::Primary) {
         ui.data_mut(|data| data.remove::<usize>(grabbed_id()));
     }
@@ -51,17 +49,10 @@ pub(super) fn ui(ui: &Ui, response: &Response, view: GridView, lab: &Lab, change
     }
 }
 
-/// Applies pointer input at `at`, in screen points, to the lesson. `under` is the index of the handle under the
-/// pointer.
-fn act(
-    ui: &Ui,
-    response: &Response,
-    (view, at): (GridView, Pos2),
-    lesson: &mut Lesson,
-    brush: Paint,
-    under: Option<usize>,
-) {
-    let place = view.place(at);
+/// Applies clicks and drags to the lesson.
+fn act(ui: &Ui, response: &Response, view: GridView, lesson: &mut Lesson, brush: Paint) {
+    let Some(at) = response.interact_pointer_pos() else { return };
+    let (place, under) = (view.place(at), nearest_handle(lesson, view, at));
     if response.dragged_by(PointerButton::Primary)
         && let Some(handle) = grabbed(ui)
     {

@@ -4,7 +4,7 @@ use eframe::egui::{Align, Align2, Area, Frame, Id, Layout, Order, Rect, RichText
 
 use crate::ui::session::Session;
 use crate::ui::session::command::Command;
-use crate::ui::session::onboarding::{CoachStep, OnboardingChange};
+use crate::ui::session::onboarding::{CoachStep, Onboarding, OnboardingChange};
 use crate::ui::theme::{self, Icon, font_size, space, tokens};
 
 /// Width of the card, in points.
@@ -67,12 +67,12 @@ pub(crate) fn ui(ui: &Ui, canvas: Rect, session: &Session, commands: &mut Vec<Co
             let frame = Frame::popup(ui.style()).inner_margin(space::S).stroke(Stroke::new(1.0, tokens(ui).accent));
             frame.show(ui, |ui| {
                 ui.set_width(WIDTH.min(room.width() - 2.0 * space::M));
-                content(ui, step, onboarding.moved(), commands);
+                content(ui, step, onboarding, commands);
             });
         });
 }
 
-fn content(ui: &mut Ui, step: CoachStep, moved: (bool, bool), commands: &mut Vec<Command>) {
+fn content(ui: &mut Ui, step: CoachStep, onboarding: &Onboarding, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         let (place, _) = ui.allocate_exact_size(Vec2::splat(theme::ICON_SIZE), eframe::egui::Sense::hover());
         theme::paint_icon(ui.painter(), place.center(), step.arrow(), theme::ICON_SIZE, tokens(ui).accent);
@@ -84,8 +84,9 @@ fn content(ui: &mut Ui, step: CoachStep, moved: (bool, bool), commands: &mut Vec
     });
     ui.label(step.text());
     if step == CoachStep::Move {
+        let (orbited, zoomed) = onboarding.moved();
         ui.horizontal(|ui| {
-            for (done, name) in [(moved.0, "orbited"), (moved.1, "zoomed")] {
+            for (done, name) in [(orbited, "orbited"), (zoomed, "zoomed")] {
                 let (icon, color) =
                     if done { (Icon::CircleCheck, tokens(ui).passed) } else { (Icon::Circle, tokens(ui).text_weak) };
                 let (place, _) =

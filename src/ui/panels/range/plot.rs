@@ -56,8 +56,8 @@ impl HistogramPlot<'_> {
         };
         let range = self.range?;
         let most = self.histograms.iter().map(Histogram::max_count).max().unwrap_or(0);
-        for (channel, histogram) in self.histograms.iter().enumerate() {
-            self.bars(ui, bars, channel, histogram, most);
+        for channel in 0..self.histograms.len() {
+            self.bars(ui, bars, channel, most);
         }
         self.strip(ui, Rect::from_min_size(bars.left_bottom(), vec2(bars.width(), STRIP)), axis);
         axis_numbers(ui, rect, axis, most, self.log_counts);
@@ -66,7 +66,9 @@ impl HistogramPlot<'_> {
         dragged
     }
 
-    fn bars(&self, ui: &Ui, rect: Rect, channel: usize, histogram: &Histogram, most: u64) {
+    /// Draws the bars of a channel. `most` is the count of the highest bar of all channels.
+    fn bars(&self, ui: &Ui, rect: Rect, channel: usize, most: u64) {
+        let histogram = &self.histograms[channel];
         let height = |count: u64| {
             let (count, most) = (count as f32, most.max(1) as f32);
             if self.log_counts { count.ln_1p() / most.ln_1p() } else { count / most }

@@ -112,67 +112,74 @@ impl TraceColumns {
     }
 }
 
-/// Draws the headings of the columns.
-pub(super) fn headings(ui: &mut Ui, columns: &TraceColumns) {
-    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
-    let color = tokens(ui).text_weak;
-    let font = FontId::proportional(font_size::SMALL);
-    let left = |x: f32, text: &str| {
-        ui.painter().text(rect.left_center() + vec2(x + 4.0, 0.0), Align2::LEFT_CENTER, text, font.clone(), color);
-    };
-    let right = |x: f32, text: &str| {
-        ui.painter().text(rect.left_center() + vec2(x - 8.0, 0.0), Align2::RIGHT_CENTER, text, font.clone(), color);
-    };
-    for (column, text) in [
-        (columns.stage, "Stage"),
-        (Some(columns.what), "Quantity"),
-        (columns.formula, "Formula"),
-        (columns.bits, "Bits"),
-        (columns.exact, "Exact"),
-    ] {
-        if let Some(column) = column {
-            left(column.left, text);
-        }
-    }
-    for (column, text) in [(Some(columns.value), "Value"), (columns.rounding, "Rounding")] {
-        if let Some(column) = column {
-            right(column.left + column.width, text);
-        }
-    }
+/// Table of the lines of a trace.
+pub(super) struct TraceTable<'a> {
+    pub(super) trace: &'a Trace,
+    /// Current line, and lines whose values have changed.
+    pub(super) view: &'a TraceView,
+    pub(super) columns: TraceColumns,
+    /// Quantity that the canvas shows.
+    pub(super) shown: Shown,
 }
 
-/// Draws the table row of one trace line, and handles clicks on it.
-pub(super) fn table_row(
-    ui: &mut Ui,
-    (trace, place): (&Trace, usize),
-    table: &TraceView,
-    columns: &TraceColumns,
-    shown: Shown,
-    commands: &mut Vec<Command>,
-) {
-    let line = &trace.lines[place];
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
-    response.widget_info(|| WidgetInfo::labeled(Role::Row, true, format!("{} = {}", line.what, line.value_text())));
-    let is_current = place == table.line;
-    if is_current {
-        ui.painter().rect_filled(rect, 2.0, tokens(ui).accent_fill);
-    } else if response.hovered() || place % 2 == 1 {
-        ui.painter().rect_filled(rect, 0.0, tokens(ui).raised);
+impl TraceTable<'_> {
+    /// Draws the headings of the columns.
+    pub(super) fn headings(&self, ui: &mut Ui) {
+        let columns = &self.columns;
+        let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
+        let color = tokens(ui).text_weak;
+        let font = FontId::proportional(font_size::SMALL);
+        let left = |x: f32, text: &str| {
+            ui.painter().text(rect.left_center() + vec2(x + 4.0, 0.0), Align2::LEFT_CENTER, text, font.clone(), color);
+        };
+        let right = |x: f32, text: &str| {
+            ui.painter().text(rect.left_center() + vec2(x - 8.0, 0.0), Align2::RIGHT_CENTER, text, font.clone(), color);
+        };
+        for (column, text) in [
+            (columns.stage, "Stage"),
+            (Some(columns.what), "Quantity"),
+            (columns.formula, "Formula"),
+            (columns.bits, "Bits"),
+            (columns.exact, "Exact"),
+        ] {
+            if let Some(column) = column {
+                left(column.left, text);
+            }
+        }
+        for (column, text) in [(Some(columns.value), "Value"), (columns.rounding, "Rounding")] {
+            if let Some(column) = column {
+                right(column.left + column.width, text);
+            }
+        }
     }
-    let show = columns.show.of(rect);
-    if response.clicked() {
-        commands.push(Command::Trace(TraceChange::Line(place)));
-    }
-    cells(ui, line, (rect, columns), table.is_changed(place));
-    let is_changed = table.is_changed(place);
-    response.on_hover_ui(|ui| explain(ui, line, is_changed));
-    if let Some(buffer) = line.buffer {
-        show_button(ui, show, Shown::Intermediate(buffer), shown, commands);
+
+    /// Draws the row of the line at index `place`, and handles clicks on it.
+    pub(super) fn row(&self, ui: &mut Ui, place: usize, commands: &mut Vec<Command>) {
+        let Self { trace, view, columns, shown } = self;
+        let line = &trace.lines[place];
+        let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
+        response.widget_info(|| WidgetInfo::labeled(Role::Row, true, format!("{} = {}", line.what, line.value_text())));
+        let is_current = place == view.line;
+        if is_current {
+            ui.painter().rect_filled(rect, 2.0, tokens(ui).accent_fill);
+        } else if response.hovered() || place % 2 == 1 {
+            ui.painter().rect_filled(rect, 0.0, tokens(ui).raised);
+        }
+        let show = columns.show.of(rect);
+        if response.clicked() {
+            commands.push(Command::Trace(TraceChange::Line(place)));
+        }
+        let is_changed = view.is_changed(place);
+        cells(ui, line, rect, columns, is_changed);
+        response.on_hover_ui(|ui| explain(ui, line, is_changed));
+        if let Some(buffer) = line.buffer {
+            show_button(ui, show, Shown::Intermediate(buffer), *shown, commands);
+        }
     }
 }
 
 /// Draws the texts of a row, each clipped to its column.
-fn cells(ui: &Ui, line: &TraceLine, (rect, columns): (Rect, &TraceColumns), is_changed: bool) {
+fn cells(ui: &Ui, line: &TraceLine, rect: Rect, columns: &TraceColumns, is_changed: bool) {
     let tokens = tokens(ui);
     let quiet = if line.aside { tokens.text_weak } else { tokens.text };
     let mono = FontId::monospace(font_size::SMALL);

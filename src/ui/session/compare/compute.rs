@@ -284,33 +284,33 @@ fn reference_recipe(recipe: Recipe) -> Recipe {
 
 /// Computes the requested difference of the first two tiles, reusing that of `old` if it has the same pictures.
 fn difference_of(request: &CompareRequest, tiles: &[TileResult], old: Option<&Compared>) -> Option<DifferenceImage> {
-    let (kind, [a, b, ..]) = (request.difference?, tiles) else { return None };
+    let ((difference, gain), [a, b, ..]) = (request.difference?, tiles) else { return None };
     let kept = old.filter(|old| {
         let pictures = old.tiles.iter().take(2).map(|tile| &tile.picture);
         pictures.zip([a, b]).all(|(old, new)| Arc::ptr_eq(old, &new.picture))
     });
-    differing(kind, kept.and_then(|old| old.difference.as_ref()), a, b)
+    differing(difference, gain, kept.and_then(|old| old.difference.as_ref()), [a, b])
 }
 
 /// Computes the difference of two tiles, reusing known values if only the gain has changed. Returns `None` if the
 /// pictures differ in size.
 fn differing(
-    kind: (Difference, u32),
+    difference: Difference,
+    gain: u32,
     old: Option<&DifferenceImage>,
-    a: &TileResult,
-    b: &TileResult,
+    [a, b]: [&TileResult; 2],
 ) -> Option<DifferenceImage> {
-    let values = match old.filter(|old| old.kind.0 == kind.0) {
-        Some(old) if old.kind == kind => return Some(old.clone()),
+    let values = match old.filter(|old| old.kind.0 == difference) {
+        Some(old) if old.kind.1 == gain => return Some(old.clone()),
         Some(old) => old.values.clone(),
-        None => Arc::new(difference::values(kind.0, &a.picture, &b.picture)?),
+        None => Arc::new(difference::values(difference, &a.picture, &b.picture)?),
     };
-    let picture = Arc::new(difference::picture(kind.0, kind.1, &values));
-    let changes = match kind.0 {
+    let picture = Arc::new(difference::picture(difference, gain, &values));
+    let changes = match difference {
         Difference::Changed => Changes::of_pictures(&a.picture, &b.picture).map(Arc::new),
         Difference::Absolute | Difference::Signed | Difference::Squared | Difference::Flip => None,
     };
-    Some(DifferenceImage { kind, values, picture, changes })
+    Some(DifferenceImage { kind: (difference, gain), values, picture, changes })
 }
 
 #[cfg(test)]

@@ -42,6 +42,13 @@ pub(crate) struct FrameRun {
     pub(crate) points: Vec<[f64; 2]>,
 }
 
+/// Settings of a frame that affect its time.
+#[derive(Clone, Copy, Debug)]
+struct FrameSettings {
+    recipe: Recipe,
+    viewport: Viewport,
+}
+
 /// The most recent frames and the changes between them.
 #[derive(Debug, Default)]
 pub(crate) struct FrameHistory {
@@ -49,15 +56,16 @@ pub(crate) struct FrameHistory {
     markers: VecDeque<SettingsMarker>,
     /// Number of frames drawn so far.
     drawn: u64,
-    last: Option<(Recipe, Viewport)>,
+    /// Settings of the last frame.
+    last: Option<FrameSettings>,
 }
 
 impl FrameHistory {
     /// Adds the time of a frame that was drawn for `request`, and a marker if its settings differ from those of the
     /// frame before.
     pub(super) fn record(&mut self, request: &Request, ms: f64) {
-        let now = (request.recipe, request.viewport);
-        if let Some(words) = self.last.and_then(|before| change_in_words(before, now)) {
+        let now = FrameSettings { recipe: request.recipe, viewport: request.viewport };
+        if let Some(words) = self.last.and_then(|before| before.change_in_words(now)) {
             self.markers.push_back(SettingsMarker { number: self.drawn, words });
         }
         self.last = Some(now);
@@ -95,17 +103,20 @@ impl FrameHistory {
     }
 }
 
-/// Names the difference between two settings and picture sizes; `None` if there is none.
-fn change_in_words(before: (Recipe, Viewport), after: (Recipe, Viewport)) -> Option<String> {
-    let size = (before.1 != after.1).then(|| format!("size: {} × {} px", after.1.width, after.1.height));
-    let settings = fields::changes(&before.0, &after.0).into_iter().map(|change| change.words());
-    let all: Vec<_> = size.into_iter().chain(settings).collect();
-    let rest = all.len().saturating_sub(NAMED);
-    let named = all[..all.len() - rest].join(", ");
-    match rest {
-        _ if all.is_empty() => None,
-        0 => Some(named),
-        more => Some(format!("{named} and {more} more")),
+impl FrameSettings {
+    /// Names the difference from the settings of a later frame; `None` if there is none.
+    fn change_in_words(self, after: Self) -> Option<String> {
+        let Viewport { width, height } = after.viewport;
+        let size = (self.viewport != after.viewport).then(|| format!("size: {width} × {height} px"));
+        let settings = fields::changes(&self.recipe, &after.recipe).into_iter().map(|change| change.words());
+        let all: Vec<_> = size.into_iter().chain(settings).collect();
+        let rest = all.len().saturating_sub(NAMED);
+        let named = all[..all.len() - rest].join(", ");
+        match rest {
+            _ if all.is_empty() => None,
+            0 => Some(named),
+            more => Some(format!("{named} and {more} more")),
+        }
     }
 }
 

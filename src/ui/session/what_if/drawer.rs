@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use crate::image::{Image, Rgba8};
-use crate::inspect::what_if::Changes;
+use crate::inspect::what_if::{Changes, PictureValues};
 use crate::measure::checkpoints;
 use crate::measure::error::{ImageError, compare};
 use crate::measure::motion::{FrameSequence, Turn};
@@ -211,8 +211,8 @@ fn changes(before: &RenderedView, after: &RenderedView) -> Option<Changes> {
             _ => Changes::of_pictures(&before.picture, &after.picture),
         },
         Shown::Buffer(_) | Shown::Intermediate(_) => Changes::of_values(
-            (before.picture.size(), |x, y| before.value(x, y)),
-            (after.picture.size(), |x, y| after.value(x, y)),
+            &PictureValues { size: before.picture.size(), value: |x, y| before.value(x, y) },
+            &PictureValues { size: after.picture.size(), value: |x, y| after.value(x, y) },
         ),
     }
 }

@@ -17,8 +17,10 @@ use crate::scene::animation::{Influence, Joint, MorphTarget, Skin};
 use crate::scene::load::{Load, bytes_of};
 
 /// Joints of the skins of a file, each read at its first use.
-#[derive(Default)]
-pub(super) struct Skins {
+pub(super) struct Skins<'a> {
+    root: &'a Root,
+    /// Index in the rig of each node of the file; `None` for nodes outside the scene.
+    rig_nodes: &'a [Option<usize>],
     known: HashMap<usize, Option<Arc<[Joint]>>>,
 }
 
@@ -42,20 +44,24 @@ fn targets(primitive: &Primitive) -> &[gltf_json::mesh::MorphTarget] {
     primitive.targets.as_deref().unwrap_or_default()
 }
 
-impl Skins {
+impl<'a> Skins<'a> {
+    /// Creates an empty collection.
+    pub(super) fn new(root: &'a Root, rig_nodes: &'a [Option<usize>]) -> Self {
+        Self { root, rig_nodes, known: HashMap::new() }
+    }
+
     /// Returns the joints of a skin; `None` if a joint is not part of the scene, with a warning.
     pub(super) fn joints(
         &mut self,
-        root: &Root,
+        skin: usize,
         accessors: &mut Accessors<'_>,
-        (skin, rig_nodes): (usize, &[Option<usize>]),
         remarks: &mut Remarks<'_>,
     ) -> Result<Option<Arc<[Joint]>>, Failure> {
         if let Some(known) = self.known.get(&skin) {
             return Ok(known.clone());
         }
         let named = |reason: String| format!("skins[{skin}]: {reason}");
-        let joints = read_joints(root, accessors, (skin, rig_nodes)).map_err(named)?;
+        let joints = self.read_joints(skin, accessors).map_err(named)?;
         if joints.is_none() {
             remarks
                 .warn(format!("skins[{skin}]: a joint is not part of the scene; the mesh is shown in its bind pose"));
@@ -63,33 +69,29 @@ impl Skins {
         self.known.insert(skin, joints.clone());
         Ok(joints)
     }
-}
 
-fn read_joints(
-    root: &Root,
-    accessors: &mut Accessors<'_>,
-    (index, rig_nodes): (usize, &[Option<usize>]),
-) -> Result<Option<Arc<[Joint]>>, String> {
-    let Some(skin) = root.skins.get(index) else { return Ok(None) };
-    let inverse_binds =
-        skin.inverse_bind_matrices.map(|matrices| accessors.get(matrices, &[Type::Mat4])).transpose()?;
-    if let Some(matrices) = &inverse_binds
-        && matrices.count() < skin.joints.len()
-    {
-        return Err(format!("it has {} inverse bind matrices for {} joints", matrices.count(), skin.joints.len()));
-    }
-    let mut joints = Vec::with_capacity(skin.joints.len());
-    for (number, joint) in skin.joints.iter().enumerate() {
-        let Some(node) = rig_nodes.get(joint.value()).copied().flatten() else { return Ok(None) };
-        let matrix = inverse_binds
-            .as_ref()
-            .map_or(DMat4::IDENTITY, |matrices| affine(matrices.vector::<16>(number).map(f64::from)));
-        if !matrix.is_finite() {
-            return Err(format!("its inverse bind matrix {number} is not finite"));
+    fn read_joints(&self, index: usize, accessors: &mut Accessors<'_>) -> Result<Option<Arc<[Joint]>>, String> {
+        let Some(skin) = self.root.skins.get(index) else { return Ok(None) };
+        let inverse_binds =
+            skin.inverse_bind_matrices.map(|matrices| accessors.get(matrices, &[Type::Mat4])).transpose()?;
+        if let Some(matrices) = &inverse_binds
+            && matrices.count() < skin.joints.len()
+        {
+            return Err(format!("it has {} inverse bind matrices for {} joints", matrices.count(), skin.joints.len()));
         }
-        joints.push(Joint { node, joint_from_model: matrix });
+        let mut joints = Vec::with_capacity(skin.joints.len());
+        for (number, joint) in skin.joints.iter().enumerate() {
+            let Some(node) = self.rig_nodes.get(joint.value()).copied().flatten() else { return Ok(None) };
+            let matrix = inverse_binds
+                .as_ref()
+                .map_or(DMat4::IDENTITY, |matrices| affine(matrices.vector::<16>(number).map(f64::from)));
+            if !matrix.is_finite() {
+                return Err(format!("its inverse bind matrix {number} is not finite"));
+            }
+            joints.push(Joint { node, joint_from_model: matrix });
+        }
+        if joints.is_empty() { Err("it has no joints".to_owned()) } else { Ok(Some(joints.into())) }
     }
-    if joints.is_empty() { Err("it has no joints".to_owned()) } else { Ok(Some(joints.into())) }
 }
 
 /// Returns the matrix of these columns, with the last row that an affine matrix has.

@@ -14,7 +14,7 @@ use gltf_json::{Index, Root, texture};
 
 use super::buffers::Buffers;
 use super::document::transform_of_normals;
-use super::textures::Textures;
+use super::textures::{TextureUse, Textures};
 use super::{Remarks, name_or, valid};
 use crate::image::color::encode;
 use crate::scene::load::Load;
@@ -91,28 +91,28 @@ impl<'a> Materials<'a> {
     pub(super) fn id(
         &mut self,
         index: Option<usize>,
-        (library, load): (&mut Library, &mut Load<'_>),
+        library: &mut Library,
+        load: &mut Load<'_>,
         remarks: &mut Remarks<'_>,
     ) -> MaterialId {
         if let Some(id) = self.known.get(&index) {
             return *id;
         }
-        let material = match index.and_then(|index| Some((index, self.root.materials.get(index)?))) {
-            Some((index, described)) => self.material(index, described, (library, load), remarks),
-            None => Material::plain("default", Vec3::ONE),
-        };
-        let id = library.add_material(material);
+        let material = index.and_then(|index| self.material(index, library, load, remarks));
+        let id = library.add_material(material.unwrap_or_else(|| Material::plain("default", Vec3::ONE)));
         self.known.insert(index, id);
         id
     }
 
+    /// Returns a material of the file; `None` if there is none with this index.
     fn material(
         &mut self,
         index: usize,
-        described: &gltf_json::Material,
-        (library, load): (&mut Library, &mut Load<'_>),
+        library: &mut Library,
+        load: &mut Load<'_>,
         remarks: &mut Remarks<'_>,
-    ) -> Material {
+    ) -> Option<Material> {
+        let described = self.root.materials.get(index)?;
         let surface = &described.pbr_metallic_roughness;
         let [red, green, blue, opacity] = surface.base_color_factor.0;
         let mode = valid(described.alpha_mode).unwrap_or(AlphaMode::Opaque);
@@ -120,7 +120,7 @@ impl<'a> Materials<'a> {
         let emissive = described.emissive_texture.as_ref();
         let normals = described.normal_texture.as_ref();
         let mut read = |index: Index<texture::Texture>, keeps_alpha, remarks: &mut Remarks<'_>| {
-            self.textures.get(index, keeps_alpha, (&mut *library, &mut *load), remarks)
+            self.textures.get(TextureUse { index, keeps_alpha }, library, load, remarks)
         };
         let texture = base.and_then(|base| read(base.index, mode != AlphaMode::Opaque, remarks));
         let emission_texture = emissive.and_then(|emissive| read(emissive.index, false, remarks));
@@ -154,7 +154,7 @@ impl<'a> Materials<'a> {
             double_sided: described.double_sided,
             ..plain
         };
-        match mode {
+        Some(match mode {
             AlphaMode::Opaque => shown,
             AlphaMode::Blend => {
                 let opacity = opacity.clamp(0.0, 1.0);
@@ -166,7 +166,7 @@ impl<'a> Materials<'a> {
                 let alpha_cutoff = if cutoff <= 0.0 { 0.0 } else { cutoff / opacity.clamp(0.0, 1.0) };
                 Material { alpha_cutoff, transparency: Some(Transparency::AlphaTested), ..shown }
             }
-        }
+        })
     }
 
     /// Returns whether a texture clamps its coordinates in both directions. Other ways of addressing are settings.

@@ -41,9 +41,7 @@ impl Part {
 pub(super) struct Meshes<'a> {
     root: &'a Root,
     accessors: Accessors<'a>,
-    /// Index in the rig of each node of the file; `None` for nodes outside the scene.
-    rig_nodes: &'a [Option<usize>],
-    skins: Skins,
+    skins: Skins<'a>,
     known: HashMap<MeshKey, Vec<Part>>,
     /// Deformations of the meshes that were read.
     deformations: Vec<Deformation>,
@@ -81,10 +79,11 @@ struct ReadPrimitive {
 }
 
 impl<'a> Meshes<'a> {
-    /// Creates an empty collection.
+    /// Creates an empty collection. `rig_nodes` holds the index in the rig of each node of the file, and `None` for
+    /// nodes outside the scene.
     pub(super) fn new(root: &'a Root, accessors: Accessors<'a>, rig_nodes: &'a [Option<usize>]) -> Self {
-        let (skins, known, deformations) = (Skins::default(), HashMap::new(), Vec::new());
-        Self { root, accessors, rig_nodes, skins, known, deformations }
+        let (skins, known, deformations) = (Skins::new(root, rig_nodes), HashMap::new(), Vec::new());
+        Self { root, accessors, skins, known, deformations }
     }
 
     /// Returns the deformations of all meshes.
@@ -97,7 +96,8 @@ impl<'a> Meshes<'a> {
     pub(super) fn prepare(
         &mut self,
         placed: &PlacedMesh,
-        (library, load): (&mut Library, &mut Load<'_>),
+        library: &mut Library,
+        load: &mut Load<'_>,
         remarks: &mut Remarks<'_>,
     ) -> Result<bool, Failure> {
         let key = MeshKey::of(placed);
@@ -146,7 +146,7 @@ impl<'a> Meshes<'a> {
             return Ok(None);
         }
         let Some(skin) = placed.skin else { return Ok(Some(Deformer { joints: None })) };
-        let joints = self.skins.joints(self.root, &mut self.accessors, (skin, self.rig_nodes), remarks)?;
+        let joints = self.skins.joints(skin, &mut self.accessors, remarks)?;
         Ok(Some(Deformer { joints }))
     }
 

@@ -143,7 +143,7 @@ fn load(path: &Path, remarks: &mut Remarks<'_>, control: LoadControl<'_>) -> Res
     let mut triangles = 0_u64;
     for (done, placed_mesh) in placed.meshes.iter().enumerate() {
         load.advance(done as f32 / placed.meshes.len() as f32)?;
-        let is_first = meshes.prepare(placed_mesh, (&mut library, &mut load), remarks)?;
+        let is_first = meshes.prepare(placed_mesh, &mut library, &mut load, remarks)?;
         for part in meshes.parts(placed_mesh) {
             let drawn = library.mesh(part.mesh).triangles.len() as u64;
             load.charge(if is_first { 0 } else { drawn.saturating_mul(BYTES_PER_DRAWN_TRIANGLE) })?;
@@ -169,7 +169,7 @@ fn load(path: &Path, remarks: &mut Remarks<'_>, control: LoadControl<'_>) -> Res
             let instance = Instance {
                 name,
                 mesh: part.mesh,
-                material: materials.id(part.material, (&mut library, &mut load), remarks),
+                material: materials.id(part.material, &mut library, &mut load, remarks),
                 world_from_model: placed_mesh.world_from_model.as_mat4(),
                 tint: Vec3::ONE,
             };
@@ -185,29 +185,21 @@ fn load(path: &Path, remarks: &mut Remarks<'_>, control: LoadControl<'_>) -> Res
     load.advance(1.0)?;
     let deformations = meshes.into_deformations();
     let animation = Animation { rig: placed.rig.clone(), attachments, deformations, ..Animation::default() };
-    finished(path, (library, instances, animation), &placed, remarks)
-}
-
-/// Returns the scene with its views and light.
-fn finished(
-    path: &Path,
-    (library, instances, animation): (Library, Vec<Instance>, Animation),
-    placed: &Placed,
-    remarks: &mut Remarks<'_>,
-) -> Result<Scene, Failure> {
-    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let home = Camera::look_at(Vec3::Z, Vec3::ZERO);
     let scene = Scene {
-        name,
+        name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         library,
         instances,
         background: BACKGROUND,
-        home,
+        home: Camera::look_at(Vec3::Z, Vec3::ZERO),
         views: Vec::new(),
         light: placed.light,
         animation: None,
     };
-    let mut scene = scene.animated(animation);
+    with_views(scene.animated(animation), &placed, remarks)
+}
+
+/// Returns the scene with the views of the file and a first view of all it contains.
+fn with_views(mut scene: Scene, placed: &Placed, remarks: &mut Remarks<'_>) -> Result<Scene, Failure> {
     let bounds = scene.bounds();
     let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
     if !bounds.is_empty() && largest > MAX_COORDINATE {

@@ -81,7 +81,7 @@ pub(super) fn place(root: &Root, remarks: &mut Remarks<'_>) -> Result<Placed, Fa
         let rig_node = placed.rig.add_node(RigNode { parent: parent.rig_node, local, weights: weights(root, node) });
         placed.rig_nodes[number] = Some(rig_node);
         let placed_node = Parent { rig_node: Some(rig_node), world };
-        take(root, (number, node), placed_node, &mut placed, remarks);
+        take(root, index, placed_node, &mut placed, remarks);
         pending.extend(node.children.iter().flatten().rev().map(|child| (*child, placed_node)));
     }
     Ok(placed)
@@ -121,11 +121,13 @@ fn roots(root: &Root) -> Vec<Index<Node>> {
 /// Takes mesh, camera and light of a node.
 fn take(
     root: &Root,
-    (number, node): (usize, &Node),
+    index: Index<Node>,
     Parent { rig_node, world }: Parent,
     placed: &mut Placed,
     remarks: &mut Remarks<'_>,
 ) {
+    let Some(node) = root.get(index) else { return };
+    let number = index.value();
     let named = |own: Option<&String>, kind, index| {
         if node.name.as_ref().is_some_and(|name| !name.is_empty()) {
             name_or(node.name.as_ref(), "node", number)

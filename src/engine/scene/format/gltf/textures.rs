@@ -14,6 +14,15 @@ use crate::scene::load::{Load, texture_bytes};
 use crate::scene::{Alpha, Library, Texture, TextureId};
 use crate::text;
 
+/// Use of a texture by a material.
+#[derive(Clone, Copy)]
+pub(super) struct TextureUse {
+    /// Index of the texture in the file.
+    pub(super) index: Index<texture::Texture>,
+    /// Whether the material reads alpha; otherwise all texels are opaque.
+    pub(super) keeps_alpha: bool,
+}
+
 /// Textures of a file, each decoded at its first use.
 pub(super) struct Textures<'a> {
     path: &'a Path,
@@ -29,13 +38,12 @@ impl<'a> Textures<'a> {
         Self { path, root, buffers, known: HashMap::new() }
     }
 
-    /// Returns the texture with the index `index` in the file. Without `keeps_alpha`, all its texels are opaque.
-    /// Returns `None` with a warning if its picture cannot be read.
+    /// Returns the texture for a use. Returns `None` with a warning if its picture cannot be read.
     pub(super) fn get(
         &mut self,
-        index: Index<texture::Texture>,
-        keeps_alpha: bool,
-        (library, load): (&mut Library, &mut Load<'_>),
+        TextureUse { index, keeps_alpha }: TextureUse,
+        library: &mut Library,
+        load: &mut Load<'_>,
         remarks: &mut Remarks<'_>,
     ) -> Option<TextureId> {
         let image = self.root.get(index).map(|texture| texture.source.value());

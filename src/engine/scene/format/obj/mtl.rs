@@ -248,7 +248,11 @@ impl MtlReader<'_> {
                     None => break,
                 }
             }
-            self.option(line, keyword, option, &values, &mut options);
+            match options.set(keyword, option, &values) {
+                Ok(true) => {}
+                Ok(false) => self.option_not_rendered(line, option),
+                Err(reason) => self.warn(line, format!("texture option `{option}`: {reason}; ignored")),
+            }
         }
         let name = name.join(" ").trim_matches('"').replace('\\', "/");
         if name.is_empty() {
@@ -257,33 +261,32 @@ impl MtlReader<'_> {
         }
         Some(PictureReference { name, library: self.library.to_owned(), line, options })
     }
+}
 
-    fn option(&mut self, line: usize, keyword: &str, option: &str, values: &[&str], options: &mut TextureOptions) {
+impl TextureOptions {
+    /// Sets an option of a texture statement with this keyword. Returns `false` if the option is not rendered, and an
+    /// error if its values are invalid.
+    fn set(&mut self, keyword: &str, option: &str, values: &[&str]) -> Result<bool, String> {
         let numbers: Result<Vec<f32>, String> = values.iter().map(|value| number(value)).collect();
         let at = |i: usize, missing: f32| match &numbers {
             Ok(numbers) => Ok(numbers.get(i).copied().unwrap_or(missing)),
             Err(reason) => Err(reason.clone()),
         };
-        let pair = |missing: f32| Ok(Vec2::new(at(0, missing)?, at(1, missing)?));
+        let pair = |missing: f32| Ok::<_, String>(Vec2::new(at(0, missing)?, at(1, missing)?));
         let value = values.first().copied().unwrap_or_default();
-        let done = match option {
-            "-o" => pair(0.0).map(|offset| options.offset = offset),
-            "-s" => pair(1.0).map(|scale| options.scale = scale),
-            "-bm" => at(0, 1.0).map(|factor| options.bump = factor),
-            "-clamp" => switch(value).map(|clamp| options.clamp = clamp),
-            "-imfchan" => match channel(value) {
-                _ if keyword != "map_d" => Err(format!("it has no effect on `{keyword}`")),
-                None => Err(format!("{} is not one of the channels r, g, b, m, l", quoted(value))),
-                known => {
-                    options.channel = known;
-                    Ok(())
-                }
-            },
-            _ => return self.option_not_rendered(line, option),
-        };
-        if let Err(reason) = done {
-            self.warn(line, format!("texture option `{option}`: {reason}; ignored"));
+        match option {
+            "-o" => self.offset = pair(0.0)?,
+            "-s" => self.scale = pair(1.0)?,
+            "-bm" => self.bump = at(0, 1.0)?,
+            "-clamp" => self.clamp = switch(value)?,
+            "-imfchan" if keyword != "map_d" => return Err(format!("it has no effect on `{keyword}`")),
+            "-imfchan" => {
+                let unknown = || format!("{} is not one of the channels r, g, b, m, l", quoted(value));
+                self.channel = Some(channel(value).ok_or_else(unknown)?);
+            }
+            _ => return Ok(false),
         }
+        Ok(true)
     }
 }
 

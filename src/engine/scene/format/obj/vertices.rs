@@ -30,7 +30,8 @@ pub(super) fn meshes(lists: &AttributeLists, faces: &Faces, load: &mut Load<'_>)
     let mut meshes = Vec::new();
     let mut done = 0;
     for part in &faces.parts {
-        let mesh = numbering.mesh(lists, faces, part, &mut done, load)?;
+        let triangles = numbering.triangles(faces, part, &mut done, load)?;
+        let mesh = numbering.mesh(lists, triangles, load)?;
         load.push(&mut meshes, mesh)?;
         numbering.clear();
     }
@@ -80,14 +81,14 @@ struct NumberedVertex {
 }
 
 impl Numbering {
-    fn mesh(
+    /// Numbers the vertices of a part, and returns its triangles. `done` counts the triangles of all parts so far.
+    fn triangles(
         &mut self,
-        lists: &AttributeLists,
         faces: &Faces,
         part: &MeshPart,
         done: &mut usize,
         load: &mut Load<'_>,
-    ) -> Result<MeshData, Stopped> {
+    ) -> Result<Vec<[u32; 3]>, Stopped> {
         let mut triangles = Vec::new();
         let count = part.runs.iter().map(ExactSizeIterator::len).sum();
         load.reserve(&mut triangles, count)?;
@@ -102,6 +103,11 @@ impl Numbering {
             }
             triangles.push(numbers);
         }
+        Ok(triangles)
+    }
+
+    /// Returns the mesh of the numbered vertices, without a name.
+    fn mesh(&self, lists: &AttributeLists, triangles: Vec<[u32; 3]>, load: &mut Load<'_>) -> Result<MeshData, Stopped> {
         let corners = || self.vertices.iter().map(|vertex| vertex.corner);
         let has_uvs = corners().next().is_some_and(|corner| corner.uv != NONE);
         let has_colors = corners().any(|c| lists.colors.get(c.position as usize).is_some_and(|c| *c != Vec3::ONE));

@@ -35,8 +35,8 @@ use super::words::times_one;
 use crate::image::{Image, Rgba8};
 use crate::upscale::lattice::{Lattice, LatticePosition};
 
-pub(super) use phases::{Phases, phases};
-pub(super) use wide::{EasuScratch, fill};
+pub(super) use phases::phases;
+pub(super) use wide::{EasuFrame, EasuScratch};
 
 /// Squared luma slope below which no edge direction is computed. Luma ranges from 0 to 510. The slope itself is 255 /
 /// 181: for greys, a difference of 0.7 of an 8-bit step between the two neighbours of a sample.

@@ -11,7 +11,7 @@ use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 use crate::upscale::fsr::words::{pairs, rounded, times};
 use crate::upscale::lattice::LatticePosition;
-use crate::upscale::runs::{Runs, column_of};
+use crate::upscale::runs::{Run, Runs, column_of};
 
 /// Number of runs, of [`WIDE`] pixels each, whose computation is interleaved.
 const RUNS: usize = AHEAD / WIDE;
@@ -19,31 +19,36 @@ const RUNS: usize = AHEAD / WIDE;
 /// Number of pixels in a tile, small enough that the data of its samples stays in the L1 cache from row to row.
 const TILE: usize = 6 * AHEAD;
 
-/// Upscales a non-empty image of samples into `rows` of `width` px. The first of these is row `first` of the full
-/// image.
-pub(in super::super) fn fill(
-    drawn: &Image<Rgba8>,
-    phases: &Phases,
-    (first, width): (u32, usize),
-    rows: &mut [Rgba8],
-    scratch: &mut EasuScratch,
-) {
-    let (lanes, lattice) = (phases.lanes, phases.lattice);
-    let places: Vec<_> = lattice.places_from(first).take(rows.len() / width).collect();
-    let [Some(top), Some(bottom)] = [places.first(), places.last()] else { return };
-    let EasuScratch { source, cell_row, runs } = scratch;
-    source.read(lanes, drawn, top.cell - 1..bottom.cell + 3);
-    cell_row.prepare(source);
-    for from in (0..width).step_by(TILE) {
-        let end = width.min(from + TILE);
-        let [low, high] = [from, end - 1].map(|at| column_of(lattice.place(at as u32).cell));
-        cell_row.begin(low..high + 2);
-        for ((row, place), y) in rows.chunks_exact_mut(width).zip(&places).zip(first..) {
-            on_lanes!(lanes, simd => {
-                cell_row.find(simd, source, lattice, *place);
-                let of = RowInputs::new(source, cell_row, *place);
-                fill_tile(simd, &of, phases.runs(from, y), runs, &mut row[from..end]);
-            });
+/// Image to upscale.
+pub(in super::super) struct EasuFrame<'a> {
+    /// Samples; at least one.
+    pub(in super::super) drawn: &'a Image<Rgba8>,
+    pub(in super::super) phases: Phases,
+    /// Width of the full image, in pixels.
+    pub(in super::super) width: usize,
+}
+
+impl EasuFrame<'_> {
+    /// Computes rows of the full image; the first of them is row `first`.
+    pub(in super::super) fn fill(&self, first: u32, rows: &mut [Rgba8], scratch: &mut EasuScratch) {
+        let Self { drawn, phases, width } = self;
+        let (lanes, lattice, width) = (phases.lanes, phases.lattice, *width);
+        let places: Vec<_> = lattice.places_from(first).take(rows.len() / width).collect();
+        let [Some(top), Some(bottom)] = [places.first(), places.last()] else { return };
+        let EasuScratch { source, cell_row, runs } = scratch;
+        source.read(lanes, drawn, top.cell - 1..bottom.cell + 3);
+        cell_row.prepare(source);
+        for from in (0..width).step_by(TILE) {
+            let end = width.min(from + TILE);
+            let [low, high] = [from, end - 1].map(|at| column_of(lattice.place(at as u32).cell));
+            cell_row.begin(low..high + 2);
+            for ((row, place), y) in rows.chunks_exact_mut(width).zip(&places).zip(first..) {
+                on_lanes!(lanes, simd => {
+                    cell_row.find(simd, source, lattice, *place);
+                    let of = RowInputs::new(source, cell_row, *place);
+                    fill_tile(simd, &of, phases.runs(from, y), runs, &mut row[from..end]);
+                });
+            }
         }
     }
 }
@@ -84,8 +89,8 @@ impl<'a> RowInputs<'a> {
     /// Whether the four nearest samples are equal in every cell of a run, and in some cells after it, so that its pixels
     /// need no filtering.
     #[inline(always)]
-    fn is_plain<S: Simd>(&self, simd: S, phase: &RunPhase, offset: isize) -> bool {
-        let at = phase.cells.first().wrapping_add_signed(offset);
+    fn is_plain<S: Simd>(&self, simd: S, run: &Run<'_, RunPhase>) -> bool {
+        let at = run.data.cells.first().wrapping_add_signed(run.offset);
         let [red, green, blue] = each!(channel in [0, 1, 2] => self.is_plain_in(simd, channel, at));
         let plain = red & green & blue;
         if self.opaque { plain.all_true() } else { (plain & self.is_plain_in(simd, 3, at)).all_true() }
@@ -99,53 +104,47 @@ impl<'a> RowInputs<'a> {
 
     /// Returns the colours of a run in which every cell is uniform; see [`Self::is_plain`].
     #[inline(always)]
-    fn plain<S: Simd>(&self, simd: S, phase: &RunPhase, offset: isize) -> u32x16<S> {
+    fn plain<S: Simd>(&self, simd: S, run: &Run<'_, RunPhase>) -> u32x16<S> {
         let [red, green, blue] = each!(channel in [0, 1, 2] => {
-            whole_part(phase.cells.pick(simd, self.of_cells.bounds(channel)[0], offset))
+            whole_part(run.data.cells.pick(simd, self.of_cells.bounds(channel)[0], run.offset))
         });
         let alpha = if self.opaque {
             u32x16::splat(simd, 255)
         } else {
-            whole_part(phase.cells.pick(simd, self.of_cells.bounds(3)[0], offset))
+            whole_part(run.data.cells.pick(simd, self.of_cells.bounds(3)[0], run.offset))
         };
         red | green << 8 | blue << 16 | alpha << 24
     }
 
     /// Computes the colours of a run with the given sample weights.
     #[inline(always)]
-    fn codes<S: Simd>(&self, simd: S, (phase, offset): (&RunPhase, isize), weights: &TapWeights<S>) -> u32x16<S> {
-        let [red, green, blue] = each!(channel in [0, 1, 2] => self.channel(simd, channel, (phase, offset), weights));
+    fn codes<S: Simd>(&self, simd: S, run: &Run<'_, RunPhase>, weights: &TapWeights<S>) -> u32x16<S> {
+        let [red, green, blue] = each!(channel in [0, 1, 2] => self.channel(simd, channel, run, weights));
         // Besides the low byte, each value has bits only in its top byte. Those of green and blue are shifted out;
         // alpha replaces those of red.
         let color = red | green << 8 | blue << 16;
         if self.opaque {
             return color | 0xff00_0000;
         }
-        (color & 0x00ff_ffff) | self.channel(simd, 3, (phase, offset), weights) << 24
+        (color & 0x00ff_ffff) | self.channel(simd, 3, run, weights) << 24
     }
 
     /// Computes one channel of 16 pixels; see [`super::code`]. Returns the bits of floats whose low byte is the 8-bit
     /// value.
     #[inline(always)]
-    fn channel<S: Simd>(
-        &self,
-        simd: S,
-        channel: usize,
-        (phase, offset): (&RunPhase, isize),
-        weights: &TapWeights<S>,
-    ) -> u32x16<S> {
+    fn channel<S: Simd>(&self, simd: S, channel: usize, run: &Run<'_, RunPhase>, weights: &TapWeights<S>) -> u32x16<S> {
         let [above, upper, lower, below] = self.samples[channel];
         let [low, high] = each!(half in [0, 1] => {
             let [bc, ef, gh, ij, kl, no] = each!(
                 (pair, row, column) in [(0, above, 1), (1, upper, 0), (2, upper, 2), (3, lower, 0), (4, lower, 2), (5, below, 1)] => {
-                    let samples = phase.cells.pick_words(simd, half, row, offset + column - 1);
+                    let samples = run.data.cells.pick_words(simd, half, row, run.offset + column - 1);
                     weights.pairs[pair][half].pairwise_dot_product(samples.bitcast::<i16x16<S>>())
                 }
             );
             ((bc + no) + (ef + gh)) + (ij + kl)
         });
         let [least, greatest] = self.of_cells.bounds(channel);
-        let [least, greatest] = each!(bound in [least, greatest] => phase.cells.pick(simd, bound, offset));
+        let [least, greatest] = each!(bound in [least, greatest] => run.data.cells.pick(simd, bound, run.offset));
         let value = low.combine(high).to_float::<f32x16<S>>() * weights.share;
         (value.max(least).min(greatest) + WHOLE).bitcast()
     }
@@ -179,25 +178,25 @@ fn fill_runs<S: Simd>(
     work: &mut [PixelRun; RUNS],
     codes: &mut [u32; AHEAD],
 ) {
-    let places = each!(_ in [0, 1, 2, 3] => runs.advance());
-    for ((phase, offset), run) in places.iter().zip(work.iter_mut()) {
-        run.is_plain = of.is_plain(simd, phase, *offset);
-        if !run.is_plain {
+    let next = each!(_ in [0, 1, 2, 3] => runs.advance());
+    for (run, pixels) in next.iter().zip(work.iter_mut()) {
+        pixels.is_plain = of.is_plain(simd, run);
+        if !pixels.is_plain {
             let [across, down, straightness] =
-                each!(which in [0, 1, 2] => phase.mixed(simd, of.of_cells.slopes(which), *offset));
-            EdgeDirection::new(simd, across, down, straightness).store(&mut run.direction);
+                each!(which in [0, 1, 2] => run.data.mixed(simd, of.of_cells.slopes(which), run.offset));
+            EdgeDirection::new(simd, across, down, straightness).store(&mut pixels.direction);
         }
     }
-    for run in work.iter_mut() {
-        if !run.is_plain {
-            EasuKernelLanes::new(simd, EdgeDirection::load(simd, &run.direction)).store(&mut run.shape);
+    for pixels in work.iter_mut() {
+        if !pixels.is_plain {
+            EasuKernelLanes::new(simd, EdgeDirection::load(simd, &pixels.direction)).store(&mut pixels.shape);
         }
     }
-    for (index, ((phase, offset), run)) in places.iter().zip(work.iter()).enumerate() {
-        let color = if run.is_plain {
-            of.plain(simd, phase, *offset)
+    for (index, (run, pixels)) in next.iter().zip(work.iter()).enumerate() {
+        let color = if pixels.is_plain {
+            of.plain(simd, run)
         } else {
-            of.codes(simd, (phase, *offset), &TapWeights::new(simd, &run.shape, &phase.distances))
+            of.codes(simd, run, &TapWeights::new(simd, &pixels.shape, &run.data.distances))
         };
         color.store_slice(&mut codes[index * WIDE..][..WIDE]);
     }

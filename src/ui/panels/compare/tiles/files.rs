@@ -2,8 +2,7 @@
 
 use eframe::egui::{FontId, Rect, Response, Ui, Vec2};
 
-use super::layout::TileLayout;
-use super::line_x;
+use super::{PlacedTile, line_x};
 use crate::image::file::is_named_picture;
 use crate::image::sequence::FileSequence;
 use crate::ui::session::Session;
@@ -18,10 +17,10 @@ use crate::ui::theme::{RADIUS, font_size, space, tokens};
 /// the picture.
 pub(super) fn readout(
     ui: &Ui,
-    place: TileLayout,
-    index: usize,
+    PlacedTile { index, layout, .. }: PlacedTile<'_>,
     (x, y): (u32, u32),
-    (session, compared): (&Session, &Compared),
+    session: &Session,
+    compared: &Compared,
 ) {
     let tiles = if session.features.comparison.mode == Mode::Tiles { index..index + 1 } else { 0..2 };
     let lines: Vec<String> = tiles
@@ -33,12 +32,12 @@ pub(super) fn readout(
     if lines.is_empty() {
         return;
     }
-    let painter = ui.painter().with_clip_rect(place.picture);
-    let width = (place.picture.width() - 4.0 * space::S).max(40.0);
+    let painter = ui.painter().with_clip_rect(layout.picture);
+    let width = (layout.picture.width() - 4.0 * space::S).max(40.0);
     let font = FontId::monospace(font_size::SMALL);
     let text = painter.layout(lines.join("\n"), font, tokens(ui).text, width);
     let size = text.size() + Vec2::splat(2.0 * space::XS);
-    let corner = place.picture.right_top() + Vec2::new(-space::S - size.x, space::S);
+    let corner = layout.picture.right_top() + Vec2::new(-space::S - size.x, space::S);
     painter.rect_filled(Rect::from_min_size(corner, size), RADIUS, tokens(ui).panel.gamma_multiply(0.92));
     painter.galley(corner + Vec2::splat(space::XS), text, tokens(ui).text);
 }
