@@ -406,7 +406,7 @@ mod tests {
                 });
                 let found = on_lanes!(lanes, simd => {
                     let words = u32x16::load_array(simd, pixels.map(u32::from_le_bytes));
-                    table.of_pixels(simd, words).map(|channel| channel.to_array())
+                    table.of_pixels(simd, words).map(f32x16::to_array)
                 });
                 for (channel, found) in found.into_iter().enumerate() {
                     assert_eq!(found, pixels.map(|pixel| table.values[pixel[channel] as usize]), "{}", lanes.name());

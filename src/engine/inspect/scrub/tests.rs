@@ -4,6 +4,7 @@ use super::*;
 use crate::chain::run;
 use crate::inspect::inspect;
 use crate::pipeline::settings::{Arithmetic, BlendingOrder, Culling, DepthTest, Rasterizer};
+use crate::pipeline::viewport::Viewport;
 use crate::scene::builtin;
 use crate::upscale::Upscaling;
 

@@ -167,7 +167,7 @@ impl Pending {
                 let shader = &canvas.frame.shaders[self.shader];
                 let room = canvas.reserve(simd, self.shader, self.len);
                 with_known_plan!(shader.plan, plan => {
-                    self.interpolate(simd, PlannedShader { shader, plan }, entrants, room)
+                    self.interpolate(simd, PlannedShader { shader, plan }, entrants, room);
                 });
                 self.len = 0;
                 self.large.clear();
