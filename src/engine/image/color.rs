@@ -1,5 +1,6 @@
 //! Conversion between sRGB codes and linear light (IEC 61966-2-1).
 
+use std::ops::{Add, Mul};
 use std::sync::LazyLock;
 
 use glam::Vec3;
@@ -308,7 +309,14 @@ pub fn decode_byte(code: u8) -> f32 {
 /// Converts a value in [0, 1] to an 8-bit code, rounding half up. Clamps values out of range; returns 0 for NaN.
 #[inline]
 pub fn quantize(value: f32) -> u8 {
-    (value * 255.0 + 0.5) as u8
+    code_before_truncation(value) as u8
+}
+
+/// Returns the number whose whole part, clamped to [0, 255], is the 8-bit code of a value in [0, 1], for a float or for
+/// lanes.
+#[inline(always)]
+pub(crate) fn code_before_truncation<N: Mul<f32, Output = N> + Add<f32, Output = N>>(value: N) -> N {
+    value * 255.0 + 0.5
 }
 
 /// Converts a colour from sRGB-encoded channels to linear light, both in [0, 1].

@@ -7,7 +7,7 @@ use super::shader::{DrawShader, LightSource, ShadingPlan, TEXELS_AROUND, with_kn
 use super::texels;
 use super::texture::TextureReader;
 use crate::image::Rgba8;
-use crate::image::color::Tables;
+use crate::image::color::{Tables, code_before_truncation};
 use crate::math::lanes::*;
 use crate::pipeline::formulas::blended;
 use crate::pipeline::settings::ColorSpace;
@@ -258,7 +258,7 @@ fn write_row<S: Simd>(simd: S, codes: u32x8<S>, row: &QueuedRow, pixels: &mut [R
 /// Quantises colours like [`crate::image::color::quantize`], and packs them into opaque pixels.
 #[inline(always)]
 fn pack<S: Simd>(simd: S, [r, g, b, _]: [S::f32s; 4]) -> S::u32s {
-    let scaled = each!(channel in [r, g, b] => channel * 255.0 + 0.5);
+    let scaled = each!(channel in [r, g, b] => code_before_truncation(channel));
     #[cfg(target_arch = "x86_64")]
     if let Some(avx512) = simd.level().as_avx512() {
         let scaled = each!(c in [0, 1, 2] => f32x16::from_slice(avx512, scaled[c].as_slice()).into());
