@@ -18,7 +18,7 @@ use crate::pipeline::settings::ColorSpace;
 pub(super) fn finish_codes<S: Simd>(simd: S, shader: &DrawShader<'_>, rows: FilledRows<'_>, pixels: &mut [Rgba8]) {
     let plan = ShadingPlan { mipmapped: false, blended: false, ..shader.plan.of_space(ColorSpace::Bytes) };
     let shader = &{ *shader };
-    with_known_plan!(plan, plan => match shader.texture {
+    with_known_plan!([LAMBERT, GOURAUD], plan, plan => match shader.texture {
         Some(texture) if texture.gathers => {
             let texture = texture.that_gathers(true);
             Finisher { shader, texture: Some(&texture), plan: *plan }.finish_all(simd, rows, pixels);
@@ -40,7 +40,7 @@ pub(super) fn finish_light<S: Simd>(simd: S, shader: &DrawShader<'_>, rows: Fill
         || {
             let plan = ShadingPlan { mipmapped: false, blended: false, ..shader.plan.of_space(ColorSpace::Linear) };
             let shader = &{ *shader };
-            with_known_plan!(plan, plan => Finisher::new(shader, *plan).finish_all(simd, rows, pixels));
+            with_known_plan!([LAMBERT, GOURAUD], plan, plan => Finisher::new(shader, *plan).finish_all(simd, rows, pixels));
         },
     );
 }
@@ -69,7 +69,7 @@ pub(super) fn finish_mipmapped<S: Simd>(
         #[inline(always)]
         || {
             let (shader, of_one_level) = (&{ *shader }, ShadingPlan { mipmapped: false, ..shader.plan });
-            with_known_plan!(of_one_level, plan => {
+            with_known_plan!([LAMBERT, GOURAUD], of_one_level, plan => {
                 let finisher = Finisher::new(shader, ShadingPlan { mipmapped: true, ..*plan });
                 for ((pair, fine), coarse) in rows.pairs.iter().zip(rows.taps).zip(rows.coarse) {
                     finisher.finish(simd, pair, LevelTaps { fine, coarse: Some(coarse) }, pixels);

@@ -54,7 +54,7 @@ pub(super) fn shade_rows<S: Simd>(
 ) {
     let shader = canvas.frame.shader(subject.draw);
     let mut rows = ShadedRows { subject, edges, ahead: &mut [StoredWeights::default(); BLOCK / 2] };
-    with_known_plan!(shader.plan, plan => rows.shade(simd, PlannedShader { shader, plan }, patch, canvas));
+    with_known_plan!([GOURAUD], shader.plan, plan => rows.shade(simd, PlannedShader { shader, plan }, patch, canvas));
 }
 
 /// Rows of samples that all belong to one triangle.

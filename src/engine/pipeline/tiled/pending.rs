@@ -166,7 +166,7 @@ impl Pending {
                 }
                 let shader = &canvas.frame.shaders[self.shader];
                 let room = canvas.reserve(simd, self.shader, self.len);
-                with_known_plan!(shader.plan, plan => {
+                with_known_plan!([GOURAUD], shader.plan, plan => {
                     self.interpolate(simd, PlannedShader { shader, plan }, entrants, room);
                 });
                 self.len = 0;

@@ -103,22 +103,16 @@ pub(super) struct PlannedShader<'a> {
     pub(super) plan: &'a ShadingPlan,
 }
 
-impl<'a> PlannedShader<'a> {}
-
-/// Evaluates an expression with an equal plan, which is a constant except for the colour space if it is one of the most
-/// common plans. The expression is then compiled for each of them without branches.
+/// Evaluates an expression with an equal plan, which is a constant except for the colour space if it is one of those
+/// listed. The expression is then compiled for each of them without branches.
 macro_rules! with_known_plan {
-    ($plan:expr, $known:ident => $body:expr) => {{
+    ([$($constant:ident),+], $plan:expr, $known:ident => $body:expr) => {{
         let (plan, space) = ($plan, $plan.space);
         match plan.of_space(ShadingPlan::LAMBERT.space) {
-            ShadingPlan::LAMBERT => {
-                let $known = &ShadingPlan::LAMBERT.of_space(space);
+            $(ShadingPlan::$constant => {
+                let $known = &ShadingPlan::$constant.of_space(space);
                 $body
-            }
-            ShadingPlan::GOURAUD => {
-                let $known = &ShadingPlan::GOURAUD.of_space(space);
-                $body
-            }
+            })+
             _ => {
                 let $known = &plan;
                 $body
