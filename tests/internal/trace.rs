@@ -189,9 +189,9 @@ fn compare_all(recipes: &[Recipe], size: Viewport, traces: Traces) {
                 let reported = || format!("{name} ({x}, {y}) {recipe:?}");
                 let report = inspect(scene, &recipe, &frame, x, y).expect("inside of the picture");
                 let drawn = CheckedFrame { scene, recipe: &recipe, frame: &frame };
-                drawn.equals_replay(&report, &reported);
+                drawn.assert_equals_replay(&report, &reported);
                 if traces == Traces::Written {
-                    drawn.equals_traces(&report, &compared, &reported);
+                    drawn.assert_equals_traces(&report, &compared, &reported);
                 }
                 compared.pixels.fetch_add(1, Ordering::Relaxed);
             }
@@ -237,7 +237,7 @@ struct CheckedFrame<'a> {
 
 impl CheckedFrame<'_> {
     /// Checks that the final colour and the stored depth of a replay equal those of the frame.
-    fn equals_replay(&self, report: &PixelReport, reported: &impl Fn() -> String) {
+    fn assert_equals_replay(&self, report: &PixelReport, reported: &impl Fn() -> String) {
         let frame = self.frame;
         assert_eq!(report.color, frame.image().at(report.x, report.y), "{}", reported());
         assert_eq!(report.final_depth.map(|depth| depth.value.to_bits()), stored(report, frame), "{}", reported());
@@ -245,7 +245,7 @@ impl CheckedFrame<'_> {
 
     /// Checks the results of traces: that of the last written fragment gives the drawn colour and the final pixel, and
     /// that of the last fragment that wrote depth gives the stored depth.
-    fn equals_traces(&self, report: &PixelReport, compared: &Compared, reported: &impl Fn() -> String) {
+    fn assert_equals_traces(&self, report: &PixelReport, compared: &Compared, reported: &impl Fn() -> String) {
         let Self { scene, recipe, frame } = *self;
         let written = report.fragments.iter().rposition(|fragment| fragment.outcome.is_written());
         let stores = report.fragments.iter().rposition(|fragment| {

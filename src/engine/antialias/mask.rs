@@ -27,9 +27,10 @@ pub(crate) fn apply(mask: &Mask, picture: &Image<Rgba8>, linear: bool) -> Image<
     let bands = result.pixels_mut().par_chunks_mut((width * BAND_ROWS).max(1) as usize).enumerate();
     bands.for_each_init(FilterBand::default, |band, (index, pixels)| {
         let first = index as u32 * BAND_ROWS;
-        let rows = pixels.len() / width as usize;
+        let rows = first..first + pixels.len() as u32 / width;
+        let values = if linear { &tables.linear_of_code.values } else { &tables.code.values };
         on_lanes!(lanes, _simd => {
-            band.read(mask, picture, first..first + rows as u32, if linear { &tables.linear_of_code.values } else { &tables.code.values });
+            band.read(mask, picture, rows, values);
             if let Some(factors) = mask.factors() {
                 band.convolve_rows(factors);
             }

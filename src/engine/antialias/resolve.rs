@@ -78,10 +78,10 @@ impl Mean {
     }
 }
 
-/// Number of groups of sixteen pixels per parallel task.
+/// Number of groups of sixteen pixels per parallel task: few enough for all threads to have work.
 const TOGETHER: usize = 256;
 
-/// Adds one sample per pixel from each of the pictures to the sums of a group of sixteen pixels, given by its number.
+/// Returns the sums of sixteen pixels plus one sample per pixel from each picture. `sixteen` is the index of the group.
 #[inline(always)]
 fn with_samples<S: Simd>(
     simd: S,

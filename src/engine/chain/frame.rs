@@ -204,7 +204,7 @@ impl Frame {
         })
     }
 
-    /// Returns the pixels of the rasterized picture that were drawn.
+    /// Returns which pixels of the rasterized picture were drawn.
     pub fn drawn_area(&self) -> DrawnArea {
         DrawnArea { grid: self.sampling.grid(), raster: self.raster }
     }

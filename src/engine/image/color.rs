@@ -21,10 +21,12 @@ pub(crate) struct Tables {
     /// has no such value. The code of a value is the sum of the entry and the value's offset, shifted right by 16: from
     /// offset n on, the addition carries into bit 16.
     buckets: Box<[u32; BUCKETS]>,
-    /// Linear value at which the codes above each 8-bit sRGB code begin; infinite for 255.
-    end_of_code: CodeValues,
-    /// Lines that approximate the code of a linear value to a quarter.
-    lines: Lines,
+    /// Approximation of the code of a linear value, which [`Self::end_of_code`] corrects.
+    #[cfg(target_arch = "x86_64")]
+    segments: CodeSegments,
+    /// Bytes of the smallest linear value of the code after each 8-bit sRGB code, as in [`CodeValues`]; infinite for 255.
+    #[cfg(target_arch = "x86_64")]
+    end_of_code: [[u8; 256]; 4],
 }
 
 /// Bit pattern of 2⁻¹³ as an `f32`, the start of the first bucket. Smaller linear values have code 0, because code 1
@@ -56,8 +58,10 @@ static TABLES: LazyLock<Tables> = LazyLock::new(|| {
     Tables {
         linear_of_code: CodeValues::new(|code| decode(code / 255.0)),
         code: CodeValues::new(|code| code),
-        end_of_code: CodeValues::new(|code| thresholds[code as usize + 1]),
-        lines: Lines::new(),
+        #[cfg(target_arch = "x86_64")]
+        segments: CodeSegments::new(),
+        #[cfg(target_arch = "x86_64")]
+        end_of_code: bytes_of(&std::array::from_fn(|code| thresholds[code + 1])),
         buckets: Box::new(std::array::from_fn(|bucket| {
             let bits = MIN_BITS + bucket as u32 * FLOATS_PER_BUCKET;
             let code = thresholds.partition_point(|t| *t <= f32::from_bits(bits)).clamp(1, 256) - 1;
@@ -109,30 +113,32 @@ impl Tables {
     }
 }
 
-/// Lines that approximate the sRGB code of a linear value x. Their argument is y = x · 63/64 + 1/64, from 1/64 to 1. A
-/// line covers a quarter of an octave of y: the bits of y, shifted right by [`Lines::SHIFT`], are its number, modulo 32.
+/// Piecewise linear approximation of the sRGB code of a linear value x, with an error of at most a quarter of a code. The
+/// argument is y = x · 63/64 + 1/64, in [1/64, 1]. Each interval between two powers of two has four segments of equal
+/// length. The index of a segment is the bits of y, shifted right by [`Self::SHIFT`], modulo 32.
+#[cfg(target_arch = "x86_64")]
 #[derive(Debug)]
-struct Lines {
-    /// Code at y = 0 on each line, as the bits of an `f32`.
+struct CodeSegments {
+    /// Code at y = 0 on the line of each segment, as the bits of an `f32`.
     offset: [u32; 32],
-    /// Change of the code per unit of y on each line, as the bits of an `f32`.
+    /// Change of the code per unit of y in each segment, as the bits of an `f32`.
     slope: [u32; 32],
 }
 
-impl Lines {
+#[cfg(target_arch = "x86_64")]
+impl CodeSegments {
     /// Factor and summand that turn x into y.
     const SHIFTED: [f32; 2] = [63.0 / 64.0, 1.0 / 64.0];
-    /// Number of bits of an `f32` below those that are the number of its line.
+    /// Right shift that turns the bits of y into the index of its segment.
     const SHIFT: u32 = 21;
 
-    /// Returns lines that deviate from the code by at most a quarter.
+    /// Fits the line of each segment: it is parallel to the chord, and its greatest errors in both directions are equal.
     fn new() -> Self {
         let (mut offset, mut slope) = ([0; 32], [0; 32]);
         let [factor, summand] = Self::SHIFTED;
-        let bits_of = |line: u32| line << Self::SHIFT;
-        // The last line begins at 1.
-        for line in summand.to_bits() >> Self::SHIFT..=1_f32.to_bits() >> Self::SHIFT {
-            let [first, end] = [line, line + 1].map(|line| f32::from_bits(bits_of(line)));
+        // The last segment begins at 1.
+        for segment in summand.to_bits() >> Self::SHIFT..=1_f32.to_bits() >> Self::SHIFT {
+            let [first, end] = [segment, segment + 1].map(|segment| f32::from_bits(segment << Self::SHIFT));
             let code = |y: f32| 255.0 * encode(((y - summand) / factor).min(1.0));
             let steepness = (code(end) - code(first)) / (end - first);
             let at_zero = |step: u16| {
@@ -142,8 +148,8 @@ impl Lines {
             let (least, greatest) = (0..=64)
                 .map(at_zero)
                 .fold((f32::MAX, f32::MIN), |(least, greatest), it| (least.min(it), greatest.max(it)));
-            let place = line as usize % offset.len();
-            (offset[place], slope[place]) = (((least + greatest) / 2.0).to_bits(), steepness.to_bits());
+            let index = segment as usize % offset.len();
+            (offset[index], slope[index]) = (((least + greatest) / 2.0).to_bits(), steepness.to_bits());
         }
         Self { offset, slope }
     }
@@ -155,14 +161,25 @@ pub(crate) struct CodeValues {
     /// Values by code.
     pub(crate) values: [f32; 256],
     /// Bytes of the values, least significant first: byte b of the value of code c is `bytes[b][c]`.
+    #[cfg(target_arch = "x86_64")]
     bytes: [[u8; 256]; 4],
+}
+
+/// Returns the bytes of values by code, least significant first.
+#[cfg(target_arch = "x86_64")]
+fn bytes_of(values: &[f32; 256]) -> [[u8; 256]; 4] {
+    std::array::from_fn(|byte| values.map(|value| value.to_le_bytes()[byte]))
 }
 
 impl CodeValues {
     /// Returns the table of a function of the code, which is given as a float.
     fn new(value_of: impl Fn(f32) -> f32) -> Self {
         let values = std::array::from_fn(|code| value_of(code as f32));
-        Self { values, bytes: std::array::from_fn(|byte| values.map(|value| value.to_le_bytes()[byte])) }
+        Self {
+            values,
+            #[cfg(target_arch = "x86_64")]
+            bytes: bytes_of(&values),
+        }
     }
 
     /// Returns the values of red, green and blue of sixteen RGBA pixels, given as little-endian words.
@@ -191,7 +208,7 @@ mod x86 {
     use fearless_simd::kernel;
     use fearless_simd::x86::Avx512;
 
-    use super::{Lines, Tables};
+    use super::{CodeSegments, Tables};
     use crate::math::lanes::*;
 
     /// Returns the bits of the values of red, green and blue of sixteen pixels. `bytes` are the bytes of the values by
@@ -216,23 +233,24 @@ mod x86 {
 
     /// Returns the sRGB codes of red, green and blue of sixteen pixels in linear light, as words with alpha 0.
     ///
-    /// A line gives a code that is right or one too small: it deviates by at most a quarter, and the next code begins at
-    /// half. A comparison with the exact beginning of the next code decides.
+    /// The approximation is right or one too small when it is rounded down: its error is at most a quarter, and the next
+    /// code begins at half. A comparison with the exact beginning of the next code decides. On Zen 4, chess at 1080p takes
+    /// 7 % less time than with a read from the table of buckets for each channel, with four samples 11 % less.
     #[inline(always)]
     pub(super) fn encode_pixels(avx512: Avx512, tables: &Tables, colors: [f32x16<Avx512>; 3]) -> u32x16<Avx512> {
-        let Lines { offset, slope } = &tables.lines;
-        let [factor, summand] = each!(number in [0, 1] => f32x16::splat(avx512, Lines::SHIFTED[number]));
+        let CodeSegments { offset, slope } = &tables.segments;
+        let [factor, summand] = each!(number in [0, 1] => f32x16::splat(avx512, CodeSegments::SHIFTED[number]));
         let zero = f32x16::splat(avx512, 0.0);
         let colors = each!(c in [0, 1, 2] => colors[c].simd_gt(zero).select(colors[c].min(1.0), zero));
         let [r, g, b] = each!(c in [0, 1, 2] => {
             let y = colors[c].mul_add(factor, summand);
-            let line = y.bitcast::<u32x16<_>>() >> Lines::SHIFT;
+            let segment = y.bitcast::<u32x16<_>>() >> CodeSegments::SHIFT;
             let [offset, slope] =
-                each!(of in [offset, slope] => entries_of_32(avx512, of, line).bitcast::<f32x16<_>>());
+                each!(of in [offset, slope] => entries_of_32(avx512, of, segment).bitcast::<f32x16<_>>());
             slope.mul_add(y, offset).to_int::<i32x16<_>>().bitcast::<u32x16<_>>()
         });
         let mut codes = r | g << 8 | b << 16;
-        let ends = values_of_pixels(avx512, &tables.end_of_code.bytes, codes);
+        let ends = values_of_pixels(avx512, &tables.end_of_code, codes);
         for channel in 0..3 {
             let is_next = colors[channel].simd_ge(ends[channel].bitcast::<f32x16<_>>());
             codes = is_next.select(codes + (1 << (8 * channel)), codes);
@@ -251,8 +269,8 @@ mod x86 {
     }
 
     kernel! {
-        /// Joins the four bytes of sixteen values, each from another of the planes. `places` has the byte of each value
-        /// in the planes as in [`PLACES`].
+        /// Joins four byte planes into the 32-bit values of one channel of sixteen pixels, selected by `places`, one of
+        /// [`PLACES`].
         #[inline]
         fn bytes_in_turn(avx512: Avx512, planes: [__m512i; 4], places: __m512i) -> __m512i {
             let low = _mm512_permutex2var_epi8(planes[0], places, planes[1]);
@@ -261,8 +279,8 @@ mod x86 {
         }
     }
 
-    /// Places of the bytes of red, green or blue of sixteen pixels in two operands of a permutation, in turn. Places in
-    /// the second operand begin at 64.
+    /// For red, green and blue: permutation indices that interleave two byte planes. Even bytes come from the first
+    /// plane, odd bytes from the second one, whose indices start at 64.
     const PLACES: [[u8; 64]; 3] = {
         let (mut places, mut channel) = ([[0; 64]; 3], 0);
         while channel < 3 {
@@ -309,13 +327,13 @@ pub fn decode_byte(code: u8) -> f32 {
 /// Converts a value in [0, 1] to an 8-bit code, rounding half up. Clamps values out of range; returns 0 for NaN.
 #[inline]
 pub fn quantize(value: f32) -> u8 {
-    code_before_truncation(value) as u8
+    scaled_to_codes(value) as u8
 }
 
-/// Returns the number whose whole part, clamped to [0, 255], is the 8-bit code of a value in [0, 1], for a float or for
-/// lanes.
+/// Scales a value in [0, 1] to 8-bit codes and adds 0.5, so that truncation rounds half up. Does not clamp. Takes a float
+/// or lanes.
 #[inline(always)]
-pub(crate) fn code_before_truncation<N: Mul<f32, Output = N> + Add<f32, Output = N>>(value: N) -> N {
+pub(crate) fn scaled_to_codes<N: Mul<f32, Output = N> + Add<f32, Output = N>>(value: N) -> N {
     value * 255.0 + 0.5
 }
 
@@ -383,23 +401,29 @@ mod tests {
     #[test]
     fn pixels_are_encoded_like_single_values_everywhere() {
         let evenly = (0..=100_000_u32).map(|step| step as f32 / 100_000.0);
-        let random = std::iter::repeat_with(|| f32::from_bits(fastrand::u32(..))).take(10_000);
-        assert_encoded_like_scalar_code(&evenly.chain(random).collect::<Vec<_>>());
+        let mut random = fastrand::Rng::with_seed(7);
+        let within = std::iter::repeat_with({
+            let mut random = random.fork();
+            move || random.f32()
+        });
+        let any = std::iter::repeat_with(move || f32::from_bits(random.u32(..)));
+        assert_encoded_like_scalar_code(&evenly.chain(within.take(10_000)).chain(any.take(10_000)).collect::<Vec<_>>());
     }
 
     #[test]
-    fn lines_deviate_by_less_than_half_a_code() {
-        let [factor, summand] = Lines::SHIFTED;
+    #[cfg(target_arch = "x86_64")]
+    fn segments_deviate_by_at_most_a_quarter_of_a_code() {
+        let [factor, summand] = CodeSegments::SHIFTED;
         let deviation = |x: f32| {
             let y = x * factor + summand;
-            let line = (y.to_bits() >> Lines::SHIFT) as usize % 32;
+            let segment = (y.to_bits() >> CodeSegments::SHIFT) as usize % 32;
             let exact = f64::from(x);
             let srgb = if exact <= 0.003_130_8 { exact * 12.92 } else { 1.055 * exact.powf(1.0 / 2.4) - 0.055 };
-            let [offset, slope] = [TABLES.lines.offset, TABLES.lines.slope].map(|of| f32::from_bits(of[line]));
+            let [offset, slope] = [TABLES.segments.offset, TABLES.segments.slope].map(|of| f32::from_bits(of[segment]));
             (f64::from(offset + slope * y) - 255.0 * srgb).abs()
         };
         let worst = (0..=1_000_000_u32).map(|step| deviation(step as f32 / 1e6)).fold(0.0, f64::max);
-        assert!((0.1..0.26).contains(&worst), "{worst}");
+        assert!(worst <= 0.25, "{worst}");
     }
 
     #[test]

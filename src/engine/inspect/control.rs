@@ -13,7 +13,7 @@ pub struct TaskControl<'a> {
 }
 
 impl TaskControl<'static> {
-    /// Creates a control that ignores progress and never cancels.
+    /// Returns a control without progress reports and cancellation.
     pub fn quiet() -> Self {
         static NEVER: AtomicBool = AtomicBool::new(false);
         Self { progress: &|_| {}, cancel: &NEVER }

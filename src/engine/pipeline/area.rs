@@ -3,12 +3,12 @@
 use super::grid::SampleGrid;
 use super::viewport::Viewport;
 
-/// Pixels that are drawn.
+/// Drawn part of a rasterized picture.
 #[derive(Clone, Copy, Debug)]
 pub struct DrawnArea {
     /// Grid that selects the drawn pixels of the rasterized picture.
     pub grid: SampleGrid,
-    /// Size of the rasterized picture.
+    /// Size of the rasterized picture, in pixels.
     pub raster: Viewport,
 }
 

@@ -11,17 +11,17 @@
 use crate::image::color::{Tables, quantize};
 use crate::image::{Image, Rgba8};
 
-/// Places of the mip levels of a texture in an array of texels.
+/// Offsets of the mip levels of a texture in a shared array of texels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct LevelPlaces {
-    /// Index of the first texel of each level, from largest to smallest. The smallest level repeats to the end.
+pub(crate) struct MipOffsets {
+    /// Index of the first texel of each level, from largest to smallest. Entries from `count` on repeat the last level.
     pub(crate) first: [u32; 32],
-    /// Number of levels.
+    /// Number of levels, from 1 to 31.
     pub(crate) count: u32,
 }
 
-impl LevelPlaces {
-    /// Place of a single level.
+impl MipOffsets {
+    /// Offset of a single level.
     pub(crate) const SINGLE: Self = Self { first: [0; 32], count: 1 };
 }
 
@@ -34,7 +34,8 @@ impl LevelPlaces {
 pub(crate) struct Levels<T> {
     /// Texels, including unused gaps between the levels.
     pub(crate) texels: Box<[T]>,
-    pub(crate) places: LevelPlaces,
+    /// Offsets of the levels in the texels.
+    pub(crate) offsets: MipOffsets,
 }
 
 impl<T: Copy + Default> Levels<T> {
@@ -55,11 +56,11 @@ impl<T: Copy + Default> Levels<T> {
                 }
             }
         }
-        let first = |[column, row]: [usize; 2]| (row * stride + column) as u32;
-        // There are at most 32 levels, because each has half the width and height of the one before it.
+        let offset = |[column, row]: [usize; 2]| (row * stride + column) as u32;
+        // Sides are below 2³¹ texels, so there are at most 31 levels, and the last entry always repeats the smallest one.
         let smallest = corners.len() - 1;
-        let places = std::array::from_fn(|level| first(corners[level.min(smallest)]));
-        Self { texels, places: LevelPlaces { first: places, count: corners.len() as u32 } }
+        let first = std::array::from_fn(|level| offset(corners[level.min(smallest)]));
+        Self { texels, offsets: MipOffsets { first, count: corners.len() as u32 } }
     }
 
     /// Returns the heap memory used by the levels, in bytes.

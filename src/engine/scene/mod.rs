@@ -63,7 +63,7 @@ pub use material::Material;
 pub use material::Transparency;
 pub use mesh::Mesh;
 pub use mesh::MeshData;
-pub(crate) use mips::LevelPlaces;
+pub(crate) use mips::MipOffsets;
 pub use source::SceneSource;
 pub(crate) use texture::Alpha;
 pub use texture::Texture;

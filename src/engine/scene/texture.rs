@@ -130,14 +130,16 @@ mod tests {
             let image = Image::from_fn(width, height, |_, _| [(); 4].map(|()| random.u8(..)));
             let texture = Texture::new(image).unwrap();
             let (codes, linear) = (texture.levels(), texture.levels_linear());
-            assert_eq!(codes.places, linear.places);
-            assert_eq!(codes.places.count as usize, texture.mip_levels(false).len() + 1);
-            let all = codes.places.first;
+            assert_eq!(codes.offsets, linear.offsets);
+            assert_eq!(codes.offsets.count as usize, texture.mip_levels(false).len() + 1);
+            let all = codes.offsets.first;
             assert!(
-                all.iter().skip(codes.places.count as usize).all(|last| *last == all[codes.places.count as usize - 1])
+                all.iter()
+                    .skip(codes.offsets.count as usize)
+                    .all(|last| *last == all[codes.offsets.count as usize - 1])
             );
             let (stride, mut taken) = (width as usize + 1, vec![false; codes.texels.len()]);
-            for (level, first) in all.into_iter().enumerate().take(codes.places.count as usize) {
+            for (level, first) in all.into_iter().enumerate().take(codes.offsets.count as usize) {
                 let [first, width, height] =
                     [first, (width >> level).max(1), (height >> level).max(1)].map(|number| number as usize);
                 assert!(first % stride + width < stride, "its rows do not break");

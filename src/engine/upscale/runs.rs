@@ -115,8 +115,8 @@ pub(super) struct Runs<'a, T> {
 
 /// A run of an output row.
 pub(super) struct Run<'a, T> {
-    /// Prepared data of the run.
-    pub(super) data: &'a T,
+    /// Prepared phase of the run.
+    pub(super) phase: &'a T,
     /// Number of samples before the period of the run.
     pub(super) offset: isize,
 }
@@ -125,7 +125,7 @@ impl<'a, T> Runs<'a, T> {
     /// Returns the next run.
     #[inline(always)]
     pub(super) fn advance(&mut self) -> Run<'a, T> {
-        let run = Run { data: &self.period[self.next], offset: self.offset };
+        let run = Run { phase: &self.period[self.next], offset: self.offset };
         self.next += 1;
         if self.next == self.period.len() {
             (self.next, self.offset) = (0, self.offset + self.samples);

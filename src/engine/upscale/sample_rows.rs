@@ -13,11 +13,13 @@ pub(super) struct DecodedRows {
     rows: [DecodedRow; 3],
 }
 
-/// Three adjacent rows of decoded samples, of which a range of padded indices is read.
-pub(super) struct ThreeRows<'a> {
+/// Three adjacent rows of decoded samples.
+pub(super) struct RowNeighbourhood<'a> {
     /// Indices of the rows.
     pub(super) index: [u32; 3],
+    /// Range of padded indices that is decoded.
     pub(super) range: Range<usize>,
+    /// Decoded samples of each row.
     pub(super) planes: [&'a Planes; 3],
 }
 
@@ -58,8 +60,8 @@ impl DecodedRows {
 
     /// Returns three padded rows, of which the range of padded indices must be decoded.
     #[inline(always)]
-    pub(super) fn three(&self, index: [u32; 3], range: Range<usize>) -> ThreeRows<'_> {
-        ThreeRows { index, range, planes: index.map(|index| self.row(index)) }
+    pub(super) fn three(&self, index: [u32; 3], range: Range<usize>) -> RowNeighbourhood<'_> {
+        RowNeighbourhood { index, range, planes: index.map(|index| self.row(index)) }
     }
 
     /// Returns a padded row, of which the indices of the last [`Self::fill`] are decoded.

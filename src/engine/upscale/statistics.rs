@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::Rectification;
 use super::planes::{Combination, SampleLanes, combine, padded_row};
-use super::sample_rows::ThreeRows;
+use super::sample_rows::RowNeighbourhood;
 use crate::math::lanes::*;
 
 /// Statistics of 3 × 3 samples for every sample of a row. Rows are padded.
@@ -24,8 +24,8 @@ impl Statistics {
 
     /// Computes the statistics that a rectification needs.
     #[inline(always)]
-    pub(super) fn fill<S: Simd>(&mut self, simd: S, by: Rectification, rows: ThreeRows<'_>) {
-        let ThreeRows { index, range, planes } = rows;
+    pub(super) fn fill<S: Simd>(&mut self, simd: S, by: Rectification, rows: RowNeighbourhood<'_>) {
+        let RowNeighbourhood { index, range, planes } = rows;
         if by == Rectification::None || self.of.as_ref().is_some_and(|(held, read)| (held, read) == (&index, &range)) {
             return;
         }
@@ -149,7 +149,7 @@ mod tests {
             let [[middle, half], [co, _], [cg, _]] = [0, 1, 2].map(|channel| expected(by, channel));
             let mut statistics = Statistics::new(20);
             let found = on_lanes!(lanes, simd => {
-                statistics.fill(simd, by, ThreeRows { index: [0, 1, 2], range: 0..24, planes: rows.each_ref() });
+                statistics.fill(simd, by, RowNeighbourhood { index: [0, 1, 2], range: 0..24, planes: rows.each_ref() });
                 let past = each!(number in [4.0, co, cg] => f32x16::splat(simd, number as f32));
                 statistics.rectified(simd, past, by, &SampleLanes::Adjacent(AT)).map(|numbers| numbers.to_array()[0])
             });

@@ -45,7 +45,7 @@ const WEIGHT_FROM: f32 = 30.0;
 /// Width of each plot and of the two zone plate pictures, in points.
 const PLOT: f32 = 190.0;
 
-/// Samples from which the picked pixel was reconstructed.
+/// Samples from which the picked pixel was reconstructed, and the height of the diagrams that show them.
 struct PickedMixture<'a> {
     view: &'a RenderedView,
     how: Upscaling,

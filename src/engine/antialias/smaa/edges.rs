@@ -128,7 +128,8 @@ impl Edges {
         let bands = bands.zip(left.bits[skipped..][..used].par_chunks_mut(BAND * words)).enumerate();
         bands.for_each_init(Vec::new, |luma, (band, (top, left))| {
             let first = (band * BAND) as i64 - AROUND as i64;
-            on_lanes!(lanes, simd => find_in_band(simd, picture, first, luma, top.chunks_exact_mut(words).zip(left.chunks_exact_mut(words))));
+            let rows = top.chunks_exact_mut(words).zip(left.chunks_exact_mut(words));
+            on_lanes!(lanes, simd => find_in_band(simd, picture, first, luma, rows));
         });
         rayon::join(|| top_columns.transpose(top, width, height), || left_columns.transpose(left, width, height));
     }

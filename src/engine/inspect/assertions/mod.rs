@@ -92,14 +92,14 @@ impl AssertionReport {
     }
 }
 
-/// Maximum number of triangles drawn between two checks of the stop flag.
+/// Maximum number of triangles drawn between two checks for cancellation.
 const TRIANGLES_AT_ONCE: usize = 256;
 
-/// Maximum number of bounding-box pixels drawn between two checks of the stop flag. It limits the delay after a
+/// Maximum number of bounding-box pixels drawn between two checks for cancellation. It limits the delay after a
 /// cancellation to less than a second. A single triangle may exceed the maximum.
 const PIXELS_AT_ONCE: u64 = 1 << 20;
 
-/// Number of rows drawn between two checks of the stop flag if fragments are sorted by depth.
+/// Number of rows drawn between two checks for cancellation if fragments are sorted by depth.
 const ROWS_AT_ONCE: usize = 32;
 
 /// Checks assertions on every fragment of a frame, sampled at the centre of each drawn pixel. Returns `None` if

@@ -7,7 +7,7 @@ use super::shader::{DrawShader, LightSource, ShadingPlan, TEXELS_AROUND, with_kn
 use super::texels;
 use super::texture::TextureReader;
 use crate::image::Rgba8;
-use crate::image::color::{Tables, code_before_truncation};
+use crate::image::color::{Tables, scaled_to_codes};
 use crate::math::lanes::*;
 use crate::pipeline::formulas::blended;
 use crate::pipeline::settings::ColorSpace;
@@ -86,9 +86,8 @@ pub(super) fn finish_mipmapped<S: Simd>(
     )
 }
 
-/// Shader, texture and plan with which the colours of queued samples are finished. If shader and texture are local
-/// copies, no store to a picture can change them, and they are loaded only once for all pairs.
-#[derive(Clone, Copy)]
+/// Shader, texture and plan with which the colours of queued samples are finished. Callers pass local copies of shader and
+/// texture: the compiler then knows that stores to the picture cannot change them, and loads them once per loop.
 struct Finisher<'a> {
     shader: &'a DrawShader<'a>,
     /// Texture of the shader.
@@ -258,7 +257,7 @@ fn write_row<S: Simd>(simd: S, codes: u32x8<S>, row: &QueuedRow, pixels: &mut [R
 /// Quantises colours like [`crate::image::color::quantize`], and packs them into opaque pixels.
 #[inline(always)]
 fn pack<S: Simd>(simd: S, [r, g, b, _]: [S::f32s; 4]) -> S::u32s {
-    let scaled = each!(channel in [r, g, b] => code_before_truncation(channel));
+    let scaled = each!(channel in [r, g, b] => scaled_to_codes(channel));
     #[cfg(target_arch = "x86_64")]
     if let Some(avx512) = simd.level().as_avx512() {
         let scaled = each!(c in [0, 1, 2] => f32x16::from_slice(avx512, scaled[c].as_slice()).into());

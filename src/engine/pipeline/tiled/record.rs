@@ -184,7 +184,8 @@ pub(super) trait TriangleSource: Copy {
     /// prefetching takes longer than the cache misses that it avoids.
     const PREFETCH_STEP: Option<usize>;
 
-    /// Step between the samples whose texels in linear light are prefetched. These texels are four times as large.
+    /// Like [`Self::PREFETCH_STEP`], for texels in linear light of the finer or only mip level. They take 16 bytes instead
+    /// of 4, so a row of samples reads four times as many cache lines.
     const PREFETCH_STEP_IN_LIGHT: Option<usize> = Self::PREFETCH_STEP;
 
     /// Returns the quad with index `quad` in the [`Record`] of each sample's triangle.
@@ -274,7 +275,9 @@ pub(super) struct One<'a> {
 
 impl TriangleSource for One<'_> {
     const PREFETCH_STEP: Option<usize> = None;
-    const PREFETCH_STEP_IN_LIGHT: Option<usize> = Some(LANES);
+    /// Prefetches the first texel of each of the two rows: 1 to 3 % less time for chess, fence and stained glass at 1080p
+    /// on Zen 4.
+    const PREFETCH_STEP_IN_LIGHT: Option<usize> = Some(8);
 
     #[inline(always)]
     fn quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4] {

@@ -95,7 +95,8 @@ pub(super) struct DrawShader<'a> {
 /// Shader of a draw, and the plan that its code is compiled for.
 ///
 /// Both are references, so that the struct is passed as two of them. The compiler then knows that no store changes what
-/// they refer to, and loads it once per loop. A reference to a constant plan is still a compile-time constant.
+/// they refer to, and loads it once per loop. Fields that are
+/// constants in the referenced plan remain compile-time constants.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlannedShader<'a> {
     pub(super) shader: &'a DrawShader<'a>,
@@ -103,8 +104,8 @@ pub(super) struct PlannedShader<'a> {
     pub(super) plan: &'a ShadingPlan,
 }
 
-/// Evaluates an expression with an equal plan, which is a constant except for the colour space if it is one of those
-/// listed. The expression is then compiled for each of them without branches.
+/// Evaluates an expression with a plan that equals `$plan`. If it is one of the listed plans in any colour space, all its
+/// other fields are compile-time constants, so the expression is compiled once per plan without branches on them.
 macro_rules! with_known_plan {
     ([$($constant:ident),+], $plan:expr, $known:ident => $body:expr) => {{
         let (plan, space) = ($plan, $plan.space);

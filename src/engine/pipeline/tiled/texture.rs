@@ -7,7 +7,7 @@ use crate::math::prefetch::prefetch;
 use crate::pipeline::footprint::MipFilter;
 use crate::pipeline::sample::Sampler;
 use crate::pipeline::settings::{AddressMode, ColorSpace, Settings, TexelFilter};
-use crate::scene::{LevelPlaces, Texture};
+use crate::scene::{MipOffsets, Texture};
 
 /// Memory layout of the texels that a sample reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -31,8 +31,8 @@ pub(super) struct TextureReader<'a> {
     /// Texels in linear light, of all levels if the texture is mip-mapped. Empty unless filtering is done in linear
     /// light.
     pub(super) linear: TexelRows<'a, [f32; 4]>,
-    /// Places of the mip levels in the texel array; a single one without mip-mapping.
-    pub(super) levels: &'a LevelPlaces,
+    /// Offsets of the mip levels in the texel array; a single one without mip-mapping.
+    pub(super) levels: &'a MipOffsets,
     /// Distance between adjacent rows, in texels.
     stride: i32,
     pub(super) size: (u32, u32),
@@ -105,16 +105,16 @@ impl<'a> TextureReader<'a> {
         };
         let (texels, linear, levels): (&[_], &[_], _) = match (sampler.filter, settings.color_space) {
             (TexelFilter::Trilinear | TexelFilter::Anisotropic, ColorSpace::Bytes) => {
-                (&texture.levels().texels, &[], &texture.levels().places)
+                (&texture.levels().texels, &[], &texture.levels().offsets)
             }
             (TexelFilter::Trilinear | TexelFilter::Anisotropic, ColorSpace::Linear) => {
-                (&[], &texture.levels_linear().texels, &texture.levels_linear().places)
+                (&[], &texture.levels_linear().texels, &texture.levels_linear().offsets)
             }
             (TexelFilter::Point | TexelFilter::Bilinear, ColorSpace::Bytes) => {
-                (texture.wrapped(), &[], &LevelPlaces::SINGLE)
+                (texture.wrapped(), &[], &MipOffsets::SINGLE)
             }
             (TexelFilter::Point | TexelFilter::Bilinear, ColorSpace::Linear) => {
-                (&[], texture.wrapped_linear(), &LevelPlaces::SINGLE)
+                (&[], texture.wrapped_linear(), &MipOffsets::SINGLE)
             }
         };
         let extent = [width as f32, height as f32];

@@ -85,7 +85,7 @@ pub(super) fn shares(cross: [Rgba8; 5], strength: f32) -> [f32; 5] {
     [-weight, -weight, 1.0 + 4.0 * weight, -weight, -weight]
 }
 
-/// Sharpening of rows.
+/// RCAS sharpening with a given strength, on a SIMD instruction set.
 pub(super) struct Sharpening {
     pub(super) lanes: Lanes,
     /// Strength in [0, 1].

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::super::planes::{Combination, Planes, combine, padded_row};
 use super::super::quads::window;
-use super::super::sample_rows::ThreeRows;
+use super::super::sample_rows::RowNeighbourhood;
 use super::locks::{self, Contrast};
 use crate::math::lanes::*;
 
@@ -35,8 +35,8 @@ impl Surroundings {
 
     /// Computes the properties of the middle one of three rows.
     #[inline(always)]
-    pub(super) fn fill<S: Simd>(&mut self, simd: S, contrast: Contrast, rows: ThreeRows<'_>) {
-        let ThreeRows { index, range, planes } = rows;
+    pub(super) fn fill<S: Simd>(&mut self, simd: S, contrast: Contrast, rows: RowNeighbourhood<'_>) {
+        let RowNeighbourhood { index, range, planes } = rows;
         if self.of.as_ref().is_some_and(|(held, read)| (held, read) == (&index, &range)) {
             return;
         }

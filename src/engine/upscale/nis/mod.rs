@@ -180,8 +180,8 @@ impl<'a> RunInputs<'a> {
     /// right.
     #[inline(always)]
     fn bilinear<S: Simd>(&self, simd: S, [a, b, c, d]: [f32x16<S>; 4]) -> f32x16<S> {
-        let x = f32x16::load_array_ref(simd, &self.run.data.x);
-        lerp(lerp(a, b, x), lerp(c, d, x), f32x16::splat(simd, self.run.data.y))
+        let x = f32x16::load_array_ref(simd, &self.run.phase.x);
+        lerp(lerp(a, b, x), lerp(c, d, x), f32x16::splat(simd, self.run.phase.y))
     }
 
     /// Returns the weights of the directional filters.
@@ -189,7 +189,7 @@ impl<'a> RunInputs<'a> {
     fn edges<S: Simd>(&self, simd: S) -> [f32x16<S>; DIRECTIONS] {
         each!(direction in [0, 1, 2, 3] => {
             let nearest = each!((row, column) in [(0, 0), (0, 1), (1, 0), (1, 1)] => {
-                self.run.data.cells.pick(simd, &self.edges[row][direction], self.run.offset + column)
+                self.run.phase.cells.pick(simd, &self.edges[row][direction], self.run.offset + column)
             });
             self.bilinear(simd, nearest)
         })
@@ -200,7 +200,7 @@ impl<'a> RunInputs<'a> {
     fn patch<S: Simd>(&self, simd: S) -> Patch<S> {
         each!(row in [0, 1, 2, 3, 4, 5] => {
             each!(column in [-2, -1, 0, 1, 2, 3] => {
-                self.run.data.cells.pick(simd, &self.samples[row].luma, self.run.offset + column)
+                self.run.phase.cells.pick(simd, &self.samples[row].luma, self.run.offset + column)
             })
         })
     }
@@ -210,7 +210,7 @@ impl<'a> RunInputs<'a> {
     fn color<S: Simd>(&self, simd: S) -> [f32x16<S>; 4] {
         let nearest = each!((row, column) in [(2, 0), (2, 1), (3, 0), (3, 1)] => {
             let [low, high] = each!(half in [0, 1] => {
-                self.run.data.cells.pick_words(simd, half, &self.samples[row].packed, self.run.offset + column)
+                self.run.phase.cells.pick_words(simd, half, &self.samples[row].packed, self.run.offset + column)
             });
             low.combine(high)
         });

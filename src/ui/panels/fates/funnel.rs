@@ -25,7 +25,7 @@ const MIN_NAME: f32 = 80.0;
 
 /// Fate of a triangle or of a fragment. The funnel shows one bar for each fate.
 pub(crate) trait BinnedFate: Choice {
-    /// Name of what has the fates.
+    /// Heading of the funnel: plural name of the counted objects.
     const NAME: &str;
 
     /// Help text of the total count.

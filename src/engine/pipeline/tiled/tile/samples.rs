@@ -33,7 +33,9 @@ impl<S: Simd, E: EdgeNumber> CoveredSamples<S, E> {
 /// Depth test of the samples of a tile.
 #[derive(Clone, Copy)]
 pub(super) struct TileDepthTest<'a, L> {
+    /// Positions of the samples.
     pub(super) locations: L,
+    /// Rules of the depth test.
     pub(super) rules: &'a DepthRules,
 }
 

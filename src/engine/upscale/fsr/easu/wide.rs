@@ -90,7 +90,7 @@ impl<'a> RowInputs<'a> {
     /// need no filtering.
     #[inline(always)]
     fn is_plain<S: Simd>(&self, simd: S, run: &Run<'_, RunPhase>) -> bool {
-        let at = run.data.cells.first().wrapping_add_signed(run.offset);
+        let at = run.phase.cells.first().wrapping_add_signed(run.offset);
         let [red, green, blue] = each!(channel in [0, 1, 2] => self.is_plain_in(simd, channel, at));
         let plain = red & green & blue;
         if self.opaque { plain.all_true() } else { (plain & self.is_plain_in(simd, 3, at)).all_true() }
@@ -106,12 +106,12 @@ impl<'a> RowInputs<'a> {
     #[inline(always)]
     fn plain<S: Simd>(&self, simd: S, run: &Run<'_, RunPhase>) -> u32x16<S> {
         let [red, green, blue] = each!(channel in [0, 1, 2] => {
-            whole_part(run.data.cells.pick(simd, self.of_cells.bounds(channel)[0], run.offset))
+            whole_part(run.phase.cells.pick(simd, self.of_cells.bounds(channel)[0], run.offset))
         });
         let alpha = if self.opaque {
             u32x16::splat(simd, 255)
         } else {
-            whole_part(run.data.cells.pick(simd, self.of_cells.bounds(3)[0], run.offset))
+            whole_part(run.phase.cells.pick(simd, self.of_cells.bounds(3)[0], run.offset))
         };
         red | green << 8 | blue << 16 | alpha << 24
     }
@@ -137,14 +137,14 @@ impl<'a> RowInputs<'a> {
         let [low, high] = each!(half in [0, 1] => {
             let [bc, ef, gh, ij, kl, no] = each!(
                 (pair, row, column) in [(0, above, 1), (1, upper, 0), (2, upper, 2), (3, lower, 0), (4, lower, 2), (5, below, 1)] => {
-                    let samples = run.data.cells.pick_words(simd, half, row, run.offset + column - 1);
+                    let samples = run.phase.cells.pick_words(simd, half, row, run.offset + column - 1);
                     weights.pairs[pair][half].pairwise_dot_product(samples.bitcast::<i16x16<S>>())
                 }
             );
             ((bc + no) + (ef + gh)) + (ij + kl)
         });
         let [least, greatest] = self.of_cells.bounds(channel);
-        let [least, greatest] = each!(bound in [least, greatest] => run.data.cells.pick(simd, bound, run.offset));
+        let [least, greatest] = each!(bound in [least, greatest] => run.phase.cells.pick(simd, bound, run.offset));
         let value = low.combine(high).to_float::<f32x16<S>>() * weights.share;
         (value.max(least).min(greatest) + WHOLE).bitcast()
     }
@@ -183,7 +183,7 @@ fn fill_runs<S: Simd>(
         pixels.is_plain = of.is_plain(simd, run);
         if !pixels.is_plain {
             let [across, down, straightness] =
-                each!(which in [0, 1, 2] => run.data.mixed(simd, of.of_cells.slopes(which), run.offset));
+                each!(which in [0, 1, 2] => run.phase.mixed(simd, of.of_cells.slopes(which), run.offset));
             EdgeDirection::new(simd, across, down, straightness).store(&mut pixels.direction);
         }
     }
@@ -196,7 +196,7 @@ fn fill_runs<S: Simd>(
         let color = if pixels.is_plain {
             of.plain(simd, run)
         } else {
-            of.codes(simd, run, &TapWeights::new(simd, &pixels.shape, &run.data.distances))
+            of.codes(simd, run, &TapWeights::new(simd, &pixels.shape, &run.phase.distances))
         };
         color.store_slice(&mut codes[index * WIDE..][..WIDE]);
     }
