@@ -85,7 +85,7 @@ impl Upscaler for Nis {
         let mut rows = Rows::new(drawn.color);
         on_lanes!(Lanes::best(), simd => {
             rows.advance(simd, cell);
-            RunInputs::new(&rows, cell, Run { data: &phase, offset: 0 }).pixels(simd, &sharpness(how))[0]
+            RunInputs::new(&rows, cell, Run { phase: &phase, offset: 0 }).pixels(simd, &sharpness(how))[0]
         })
     }
 
@@ -114,7 +114,7 @@ fn weights(drawn: &Image<Rgba8>, phase: &RunPhase, cell: i32) -> [[f32; TAPS]; T
     let mut rows = Rows::new(drawn);
     on_lanes!(Lanes::best(), simd => {
         rows.advance(simd, cell);
-        let edges = RunInputs::new(&rows, cell, Run { data: phase, offset: 0 }).edges(simd);
+        let edges = RunInputs::new(&rows, cell, Run { phase, offset: 0 }).edges(simd);
         std::array::from_fn(|row| {
             std::array::from_fn(|column| {
                 let mut impulse = [[f32x16::splat(simd, 0.0); TAPS]; TAPS];
@@ -222,7 +222,7 @@ impl<'a> RunInputs<'a> {
     /// Computes the pixels of the run.
     #[inline(always)]
     fn pixels<S: Simd>(&self, simd: S, sharpness: &Sharpness) -> [Rgba8; WIDE] {
-        let luma = luma(simd, &self.patch(simd), self.run.data, self.edges(simd), sharpness);
+        let luma = luma(simd, &self.patch(simd), self.run.phase, self.edges(simd), sharpness);
         let [red, green, blue, alpha] = self.color(simd);
         let change = luma * 255.0 - (red * LUMA[0] + green * LUMA[1] + blue * LUMA[2]);
         let [red, green, blue, alpha] =

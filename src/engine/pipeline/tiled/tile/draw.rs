@@ -13,7 +13,7 @@ use crate::math::lanes::*;
 impl Tile {
     /// Draws a triangle.
     ///
-    /// The code is compiled separately for the [most common depth rules](DepthRules::are_common): branches on the rules
+    /// The code is compiled separately for the [most common depth rules](super::super::depths::DepthRules::are_common): branches on the rules
     /// in every row would take a tenth of the time.
     #[inline(always)]
     pub(in crate::pipeline::tiled) fn draw<S: Simd, E: EdgeNumber>(

@@ -222,7 +222,7 @@ fn weights_at(
     (column, row, weights, share(&weights))
 }
 
-/// Computes one pixel, bit-identical to [`fill`].
+/// Computes one pixel, bit-identical to [`EasuFrame::fill`].
 pub(super) fn pixel(drawn: &Image<Rgba8>, lattice: Lattice, at: (u32, u32)) -> Rgba8 {
     let (column, row, weights, share) = weights_at(drawn, lattice, at);
     let samples = PLACES.map(|(x, y)| drawn.at_clamped((column.cell + x).into(), (row.cell + y).into()));
