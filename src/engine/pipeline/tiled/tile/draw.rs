@@ -13,8 +13,10 @@ use crate::math::lanes::*;
 impl Tile {
     /// Draws a triangle.
     ///
-    /// The code is compiled separately for the [most common depth rules](super::super::depths::DepthRules::are_common): branches on the rules
-    /// in every row would take a tenth of the time.
+    /// The code is compiled separately for the [most common depth rules]: branches on the rules in every row would take a
+    /// tenth of the time.
+    ///
+    /// [most common depth rules]: super::super::depths::DepthRules::are_common
     #[inline(always)]
     pub(in crate::pipeline::tiled) fn draw<S: Simd, E: EdgeNumber>(
         &mut self,
