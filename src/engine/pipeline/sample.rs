@@ -100,7 +100,10 @@ impl Sampler {
         match self.filter {
             TexelFilter::Point => value(&taps[0]) * taps[0].weight,
             TexelFilter::Bilinear | TexelFilter::Trilinear | TexelFilter::Anisotropic => {
-                weighted_sum(taps.each_ref().map(value), taps.each_ref().map(|tap| tap.weight))
+                // Not by `map`, whose calls the compiler may leave standing.
+                let [a, b, c, d] = &taps;
+                let values = [value(a), value(b), value(c), value(d)];
+                weighted_sum(values, [a.weight, b.weight, c.weight, d.weight])
             }
         }
     }
