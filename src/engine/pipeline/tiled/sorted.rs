@@ -1,10 +1,19 @@
-//! Blended fragments of a tile, sorted by sample and depth before they are blended.
+//! Blended triangles of a tile, and their fragments, sorted by sample and depth before they are blended.
 
+use super::classic::ClassicTriangle;
+use super::slot::Slot;
 use super::tested::{TestedRows, TestedSample};
-use super::transparency::BlendedTriangle;
 use crate::pipeline::blending::nearness;
 use crate::pipeline::raster::RasterSample;
 use crate::pipeline::settings::Settings;
+
+/// Blended triangle of a tile.
+pub(super) struct BlendedTriangle<'a> {
+    pub(super) slot: Slot,
+    /// Index of the triangle's draw in the frame's list of draws.
+    pub(super) draw: usize,
+    pub(super) classic: ClassicTriangle<'a>,
+}
 
 /// Fragment that passed the depth test and is not yet blended.
 #[derive(Clone, Copy, Debug)]

@@ -7,7 +7,6 @@
 
 use super::TiledFrame;
 use super::canvas::Canvas;
-use super::classic::ClassicTriangle;
 use super::layout::SamplePlace;
 use super::pass::TilePass;
 use super::record::{BinEntry, ShadedTriangle, TileBin};
@@ -15,21 +14,13 @@ use super::sample_positions::SamplePositions;
 use super::setup::Setup;
 use super::shade::ShadingWork;
 use super::slot::Slot;
-use super::sorted::{SortedFragment, SortedFragments};
+use super::sorted::{BlendedTriangle, SortedFragment, SortedFragments};
 use super::target::ColorRows;
 use super::tested::{TestedRows, keep_tested, shade_tested};
 use super::tile::Tile;
 use crate::math::lanes::*;
 use crate::pipeline::mean_distance;
 use crate::pipeline::settings::BlendingOrder;
-
-/// Blended triangle of a tile.
-pub(super) struct BlendedTriangle<'a> {
-    pub(super) slot: Slot,
-    /// Index of the triangle's draw in the frame's list of draws.
-    pub(super) draw: usize,
-    pub(super) classic: ClassicTriangle<'a>,
-}
 
 impl TiledFrame<'_> {
     /// Returns the blended triangles of a tile in blending order. `blended` is in submission order, which is kept
