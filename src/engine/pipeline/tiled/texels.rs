@@ -82,9 +82,7 @@ impl TextureReader<'_> {
                 let pairs = each!(row in [self.linear.all, self.linear.below] => neighbours_at(simd, row, &index[0]));
                 each!(lane in [0, 1, 2, 3] => {
                     let [upper, lower] = each!(row in [0, 1] => {
-                        columns(each!(of in [lane, lane + 4, lane + 8, lane + 12] => {
-                            f32x8::from_slice(simd, pairs[row][of].as_flattened())
-                        }))
+                        columns(simd, each!(of in [lane, lane + 4, lane + 8, lane + 12] => &pairs[row][of]))
                     });
                     let texels = [upper[0], upper[1], lower[0], lower[1]];
                     weighted_sum(texels, each!(tap in [0, 1, 2, 3] => weights[tap][lane]))
@@ -101,11 +99,15 @@ fn joined<S: Simd>([a, b, c, d]: [f32x4<S>; 4]) -> f32x16<S> {
     a.combine(b).combine(c.combine(d))
 }
 
-/// Returns the left and the right texels of four samples. Each register holds both texels of one sample.
+/// Returns the left and the right texels of four samples. If a register holds the texels of four samples, both texels of a
+/// sample are loaded at once; otherwise this takes longer than single loads.
 #[inline(always)]
-fn columns<S: Simd>(pairs: [f32x8<S>; 4]) -> [f32x16<S>; 2] {
-    let [a, b, c, d] = each!(sample in [0, 1, 2, 3] => pairs[sample].split());
-    [joined([a.0, b.0, c.0, d.0]), joined([a.1, b.1, c.1, d.1])]
+fn columns<S: Simd>(simd: S, pairs: [&[[f32; 4]; 2]; 4]) -> [f32x16<S>; 2] {
+    if S::f32s::LEN == WIDE {
+        let [a, b, c, d] = each!(of in [0, 1, 2, 3] => f32x8::from_slice(simd, pairs[of].as_flattened()).split());
+        return [joined([a.0, b.0, c.0, d.0]), joined([a.1, b.1, c.1, d.1])];
+    }
+    each!(column in [0, 1] => joined(each!(of in [0, 1, 2, 3] => f32x4::load_array_ref(simd, &pairs[of][column]))))
 }
 
 /// Unpacks 8-bit texels into red, green, blue and alpha, as floats from 0 to 255.
